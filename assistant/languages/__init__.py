@@ -1,0 +1,46 @@
+"""Vendor languages by name. A new one is a folder here, a grammar, and a row of `ROOMS`."""
+
+from __future__ import annotations
+
+import importlib
+from functools import cache
+from pathlib import Path as FilePath
+from typing import Any, Final
+
+from assistant.languages.language import Adapted, Language, Precision, Tree
+
+ROOMS: Final = {
+    "rapid": "assistant.languages.rapid",
+    "melfa-basic-4": "assistant.languages.melfa_basic",
+    "melfa-basic-5": "assistant.languages.melfa_basic",
+    "melfa-basic-6": "assistant.languages.melfa_basic",
+}
+"""Language name → package, whose `language(name)` gives the `Language`."""
+
+__all__ = ["Adapted", "Language", "Precision", "Tree", "get", "names", "of_file"]
+
+
+def names() -> tuple[str, ...]:
+    return tuple(ROOMS)
+
+
+@cache
+def get(name: str) -> Language[Any]:
+    """The language of that name; raises KeyError if there is none."""
+    if name not in ROOMS:
+        raise KeyError(f"no language {name!r}; there are {', '.join(ROOMS)}")
+    language: Language[Any] = importlib.import_module(ROOMS[name]).language(name)
+    return language
+
+
+def of_file(path: str | FilePath, data: bytes) -> Language[Any] | None:
+    """The language that a file is written in, by what it says, then by its suffix.
+
+    `.prg` is used by both vendors, so each candidate's `recognises` looks at the text.
+    """
+    suffix = FilePath(path).suffix.lower()
+    for name in names():
+        language = get(name)
+        if suffix in language.suffixes and language.recognises(data):
+            return language
+    return None

@@ -1,0 +1,120 @@
+"""What every vendor language answers."""
+
+from __future__ import annotations
+
+import abc
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
+
+from assistant.program.diagnostics import Diagnostic
+from assistant.program.program import Program
+from assistant.program.text import SourceText, decode, read_bytes
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+
+
+class Tree(Protocol):
+    """A parsed or built file of a vendor language."""
+
+    @property
+    def findings(self) -> tuple[Diagnostic, ...]: ...
+
+
+T = TypeVar("T", bound=Tree)
+
+
+@dataclass(frozen=True, slots=True)
+class Precision:
+    """What printing may change: half a unit of the last printed decimal, and a little float."""
+
+    position: float
+    """mm, per component."""
+    angle: float
+    """degrees, of the whole rotation."""
+    number: float = 1e-6
+    """relative, of other numbers."""
+
+
+@dataclass(frozen=True, slots=True)
+class Adapted:
+    """A program as one language will say it, with a finding for everything that changed."""
+
+    program: Program
+    findings: tuple[Diagnostic, ...] = ()
+
+
+class Language(abc.ABC, Generic[T]):
+    """One vendor language (or one dialect of it) between text, tree and pseudo-program.
+
+    `parse(render(tree)) == tree` and `render(parse(text)) == text` hold for every text.
+    """
+
+    name: str
+    title: str
+    suffixes: tuple[str, ...]
+    encodings: tuple[str, ...]
+    precision: Precision
+
+    def read(self, path: str | FilePath) -> SourceText:
+        """A file decoded as this vendor's are; raises Unreadable."""
+        return self.decode(read_bytes(path), str(path))
+
+    def decode(self, data: bytes, path: str | None = None) -> SourceText:
+        return decode(data, path, self.encodings)
+
+    @abc.abstractmethod
+    def recognises(self, data: bytes) -> bool:
+        """Whether a file's bytes look like this language."""
+
+    @abc.abstractmethod
+    def encode(self, tree: T) -> bytes:
+        """The rendered tree as the controller wants its bytes."""
+
+    @abc.abstractmethod
+    def parse(self, source: SourceText | str) -> T:
+        """The typed tree; never raises on bad text, the tree's `findings` say what is wrong."""
+
+    @abc.abstractmethod
+    def render(self, tree: T) -> str:
+        """Text; for an unchanged tree the very text that was parsed."""
+
+    @abc.abstractmethod
+    def format(self, tree: T) -> str:
+        """Canonical layout of the same tree."""
+
+    @abc.abstractmethod
+    def lift(self, trees: T | Sequence[T], robot: Robot | None = None) -> Program:
+        """The pseudo-program that the trees of one program say.
+
+        robot: reads vendor configurations and orientations for that arm; without it the one
+        that the program's own header names, else a plain six-axis arm.
+        """
+
+    @abc.abstractmethod
+    def adapt(
+        self, program: Program, robot: Robot | None = None, *, most_targets: int | None = None
+    ) -> Adapted:
+        """The program with names, speeds, blends and units as this language can say them.
+
+        Idempotent. What cannot be said at all is a finding of severity error.
+        most_targets: of one unit, None for the language's own limit.
+        """
+
+    @abc.abstractmethod
+    def build(self, program: Program, robot: Robot | None = None, unit: str | None = None) -> T:
+        """The tree of one unit of an adapted program."""
+
+    @abc.abstractmethod
+    def file_name(self, program: Program, unit: str | None = None) -> str:
+        """Name of the file that holds a unit of an adapted program."""
+
+    @abc.abstractmethod
+    def check(self, trees: Sequence[T]) -> tuple[Diagnostic, ...]:
+        """Findings of the language's own rules over the trees of one program."""
+
+    def lower(self, program: Program, robot: Robot | None = None) -> T:
+        """The main unit's tree of any program, ready to render."""
+        return self.build(self.adapt(program, robot).program, robot)

@@ -1,0 +1,1 @@
+"""The pseudo-program and what every room shares: frames, targets, paths, diagnostics."""

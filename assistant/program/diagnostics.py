@@ -1,0 +1,151 @@
+"""Diagnostics: what is wrong, where, and what to do about it.
+
+A `Rule` is the row of a table: a stable code with a sentence of what is wrong and one of
+what to do. Calling it fills in the fields and gives a `Diagnostic`:
+
+    NO_UNITS = Rule("DX101", Severity.WARNING, "the drawing names no unit", "set $INSUNITS")
+    NO_UNITS(path="part.dxf", place="header")
+"""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+
+class Severity(enum.StrEnum):
+    """How bad a finding is; an error keeps anything from being written."""
+
+    ERROR = "error"
+    WARNING = "warning"
+    INFO = "info"
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """A half-open range of character offsets in a source text."""
+
+    start: int
+    end: int
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """One finding.
+
+    code: stable identifier, two letters for the family and three digits.
+    message: one sentence of what is wrong. cure: one sentence of what to do.
+    path: the file, as the user named it. span: offsets in its text.
+    line, column: counted from 1, None where the input has no lines.
+    place: the entity, row, target or field, for input that has no lines.
+    excerpt: the source line that `column` points into.
+    """
+
+    code: str
+    severity: Severity
+    message: str
+    cure: str = ""
+    path: str | None = None
+    span: Span | None = None
+    line: int | None = None
+    column: int | None = None
+    place: str | None = None
+    excerpt: str | None = None
+
+    def where(self) -> str:
+        """`file:line:column place`, as far as each is known."""
+        numbers = [str(n) for n in (self.line, self.column) if n is not None]
+        head = ":".join([self.path or "", *numbers] if self.path or numbers else [])
+        return " ".join(part for part in (head.strip(":"), self.place) if part)
+
+    def within(self, path: str | None) -> Diagnostic:
+        """The same finding, placed in a file if it names none yet."""
+        return self if self.path or not path else replace(self, path=path)
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """A row of a table of findings; `message` and `cure` are `str.format` templates."""
+
+    code: str
+    severity: Severity
+    message: str
+    cure: str = ""
+
+    def __call__(
+        self,
+        *,
+        path: str | None = None,
+        span: Span | None = None,
+        line: int | None = None,
+        column: int | None = None,
+        place: str | None = None,
+        excerpt: str | None = None,
+        severity: Severity | None = None,
+        **fields: Any,
+    ) -> Diagnostic:
+        return Diagnostic(
+            self.code,
+            severity or self.severity,
+            self.message.format(**fields),
+            self.cure.format(**fields),
+            path,
+            span,
+            line,
+            column,
+            place,
+            excerpt,
+        )
+
+
+class Refused(ValueError):
+    """The input cannot be used; `findings` say why.
+
+    exit_status: 2 if it could not be read at all, 1 if what it says is wrong.
+    """
+
+    exit_status: int = 1
+
+    def __init__(self, *findings: Diagnostic, exit_status: int | None = None) -> None:
+        super().__init__("; ".join(f"{f.where()} {f.message}".strip() for f in findings))
+        self.findings: Final = findings
+        if exit_status is not None:
+            self.exit_status = exit_status
+
+
+class Unreadable(Refused):
+    """The input is missing, no file, not permitted, or not of the kind it claims to be."""
+
+    exit_status = 2
+
+
+def worst(findings: Iterable[Diagnostic]) -> Severity | None:
+    """The highest severity among the findings, None if there are none."""
+    order = list(Severity)
+    return min((f.severity for f in findings), key=order.index, default=None)
+
+
+def has_errors(findings: Iterable[Diagnostic]) -> bool:
+    return any(f.severity is Severity.ERROR for f in findings)
+
+
+MOST_PLACES: Final = 3
+"""How many places a folded finding names before it counts the rest."""
+
+
+def fold(findings: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """Joins findings that differ only in their place into one with a count."""
+    groups: dict[tuple[str, str, str | None], list[Diagnostic]] = {}
+    for finding in findings:
+        groups.setdefault((finding.code, finding.message, finding.path), []).append(finding)
+    return tuple(group[0] if len(group) == 1 else _folded(group) for group in groups.values())
+
+
+def _folded(group: list[Diagnostic]) -> Diagnostic:
+    first, rest = group[0], len(group) - MOST_PLACES
+    named = [f.place or (f"line {f.line}" if f.line else "") for f in group[:MOST_PLACES]]
+    places = ", ".join(n for n in named if n)
+    more = f" and {rest} more" if rest > 0 else ""
+    return replace(first, place=f"{len(group)} times: {places}{more}" if places else first.place)

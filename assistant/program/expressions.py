@@ -1,0 +1,151 @@
+"""Expressions of the pseudo-program: numbers, booleans, strings, positions, signals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, Literal
+
+from assistant.program.geometry import JointTarget, Pose, Target
+
+BinaryOperator = Literal[
+    "+", "-", "*", "/", "div", "mod", "^", "@",
+    "=", "<>", "<", "<=", ">", ">=", "and", "or", "xor",
+]  # fmt: skip
+"""`@` composes poses; the rest means what it says, `and` … `xor` on truth values."""
+
+UnaryOperator = Literal["-", "not"]
+
+FUNCTIONS: Final[dict[str, str]] = {
+    "abs": "absolute value",
+    "sqrt": "square root",
+    "sin": "sine of degrees",
+    "cos": "cosine of degrees",
+    "tan": "tangent of degrees",
+    "asin": "arc sine in degrees",
+    "acos": "arc cosine in degrees",
+    "atan": "arc tangent in degrees",
+    "atan2": "angle of (y, x) in degrees",
+    "exp": "e to the power",
+    "ln": "natural logarithm",
+    "round": "nearest whole number",
+    "trunc": "whole number towards zero",
+    "floor": "whole number below",
+    "min": "smallest",
+    "max": "largest",
+    "text": "a value as text",
+    "length": "characters in a text",
+    "offset": "target moved by x, y, z mm in its frame",
+    "relative": "target moved by x, y, z mm and turned by rx, ry, rz degrees in its tool frame",
+    "distance": "mm between two targets",
+    "inverse": "inverse of a pose",
+    "here": "present target of the tool in the frame",
+    "joints_here": "present joint target",
+}
+"""The functions of the pseudo-program; a call of another name is a call of the user's own."""
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    value: float | int
+
+
+@dataclass(frozen=True, slots=True)
+class Truth:
+    value: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    value: str
+
+
+@dataclass(frozen=True, slots=True)
+class Name:
+    """A variable, constant, target, joint target, speed, blend or signal of that name."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class TargetValue:
+    target: Target
+
+
+@dataclass(frozen=True, slots=True)
+class JointValue:
+    target: JointTarget
+
+
+@dataclass(frozen=True, slots=True)
+class PoseValue:
+    pose: Pose
+
+
+@dataclass(frozen=True, slots=True)
+class Aggregate:
+    """Values in brackets: an array, or a record whose type the context says."""
+
+    items: tuple[Expression, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Member:
+    """A component: `x y z` of a position, `j1` … of joints, or a record's own."""
+
+    value: Expression
+    field: str
+
+
+@dataclass(frozen=True, slots=True)
+class Index:
+    """An array element; indices count from 1."""
+
+    value: Expression
+    indices: tuple[Expression, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Unary:
+    operator: UnaryOperator
+    operand: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class Binary:
+    operator: BinaryOperator
+    left: Expression
+    right: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class Apply:
+    """A function call: one of `FUNCTIONS` or a function of the program."""
+
+    function: str
+    arguments: tuple[Expression, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Verbatim:
+    """An expression that only one vendor language can say, as its text."""
+
+    language: str
+    text: str
+
+
+Expression = (
+    Number
+    | Truth
+    | Text
+    | Name
+    | TargetValue
+    | JointValue
+    | PoseValue
+    | Aggregate
+    | Member
+    | Index
+    | Unary
+    | Binary
+    | Apply
+    | Verbatim
+)

@@ -1,0 +1,163 @@
+"""Poses, frames, tools and targets: where things are, in millimetres and unit quaternions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.program import rotations
+
+Vector = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+
+UNUSED_AXIS: Final = float("nan")
+"""An external axis that a target does not name (9E9 in RAPID, absent in MELFA-BASIC)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """Position in mm and orientation as a unit quaternion (w, x, y, z)."""
+
+    position: Vector = (0.0, 0.0, 0.0)
+    quaternion: Quaternion = (1.0, 0.0, 0.0, 0.0)
+
+    def __matmul__(self, other: Pose) -> Pose:
+        """The pose `other`, given in this one's frame, in this one's own frame."""
+        moved = np.add(self.position, rotations.rotate(self.quaternion, other.position))
+        turned = rotations.multiply(self.quaternion, other.quaternion)
+        return Pose.of(moved, rotations.canonical(turned))
+
+    def inverse(self) -> Pose:
+        back = rotations.conjugate(self.quaternion)
+        return Pose.of(-rotations.rotate(back, self.position), rotations.canonical(back))
+
+    def offset(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Pose:
+        """Moved along its own axes (mm); negative z backs off along the tool."""
+        return self @ Pose((x, y, z))
+
+    @staticmethod
+    def of(position: NDArray[np.float64], quaternion: NDArray[np.float64]) -> Pose:
+        x, y, z = (float(v) + 0.0 for v in position)
+        q1, q2, q3, q4 = (float(v) + 0.0 for v in quaternion)
+        return Pose((x, y, z), (q1, q2, q3, q4))
+
+
+IDENTITY: Final = Pose()
+
+
+@dataclass(frozen=True, slots=True)
+class Load:
+    """What a tool weighs: mass in kg, centre of gravity in mm, inertia in kg·m²."""
+
+    mass: float
+    centre: Vector = (0.0, 0.0, 0.0)
+    axes: Quaternion = (1.0, 0.0, 0.0, 0.0)
+    inertia: Vector = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Tool:
+    """A tool: pose of its tip in the flange frame, and its load if that is known.
+
+    held: the robot carries it; False for a tool that stands in the room.
+    """
+
+    tip: Pose = IDENTITY
+    load: Load | None = None
+    held: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """A frame that targets are relative to (RAPID work object, MELFA base).
+
+    user: the user frame in the robot's base frame. object: the object frame in the user
+    frame. held: the robot carries the work piece. mechanism: the unit that moves it, if any.
+    """
+
+    user: Pose = IDENTITY
+    object: Pose = IDENTITY
+    held: bool = False
+    mechanism: str = ""
+
+    @property
+    def pose(self) -> Pose:
+        """The object frame in the robot's base frame."""
+        return self.user @ self.object
+
+
+FLANGE: Final = "tool0"
+"""Name of the tool that is the bare flange."""
+BASE: Final = "base"
+"""Name of the frame that is the robot's own base (`wobj0` in RAPID)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Configuration:
+    """The arm branch of a target, in the words of no vendor.
+
+    back: wrist centre behind axis 1. down: elbow below the line shoulder–wrist.
+    flip: axis 5 negative. quadrants: of axes 1, 4 and 6, quadrant q being the angles from
+    90·q to 90·q + 90 degrees; a source that knows only whole turns gives 4 · turns.
+    """
+
+    back: bool = False
+    down: bool = False
+    flip: bool = False
+    quadrants: tuple[int, int, int] = (0, 0, 0)
+
+    @property
+    def turns(self) -> tuple[int, int, int]:
+        """Whole turns of axes 1, 4 and 6; turn t being -180 + 360·t to 180 + 360·t degrees."""
+        one, four, six = ((q + 2) // 4 for q in self.quadrants)
+        return one, four, six
+
+
+NO_EXTERNAL: Final = (UNUSED_AXIS,) * 6
+
+
+def _same(left: tuple[float, ...], right: tuple[float, ...]) -> bool:
+    return np.array_equal(left, right, equal_nan=True)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Target:
+    """A Cartesian target: pose, arm branch (None: not stated), six external axes (NaN: unused)."""
+
+    pose: Pose
+    configuration: Configuration | None = None
+    external: tuple[float, ...] = NO_EXTERNAL
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Target):
+            return NotImplemented
+        return (
+            self.pose == other.pose
+            and self.configuration == other.configuration
+            and _same(self.external, other.external)
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.pose, self.configuration))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JointTarget:
+    """Joint angles in degrees (mm for linear axes) and six external axes.
+
+    joints: one value a joint of the robot; NaN for a joint that the arm does not have.
+    """
+
+    joints: tuple[float, ...]
+    external: tuple[float, ...] = NO_EXTERNAL
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, JointTarget):
+            return NotImplemented
+        return _same(self.joints, other.joints) and _same(self.external, other.external)
+
+    def __hash__(self) -> int:
+        return hash(tuple(j for j in self.joints if j == j))

@@ -1,0 +1,166 @@
+"""The pseudo-program: what a robot should do, in the words of no vendor."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Final, Literal
+
+from assistant.program.diagnostics import Rule, Severity
+from assistant.program.expressions import Expression
+from assistant.program.geometry import Frame, JointTarget, Target, Tool
+from assistant.program.motion import Blend, Speed
+from assistant.program.statements import (
+    For,
+    If,
+    Statement,
+    Switch,
+    While,
+)
+
+IDENTIFIER: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+
+MANGLED = Rule(
+    "NM001",
+    Severity.WARNING,
+    "the name {given!r} is written `{name}`",
+    "use letters, digits and `_`, a letter first",
+)
+
+
+def identifier(given: str, taken: set[str] | frozenset[str] = frozenset()) -> str:
+    """A name made of letters, digits and `_` that is close to the given one and not taken.
+
+    Names are compared without case, as both vendors' languages do.
+    """
+    name = re.sub(r"[^A-Za-z0-9_]+", "_", given).strip("_")[:64] or "unnamed"
+    if not name[0].isalpha():
+        name = "n_" + name
+    used = {t.lower() for t in taken}
+    free, count = name, 2
+    while free.lower() in used:
+        free, count = f"{name}_{count}", count + 1
+    return free
+
+
+@dataclass(frozen=True, slots=True)
+class Signal:
+    """An input or output.
+
+    number: its first bit on controllers that count signals (MELFA-BASIC), None if unknown.
+    bits: width of a group.
+    """
+
+    kind: Literal["digital", "analog", "group"]
+    direction: Literal["input", "output"]
+    number: int | None = None
+    bits: int = 1
+
+
+ValueType = Literal["number", "integer", "truth", "text", "position", "pose", "joints"]
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """A variable or constant.
+
+    initial: None for the type's own default. size: extents of an array, () for none.
+    storage: `constant`; `variable`, fresh at each start; `persistent`, kept over it.
+    local: seen in its own unit only.
+    """
+
+    type: ValueType
+    initial: Expression | None = None
+    size: tuple[int, ...] = ()
+    storage: Literal["constant", "variable", "persistent"] = "variable"
+    local: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """mode: `in` is a copy, `inout` the caller's own variable."""
+
+    name: str
+    type: ValueType
+    mode: Literal["in", "inout"] = "in"
+
+
+@dataclass(frozen=True, slots=True)
+class Procedure:
+    """result: its type if it gives back a value.
+
+    unit: the program unit (module, program file) that holds it; None for the main one. A
+    program longer than a controller takes is spread over units that are loaded when called.
+    """
+
+    name: str
+    body: tuple[Statement, ...]
+    parameters: tuple[Parameter, ...] = ()
+    variables: dict[str, Variable] = field(default_factory=dict)
+    result: ValueType | None = None
+    unit: str | None = None
+    local: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Declaration:
+    """A declaration that only one vendor language can say, as its text."""
+
+    language: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """A whole program.
+
+    name: identifier. robot: name in the catalogue it is meant for, None if not stated.
+    entry: the procedure that runs first, None for a mere list of targets.
+    speeds, blends: named ones that moves refer to by `Name`.
+    comments: the lines above the program.
+    Names of one kind are unique without regard to case.
+    """
+
+    name: str
+    procedures: tuple[Procedure, ...] = ()
+    entry: str | None = "main"
+    robot: str | None = None
+    comments: tuple[str, ...] = ()
+    frames: dict[str, Frame] = field(default_factory=dict)
+    tools: dict[str, Tool] = field(default_factory=dict)
+    speeds: dict[str, Speed] = field(default_factory=dict)
+    blends: dict[str, Blend] = field(default_factory=dict)
+    signals: dict[str, Signal] = field(default_factory=dict)
+    targets: dict[str, Target] = field(default_factory=dict)
+    joint_targets: dict[str, JointTarget] = field(default_factory=dict)
+    variables: dict[str, Variable] = field(default_factory=dict)
+    declarations: tuple[Declaration, ...] = ()
+
+    def procedure(self, name: str) -> Procedure | None:
+        return next((p for p in self.procedures if p.name.lower() == name.lower()), None)
+
+    def statements(self) -> Iterator[Statement]:
+        """Every statement, nested ones after the one that holds them."""
+        for procedure in self.procedures:
+            yield from walk(procedure.body)
+
+
+def walk(body: tuple[Statement, ...]) -> Iterator[Statement]:
+    """The statements of a body in order of text, nested ones included."""
+    for statement in body:
+        yield statement
+        for inner in bodies(statement):
+            yield from walk(inner)
+
+
+def bodies(statement: Statement) -> tuple[tuple[Statement, ...], ...]:
+    """The bodies that a statement holds, in order of text."""
+    match statement:
+        case If(branches=branches, otherwise=otherwise):
+            return (*(branch.body for branch in branches), otherwise)
+        case While(body=body) | For(body=body):
+            return (body,)
+        case Switch(cases=cases, otherwise=otherwise):
+            return (*(case.body for case in cases), otherwise)
+    return ()

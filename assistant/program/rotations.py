@@ -1,0 +1,173 @@
+"""Rotations in columns: quaternions (n, 4) scalar first, matrices (n, 3, 3), Euler angles.
+
+Angles are degrees. A quaternion column that leaves this module is of unit length and has
+its first non-zero part positive, so that equal rotations have equal columns.
+"""
+
+from __future__ import annotations
+
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Floats = NDArray[np.float64]
+EulerOrder = Literal["ZYX", "XYZ", "ZYZ"]
+"""Intrinsic orders. ZYX: R = Rz(c)·Ry(b)·Rx(a), the A, B, C of MELFA and RAPID's OrientZYX."""
+
+AXES: Final = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
+
+
+def canonical(quaternions: ArrayLike) -> Floats:
+    """Unit length, and the first part that is not nearly zero made positive; (..., 4)."""
+    q = np.asarray(quaternions, dtype=np.float64)
+    q = q / np.linalg.norm(q, axis=-1, keepdims=True)
+    significant = np.abs(q) > 1e-9
+    first = np.take_along_axis(q, significant.argmax(axis=-1)[..., None], axis=-1)
+    return np.asarray(np.where(first < 0, -q, q) + 0.0)
+
+
+def multiply(left: ArrayLike, right: ArrayLike) -> Floats:
+    """Hamilton product, broadcast over leading axes; (..., 4)."""
+    a, b = np.asarray(left, dtype=np.float64), np.asarray(right, dtype=np.float64)
+    aw, ax, ay, az = np.moveaxis(a, -1, 0)
+    bw, bx, by, bz = np.moveaxis(b, -1, 0)
+    return np.stack(
+        [
+            aw * bw - ax * bx - ay * by - az * bz,
+            aw * bx + ax * bw + ay * bz - az * by,
+            aw * by - ax * bz + ay * bw + az * bx,
+            aw * bz + ax * by - ay * bx + az * bw,
+        ],
+        axis=-1,
+    )
+
+
+def conjugate(quaternions: ArrayLike) -> Floats:
+    return np.asarray(np.multiply(quaternions, [1.0, -1.0, -1.0, -1.0]))
+
+
+def rotate(quaternions: ArrayLike, vectors: ArrayLike) -> Floats:
+    """Vectors (..., 3) turned by unit quaternions (..., 4)."""
+    q, v = np.asarray(quaternions, dtype=np.float64), np.asarray(vectors, dtype=np.float64)
+    w, u = q[..., :1], q[..., 1:]
+    twice = 2.0 * np.cross(u, v)
+    return np.asarray(v + w * twice + np.cross(u, twice))
+
+
+def angle_between(left: ArrayLike, right: ArrayLike) -> Floats:
+    """Angle in degrees between two unit quaternion columns, exact for small angles."""
+    difference = multiply(conjugate(left), right)
+    sine = np.linalg.norm(difference[..., 1:], axis=-1)
+    return np.asarray(np.degrees(2.0 * np.arctan2(sine, np.abs(difference[..., 0]))))
+
+
+def about(axis: ArrayLike, degrees: ArrayLike) -> Floats:
+    """Quaternions of turns about a unit axis (..., 3)."""
+    half = np.radians(np.asarray(degrees, dtype=np.float64)) / 2.0
+    return np.concatenate(
+        [np.cos(half)[..., None], np.sin(half)[..., None] * np.asarray(axis, dtype=np.float64)],
+        axis=-1,
+    )
+
+
+def from_euler(angles: ArrayLike, order: EulerOrder = "ZYX") -> Floats:
+    """Quaternions of intrinsic Euler angles (..., 3), given in the order of the letters."""
+    a = np.asarray(angles, dtype=np.float64)
+    first, second, third = (about(AXES[letter], a[..., i]) for i, letter in enumerate(order))
+    return canonical(multiply(multiply(first, second), third))
+
+
+def to_euler(quaternions: ArrayLike, order: EulerOrder = "ZYX") -> Floats:
+    """Intrinsic Euler angles (..., 3), in the order of the letters, in (-180, 180].
+
+    Where the middle angle makes the outer two one rotation, the first of them is 0
+    for ZYX and XYZ (a controller shows C = 0 there), and the last is 0 for ZYZ.
+    """
+    m = to_matrix(quaternions)
+    if order == "ZYX":
+        flat = np.hypot(m[..., 0, 0], m[..., 1, 0])
+        angles = [
+            np.arctan2(m[..., 1, 0], m[..., 0, 0]),
+            np.arctan2(-m[..., 2, 0], flat),
+            np.arctan2(m[..., 2, 1], m[..., 2, 2]),
+        ]
+        locked = [
+            np.zeros_like(flat),
+            angles[1],
+            np.arctan2(-m[..., 1, 2], m[..., 1, 1]),
+        ]
+    elif order == "XYZ":
+        flat = np.hypot(m[..., 0, 0], m[..., 0, 1])
+        angles = [
+            np.arctan2(-m[..., 1, 2], m[..., 2, 2]),
+            np.arctan2(m[..., 0, 2], flat),
+            np.arctan2(-m[..., 0, 1], m[..., 0, 0]),
+        ]
+        locked = [
+            np.zeros_like(flat),
+            angles[1],
+            np.arctan2(m[..., 1, 0], m[..., 1, 1]),
+        ]
+    else:
+        flat = np.hypot(m[..., 0, 2], m[..., 1, 2])
+        angles = [
+            np.arctan2(m[..., 1, 2], m[..., 0, 2]),
+            np.arctan2(flat, m[..., 2, 2]),
+            np.arctan2(m[..., 2, 1], -m[..., 2, 0]),
+        ]
+        locked = [
+            np.arctan2(m[..., 1, 0] * np.sign(m[..., 2, 2] + 0.0), m[..., 1, 1]),
+            angles[1],
+            np.zeros_like(flat),
+        ]
+    chosen = np.where((flat < 1e-9)[..., None], np.stack(locked, -1), np.stack(angles, -1))
+    degrees = np.degrees(chosen)
+    return np.where(degrees <= -180.0, degrees + 360.0, degrees) + 0.0
+
+
+def to_matrix(quaternions: ArrayLike) -> Floats:
+    """Rotation matrices (..., 3, 3) of unit quaternions (..., 4)."""
+    w, x, y, z = np.moveaxis(np.asarray(quaternions, dtype=np.float64), -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def from_matrix(matrices: ArrayLike) -> Floats:
+    """Canonical quaternions (..., 4) of rotation matrices (..., 3, 3).
+
+    Shepperd's method (J. Guidance and Control 1978): the largest part first, so that no
+    rotation loses precision.
+    """
+    m = np.asarray(matrices, dtype=np.float64)
+    d = np.einsum("...ii->...i", m)
+    trace = d.sum(axis=-1)
+    squares = np.stack(
+        [1 + trace, *(1 + 2 * d[..., i] - trace for i in range(3))], axis=-1
+    )  # 4 w², 4 x², 4 y², 4 z²
+    wx, wy, wz = (
+        m[..., 2, 1] - m[..., 1, 2],
+        m[..., 0, 2] - m[..., 2, 0],
+        m[..., 1, 0] - m[..., 0, 1],
+    )
+    xy, xz, yz = (
+        m[..., 0, 1] + m[..., 1, 0],
+        m[..., 0, 2] + m[..., 2, 0],
+        m[..., 1, 2] + m[..., 2, 1],
+    )
+    s = np.moveaxis(squares, -1, 0)
+    rows = np.stack(
+        [
+            np.stack([s[0], wx, wy, wz], -1),
+            np.stack([wx, s[1], xy, xz], -1),
+            np.stack([wy, xy, s[2], yz], -1),
+            np.stack([wz, xz, yz, s[3]], -1),
+        ],
+        axis=-2,
+    )
+    best = squares.argmax(axis=-1)
+    return canonical(np.take_along_axis(rows, best[..., None, None], axis=-2)[..., 0, :])

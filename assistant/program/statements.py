@@ -1,0 +1,258 @@
+"""Statements of the pseudo-program: small frozen records, one a construct."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Final, Literal
+
+from assistant.program.diagnostics import Span
+from assistant.program.expressions import Expression, Name, Number
+from assistant.program.geometry import BASE, FLANGE
+from assistant.program.motion import Blend, Speed
+from assistant.program.path import Path
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spanned:
+    """Where in a source text a statement stood; not part of what it says."""
+
+    span: Span | None = field(default=None, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """How a move is made: speed, blend at its end, tool and frame by name."""
+
+    speed: Speed | Name
+    blend: Blend | Name
+    tool: str = FLANGE
+    frame: str = BASE
+
+
+@dataclass(frozen=True, slots=True)
+class Move(Spanned):
+    """To a Cartesian target: `joint` interpolated or `linear`."""
+
+    kind: Literal["joint", "linear"]
+    target: Expression
+    motion: Motion
+
+
+@dataclass(frozen=True, slots=True)
+class MoveCircular(Spanned):
+    """On the arc from the present position through `via` to `target`."""
+
+    via: Expression
+    target: Expression
+    motion: Motion
+
+
+@dataclass(frozen=True, slots=True)
+class MoveJoints(Spanned):
+    """To a joint target, every axis on its own way (MoveAbsJ)."""
+
+    target: Expression
+    motion: Motion
+
+
+@dataclass(frozen=True, slots=True)
+class Follow(Spanned):
+    """Along a path of the program's own."""
+
+    path: Path
+
+
+@dataclass(frozen=True, slots=True)
+class Wait(Spanned):
+    seconds: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class WaitSignal(Spanned):
+    """Until a signal has a value; timeout in seconds, None for ever."""
+
+    signal: str
+    value: Expression
+    timeout: Expression | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class WaitUntil(Spanned):
+    """Until a condition holds; timeout in seconds, None for ever."""
+
+    condition: Expression
+    timeout: Expression | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class SetSignal(Spanned):
+    """Sets an output; its declaration says whether it is digital, analog or a group.
+
+    pulse: seconds after which a digital output goes back, None to stay.
+    """
+
+    signal: str
+    value: Expression
+    pulse: Expression | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Gripper(Spanned):
+    """Opens or closes a hand, counted from 1."""
+
+    action: Literal["open", "close"]
+    hand: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class SetAcceleration(Spanned):
+    """Acceleration and deceleration of the moves that follow, percent of the most."""
+
+    acceleration: Expression
+    deceleration: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class SetOverride(Spanned):
+    """Percent of the programmed speed at which the moves that follow run."""
+
+    percent: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class Call(Spanned):
+    """Calls a procedure.
+
+    unit: the program unit that holds it if that is loaded for the call (see Procedure).
+    """
+
+    procedure: str
+    arguments: tuple[Expression, ...] = ()
+    unit: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Assign(Spanned):
+    """target: a Name, Member or Index."""
+
+    target: Expression
+    value: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class Branch:
+    condition: Expression
+    body: tuple[Statement, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class If(Spanned):
+    branches: tuple[Branch, ...]
+    otherwise: tuple[Statement, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class While(Spanned):
+    condition: Expression
+    body: tuple[Statement, ...]
+
+
+ONE: Final = Number(1)
+
+
+@dataclass(frozen=True, slots=True)
+class For(Spanned):
+    """Counts `variable` from `first` to `last`, both included."""
+
+    variable: str
+    first: Expression
+    last: Expression
+    body: tuple[Statement, ...]
+    step: Expression = ONE
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """values: any of them selects the body."""
+
+    values: tuple[Expression, ...]
+    body: tuple[Statement, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Switch(Spanned):
+    subject: Expression
+    cases: tuple[Case, ...]
+    otherwise: tuple[Statement, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Stop(Spanned):
+    """Stops and waits for a person to start again; `end` ends the program for good."""
+
+    end: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Return(Spanned):
+    value: Expression | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Comment(Spanned):
+    """One line of comment, without its mark and without outer blanks."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Label(Spanned):
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Goto(Spanned):
+    label: str
+
+
+@dataclass(frozen=True, slots=True)
+class Message(Spanned):
+    """Shows the parts, one after the other, on the teach pendant."""
+
+    parts: tuple[Expression, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Opaque(Spanned):
+    """A statement that only one vendor language can say, as its text."""
+
+    language: str
+    text: str
+
+
+Statement = (
+    Move
+    | MoveCircular
+    | MoveJoints
+    | Follow
+    | Wait
+    | WaitSignal
+    | WaitUntil
+    | SetSignal
+    | Gripper
+    | SetAcceleration
+    | SetOverride
+    | Call
+    | Assign
+    | If
+    | While
+    | For
+    | Switch
+    | Stop
+    | Return
+    | Comment
+    | Label
+    | Goto
+    | Message
+    | Opaque
+)

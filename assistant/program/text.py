@@ -1,0 +1,111 @@
+"""Source texts: how a file's bytes were decoded, and where in them an offset is."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path as FilePath
+from typing import Any
+
+from assistant.program.diagnostics import Diagnostic, Rule, Severity, Span, Unreadable
+
+NOT_FOUND = Rule("IN001", Severity.ERROR, "there is no file `{name}`", "check the name and folder")
+IS_FOLDER = Rule("IN002", Severity.ERROR, "`{name}` is a folder", "name a file inside it")
+NOT_PERMITTED = Rule(
+    "IN003", Severity.ERROR, "`{name}` may not be read", "ask for permission or copy the file"
+)
+NOT_READ = Rule("IN004", Severity.ERROR, "`{name}` cannot be read: {reason}", "try the file again")
+EMPTY = Rule("IN005", Severity.ERROR, "`{name}` is empty", "export or save it again")
+UNDECODABLE = Rule(
+    "IN006",
+    Severity.ERROR,
+    "`{name}` is not text in any of the encodings {encodings}",
+    "save it as plain text",
+)
+
+
+@dataclass(frozen=True)
+class SourceText:
+    """A text with what is needed to write the very same bytes again.
+
+    text: decoded, line ends untouched. encoding: a Python codec name.
+    newline: the line end that new lines get. path: where it came from.
+    """
+
+    text: str
+    path: str | None = None
+    encoding: str = "ascii"
+    newline: str = field(default="\r\n")
+
+    @cached_property
+    def _starts(self) -> list[int]:
+        starts, at = [0], self.text.find("\n")
+        while at >= 0:
+            starts.append(at + 1)
+            at = self.text.find("\n", at + 1)
+        return starts
+
+    def line_column(self, offset: int) -> tuple[int, int]:
+        """Line and column, counted from 1, of a character offset."""
+        line = bisect_right(self._starts, offset)
+        return line, offset - self._starts[line - 1] + 1
+
+    def line_text(self, line: int) -> str:
+        """The line with that number, without its line end."""
+        start = self._starts[line - 1]
+        end = self.text.find("\n", start)
+        return self.text[start : end if end >= 0 else None].rstrip("\r")
+
+    def finding(self, rule: Rule, span: Span, **fields: Any) -> Diagnostic:
+        """The rule's finding at a span of this text, with line, column and excerpt."""
+        line, column = self.line_column(span.start)
+        return rule(
+            path=self.path,
+            span=span,
+            line=line,
+            column=column,
+            excerpt=self.line_text(line),
+            **fields,
+        )
+
+
+def read_bytes(path: str | FilePath, *, allow_empty: bool = False) -> bytes:
+    """The bytes of a file.
+
+    Raises Unreadable, with a finding, for whatever keeps it from being read.
+    """
+    name = str(path)
+    try:
+        data = FilePath(path).read_bytes()
+    except FileNotFoundError:
+        raise Unreadable(NOT_FOUND(path=name, name=name)) from None
+    except (IsADirectoryError, NotADirectoryError):
+        raise Unreadable(IS_FOLDER(path=name, name=name)) from None
+    except PermissionError:
+        rule = IS_FOLDER if FilePath(path).is_dir() else NOT_PERMITTED  # Windows says so of folders
+        raise Unreadable(rule(path=name, name=name)) from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise Unreadable(NOT_READ(path=name, name=name, reason=reason)) from None
+    if not data and not allow_empty:
+        raise Unreadable(EMPTY(path=name, name=name))
+    return data
+
+
+def decode(data: bytes, path: str | None, encodings: Sequence[str]) -> SourceText:
+    """Decodes with the first encoding that fits; raises Unreadable if none does.
+
+    `utf-8-sig` in the list is taken only for data that begins with its mark.
+    """
+    newline = "\r\n" if b"\r\n" in data or b"\n" not in data else "\n"
+    for encoding in encodings:
+        if encoding == "utf-8-sig" and not data.startswith(b"\xef\xbb\xbf"):
+            continue
+        try:
+            return SourceText(data.decode(encoding), path, encoding, newline)
+        except UnicodeDecodeError:
+            continue
+    name = path or "input"
+    raise Unreadable(UNDECODABLE(path=path, name=name, encodings=", ".join(encodings)))
