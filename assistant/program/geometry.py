@@ -99,7 +99,7 @@ BASE: Final = "base"
 class Configuration:
     """The arm branch of a target, in the words of no vendor.
 
-    back: wrist centre behind axis 1. down: elbow below the line shoulder–wrist.
+    back: wrist centre behind axis 1. down: elbow below the line from shoulder to wrist.
     flip: axis 5 negative. quadrants: of axes 1, 4 and 6, quadrant q being the angles from
     90·q to 90·q + 90 degrees; a source that knows only whole turns gives 4 · turns.
     """

@@ -1,0 +1,60 @@
+"""Arm branches in the vendors' notations: ABB `confdata`, Mitsubishi FLG1 and FLG2.
+
+Both only rename what the neutral columns of a `Path` say, so they need no robot:
+cfx bit 1 tells whether the wrist centre is behind the lower arm, which for an arm that
+reaches over its back is the elbow that is up, not down; MELFA's B is the elbow below the
+line from shoulder to wrist on either side.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from assistant.program.path import UNSTATED
+
+BACK, DOWN, FLIP = 0, 1, 2
+QUADRANTS: Final = slice(3, 6)
+TURNING_AXES: Final = (1, 4, 6)
+"""The axes whose quadrants a configuration names."""
+
+
+def to_confdata(configurations: ArrayLike) -> NDArray[np.int64]:
+    """(n, 6) neutral columns → (n, 4) cf1, cf4, cf6, cfx; an unstated row gives zeros."""
+    c = np.asarray(configurations, dtype=np.int64).reshape(-1, 6)
+    stated = c[:, BACK] != UNSTATED
+    cfx = 4 * c[:, BACK] + 2 * (c[:, DOWN] ^ c[:, BACK]) + c[:, FLIP]
+    return np.where(stated[:, None], np.column_stack([c[:, QUADRANTS], cfx]), 0)
+
+
+def from_confdata(confdata: ArrayLike) -> NDArray[np.int8]:
+    """(n, 4) cf1, cf4, cf6, cfx → (n, 6) neutral columns; only the low three bits of cfx count."""
+    cf = np.asarray(confdata, dtype=np.int64).reshape(-1, 4)
+    cfx = cf[:, 3]
+    back = (cfx >> 2) & 1
+    down = ((cfx >> 1) & 1) ^ back
+    return np.column_stack([back, down, cfx & 1, cf[:, :3]]).astype(np.int8)
+
+
+def to_flags(configurations: ArrayLike) -> NDArray[np.int64]:
+    """(n, 6) neutral columns → (n, 2) FLG1, FLG2; an unstated row gives (7, 0)."""
+    c = np.asarray(configurations, dtype=np.int64).reshape(-1, 6)
+    stated = c[:, BACK] != UNSTATED
+    one = 7 - 4 * c[:, BACK] - 2 * c[:, DOWN] - c[:, FLIP]
+    turns = (c[:, QUADRANTS] + 2) // 4
+    shifts = np.array([4 * (axis - 1) for axis in TURNING_AXES])
+    two = ((turns & 0xF) << shifts).sum(axis=1)
+    return np.where(stated[:, None], np.column_stack([one, two]), (7, 0))
+
+
+def from_flags(flags: ArrayLike) -> NDArray[np.int8]:
+    """(n, 2) FLG1, FLG2 → (n, 6) neutral columns, quadrant 4 · turn for each turning axis."""
+    f = np.asarray(flags, dtype=np.int64).reshape(-1, 2)
+    one, two = f[:, 0], f[:, 1]
+    shifts = np.array([4 * (axis - 1) for axis in TURNING_AXES])
+    nibbles = (two[:, None] >> shifts) & 0xF
+    turns = np.where(nibbles > 7, nibbles - 16, nibbles)
+    bits = [1 - ((one >> bit) & 1) for bit in (2, 1, 0)]
+    return np.column_stack([*bits, 4 * turns]).astype(np.int8)

@@ -1,0 +1,70 @@
+"""Sources of programs: taught targets, waypoint tables, drawings; one reader a file kind."""
+
+from __future__ import annotations
+
+import importlib
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import Final, Protocol, cast
+
+from assistant.program.diagnostics import Diagnostic, Rule, Severity, Unreadable
+from assistant.program.program import Program
+from assistant.sources.process import NO_PROCESS, Process
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """The pseudo-program of a source, and what was found on the way."""
+
+    program: Program
+    findings: tuple[Diagnostic, ...] = ()
+
+
+class Reader(Protocol):
+    def __call__(self, path: FilePath, process: Process) -> Reading: ...
+
+
+READERS: Final = {
+    ".dxf": "assistant.sources.drawing",
+    ".csv": "assistant.sources.tables",
+    ".toml": "assistant.sources.taught",
+    ".npy": "assistant.sources.waypoints",
+    ".npz": "assistant.sources.waypoints",
+    ".json": "assistant.sources.waypoints",
+}
+"""File suffix → module, whose `read(path, process)` gives the `Reading`."""
+
+PROCESS_SUFFIX: Final = ".process.toml"
+"""A file of the source's name with this suffix, beside it, is its process file."""
+
+UNKNOWN_KIND = Rule(
+    "SR001",
+    Severity.ERROR,
+    "`{name}` is of no kind that can be read",
+    "give one of {kinds}, or a program of a robot language",
+)
+
+
+def read(path: str | FilePath, process: str | FilePath | None = None) -> Reading:
+    """The pseudo-program of a drawing, table or list of targets.
+
+    process: a process file; without one, the file beside the source that is named like it.
+    Raises Unreadable or Refused.
+    """
+    source = FilePath(path)
+    module = READERS.get(source.suffix.lower())
+    if module is None:
+        raise Unreadable(UNKNOWN_KIND(path=str(path), name=source.name, kinds=" ".join(READERS)))
+    reader = cast(Reader, importlib.import_module(module).read)
+    return reader(source, process_of(source, process))
+
+
+def process_of(source: FilePath, process: str | FilePath | None = None) -> Process:
+    """The process file of a source, or none; raises Unreadable or Refused."""
+    beside = source.with_suffix(PROCESS_SUFFIX)
+    chosen = FilePath(process) if process else beside if beside.is_file() else None
+    if chosen is None:
+        return NO_PROCESS
+    from assistant.sources.process_file import read_process
+
+    return read_process(chosen)

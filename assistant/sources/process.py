@@ -1,0 +1,81 @@
+"""What a drawing or table leaves open: defaults of motion, tools, frames, signals, layers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Final, Literal
+
+from assistant.program.expressions import Name
+from assistant.program.geometry import BASE, FLANGE, Frame, Tool, Vector
+from assistant.program.motion import FINE, Blend, Speed
+from assistant.program.program import Signal
+from assistant.program.statements import Motion
+
+SLOW: Final = Speed(100.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Defaults:
+    """How a source moves where it does not say so itself.
+
+    speed is deliberately slow: 100 mm/s.
+    """
+
+    kind: Literal["joint", "linear"] = "linear"
+    speed: Speed | Name = SLOW
+    blend: Blend | Name = FINE
+    tool: str = FLANGE
+    frame: str = BASE
+
+    @property
+    def motion(self) -> Motion:
+        return Motion(self.speed, self.blend, self.tool, self.frame)
+
+
+DEFAULTS: Final = Defaults()
+TRAVEL: Final = Speed(200.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Layer:
+    """What is done along the contours of a layer (gluing, painting, cutting …).
+
+    process: name for people. motion: along the contour; the blend holds between its pieces.
+    on, off: signals and the values they get at the start and at the end of each contour.
+    approach, retract: mm along the tool axis above the first and last point.
+    travel: speed of the moves between contours. direction: where the tool points, in the
+    drawing's frame (0, 0, -1: down). tangential: the tool's x axis follows the contour.
+    delay: seconds after switching on.
+    """
+
+    process: str
+    motion: Motion
+    on: tuple[tuple[str, float], ...] = ()
+    off: tuple[tuple[str, float], ...] = ()
+    approach: float = 50.0
+    retract: float = 50.0
+    travel: Speed = TRAVEL
+    direction: Vector = (0.0, 0.0, -1.0)
+    tangential: bool = False
+    delay: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Process:
+    """Everything a process file says.
+
+    layers: by layer name, compared without case. tags: attribute tag by meaning (`name`,
+    `x_rotation`, …), for locations in drawings. tolerance: mm for chaining and fitting.
+    """
+
+    defaults: Defaults = DEFAULTS
+    tools: Mapping[str, Tool] = field(default_factory=dict)
+    frames: Mapping[str, Frame] = field(default_factory=dict)
+    signals: Mapping[str, Signal] = field(default_factory=dict)
+    layers: Mapping[str, Layer] = field(default_factory=dict)
+    tags: Mapping[str, str] = field(default_factory=dict)
+    tolerance: float = 0.05
+
+
+NO_PROCESS: Final = Process()
