@@ -1,0 +1,242 @@
+"""Curves of a drawing: lines, circular arcs, and free curves; mm, with layer and handle.
+
+Every curve runs from `start` to `end` over a parameter from 0 to 1, answers `at(parameters)`
+with points, knows its `length`, and can be `reversed()`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from assistant.program.geometry import Vector
+
+Points = NDArray[np.float64]
+"""Points or vectors, (m, 3) mm."""
+
+Evaluate = Callable[[NDArray[np.float64]], Points]
+"""Parameters (m,) from 0 to 1 → points (m, 3) mm."""
+
+LENGTH_SAMPLES: Final = 64
+"""Chords a piece of a free curve is measured by; ample for sorting out empty ones."""
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A straight segment."""
+
+    start: Vector
+    end: Vector
+    layer: str = ""
+    handle: str = ""
+
+    @property
+    def closed(self) -> bool:
+        return False
+
+    @property
+    def length(self) -> float:
+        return math.dist(self.start, self.end)
+
+    def at(self, parameters: ArrayLike) -> Points:
+        t = np.asarray(parameters, dtype=np.float64).reshape(-1, 1)
+        return np.asarray((1.0 - t) * np.asarray(self.start) + t * np.asarray(self.end))
+
+    def reversed(self) -> Line:
+        return replace(self, start=self.end, end=self.start)
+
+
+@dataclass(frozen=True, slots=True)
+class Arc:
+    """A circular arc, counter-clockwise about its unit `normal` through the middle `via`.
+
+    A full circle is closed: start and end are one point and via is opposite.
+    """
+
+    start: Vector
+    via: Vector
+    end: Vector
+    centre: Vector
+    radius: float
+    normal: Vector
+    closed: bool = False
+    layer: str = ""
+    handle: str = ""
+
+    @staticmethod
+    def about(
+        centre: ArrayLike,
+        normal: ArrayLike,
+        start: ArrayLike,
+        sweep: float,
+        layer: str = "",
+        handle: str = "",
+    ) -> Arc:
+        """From a start point over `sweep` degrees (0 to 360, right-handed) about the normal.
+
+        start is taken as it is, so it has to lie in the plane of the circle. A negative
+        sweep turns the normal over; 360 degrees make a closed circle.
+        """
+        c, s = np.asarray(centre, dtype=np.float64), np.asarray(start, dtype=np.float64)
+        n = _unit(np.asarray(normal, dtype=np.float64)) * (1.0 if sweep >= 0 else -1.0)
+        turn = min(abs(sweep), 360.0)
+        closed = turn == 360.0
+        via, end = _turned(c, n, s, np.array([0.5, 1.0]) * turn)
+        return Arc(
+            vector(s),
+            vector(via),
+            vector(s if closed else end),
+            vector(c),
+            float(np.linalg.norm(s - c)),
+            vector(n),
+            closed,
+            layer,
+            handle,
+        )
+
+    @staticmethod
+    def through(
+        start: ArrayLike, via: ArrayLike, end: ArrayLike, layer: str = "", handle: str = ""
+    ) -> Arc | None:
+        """The arc from start through any point via to end; None for points on one line.
+
+        The result's via is the middle of the arc.
+        """
+        a, b, c = (np.asarray(p, dtype=np.float64) for p in (start, via, end))
+        circle = circle_through(a, b, c)
+        if circle is None:
+            return None
+        centre, normal = circle
+        sweep = sweep_between(centre, normal, a, c)
+        middle = _turned(centre, normal, a, np.array([0.5 * sweep]))[0]
+        radius = float(np.linalg.norm(a - centre))
+        return Arc(
+            vector(a),
+            vector(middle),
+            vector(c),
+            vector(centre),
+            radius,
+            vector(normal),
+            False,
+            layer,
+            handle,
+        )
+
+    @property
+    def sweep(self) -> float:
+        """Degrees from start to end about the normal, over 0 to 360."""
+        if self.closed:
+            return 360.0
+        centre, normal = np.asarray(self.centre), np.asarray(self.normal)
+        # Twice the way to via: exact where start and end are nearly one point.
+        return 2.0 * sweep_between(centre, normal, np.asarray(self.start), np.asarray(self.via))
+
+    @property
+    def length(self) -> float:
+        return math.radians(self.sweep) * self.radius
+
+    def at(self, parameters: ArrayLike) -> Points:
+        t = np.asarray(parameters, dtype=np.float64).reshape(-1)
+        centre, normal = np.asarray(self.centre), np.asarray(self.normal)
+        return _turned(centre, normal, np.asarray(self.start), t * self.sweep)
+
+    def reversed(self) -> Arc:
+        x, y, z = self.normal
+        return replace(self, start=self.end, end=self.start, normal=(-x, -y, -z))
+
+
+@dataclass(frozen=True, slots=True)
+class FreeCurve:
+    """Any other curve: ellipse, spline.
+
+    evaluate: parameters (m,) in [0, 1] to points (m, 3) mm, continuous.
+    breaks: parameters, ascending from 0 to 1, between which the curve is smooth; a corner
+    always stands at one of them, and a change of polynomial (a spline's knot) may.
+    """
+
+    evaluate: Evaluate
+    closed: bool = False
+    layer: str = ""
+    handle: str = ""
+    breaks: tuple[float, ...] = (0.0, 1.0)
+
+    @property
+    def start(self) -> Vector:
+        return vector(self.at([0.0])[0])
+
+    @property
+    def end(self) -> Vector:
+        return self.start if self.closed else vector(self.at([1.0])[0])
+
+    @property
+    def length(self) -> float:
+        """Sum of chords, which is a little short of the true length."""
+        pieces = [
+            np.linspace(a, b, LENGTH_SAMPLES, endpoint=False)
+            for a, b in zip(self.breaks, self.breaks[1:], strict=False)
+        ]
+        points = self.at(np.concatenate([*pieces, [1.0]]))
+        return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+
+    def at(self, parameters: ArrayLike) -> Points:
+        t = np.asarray(parameters, dtype=np.float64).reshape(-1)
+        return np.asarray(self.evaluate(t), dtype=np.float64).reshape(-1, 3)
+
+    def reversed(self) -> FreeCurve:
+        forward = self.evaluate
+        return replace(
+            self,
+            evaluate=lambda t: forward(1.0 - t),
+            breaks=tuple(1.0 - b for b in reversed(self.breaks)),
+        )
+
+
+Curve = Line | Arc | FreeCurve
+
+
+def vector(point: ArrayLike) -> Vector:
+    """A point as a tuple of three floats, without negative zeros."""
+    x, y, z = (float(v) + 0.0 for v in np.asarray(point, dtype=np.float64))
+    return (x, y, z)
+
+
+def circle_through(a: Points, b: Points, c: Points) -> tuple[Points, Points] | None:
+    """Centre and unit normal of the circle a → b → c; None if they are on one line.
+
+    Circumcentre from the two edge vectors u, v at a:
+    ((|u|² v - |v|² u) × (u × v)) / (2 |u × v|²).
+    """
+    u, v = b - a, c - a
+    w = np.cross(u, v)
+    square = float(w @ w)
+    sizes = float(u @ u), float(v @ v)
+    if square <= 1e-20 * max(sizes) ** 2:
+        return None
+    centre = a + np.cross(sizes[0] * v - sizes[1] * u, w) / (2.0 * square)
+    return centre, w / math.sqrt(square)
+
+
+def sweep_between(centre: Points, normal: Points, first: Points, second: Points) -> float:
+    """Degrees from first to second about a normal, in [0, 360)."""
+    u, v = first - centre, second - centre
+    angle = math.degrees(math.atan2(float(np.cross(u, v) @ normal), float(u @ v)))
+    return angle % 360.0
+
+
+def _turned(centre: Points, normal: Points, start: Points, degrees: Points) -> Points:
+    """start turned about the axis through centre, (m, 3); Rodrigues' formula."""
+    arm = start - centre
+    angle = np.radians(degrees)[:, None]
+    along = (arm @ normal) * normal
+    return np.asarray(
+        centre + along + (arm - along) * np.cos(angle) + np.cross(normal, arm) * np.sin(angle)
+    )
+
+
+def _unit(v: Points) -> Points:
+    return np.asarray(v / np.linalg.norm(v))
