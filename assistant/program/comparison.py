@@ -1,0 +1,222 @@
+"""Whether two pseudo-programs say the same, and by how much their targets differ."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, is_dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from assistant.program import rotations
+from assistant.program.geometry import Pose
+from assistant.program.path import Path
+from assistant.program.program import Procedure, Program
+
+MOST_MISMATCHES: Final = 20
+"""After so many the comparison stops: the first ones tell what is wrong."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tolerance:
+    """What may differ: mm per component, degrees of rotation, relative for other numbers."""
+
+    position: float = 0.0
+    angle: float = 0.0
+    number: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Mismatch:
+    """place: where in the program, in words. message: what is there against what should be."""
+
+    place: str
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """statements, targets: how many were compared, a row of a path counting as one of each.
+
+    position, angle: the largest deviation of a target in mm and degrees, and where it is.
+    """
+
+    statements: int
+    targets: int
+    position: float
+    angle: float
+    worst: str
+    mismatches: tuple[Mismatch, ...]
+
+    @property
+    def same(self) -> bool:
+        return not self.mismatches
+
+
+EXACT: Final = Tolerance()
+
+
+def compare(expected: Program, actual: Program, tolerance: Tolerance = EXACT) -> Comparison:
+    """Compares every declaration and statement of two programs.
+
+    Procedures are matched by name, so that their order in the text does not count.
+    """
+    walk = _Walk(tolerance)
+    for part in fields(Program):
+        if part.name != "procedures":
+            walk.value(getattr(expected, part.name), getattr(actual, part.name), part.name)
+    walk.value(_by_name(expected), _by_name(actual), "procedure")
+    return Comparison(
+        sum(1 for _ in expected.statements()) + walk.rows,
+        walk.targets,
+        walk.position,
+        walk.angle,
+        walk.worst,
+        tuple(walk.mismatches),
+    )
+
+
+def _by_name(program: Program) -> dict[str, Procedure]:
+    return {procedure.name: procedure for procedure in program.procedures}
+
+
+@dataclass
+class _Walk:
+    tolerance: Tolerance
+    targets: int = 0
+    rows: int = 0
+    position: float = 0.0
+    angle: float = 0.0
+    worst: str = ""
+    mismatches: list[Mismatch] = field(default_factory=list)
+
+    def value(self, expected: Any, actual: Any, place: str) -> None:
+        """Any part of a program; records, tuples and tables are compared part by part."""
+        if len(self.mismatches) >= MOST_MISMATCHES:
+            return
+        if isinstance(expected, (int, float)) and isinstance(actual, (int, float)):
+            self._number(expected, actual, place)
+        elif type(expected) is not type(actual):
+            self._differ(place, _short(expected), _short(actual))
+        elif isinstance(expected, Path):
+            self._path(expected, actual, f"path {expected.name}")
+        elif isinstance(expected, Pose):
+            self.targets += 1
+            self._poses(
+                np.array([expected.position, actual.position]),
+                np.array([expected.quaternion, actual.quaternion]),
+                place,
+            )
+        elif isinstance(expected, Mapping):
+            self._table(expected, actual, place)
+        elif isinstance(expected, tuple):
+            if len(expected) != len(actual):
+                self._differ(place, f"{len(expected)} items", f"{len(actual)} items")
+            for i, (mine, theirs) in enumerate(zip(expected, actual, strict=False), 1):
+                self.value(mine, theirs, f"{place} {i}")
+        elif is_dataclass(expected):
+            for part in fields(expected):
+                if part.compare:
+                    self.value(
+                        getattr(expected, part.name),
+                        getattr(actual, part.name),
+                        f"{place} {part.name}",
+                    )
+        elif expected != actual:
+            self._differ(place, _short(expected), _short(actual))
+
+    def _number(self, expected: float, actual: float, place: str) -> None:
+        if isinstance(expected, bool) is not isinstance(actual, bool):
+            self._differ(place, _short(expected), _short(actual))
+        elif math.isnan(expected) or math.isnan(actual):
+            if math.isnan(expected) is not math.isnan(actual):
+                self._differ(place, _short(expected), _short(actual))
+        elif not math.isclose(
+            expected, actual, rel_tol=self.tolerance.number, abs_tol=self.tolerance.number
+        ):
+            self._differ(place, _short(expected), _short(actual))
+
+    def _table(self, expected: Mapping[str, Any], actual: Mapping[str, Any], place: str) -> None:
+        for name in expected.keys() - actual.keys():
+            self._differ(f"{place} {name}", "it", "nothing")
+        for name in actual.keys() - expected.keys():
+            self._differ(f"{place} {name}", "nothing", "it")
+        for name, mine in expected.items():
+            if name in actual:
+                self.value(mine, actual[name], f"{place} {name}")
+
+    def _poses(
+        self,
+        positions: np.ndarray[Any, np.dtype[np.float64]],
+        quaternions: np.ndarray[Any, np.dtype[np.float64]],
+        place: str,
+    ) -> None:
+        """Positions (2, …, 3) and quaternions (2, …, 4), expected before actual."""
+        apart = np.abs(positions[0] - positions[1]).reshape(-1, 3)
+        turned = rotations.angle_between(quaternions[0], quaternions[1]).reshape(-1)
+        distance = np.linalg.norm(apart, axis=1)
+        many = len(distance) > 1
+        row = int(distance.argmax())
+        if distance[row] > self.position:
+            self.position = float(distance[row])
+            self.worst = f"{place} row {row + 1}" if many else place
+        self.angle = max(self.angle, float(turned.max(initial=0.0)))
+        # NaN must not pass as within the tolerance
+        off = ~((apart.max(axis=1) <= self.tolerance.position) & (turned <= self.tolerance.angle))
+        for row in np.flatnonzero(off)[:MOST_MISMATCHES]:
+            where = f"{place} row {row + 1}" if many else place
+            self._differ(where, "the pose", f"one {distance[row]:.4g} mm, {turned[row]:.4g}° away")
+
+    def _path(self, expected: Path, actual: Path, place: str) -> None:
+        self.value(expected.name, actual.name, f"{place} name")
+        if len(expected) != len(actual):
+            self._differ(place, f"{len(expected)} targets", f"{len(actual)} targets")
+            return
+        if not len(expected):
+            return
+        self.targets += len(expected)
+        self.rows += len(expected)
+        for start in range(0, len(expected), 65536):  # keeps the memory of a long path flat
+            mine, theirs = (p.rows(start, start + 65536) for p in (expected, actual))
+            label = f"{place} from row {start + 1}" if start else place
+            self._poses(
+                np.stack([mine.positions, theirs.positions]),
+                np.stack([mine.quaternions, theirs.quaternions]),
+                label,
+            )
+            self._columns(mine, theirs, label)
+
+    def _columns(self, mine: Path, theirs: Path, place: str) -> None:
+        for column in ("kinds", "configurations"):
+            equal = getattr(mine, column) == getattr(theirs, column)
+            self._rows(np.flatnonzero(~equal.reshape(len(mine), -1).all(axis=1)), column, place)
+        close = np.isclose(
+            mine.external,
+            theirs.external,
+            rtol=0.0,
+            atol=self.tolerance.position,
+            equal_nan=True,
+        )
+        self._rows(np.flatnonzero(~close.all(axis=1)), "external axes", place)
+        for column in ("speed", "blend", "tool", "frame"):
+            table = column + "s"
+            pairs = np.unique(
+                np.stack([getattr(mine, column), getattr(theirs, column)], axis=1), axis=0
+            )
+            for a, b in pairs:
+                self.value(getattr(mine, table)[a], getattr(theirs, table)[b], f"{place} {column}")
+
+    def _rows(self, rows: np.ndarray[Any, np.dtype[np.intp]], column: str, place: str) -> None:
+        if len(rows):
+            self._differ(
+                f"{place} row {rows[0] + 1}", column, f"other {column} in {len(rows)} rows"
+            )
+
+    def _differ(self, place: str, expected: str, actual: str) -> None:
+        self.mismatches.append(Mismatch(place, f"{expected} became {actual}"))
+
+
+def _short(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 120 else text[:117] + "…"
