@@ -1,0 +1,8 @@
+"""Robots: the catalogue, kinematics, configurations, and what a program asks of an arm."""
+
+from __future__ import annotations
+
+from assistant.robots.catalogue import get, load, names
+from assistant.robots.robot import Robot
+
+__all__ = ["Robot", "get", "load", "names"]

@@ -1,0 +1,211 @@
+"""The catalogue: one TOML file a robot, in the folder of this module's name."""
+
+from __future__ import annotations
+
+import tomllib
+from functools import cache
+from importlib.resources import files
+from importlib.resources.abc import Traversable
+from pathlib import Path as FilePath
+from typing import Any, Final
+
+import numpy as np
+
+from assistant.program.diagnostics import Refused, Rule, Severity, Unreadable
+from assistant.program.text import read_bytes
+from assistant.robots.lengths import Lengths
+from assistant.robots.robot import Robot
+
+NO_TOML = Rule(
+    "RB001",
+    Severity.ERROR,
+    "the robot file is no TOML: {reason}",
+    "compare it with a file of the catalogue",
+)
+WRONG_FIELD = Rule(
+    "RB002",
+    Severity.ERROR,
+    "`{field}` of the robot file {reason}",
+    "compare it with a file of the catalogue",
+)
+
+AXES: Final = {
+    5: ("J1", "J2", "J3", "J5", "J6"),
+    6: ("J1", "J2", "J3", "J4", "J5", "J6"),
+}
+"""Number of axes → their names; an arm of five has no axis 4."""
+
+
+def names() -> tuple[str, ...]:
+    """The robots of the catalogue, in order of the alphabet."""
+    return tuple(sorted(f.name[: -len(".toml")] for f in _folder().iterdir() if _is_robot(f)))
+
+
+@cache
+def get(name: str) -> Robot:
+    """The robot of that name; raises KeyError, with the names there are, if there is none."""
+    known = {n.lower(): n for n in names()}
+    if name.lower() not in known:
+        raise KeyError(f"no robot {name!r}; there are {', '.join(known.values())}")
+    file = _folder() / f"{known[name.lower()]}.toml"
+    return read(file.read_bytes(), file.name)
+
+
+def load(path: str | FilePath) -> Robot:
+    """A robot from a file of the user's own; raises Unreadable or Refused."""
+    return read(read_bytes(path), str(path))
+
+
+def read(data: bytes, path: str | None = None) -> Robot:
+    """A robot from the bytes of a TOML file; raises Unreadable or Refused with findings."""
+    try:
+        table = tomllib.loads(data.decode("utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise Unreadable(NO_TOML(path=path, reason=str(error))) from None
+    reader = _Reader(table, path)
+    robot = reader.robot()
+    if reader.findings:
+        raise Refused(*reader.findings)
+    assert robot is not None
+    return robot
+
+
+class _Reader:
+    """Takes fields out of a table and collects what is wrong with them."""
+
+    def __init__(self, table: dict[str, Any], path: str | None) -> None:
+        self.table, self.path = table, path
+        self.findings: list[Any] = []
+
+    def robot(self) -> Robot | None:
+        self.unknown(self.table, "", FIELDS)
+        texts = {k: self.text(k) for k in ("name", "title", "maker", "controller", "source")}
+        numbers = {
+            k: self.number(self.table, k, k, least=1e-9)
+            for k in ("tcp_speed_mm_s", "payload_kg", "reach_mm")
+        }
+        counts = self.text("configuration")
+        if counts not in ("quadrants", "turns"):
+            self.wrong("configuration", "is neither `quadrants` nor `turns`")
+        lengths = self.table.get("lengths_mm")
+        if not isinstance(lengths, dict):
+            self.wrong("lengths_mm", "is missing")
+            lengths = {}
+        self.unknown(lengths, "lengths_mm.", LENGTHS)
+        arm = {k: self.number(lengths, k, f"lengths_mm.{k}") for k in LENGTHS}
+        axes = self.axes()
+        if len(axes) == 5 and (arm["a1"] or arm["a3"]):
+            self.wrong("lengths_mm", "has an a1 or a3, which an arm of five axes cannot have")
+        for link in ("a2", "d4"):
+            if not arm[link] > 0:
+                self.wrong(f"lengths_mm.{link}", "is not above 0")
+        if self.findings:
+            return None
+        column = {k: np.array([axis[k] for axis in axes]) for k in ("zero", "speed", "home")}
+        limits = np.array([axis["limits"] for axis in axes], dtype=np.float64)
+        for values in (limits, *column.values()):
+            values.setflags(write=False)
+        return Robot(
+            name=texts["name"],
+            title=texts["title"],
+            maker=texts["maker"],
+            controller=texts["controller"],
+            source=texts["source"],
+            languages=self.texts("languages"),
+            unconfirmed=self.texts("unconfirmed", needed=False),
+            axes=AXES[len(axes)],
+            lengths=Lengths(**arm),
+            zero=column["zero"],
+            limits=limits,
+            speeds=column["speed"],
+            home=column["home"],
+            tcp_speed=numbers["tcp_speed_mm_s"],
+            payload=numbers["payload_kg"],
+            reach=numbers["reach_mm"],
+            counts="quadrants" if counts == "quadrants" else "turns",
+        )
+
+    def axes(self) -> list[dict[str, Any]]:
+        table = self.table.get("axes_deg")
+        if not isinstance(table, dict) or tuple(table) not in AXES.values():
+            choices = " or ".join(" ".join(axes) for axes in AXES.values())
+            self.wrong("axes_deg", f"does not hold the axes {choices}")
+            return []
+        return [self.axis(name, entry) for name, entry in table.items()]
+
+    def axis(self, name: str, entry: Any) -> dict[str, Any]:
+        where = f"axes_deg.{name}"
+        if not isinstance(entry, dict):
+            self.wrong(where, "is no table of limits, speed, zero and home")
+            return {}
+        self.unknown(entry, f"{where}.", ("limits", "speed", "zero", "home"))
+        limits = entry.get("limits")
+        if not (
+            isinstance(limits, list)
+            and len(limits) == 2
+            and all(_is_number(v) for v in limits)
+            and limits[0] < limits[1]
+        ):
+            self.wrong(f"{where}.limits", "is not [lowest, highest]")
+            limits = [-1.0, 1.0]
+        home = self.number(entry, "home", f"{where}.home")
+        if not limits[0] <= home <= limits[1]:
+            self.wrong(f"{where}.home", "is outside the limits")
+        return {
+            "limits": limits,
+            "speed": self.number(entry, "speed", f"{where}.speed", least=1e-9),
+            "zero": self.number(entry, "zero", f"{where}.zero") if "zero" in entry else 0.0,
+            "home": home,
+        }
+
+    def number(
+        self, table: dict[str, Any], key: str, where: str, least: float | None = None
+    ) -> float:
+        value = table.get(key)
+        if value is None or not _is_number(value):
+            self.wrong(where, "is missing" if value is None else "is no finite number")
+            return 0.0
+        if least is not None and value < least:
+            self.wrong(where, "is not above 0")
+        return float(value)
+
+    def text(self, key: str) -> str:
+        value = self.table.get(key)
+        if not isinstance(value, str) or not value.strip():
+            self.wrong(key, "is missing" if value is None else "is no text")
+            return ""
+        return value
+
+    def texts(self, key: str, *, needed: bool = True) -> tuple[str, ...]:
+        value = self.table.get(key, [] if not needed else None)
+        if not isinstance(value, list) or not all(isinstance(v, str) for v in value):
+            self.wrong(key, "is missing" if value is None else "is no list of texts")
+            return ()
+        return tuple(value)
+
+    def unknown(self, table: dict[str, Any], prefix: str, known: tuple[str, ...]) -> None:
+        for key in table:
+            if key not in known:
+                self.wrong(prefix + key, f"is not known; there are {', '.join(known)}")
+
+    def wrong(self, field: str, reason: str) -> None:
+        self.findings.append(WRONG_FIELD(path=self.path, place=field, field=field, reason=reason))
+
+
+FIELDS: Final = (
+    "name", "title", "maker", "controller", "languages", "configuration", "payload_kg",
+    "reach_mm", "tcp_speed_mm_s", "source", "unconfirmed", "lengths_mm", "axes_deg",
+)  # fmt: skip
+LENGTHS: Final = ("d1", "a1", "a2", "a3", "d4", "d6")
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and np.isfinite(value)
+
+
+def _folder() -> Traversable:
+    return files("assistant.robots").joinpath("catalogue")
+
+
+def _is_robot(file: Traversable) -> bool:
+    return file.name.endswith(".toml")

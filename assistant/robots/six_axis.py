@@ -1,0 +1,108 @@
+"""Arms of six axes with a spherical wrist: kinematics in closed form, in columns.
+
+The chain is `Rz(J1)·Tr(a1,0,d1)·Ry(J2)·Tr(0,0,a2)·Ry(J3)·Tr(a3,0,d4)·Rz(J4)·Ry(J5)·Rz(J6)·
+Tr(0,0,d6)`; at zero the arm stands straight up and the flange is parallel to the base. ABB's
+zero has the forearm level, which is J3 = 90 here, with the same senses of all axes.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.program import rotations
+from assistant.robots.five_axis import reach_excess, two_links, zyz
+from assistant.robots.lengths import Lengths
+
+Floats = NDArray[np.float64]
+
+BRANCHES = 8
+"""Branch 4·back + 2·lower + flip; lower: the forearm is bent backwards from the upper arm."""
+
+
+def fk(lengths: Lengths, joints: Floats) -> tuple[Floats, Floats]:
+    """Chain angles (n, 6) in radians → flange positions (n, 3) mm, quaternions (n, 4)."""
+    j1, j2, j3, j4, j5, j6 = joints.T
+    fore = j2 + j3
+    s, c = np.sin(fore), np.cos(fore)
+    r = lengths.a1 + lengths.a2 * np.sin(j2) + lengths.a3 * c + lengths.d4 * s
+    z = lengths.d1 + lengths.a2 * np.cos(j2) - lengths.a3 * s + lengths.d4 * c
+    arm = zyz(j1, fore, np.zeros_like(j1))
+    quaternions = rotations.canonical(rotations.multiply(arm, zyz(j4, j5, j6)))
+    x, y, up = axis_z(quaternions)
+    positions = np.stack(
+        [
+            r * np.cos(j1) + lengths.d6 * x,
+            r * np.sin(j1) + lengths.d6 * y,
+            z + lengths.d6 * up,
+        ],
+        axis=-1,
+    )
+    return positions, quaternions
+
+
+def ik(lengths: Lengths, positions: Floats, quaternions: Floats) -> tuple[Floats, Floats]:
+    """Flange poses → chain angles (6, 8, n) in radians and what keeps each from closing (8, n) mm.
+
+    A length of 0 closes; otherwise it is by how far the wrist centre is out of reach of the
+    stretched or folded arm, whose angles then point at it. Where axes 4 and 6 are in line
+    axis 4 is 0, and axis 1 is 0 for a wrist centre on it.
+    """
+    w, qx, qy, qz = quaternions.T
+    # Columns of the rotation matrix: ax the flange's x axis, ay its y axis, az its z axis.
+    ax = (1 - 2 * (qy * qy + qz * qz), 2 * (qx * qy + w * qz), 2 * (qx * qz - w * qy))
+    ay = (2 * (qx * qy - w * qz), 1 - 2 * (qx * qx + qz * qz), 2 * (qy * qz + w * qx))
+    az = (2 * (qx * qz + w * qy), 2 * (qy * qz - w * qx), 1 - 2 * (qx * qx + qy * qy))
+    x, y, z = (positions[:, i] - lengths.d6 * az[i] for i in range(3))
+    z = z - lengths.d1
+    distance = np.hypot(x, y)
+    on_axis = distance < 1e-9
+    first = np.where(on_axis, 0.0, np.arctan2(y, x))
+    c1, s1 = np.cos(first), np.sin(first)
+    fore_length = float(np.hypot(lengths.a3, lengths.d4))
+    tilt = float(np.arctan2(lengths.a3, lengths.d4))
+
+    joints = np.empty((6, BRANCHES, len(positions)))
+    excess = np.empty((BRANCHES, len(positions)))
+    for back in (0, 1):
+        sign = -1.0 if back else 1.0
+        r = sign * distance - lengths.a1
+        span = np.hypot(r, z)
+        line = np.arctan2(r, z)
+        elbow, shoulder = two_links(lengths.a2, fore_length, span)
+        excess[4 * back : 4 * back + 4] = reach_excess(lengths.a2, fore_length, span)
+        # The flange's axes in the plane of the arm: u forward, v sideways.
+        plane = [
+            (sign * (c1 * a[0] + s1 * a[1]), sign * (c1 * a[1] - s1 * a[0]), a[2])
+            for a in (ax, ay, az)
+        ]
+        for lower in (0, 1):
+            bend = -1.0 if lower else 1.0
+            branch = 4 * back + 2 * lower
+            j2 = line - bend * shoulder
+            j3 = bend * elbow - tilt
+            s, c = np.sin(j2 + j3), np.cos(j2 + j3)
+            (xu, xv, xz), (yu, _, yz), (zu, zv, zz) = plane
+            across = zu * c - zz * s
+            along = zu * s + zz * c
+            sine = np.hypot(across, zv)
+            in_line = sine < 1e-9
+            j4 = np.where(in_line, 0.0, np.arctan2(zv, across))
+            j5 = np.arctan2(sine, along)
+            turn = np.arctan2(yu * s + yz * c, -(xu * s + xz * c))
+            # In line, the whole wrist is one turn about the forearm.
+            straight = np.arctan2(xv, np.sign(along) * (xu * c - xz * s))
+            j6 = np.where(in_line, straight, turn)
+            joints[0, branch : branch + 2] = first + np.pi * back
+            joints[1, branch : branch + 2] = j2
+            joints[2, branch : branch + 2] = j3
+            joints[3, branch], joints[3, branch + 1] = j4, j4 + np.pi * ~in_line
+            joints[4, branch], joints[4, branch + 1] = j5, -j5
+            joints[5, branch], joints[5, branch + 1] = j6, j6 + np.pi * ~in_line
+    return joints, excess
+
+
+def axis_z(quaternions: Floats) -> tuple[Floats, Floats, Floats]:
+    """The flange's own z axis, (n,) a component."""
+    w, x, y, z = quaternions.T
+    return 2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)
