@@ -1,0 +1,41 @@
+"""The command line: arguments in, presentation out."""
+
+from __future__ import annotations
+
+import os
+import sys
+from typing import Final
+
+from assistant.program.diagnostics import Refused, Rule, Severity
+
+INTERNAL = Rule(
+    "CL900",
+    Severity.ERROR,
+    "robot-assistant itself failed: {kind}: {error}",
+    "nothing was written; set ROBOT_ASSISTANT_TRACEBACK=1 for the details of a report",
+)
+INTERRUPTED: Final = 130
+"""What shells expect of a program that Ctrl-C ended."""
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Runs one command; exits 0 clean, 1 with findings, 2 for wrong usage or unreadable input."""
+    from assistant.cli.app import app
+    from assistant.cli.presentation import print_findings
+
+    try:
+        app(args=arguments, prog_name="robot-assistant")
+    except Refused as refused:
+        print_findings(refused.findings)
+        sys.exit(refused.exit_status)
+    except KeyboardInterrupt:
+        sys.exit(INTERRUPTED)
+    except BrokenPipeError:
+        # The reader of our output went away, as `head` does; its end is not our error.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(0)
+    except Exception as error:
+        if os.environ.get("ROBOT_ASSISTANT_TRACEBACK"):
+            raise
+        print_findings([INTERNAL(kind=type(error).__name__, error=error)])
+        sys.exit(2)

@@ -1,0 +1,206 @@
+"""The commands of `robot-assistant`; each imports what it needs when it runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Final
+
+import typer
+
+from assistant import __version__
+from assistant.cli.presentation import Format
+
+DEMO: Final = Path("out/demo")
+
+app: Final = typer.Typer(
+    help="Drawings, trajectories and robot programs to proven ABB RAPID and MELFA-BASIC.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+virtual: Final = typer.Typer(
+    help="Run a virtual controller on this computer.", no_args_is_help=True, rich_markup_mode=None
+)
+app.add_typer(virtual, name="virtual")
+
+
+def _complete_language(incomplete: str) -> list[str]:
+    from assistant import languages
+
+    return [name for name in languages.names() if name.startswith(incomplete)]
+
+
+def _complete_robot(incomplete: str) -> list[str]:
+    from assistant import robots
+
+    return [name for name in robots.names() if name.startswith(incomplete)]
+
+
+Source = Annotated[
+    str, typer.Argument(help="Drawing, table, .pseudo text or robot program; - for standard input.")
+]
+Sources = Annotated[list[str], typer.Argument(help="Drawings, tables or programs; - for input.")]
+LanguageOption = Annotated[
+    str,
+    typer.Option("--language", "-l", help="Language to write.", autocompletion=_complete_language),
+]
+RobotOption = Annotated[
+    str | None,
+    typer.Option("--robot", "-r", help="Arm that runs it.", autocompletion=_complete_robot),
+]
+FromRobot = Annotated[
+    str | None,
+    typer.Option("--from-robot", help="Arm that a vendor program was written for.",
+                 autocompletion=_complete_robot),
+]  # fmt: skip
+FromLanguage = Annotated[
+    str | None,
+    typer.Option("--from", help="Language of the input if its name does not tell.",
+                 autocompletion=_complete_language),
+]  # fmt: skip
+ProcessOption = Annotated[
+    Path | None,
+    typer.Option("--process", "-p", help="Process file; default NAME.process.toml beside it."),
+]
+FormatOption = Annotated[Format, typer.Option("--format", help="For people or for programs.")]
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"robot-assistant {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    _: Annotated[
+        bool,
+        typer.Option("--version", callback=_version, is_eager=True, help="Print the version."),
+    ] = False,
+) -> None:
+    """Drawings, trajectories and robot programs to proven ABB RAPID and MELFA-BASIC."""
+
+
+@app.command()
+def compile(
+    sources: Sources,
+    language: LanguageOption,
+    robot: RobotOption = None,
+    process: ProcessOption = None,
+    output: Annotated[
+        str, typer.Option("--output", "-o", help="Folder for the files; - prints a single one.")
+    ] = ".",
+    most_targets: Annotated[
+        int | None,
+        typer.Option(help="Targets of one program unit; default the language's own limit."),
+    ] = None,
+    from_language: FromLanguage = None,
+    from_robot: FromRobot = None,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Write sources in a robot language, read back and compared before anything is written."""
+    from assistant.cli.compiling import run_compile
+
+    raise typer.Exit(
+        run_compile(
+            sources,
+            language,
+            robot,
+            process,
+            output,
+            most_targets,
+            from_language,
+            from_robot,
+            format,
+        )
+    )
+
+
+@app.command()
+def show(
+    source: Source,
+    robot: RobotOption = None,
+    process: ProcessOption = None,
+    from_language: FromLanguage = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="Write a .pseudo file, long paths in tables beside."),
+    ] = None,
+) -> None:
+    """Print the pseudo-program of any source or robot program."""
+    from assistant.cli.compiling import run_show
+
+    raise typer.Exit(run_show(source, robot, process, from_language, output))
+
+
+@app.command()
+def check(
+    sources: Sources,
+    robot: RobotOption = None,
+    process: ProcessOption = None,
+    from_language: FromLanguage = None,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Check sources and robot programs; with a robot also reach, limits and configurations."""
+    from assistant.cli.compiling import run_check
+
+    raise typer.Exit(run_check(sources, robot, process, from_language, format))
+
+
+@app.command()
+def deploy(
+    files: Annotated[list[Path], typer.Argument(help="Robot programs to install.")],
+    to: Annotated[str, typer.Option(help="Controller: ftp://user@host or melfa://host:port.")],
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Only show what would change.")
+    ] = False,
+    backup: Annotated[
+        Path | None,
+        typer.Option(help="Folder that keeps what was on the controller."),
+    ] = None,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Install programs on a controller, read them back and compare. Never starts motion."""
+    from assistant.cli.deploying import run_deploy
+
+    raise typer.Exit(run_deploy(files, to, dry_run, backup, format))
+
+
+@virtual.command("irc5")
+def virtual_irc5(
+    folder: Annotated[Path, typer.Option(help="Folder that is its HOME:.")] = Path("home"),
+    port: Annotated[int, typer.Option(help="FTP port here; 0 takes a free one.")] = 2121,
+    user: Annotated[str, typer.Option(help="Its user.")] = "robot",
+) -> None:
+    """A virtual IRC5: FTP over a folder, refusing modules that a controller would not load."""
+    from assistant.cli.virtual import run_irc5
+
+    run_irc5(folder, port, user)
+
+
+@virtual.command("cr")
+def virtual_cr(
+    robot: Annotated[
+        str, typer.Option("--robot", "-r", help="Its arm.", autocompletion=_complete_robot)
+    ] = "rv-2aj",
+    port: Annotated[
+        int, typer.Option(help="Controller-link port on this computer; 0 takes a free one.")
+    ] = 10001,
+) -> None:
+    """A virtual CR controller: controller link over TCP."""
+    from assistant.cli.virtual import run_cr
+
+    run_cr(robot, port)
+
+
+@app.command()
+def demo(
+    output: Annotated[
+        Path, typer.Option("--output", "-o", help="Folder for what it makes.")
+    ] = Path("out/demo"),
+) -> None:
+    """A drawing and a trajectory to programs on two embedded virtual controllers, with a report."""
+    from assistant.cli.demo import run_demo
+
+    raise typer.Exit(run_demo(output))

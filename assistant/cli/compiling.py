@@ -1,0 +1,241 @@
+"""`compile`, `show` and `check`: from arguments to the compiler and back to people."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant.cli.presentation import (
+    Format,
+    console,
+    finding_record,
+    print_findings,
+    print_json,
+    say,
+)
+from assistant.program.diagnostics import (
+    Diagnostic,
+    Refused,
+    Rule,
+    Severity,
+    fold,
+    worst,
+)
+
+if TYPE_CHECKING:
+    from assistant.compiler import Compiled, Loaded
+
+SAME_FILE = Rule(
+    "CL001",
+    Severity.ERROR,
+    "both `{first}` and `{second}` would write `{name}`",
+    "rename one of the sources, or compile them into different folders",
+)
+NOT_ONE_FILE = Rule(
+    "CL002",
+    Severity.ERROR,
+    "there are {count} files to print",
+    "name a folder with --output",
+)
+STANDARD: Final = "-"
+SIDE_TABLES_ABOVE: Final = 1000
+"""Rows of a path that a `.pseudo` file on disk still holds in its text."""
+
+
+def run_compile(
+    sources: Sequence[str],
+    language: str,
+    *,
+    robot: str | None,
+    process: Path | None,
+    output: str,
+    most_targets: int | None,
+    from_language: str | None,
+    from_robot: str | None,
+    format: Format,
+) -> int:
+    from assistant.compiler import compile
+
+    done: list[tuple[str, Compiled]] = []
+    for source in sources:
+        with working(f"compiling {source}"):
+            given = _input(source, from_language, from_robot)
+            compiled = compile(
+                given.program if given else source,
+                language=language,
+                robot=robot,
+                process=process,
+                from_robot=from_robot,
+                most_targets=most_targets,
+            )
+        done.append((source, compiled))
+    files, clash = _together(done)
+    findings = [f.within(source) for source, compiled in done for f in compiled.findings]
+    findings += clash
+    ok = not clash and all(compiled.ok for _, compiled in done)
+    written: list[str] = []
+    if ok and output == STANDARD:
+        if len(files) != 1:
+            raise Refused(NOT_ONE_FILE(count=len(files)), exit_status=2)
+        sys.stdout.buffer.write(next(iter(files.values())))
+    elif ok:
+        from assistant.compiler.output import write_files
+
+        written = [str(path) for path in write_files(files, output)]
+    if format is Format.JSON:
+        print_json(_answer(done, findings, written, ok))
+    else:
+        print_findings(findings)
+        if output != STANDARD:
+            for source, compiled in done:
+                say(f"{source}: {compiled.proof.line()}")
+            for name in written:
+                say(f"wrote {name}")
+    return 0 if ok else 1
+
+
+def run_show(
+    source: str,
+    robot: str | None,
+    process: Path | None,
+    from_language: str | None,
+    output: Path | None,
+) -> int:
+    from assistant.program import pseudo
+
+    loaded = _loaded(source, robot, process, from_language)
+    print_findings(fold(f.within(source) for f in loaded.findings))
+    if output is None:
+        sys.stdout.write(pseudo.print_program(loaded.program).text)
+        return 0
+    from assistant.compiler.output import write_files
+
+    printed = pseudo.print_program(loaded.program, side_tables_above=SIDE_TABLES_ABOVE)
+    name = output.with_suffix(".pseudo").name
+    for path in write_files({name: printed.text.encode(), **printed.tables}, output.parent):
+        say(f"wrote {path}")
+    return 0
+
+
+def run_check(
+    sources: Sequence[str],
+    robot: str | None,
+    process: Path | None,
+    from_language: str | None,
+    format: Format,
+) -> int:
+    findings: list[Diagnostic] = []
+    for source in sources:
+        with working(f"checking {source}"):
+            findings += [f.within(source) for f in _checked(source, robot, process, from_language)]
+    folded = fold(findings)
+    if format is Format.JSON:
+        print_json({"findings": [finding_record(f) for f in folded]})
+    else:
+        print_findings(folded)
+        say(f"{len(sources)} checked, {len(findings)} findings")
+    return 1 if worst(folded) in (Severity.ERROR, Severity.WARNING) else 0
+
+
+def _checked(
+    source: str, robot: str | None, process: Path | None, from_language: str | None
+) -> tuple[Diagnostic, ...]:
+    from assistant import languages, robots
+    from assistant.compiler.compile import robot_of
+
+    try:
+        loaded = _loaded(source, robot, process, from_language)
+    except Refused as refused:
+        if refused.exit_status == 2:
+            raise
+        return refused.findings
+    found = list(loaded.findings)
+    if loaded.language and source != STANDARD:
+        spoken = languages.get(loaded.language)
+        found += spoken.check([spoken.parse(spoken.read(source))])
+    arm = robot_of(robot or loaded.program.robot)
+    if arm is not None:
+        found += robots.configure(loaded.program, arm)[1]
+    return tuple(found)
+
+
+def _loaded(
+    source: str, robot: str | None, process: Path | None, from_language: str | None
+) -> Loaded:
+    from assistant.compiler.compile import robot_of
+    from assistant.compiler.load import load
+
+    given = _input(source, from_language, robot)
+    return given or load(source, process=process, robot=robot_of(robot), language=from_language)
+
+
+def _input(source: str, language: str | None, robot: str | None) -> Loaded | None:
+    """The program on standard input if the source says so, or a file of a named language."""
+    from assistant.compiler.compile import robot_of
+    from assistant.compiler.load import PSEUDO_ENCODINGS, load, load_text
+    from assistant.languages import get
+    from assistant.program.text import decode
+
+    if source != STANDARD:
+        return load(source, robot=robot_of(robot), language=language) if language else None
+    data = sys.stdin.buffer.read()
+    encodings = get(language).encodings if language else PSEUDO_ENCODINGS
+    text = decode(data, "standard input", encodings)
+    return load_text(text, robot=robot_of(robot), language=language)
+
+
+def _together(done: Sequence[tuple[str, Compiled]]) -> tuple[dict[str, bytes], list[Diagnostic]]:
+    """The files of all sources, and a finding for each name that two of them claim."""
+    files: dict[str, bytes] = {}
+    owner: dict[str, str] = {}
+    clash = []
+    for source, compiled in done:
+        for name, data in compiled.files.items():
+            other = owner.setdefault(name.lower(), source)
+            if other is not source:
+                clash.append(SAME_FILE(first=other, second=source, name=name))
+            files[name] = data
+    return files, clash
+
+
+def _answer(
+    done: Sequence[tuple[str, Compiled]],
+    findings: Sequence[Diagnostic],
+    written: Sequence[str],
+    ok: bool,
+) -> dict[str, Any]:
+    return {
+        "ok": ok,
+        "sources": [
+            {
+                "source": source,
+                "language": compiled.language,
+                "files": sorted(compiled.files),
+                "proof": None
+                if (comparison := compiled.proof.comparison) is None
+                else {
+                    "holds": compiled.proof.holds,
+                    "statements": comparison.statements,
+                    "targets": comparison.targets,
+                    "position_mm": comparison.position,
+                    "angle_deg": comparison.angle,
+                },
+            }
+            for source, compiled in done
+        ],
+        "findings": [finding_record(f) for f in findings],
+        "written": list(written),
+    }
+
+
+@contextmanager
+def working(what: str) -> Iterator[None]:
+    """A spinner on the terminal while something takes its time; nothing elsewhere."""
+    if not sys.stderr.isatty():
+        yield
+        return
+    with console().status(what):
+        yield

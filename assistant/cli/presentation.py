@@ -1,0 +1,81 @@
+"""Findings and results for people (with colours on a terminal) and for programs (JSON)."""
+
+from __future__ import annotations
+
+import enum
+import json
+import sys
+from collections.abc import Iterable
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from assistant.program.diagnostics import Diagnostic, Severity
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+
+class Format(enum.StrEnum):
+    """How a command answers."""
+
+    TEXT = "text"
+    JSON = "json"
+
+
+STYLES = {Severity.ERROR: "bold red", Severity.WARNING: "yellow", Severity.INFO: "cyan"}
+
+
+def console() -> Console:
+    """Standard error with colours only on a terminal; `NO_COLOR` is honoured."""
+    from rich.console import Console
+
+    return Console(stderr=True, highlight=False, soft_wrap=True, emoji=False, markup=False)
+
+
+def print_findings(findings: Iterable[Diagnostic]) -> None:
+    """Each finding on standard error: code, place, sentence, source line with a caret, cure."""
+    from rich.text import Text
+
+    screen = None
+    for finding in findings:
+        screen = screen or console()
+        head = Text(finding.code, style=STYLES[finding.severity])
+        head.append(f" {finding.severity}", style=STYLES[finding.severity])
+        if where := finding.where():
+            head.append(f" {_visible(where)}", style="bold")
+        head.append(f": {_visible(finding.message)}", style="default")
+        screen.print(head)
+        if finding.excerpt is not None and finding.line is not None:
+            number = f"{finding.line:>6} | "
+            screen.print(Text(number + _visible(finding.excerpt), style="dim"))
+            if finding.column is not None:
+                screen.print(" " * (len(number) + finding.column - 1) + "^" * _width(finding))
+        if finding.cure:
+            screen.print(Text(f"       = {_visible(finding.cure)}", style="green"))
+
+
+def _width(finding: Diagnostic) -> int:
+    if finding.span is None or finding.excerpt is None or finding.column is None:
+        return 1
+    rest = len(finding.excerpt) - finding.column + 1
+    return max(1, min(finding.span.end - finding.span.start, rest))
+
+
+def _visible(text: str) -> str:
+    """Text from outside without control characters that would steer the terminal."""
+    return "".join(c if c.isprintable() or c == " " else "�" for c in text.replace("\t", " "))
+
+
+def finding_record(finding: Diagnostic) -> dict[str, Any]:
+    """A finding as plain data, without the fields that it does not have."""
+    return {key: value for key, value in asdict(finding).items() if value is not None}
+
+
+def print_json(answer: object) -> None:
+    json.dump(answer, sys.stdout, indent=2, ensure_ascii=False)
+    sys.stdout.write("\n")
+
+
+def say(line: str) -> None:
+    """A line of the answer itself, on standard output."""
+    sys.stdout.write(line + "\n")

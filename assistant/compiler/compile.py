@@ -1,0 +1,169 @@
+"""Compiling: a source or pseudo-program into the proven files of a robot language."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from assistant import languages
+from assistant.compiler.load import load
+from assistant.compiler.proof import Proof, prove
+from assistant.program.diagnostics import (
+    Diagnostic,
+    Refused,
+    Rule,
+    Severity,
+    fold,
+    has_errors,
+)
+from assistant.program.geometry import Target
+from assistant.program.path import Path, configuration_row
+from assistant.program.program import Program
+from assistant.program.rewriting import rewrite
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+
+UNKNOWN_LANGUAGE = Rule(
+    "CO001", Severity.ERROR, "there is no language `{name}`", "choose one of {names}"
+)
+UNKNOWN_ROBOT = Rule("CO002", Severity.ERROR, "there is no robot `{name}`", "choose one of {names}")
+OTHER_MAKER = Rule(
+    "CO003",
+    Severity.WARNING,
+    "the controller of {robot} does not run {language}",
+    "choose one of {languages}, or another robot",
+)
+TOO_FEW = Rule(
+    "CO004",
+    Severity.ERROR,
+    "a unit of {most} targets is too small",
+    "allow at least {least} targets a unit",
+)
+LEAST_TARGETS: Final = 10
+"""A unit must hold an arc with its start, and be worth a file."""
+
+
+@dataclass(frozen=True, slots=True)
+class Compiled:
+    """The outcome of a compilation.
+
+    files: bytes by file name, empty if anything forbids writing them. program: the
+    pseudo-program as the language says it. findings: folded, the worst of them may be errors.
+    """
+
+    program: Program
+    language: str
+    proof: Proof
+    files: dict[str, bytes] = field(default_factory=dict)
+    findings: tuple[Diagnostic, ...] = ()
+
+    @property
+    def ok(self) -> bool:
+        return bool(self.files) and self.proof.holds and not has_errors(self.findings)
+
+
+def compile(
+    source: str | FilePath | Program,
+    *,
+    language: str,
+    robot: str | Robot | None = None,
+    process: str | FilePath | None = None,
+    from_robot: str | Robot | None = None,
+    most_targets: int | None = None,
+) -> Compiled:
+    """The source as a program of the language, read back and compared before it is given out.
+
+    robot: whose arm runs it; chooses configurations and checks reach and limits. Without one
+    the program's own. process: process file of a drawing or table. from_robot: the arm that a
+    vendor program was written for. most_targets: of one unit, for controllers that take less.
+    Raises Unreadable or Refused for input that cannot be used at all.
+    """
+    target = _language(language)
+    if most_targets is not None and most_targets < LEAST_TARGETS:
+        raise Refused(TOO_FEW(most=most_targets, least=LEAST_TARGETS), exit_status=2)
+    findings: list[Diagnostic] = []
+    if isinstance(source, Program):
+        program = source
+    else:
+        loaded = load(source, process=process, robot=robot_of(from_robot))
+        program, findings = loaded.program, list(loaded.findings)
+        findings = [f.within(str(source)) for f in findings]
+    arm = robot_of(robot or program.robot)
+    if arm is not None:
+        if program.robot not in (None, arm.name):
+            program = _without_configurations(program)
+        program = replace(program, robot=arm.name)
+        if target.name not in arm.languages:
+            findings.append(
+                OTHER_MAKER(
+                    robot=arm.name, language=target.name, languages=", ".join(arm.languages)
+                )
+            )
+        from assistant import robots
+
+        program, found = robots.configure(program, arm)
+        findings += found
+    adapted = target.adapt(program, arm, most_targets=most_targets)
+    findings += adapted.findings
+    program = adapted.program
+    if has_errors(findings):
+        return Compiled(program, target.name, Proof(None), findings=fold(findings))
+    units = dict.fromkeys([None, *(p.unit for p in program.procedures)])
+    files = {
+        target.file_name(program, unit): target.encode(target.build(program, arm, unit))
+        for unit in units
+    }
+    proof = prove(target, program, files, arm)
+    findings += proof.findings
+    kept = files if proof.holds else {}
+    return Compiled(program, target.name, proof, kept, fold(findings))
+
+
+def translate(
+    path: str | FilePath,
+    *,
+    to: str,
+    robot: str | Robot | None = None,
+    from_robot: str | Robot | None = None,
+) -> Compiled:
+    """A vendor program in another vendor's language, for another arm if one is named."""
+    return compile(path, language=to, robot=robot, from_robot=from_robot)
+
+
+def robot_of(robot: str | Robot | None) -> Robot | None:
+    """A robot of the catalogue by name; raises Refused if there is none."""
+    if not isinstance(robot, str):
+        return robot
+    from assistant import robots
+
+    try:
+        return robots.get(robot)
+    except KeyError:
+        finding = UNKNOWN_ROBOT(name=robot, names=", ".join(robots.names()))
+        raise Refused(finding, exit_status=2) from None
+
+
+def _language(name: str) -> languages.Language[languages.Tree]:
+    try:
+        return languages.get(name)
+    except KeyError:
+        finding = UNKNOWN_LANGUAGE(name=name, names=", ".join(languages.names()))
+        raise Refused(finding, exit_status=2) from None
+
+
+def _without_configurations(program: Program) -> Program:
+    """Branches that were meant for another arm are left open, to be chosen anew."""
+
+    def opened(part: Any) -> Any:
+        if isinstance(part, Target) and part.configuration is not None:
+            return replace(part, configuration=None)
+        if isinstance(part, Path):
+            unstated = np.broadcast_to(np.array(configuration_row(None), np.int8), (len(part), 6))
+            return replace(part, configurations=unstated)
+        return part
+
+    return rewrite(program, opened)

@@ -1,0 +1,85 @@
+"""Proof: the written text, read back, says what the pseudo-program says."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from assistant.program.comparison import Comparison, Tolerance, compare
+from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, has_errors
+from assistant.program.program import Program
+
+if TYPE_CHECKING:
+    from assistant.languages import Language
+    from assistant.robots import Robot
+
+NOT_READ_BACK = Rule(
+    "CO101",
+    Severity.ERROR,
+    "the text that was emitted cannot be read back: {reason}",
+    "nothing was written; report this with the input",
+)
+SAYS_OTHERWISE = Rule(
+    "CO102",
+    Severity.ERROR,
+    "the text that was emitted says something else: {message}",
+    "nothing was written; report this with the input",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Proof:
+    """What was compared, and the findings if it did not hold."""
+
+    comparison: Comparison | None
+    findings: tuple[Diagnostic, ...] = ()
+
+    @property
+    def holds(self) -> bool:
+        return self.comparison is not None and not has_errors(self.findings)
+
+    def line(self) -> str:
+        """The result in one line for people."""
+        if self.comparison is None or not self.holds:
+            return "not proven"
+        c = self.comparison
+        return (
+            f"proven: {c.statements:,} statements and {c.targets:,} targets read back, "
+            f"largest deviation {c.position:.6f} mm, {c.angle:.6f} degrees"
+        )
+
+
+def prove(
+    language: Language[Any],
+    program: Program,
+    files: Mapping[str, bytes],
+    robot: Robot | None = None,
+) -> Proof:
+    """Reads the files back from their bytes and compares them with the program.
+
+    program: as the language adapted it. The findings of a proof that does not hold name the
+    place in the program.
+    """
+    trees = [language.parse(language.decode(data, name)) for name, data in files.items()]
+    findings = [finding for tree in trees for finding in tree.findings]
+    findings += language.check(trees)
+    if has_errors(findings):
+        reasons = [
+            NOT_READ_BACK(
+                path=f.path, line=f.line, column=f.column, reason=f.message, place=f.place
+            )
+            for f in findings
+            if f.severity is Severity.ERROR
+        ]
+        return Proof(None, (*reasons, *findings))
+    try:
+        lifted = language.lift(trees, robot)
+    except Refused as refused:
+        reasons = [NOT_READ_BACK(reason=f.message, place=f.place) for f in refused.findings]
+        return Proof(None, tuple(reasons))
+    precision = language.precision
+    tolerance = Tolerance(precision.position, precision.angle, precision.number)
+    comparison = compare(program, lifted, tolerance)
+    otherwise = [SAYS_OTHERWISE(message=m.message, place=m.place) for m in comparison.mismatches]
+    return Proof(comparison, (*otherwise, *findings))

@@ -1,0 +1,1 @@
+"""Pictures and pages about a program: its path over a drawing, its poses over the path."""

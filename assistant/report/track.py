@@ -1,0 +1,179 @@
+"""The track of a program: the poses its tool goes through, in the order of its statements."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.program import rotations
+from assistant.program.expressions import Expression, Name, TargetValue
+from assistant.program.geometry import BASE, IDENTITY, Pose, Target
+from assistant.program.path import Kind, Path
+from assistant.program.program import Program, walk
+from assistant.program.statements import Call, Follow, Motion, Move, MoveCircular, Statement
+
+ARC_STEPS: Final = 24
+"""Chords an arc is drawn with."""
+
+
+@dataclass(frozen=True, slots=True)
+class Track:
+    """positions (n, 3) mm and quaternions (n, 4) in the robot's base frame.
+
+    kinds (n,): the `Kind` of the move that leads to each pose; joint moves are drawn as
+    chords though the arm does not go straight. names: row → name, of the targets that have one.
+    """
+
+    positions: NDArray[np.float64]
+    quaternions: NDArray[np.float64]
+    kinds: NDArray[np.uint8]
+    names: dict[int, str]
+
+    def __len__(self) -> int:
+        return len(self.positions)
+
+    def lengths(self) -> NDArray[np.float64]:
+        """Distance in mm along the track at each pose (n,)."""
+        steps = np.linalg.norm(np.diff(self.positions, axis=0), axis=1)
+        return np.concatenate([[0.0], np.cumsum(steps)]) if len(self) else np.empty(0)
+
+
+@dataclass(slots=True)
+class _Piece:
+    positions: NDArray[np.float64]
+    quaternions: NDArray[np.float64]
+    kinds: NDArray[np.uint8]
+    name: str | None = None
+
+
+def track(program: Program) -> Track:
+    """What the entry procedure and those that it calls move through, conditions left aside."""
+    pieces = list(_pieces(program, program.entry, ()))
+    if not pieces:
+        return Track(np.empty((0, 3)), np.empty((0, 4)), np.empty(0, np.uint8), {})
+    names, row, last = {}, 0, None
+    drawn: list[_Piece] = []
+    for piece in pieces:
+        piece = _with_arcs(piece, last)
+        if piece.name:
+            names[row + len(piece.positions) - 1] = piece.name
+        row += len(piece.positions)
+        last = piece.positions[-1]
+        drawn.append(piece)
+    return Track(
+        np.concatenate([p.positions for p in drawn]),
+        np.concatenate([p.quaternions for p in drawn]),
+        np.concatenate([p.kinds for p in drawn]),
+        names,
+    )
+
+
+def _pieces(program: Program, name: str | None, above: tuple[str, ...]) -> Iterator[_Piece]:
+    procedure = program.procedure(name) if name else None
+    if procedure is None or procedure.name in above:
+        return
+    for statement in walk(procedure.body):
+        if isinstance(statement, Call):
+            yield from _pieces(program, statement.procedure, (*above, procedure.name))
+        else:
+            yield from _moved(program, statement)
+
+
+def _moved(program: Program, statement: Statement) -> Iterator[_Piece]:
+    match statement:
+        case Move(kind=kind, target=target, motion=motion):
+            how = Kind.JOINT if kind == "joint" else Kind.LINEAR
+            yield from _single(program, [(target, how)], motion)
+        case MoveCircular(via=via, target=target, motion=motion):
+            yield from _single(program, [(via, Kind.VIA), (target, Kind.END)], motion)
+        case Follow(path=path):
+            yield _of_path(program, path)
+
+
+def _single(
+    program: Program, targets: list[tuple[Expression, Kind]], motion: Motion
+) -> Iterator[_Piece]:
+    found = [(_target(program, expression), kind) for expression, kind in targets]
+    if any(target is None for target, _ in found):
+        return
+    frame = _frame(program, motion.frame)
+    poses = [frame @ target.pose for target, _ in found if target is not None]
+    last = targets[-1][0]
+    yield _Piece(
+        np.array([pose.position for pose in poses]),
+        np.array([pose.quaternion for pose in poses]),
+        np.array([kind for _, kind in found], np.uint8),
+        last.name if isinstance(last, Name) else None,
+    )
+
+
+def _of_path(program: Program, path: Path) -> _Piece:
+    positions, quaternions = path.positions.copy(), path.quaternions.copy()
+    for index, name in enumerate(path.frames):
+        rows = path.frame == index
+        frame = _frame(program, name)
+        if frame != IDENTITY and rows.any():
+            turned = rotations.rotate(frame.quaternion, positions[rows])
+            positions[rows] = turned + np.array(frame.position)
+            quaternions[rows] = rotations.multiply(frame.quaternion, quaternions[rows])
+    return _Piece(positions, quaternions, path.kinds, path.name)
+
+
+def _frame(program: Program, name: str) -> Pose:
+    frame = program.frames.get(name)
+    return IDENTITY if frame is None or name == BASE else frame.pose
+
+
+def _target(program: Program, expression: Expression) -> Target | None:
+    if isinstance(expression, TargetValue):
+        return expression.target
+    return program.targets.get(expression.name) if isinstance(expression, Name) else None
+
+
+def _with_arcs(piece: _Piece, before: NDArray[np.float64] | None) -> _Piece:
+    """Each VIA and END pair replaced by chords of the arc that they and the start define."""
+    vias = np.flatnonzero(piece.kinds == Kind.VIA)
+    if not len(vias):
+        return piece
+    positions, quaternions, kinds = [], [], []
+    row = 0
+    for via in vias:
+        positions.append(piece.positions[row:via])
+        quaternions.append(piece.quaternions[row:via])
+        kinds.append(piece.kinds[row:via])
+        start = piece.positions[via - 1] if via else before
+        points = piece.positions[via : via + 2]
+        chords = points if start is None else arc_points(start, points[0], points[1])
+        positions.append(chords)
+        quaternions.append(np.repeat(piece.quaternions[via + 1 : via + 2], len(chords), axis=0))
+        kinds.append(np.full(len(chords), Kind.END, np.uint8))
+        row = int(via) + 2
+    rest = slice(row, None)
+    return _Piece(
+        np.concatenate([*positions, piece.positions[rest]]),
+        np.concatenate([*quaternions, piece.quaternions[rest]]),
+        np.concatenate([*kinds, piece.kinds[rest]]),
+        piece.name,
+    )
+
+
+def arc_points(
+    start: NDArray[np.float64], via: NDArray[np.float64], end: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Points (m, 3) on the arc after `start` up to `end`; the points themselves if straight."""
+    a, b = via - start, end - start
+    normal = np.cross(a, b)
+    square = float(normal @ normal)
+    if square < 1e-12 * max(float(a @ a) * float(b @ b), 1e-12):
+        return np.stack([via, end])
+    centre = start + np.cross(float(a @ a) * b - float(b @ b) * a, normal) / (2.0 * square)
+    x_axis = start - centre
+    y_axis = np.cross(normal / np.sqrt(square), x_axis)
+    toward = end - centre
+    sweep = np.arctan2(toward @ y_axis, toward @ x_axis) % (2.0 * np.pi)
+    angles = np.linspace(0.0, sweep, ARC_STEPS + 1)[1:, None]
+    return np.asarray(centre + np.cos(angles) * x_axis + np.sin(angles) * y_axis)

@@ -1,0 +1,75 @@
+"""Runs every case in a process of its own and prints points per second and peak memory."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import resource
+import statistics
+import subprocess
+import sys
+import time
+
+from benchmarks.emission import CASES
+
+HELP_LIMIT = 0.3
+"""Seconds in which `robot-assistant --help` has to answer."""
+
+
+def main() -> None:
+    arguments = argparse.ArgumentParser(description=__doc__)
+    arguments.add_argument("--points", type=int, default=1_000_000)
+    arguments.add_argument("--runs", type=int, default=3, help="of each case; the best counts")
+    arguments.add_argument("--case", choices=CASES, help="run one case here and print JSON")
+    chosen = arguments.parse_args()
+    if chosen.case:
+        print(json.dumps(_measured(chosen.case, chosen.points)))
+        return
+    print(f"{chosen.points:,} random poses, best of {chosen.runs} runs, a process each\n")
+    print(f"{'case':<52}{'points/s':>12}{'seconds':>10}{'peak MiB':>10}")
+    for case in CASES:
+        runs = [_in_process(case, chosen.points) for _ in range(chosen.runs)]
+        best = min(runs, key=lambda run: run["seconds"])
+        rate = chosen.points / best["seconds"]
+        print(f"{case:<52}{rate:>12,.0f}{best['seconds']:>10.2f}{best['peak']:>10.0f}", flush=True)
+    _startup()
+
+
+def _measured(case: str, points: int) -> dict[str, float]:
+    prepare, work = CASES[case]
+    given = prepare(points)
+    start = time.perf_counter()
+    work(given)
+    seconds = time.perf_counter() - start
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    return {"seconds": seconds, "peak": peak}
+
+
+def _in_process(case: str, points: int) -> dict[str, float]:
+    command = [sys.executable, "-m", "benchmarks", "--case", case, "--points", str(points)]
+    answer = subprocess.run(command, check=True, capture_output=True, text=True)
+    return json.loads(answer.stdout)
+
+
+def _startup() -> None:
+    """`--help` as users start it, beside a bare interpreter."""
+    helped = _seconds([sys.executable, "-m", "assistant", "--help"])
+    bare = _seconds([sys.executable, "-c", "pass"])
+    verdict = "within" if helped <= HELP_LIMIT else "OVER"
+    print(
+        f"\nrobot-assistant --help: {helped:.3f} s ({verdict} the limit of {HELP_LIMIT} s;"
+        f" a bare interpreter takes {bare:.3f} s)"
+    )
+
+
+def _seconds(command: list[str]) -> float:
+    times = []
+    for _ in range(7):
+        start = time.perf_counter()
+        subprocess.run(command, check=True, capture_output=True)
+        times.append(time.perf_counter() - start)
+    return statistics.median(times)
+
+
+if __name__ == "__main__":
+    main()
