@@ -80,7 +80,7 @@ def python_rapid(given: tuple[np.ndarray, np.ndarray]) -> bytes:
     positions, quaternions = given
     declarations = [
         "    CONST robtarget scan_%d:=[[%.4f,%.4f,%.4f],[%.9f,%.9f,%.9f,%.9f],[0,0,0,0],"
-        "[9E9,9E9,9E9,9E9,9E9,9E9]];\r\n" % (i, *p, *q)  # noqa: UP031  the fastest there is
+        "[9E9,9E9,9E9,9E9,9E9,9E9]];\r\n" % (i, *p, *q)
         for i, (p, q) in enumerate(
             zip(positions.tolist(), quaternions.tolist(), strict=True), start=1
         )
