@@ -1,0 +1,42 @@
+"""The wheel works where nothing but it is installed."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import venv
+from pathlib import Path
+
+PROJECT = Path(__file__).parent.parent
+
+
+def run(*command: object, cwd: Path) -> str:
+    clean = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+    words = [str(word) for word in command]
+    done = subprocess.run(words, cwd=cwd, env=clean, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def test_a_sample_compiles_from_the_installed_wheel(tmp_path):
+    run(sys.executable, "-m", "build", "--wheel", "--outdir", tmp_path, PROJECT, cwd=tmp_path)
+    (wheel,) = tmp_path.glob("*.whl")
+    venv.create(tmp_path / "empty", with_pip=True)
+    scripts = tmp_path / "empty" / ("Scripts" if sys.platform == "win32" else "bin")
+    run(scripts / "python", "-m", "pip", "install", "--quiet", wheel, cwd=tmp_path)
+    answer = run(
+        scripts / "robot-assistant",
+        "compile",
+        PROJECT / "samples" / "plate.dxf",
+        "--robot=irb1200-7-0.7",
+        "--language=rapid",
+        "--output=out",
+        cwd=tmp_path,
+    )
+    assert "proven: " in answer
+    assert (tmp_path / "out" / "plate.mod").read_bytes().startswith(b"MODULE plate")
+    where = run(
+        scripts / "python", "-c", "import assistant; print(assistant.__file__)", cwd=tmp_path
+    )
+    assert str(tmp_path) in where
