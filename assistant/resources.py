@@ -1,4 +1,4 @@
-"""Grammars and templates: inside the package when installed, beside it in a checkout."""
+"""Grammars, templates and samples: inside the package when installed, beside it in a checkout."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 def resource(folder: str, name: str) -> Traversable:
-    """A file of `grammars` or `templates`; raises FileNotFoundError if there is none."""
+    """A file of `grammars`, `templates` or `samples`; raises FileNotFoundError if there is none."""
     inside = files("assistant").joinpath(folder, name)
     beside = Path(__file__).resolve().parent.parent / folder / name
     for found in (inside, beside):

@@ -1,0 +1,84 @@
+"""What the README and the docs tell people to type works."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from docs import findings
+
+PROJECT = Path(__file__).parent.parent
+PAGES = [PROJECT / "README.md", *sorted((PROJECT / "docs").glob("*.md"))]
+BLOCK = re.compile(r"^```console\n(.*?)^```", re.M | re.S)
+EXITS = re.compile(r"\s+# exits (\d)$")
+READY = b"listening"
+
+
+def commands(page: Path) -> list[str]:
+    """The lines after a `$ ` prompt that call robot-assistant."""
+    text = page.read_text(encoding="utf-8")
+    lines = [line for block in BLOCK.findall(text) for line in block.splitlines()]
+    return [line[2:] for line in lines if line.startswith("$ ") and "robot-assistant" in line]
+
+
+def test_there_are_commands_in_the_readme():
+    assert commands(PROJECT / "README.md")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_the_commands_of_a_page_work(page, tmp_path):
+    shutil.copytree(PROJECT / "samples", tmp_path / "samples")
+    environment = {
+        **os.environ,
+        "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
+        "ROBOT_ASSISTANT_PASSWORD": "secret",
+        "NO_COLOR": "1",
+    }
+    servers: list[subprocess.Popen[bytes]] = []
+    try:
+        for line in commands(page):
+            expected = int(match[1]) if (match := EXITS.search(line)) else 0
+            command = EXITS.sub("", line)
+            if command.endswith(" &"):
+                servers.append(_server(command[:-2], tmp_path, environment))
+                continue
+            done = subprocess.run(
+                ["bash", "-c", command],
+                cwd=tmp_path,
+                env=environment,
+                capture_output=True,
+                text=True,
+            )
+            said = done.stdout + done.stderr
+            assert done.returncode == expected, f"{command}\n{said}"
+            assert "Traceback" not in said
+    finally:
+        for server in servers:
+            server.send_signal(signal.SIGINT)
+            server.wait(timeout=10)
+
+
+def _server(command: str, folder: Path, environment: dict[str, str]) -> subprocess.Popen[bytes]:
+    server = subprocess.Popen(
+        ["bash", "-c", f"exec {command}"], cwd=folder, env=environment, stdout=subprocess.PIPE
+    )
+    assert server.stdout is not None
+    line = server.stdout.readline()
+    assert READY in line, line
+    return server
+
+
+def test_the_findings_page_is_what_the_rules_say():
+    written = (PROJECT / "docs" / "findings.md").read_text(encoding="utf-8")
+    assert written == findings.page(), "python -m docs.findings > docs/findings.md"
+
+
+def test_every_finding_says_what_to_do():
+    assert [rule.code for rule in findings.rules().values() if not rule.cure.strip()] == []
