@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -84,7 +85,8 @@ def read_bytes(path: str | FilePath, *, allow_empty: bool = False) -> bytes:
     except (IsADirectoryError, NotADirectoryError):
         raise Unreadable(IS_FOLDER(path=name, name=name)) from None
     except PermissionError:
-        rule = IS_FOLDER if FilePath(path).is_dir() else NOT_PERMITTED  # Windows says so of folders
+        windows_folder = os.name == "nt" and FilePath(path).is_dir()  # which is not permitted there
+        rule = IS_FOLDER if windows_folder else NOT_PERMITTED
         raise Unreadable(rule(path=name, name=name)) from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
