@@ -7,7 +7,7 @@ with points, knows its `length`, and can be `reversed()`.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -112,7 +112,7 @@ class Arc:
         if circle is None:
             return None
         centre, normal = circle
-        sweep = sweep_between(centre, normal, a, c)
+        sweep = sweep_between(vector(centre), vector(normal), vector(a), vector(c))
         middle = _turned(centre, normal, a, np.array([0.5 * sweep]))[0]
         radius = float(np.linalg.norm(a - centre))
         return Arc(
@@ -132,9 +132,8 @@ class Arc:
         """Degrees from start to end about the normal, over 0 to 360."""
         if self.closed:
             return 360.0
-        centre, normal = np.asarray(self.centre), np.asarray(self.normal)
         # Twice the way to via: exact where start and end are nearly one point.
-        return 2.0 * sweep_between(centre, normal, np.asarray(self.start), np.asarray(self.via))
+        return 2.0 * sweep_between(self.centre, self.normal, self.start, self.via)
 
     @property
     def length(self) -> float:
@@ -199,6 +198,29 @@ class FreeCurve:
 Curve = Line | Arc | FreeCurve
 
 
+def sample(curves: Sequence[Curve], parameters: ArrayLike) -> Points:
+    """Points at the parameters (m,) of every curve, (n, m, 3); lines and arcs in columns."""
+    t = np.asarray(parameters, dtype=np.float64).reshape(-1)
+    points = np.empty((len(curves), len(t), 3))
+    lines = [i for i, c in enumerate(curves) if isinstance(c, Line)]
+    arcs = [(i, c) for i, c in enumerate(curves) if isinstance(c, Arc)]
+    if lines:
+        starts = np.array([curves[i].start for i in lines])[:, None]
+        ends = np.array([curves[i].end for i in lines])[:, None]
+        points[lines] = (1.0 - t[:, None]) * starts + t[:, None] * ends
+    if arcs:
+        start, centre, normal = (
+            np.array([getattr(c, name) for _, c in arcs])[:, None]
+            for name in ("start", "centre", "normal")
+        )
+        degrees = np.array([c.sweep for _, c in arcs])[:, None] * t
+        points[[i for i, _ in arcs]] = _turned(centre, normal, start, degrees)
+    for i, curve in enumerate(curves):
+        if isinstance(curve, FreeCurve):
+            points[i] = curve.at(t)
+    return points
+
+
 def vector(point: ArrayLike) -> Vector:
     """A point as a tuple of three floats, without negative zeros."""
     x, y, z = (float(v) + 0.0 for v in np.asarray(point, dtype=np.float64))
@@ -221,21 +243,39 @@ def circle_through(a: Points, b: Points, c: Points) -> tuple[Points, Points] | N
     return centre, w / math.sqrt(square)
 
 
-def sweep_between(centre: Points, normal: Points, first: Points, second: Points) -> float:
-    """Degrees from first to second about a normal, in [0, 360)."""
-    u, v = first - centre, second - centre
-    angle = math.degrees(math.atan2(float(np.cross(u, v) @ normal), float(u @ v)))
-    return angle % 360.0
+def sweep_between(centre: Vector, normal: Vector, first: Vector, second: Vector) -> float:
+    """Degrees from first to second about a unit normal, in [0, 360)."""
+    u, v = _minus(first, centre), _minus(second, centre)
+    angle = math.degrees(math.atan2(_dot(_cross(u, v), normal), _dot(u, v)))
+    return angle if angle >= 0.0 else (angle + 360.0) % 360.0
+
+
+def _minus(a: Vector, b: Vector) -> Vector:
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+def _dot(a: Vector, b: Vector) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def _cross(a: Vector, b: Vector) -> Vector:
+    return (
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    )
 
 
 def _turned(centre: Points, normal: Points, start: Points, degrees: Points) -> Points:
-    """start turned about the axis through centre, (m, 3); Rodrigues' formula."""
+    """`start` turned about the axis through centre by each of the degrees (..., m): (..., m, 3).
+
+    Rodrigues' formula.
+    """
     arm = start - centre
-    angle = np.radians(degrees)[:, None]
-    along = (arm @ normal) * normal
-    return np.asarray(
-        centre + along + (arm - along) * np.cos(angle) + np.cross(normal, arm) * np.sin(angle)
-    )
+    angle = np.radians(degrees)[..., None]
+    along = (arm * normal).sum(axis=-1, keepdims=True) * normal
+    turned = (arm - along) * np.cos(angle) + np.cross(normal, arm) * np.sin(angle)
+    return np.asarray(centre + along + turned)
 
 
 def _unit(v: Points) -> Points:
