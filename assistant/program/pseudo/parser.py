@@ -1,0 +1,415 @@
+"""Reads the text form: lines through the grammar, blocks by a stack, findings collected."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import Any, Final, cast
+
+from lark import Token
+
+from assistant.program.diagnostics import Diagnostic, Refused, Rule, Span
+from assistant.program.program import Declaration, Procedure, Program
+from assistant.program.pseudo.blocks import (
+    DIVIDING,
+    OPENING,
+    Block,
+    Ignored,
+    OpaqueBlock,
+    PathBlock,
+    ProcedureBlock,
+)
+from assistant.program.pseudo.declarations import read_declaration, read_header, read_variable
+from assistant.program.pseudo.findings import (
+    DUPLICATE,
+    INSIDE,
+    LATE_VARIABLE,
+    NO_CASE,
+    NO_PROGRAM,
+    NO_TEXT,
+    NOT_ENDED,
+    OUTSIDE,
+    SECOND_PROGRAM,
+    SURPLUS_END,
+    TOO_DEEP,
+    TOO_MANY,
+    Wrong,
+)
+from assistant.program.pseudo.grammar import BLOCK_WORDS, FIRST_WORDS, first_word, parse_line
+from assistant.program.pseudo.rows import faults
+from assistant.program.pseudo.statements import read_statement
+from assistant.program.pseudo.tables import SideTables
+from assistant.program.pseudo.words import Node, read_raw, read_word, shortened, split_comment
+from assistant.program.statements import Comment, Follow, Opaque, Statement
+from assistant.program.text import SourceText, decode, read_bytes
+
+MOST_FINDINGS: Final = 100
+"""After so many the rest is not read: the text is of another kind."""
+
+
+def read(path: str | FilePath) -> Program:
+    """The program of a file, its side tables beside it; raises Unreadable or Refused."""
+    source = decode(read_bytes(path), str(path), ("utf-8-sig", "utf-8"))
+    return parse(source, side_tables=FilePath(path).parent)
+
+
+def parse(text: SourceText | str, *, side_tables: SideTables = None) -> Program:
+    """The program that a text says.
+
+    side_tables: the folder of the files that the text refers to, or their bytes by name;
+    None takes the folder of the text's own file, if that is known.
+    Comments where the program has no place for them move to the nearest one below which what
+    they are about stands. Raises Refused with every finding, in order of lines.
+    """
+    source = text if isinstance(text, SourceText) else SourceText(text)
+    if side_tables is None and source.path:
+        side_tables = FilePath(source.path).parent
+    return _Reader(source, side_tables).program()
+
+
+@dataclass(slots=True)
+class _Line:
+    """A line without comment and outer blanks, and where it begins in the text."""
+
+    text: str
+    start: int
+    comment: str | None
+
+    @property
+    def span(self) -> Span:
+        return Span(self.start, self.start + len(self.text))
+
+
+class _Reader:
+    """The state of reading one text: what is open, what is declared, what is wrong."""
+
+    def __init__(self, source: SourceText, side_tables: SideTables) -> None:
+        self._source, self._side_tables = source, side_tables
+        self._findings: list[Diagnostic] = []
+        self._header: dict[str, str | None] | None = None
+        self._header_line = 0
+        self._comments: list[str] = []
+        self._pending: list[_Line] = []
+        self._tables: dict[str, dict[str, Any]] = {}
+        self._first: dict[tuple[str, str], int] = {}
+        self._declarations: list[Declaration] = []
+        self._procedures: list[Procedure] = []
+        self._stack: list[Block] = []
+
+    def program(self) -> Program:
+        for line in self._lines():
+            self._guarded(self._line, line)
+        for block in reversed(self._stack):
+            self._find(NOT_ENDED, block.span, word=block.word)
+        self._keep_pending()
+        if self._header is None and not self._findings:
+            self._find(NO_PROGRAM, Span(0, 0))
+        if self._findings:
+            raise Refused(*sorted(self._findings, key=lambda f: (f.line or 0, f.column or 0)))
+        assert self._header is not None
+        return Program(
+            name=cast(str, self._header["name"]),
+            procedures=tuple(self._procedures),
+            entry=self._header["entry"],
+            robot=self._header["robot"],
+            comments=tuple(self._comments),
+            declarations=tuple(self._declarations),
+            **self._tables,
+        )
+
+    # ------------------------------------------------------------------------------ lines
+
+    def _lines(self) -> Iterator[_Line]:
+        start = 0
+        for whole in self._source.text.split("\n"):
+            text = whole.lstrip(" \t\f\r\ufeff" if not start else " \t\f\r")
+            begin = start + len(whole) - len(text)
+            start += len(whole) + 1
+            text = text.removesuffix("\r")
+            if text.startswith("|") or (text.startswith("opaque") and "|" in text):
+                yield _Line(text, begin, None)  # whatever stands behind `|` is as it is
+                continue
+            said, comment = split_comment(text)
+            said = said.rstrip()
+            if said or comment is not None:
+                yield _Line(said, begin, comment)
+
+    def _line(self, line: _Line) -> None:
+        block = self._stack[-1] if self._stack else None
+        if isinstance(block, PathBlock):
+            self._path_line(block, line)
+        elif isinstance(block, OpaqueBlock):
+            self._opaque_line(block, line)
+        elif not line.text:
+            self._comment(line)
+        elif block is None:
+            self._declaration(line)
+        else:
+            self._statement(block, line)
+
+    def _guarded(self, read: Callable[[_Line], None], line: _Line) -> None:
+        """Reads a line; what is wrong with it becomes a finding."""
+        try:
+            read(line)
+        except Wrong as wrong:
+            self._wrong(wrong, line.span)
+        except RecursionError:
+            self._find(TOO_DEEP, line.span)
+
+    def _wrong(self, wrong: Wrong, line: Span) -> None:
+        span = line
+        if wrong.start is not None and wrong.end is not None:
+            span = Span(line.start + wrong.start, line.start + wrong.end)
+        self._find(wrong.rule, span, **wrong.fields)
+
+    def _find(self, rule: Rule, span: Span, **fields: Any) -> None:
+        self._findings.append(self._source.finding(rule, span, **fields))
+        if len(self._findings) >= MOST_FINDINGS:
+            last = self._source.finding(TOO_MANY, span, most=MOST_FINDINGS)
+            raise Refused(*self._findings, last)
+
+    def _number(self, line: _Line) -> int:
+        return self._source.line_column(line.start)[0]
+
+    # --------------------------------------------------------------------------- comments
+
+    def _comment(self, line: _Line) -> None:
+        """Keeps the comment of a line: above the program, or as a statement."""
+        if line.comment is None:
+            return
+        for block in reversed(self._stack):
+            if block.body is not None:
+                end = line.span.end
+                block.body.append(Comment(line.comment, span=Span(line.start, end)))
+                return
+        self._pending.append(line)
+
+    def _keep_pending(self) -> None:
+        """Comments above a declaration belong to the program as a whole."""
+        self._comments += [line.comment for line in self._pending if line.comment is not None]
+        self._pending.clear()
+
+    # ---------------------------------------------------------------- outside of procedures
+
+    def _declaration(self, line: _Line) -> None:
+        word = first_word(line.text)
+        if self._header is None and word != "program" and not self._findings:
+            self._find(NO_PROGRAM, line.span)
+        if word == "end":
+            raise Wrong(SURPLUS_END)
+        if word in FIRST_WORDS["statement"] and word not in FIRST_WORDS["declaration"]:
+            self._find(OUTSIDE, line.span, word=word)
+            if word in BLOCK_WORDS:
+                self._stack.append(Ignored(word, line.span, self._number(line)))
+            return
+        if word != "procedure":
+            self._keep_pending()
+            self._comment(line)
+        try:
+            tree = parse_line("declaration", line.text)
+            if tree.data == "procedure":
+                self._procedure(tree, line)
+                return
+        except Wrong:
+            if word == "procedure":
+                self._stack.append(Ignored(word, line.span, self._number(line)))
+            raise
+        if tree.data == "program":
+            self._program(tree, line)
+        elif tree.data == "variable":
+            name, variable = read_variable(tree)
+            self._declare("variables", name, variable, line)
+        elif tree.data == "opaque":
+            self._opaque(tree, line)
+        else:
+            declared = read_declaration(tree)
+            assert declared is not None
+            self._declare(*declared, line)
+
+    def _program(self, tree: Node, line: _Line) -> None:
+        if self._header is not None:
+            raise Wrong(SECOND_PROGRAM, first=self._header_line)
+        self._header, self._header_line = read_header(tree), self._number(line)
+
+    def _declare(self, table: str, name: str, value: object, line: _Line) -> None:
+        self._once(_KINDS[table], name, line)
+        self._tables.setdefault(table, {})[name] = value
+
+    def _once(self, kind: str, name: str, line: _Line, scope: str = "") -> None:
+        number = self._number(line)
+        first = self._first.setdefault((f"{scope}{kind}", name.lower()), number)
+        if first != number:
+            raise Wrong(DUPLICATE, kind=kind, name=shortened(name), first=first)
+
+    def _procedure(self, tree: Node, line: _Line) -> None:
+        block = ProcedureBlock(tree, line.span, self._number(line))
+        self._stack.append(block)
+        assert block.body is not None
+        for above in (*self._pending, line):
+            if above.comment is not None:
+                block.body.append(Comment(above.comment, span=above.span))
+        self._pending.clear()
+        self._once("procedure", block.name, line)
+
+    # ------------------------------------------------------------------------- statements
+
+    def _statement(self, block: Block, line: _Line) -> None:
+        word = first_word(line.text)
+        outer = self._stack[0]
+        if word in FIRST_WORDS["declaration"] and word not in FIRST_WORDS["statement"]:
+            if not _is_assignment(line.text):
+                self._find(INSIDE, line.span, word=word, first=outer.line)
+                if word == "procedure":
+                    self._stack.clear()
+                    self._guarded(self._declaration, line)
+                return
+        try:
+            tree = parse_line("statement", line.text)
+            self._read(tree, block, line)
+        except Wrong:
+            if word in BLOCK_WORDS and self._stack[-1] is block:
+                self._stack.append(Ignored(word, line.span, self._number(line)))
+            raise
+
+    def _read(self, tree: Node, block: Block, line: _Line) -> None:
+        rule = str(tree.data)
+        if rule == "end":
+            self._end(line)
+            self._comment(line)
+        elif rule in DIVIDING:
+            block.divide(DIVIDING[rule], tree, self._number(line))
+            self._comment(line)
+        elif block.body is None:
+            raise Wrong(NO_CASE)
+        elif rule in OPENING:
+            opened = OPENING[rule](tree, line.span, self._number(line))
+            self._comment(line)
+            self._stack.append(opened)
+        else:
+            self._comment(line)
+            if rule == "variable":
+                self._variable(tree, block, line)
+            elif rule == "opaque":
+                self._opaque(tree, line)
+            else:
+                statement = read_statement(tree, line.span)
+                assert statement is not None, rule
+                block.body.append(statement)
+
+    def _variable(self, tree: Node, block: Block, line: _Line) -> None:
+        name, variable = read_variable(tree)
+        if isinstance(block, Ignored):
+            return
+        if not isinstance(block, ProcedureBlock) or any(
+            not isinstance(statement, Comment) for statement in block.body or ()
+        ):
+            raise Wrong(LATE_VARIABLE)
+        self._once("variable", name, line, scope=f"{block.line} ")
+        block.variables[name] = variable
+
+    def _end(self, line: _Line) -> None:
+        block = self._stack.pop()
+        span = Span(block.span.start, line.span.end)
+        if isinstance(block, ProcedureBlock):
+            self._procedures.append(block.procedure())
+        elif isinstance(block, OpaqueBlock) and not self._stack:
+            self._declarations.append(block.declaration())
+        elif isinstance(block, PathBlock):
+            self._follow(block, span)
+        else:
+            self._put(block.close(span))
+
+    def _put(self, statement: Statement | None) -> None:
+        if statement is None or not self._stack:
+            return
+        body = self._stack[-1].body
+        if body is not None:
+            body.append(statement)
+
+    # ----------------------------------------------------------------------- opaque texts
+
+    def _opaque(self, tree: Node, line: _Line) -> None:
+        language, text = cast("list[Any]", tree.children)
+        if text is None:
+            self._stack.append(OpaqueBlock(tree, line.span, self._number(line)))
+        elif self._stack:
+            self._put(Opaque(read_word(language), read_raw(text), span=line.span))
+        else:
+            self._declarations.append(Declaration(read_word(language), read_raw(text)))
+
+    def _opaque_line(self, block: OpaqueBlock, line: _Line) -> None:
+        self._comment(line)
+        if line.text == "end":
+            self._end(line)
+        elif line.text.startswith(("|", '"')):
+            said = parse_line("raw", line.text).children[0]
+            block.lines.append(read_raw(cast(Token, said)))
+        elif line.text:
+            raise Wrong(NO_TEXT, word=shortened(line.text))
+
+    # ------------------------------------------------------------------------------ paths
+
+    def _path_line(self, block: PathBlock, line: _Line) -> None:
+        if line.comment is not None:
+            self._comment(line)
+        if line.text == "end":
+            self._end(line)
+        elif line.text:
+            try:
+                self._row(block, line)
+            except Wrong:
+                block.sound = False
+                raise
+
+    def _row(self, block: PathBlock, line: _Line) -> None:
+        if block.table is not None:
+            block.read_column(parse_line("column", line.text))
+            return
+        word = first_word(line.text)
+        if word in FIRST_WORDS["statement"] or word == "procedure":  # an `end` is missing above
+            self._find(NOT_ENDED, block.span, word="follow")
+            self._stack.pop()
+            self._line(line)
+            return
+        block.rows.read(line.text)
+        block.starts.append(line.start)
+
+    def _follow(self, block: PathBlock, span: Span) -> None:
+        if not block.sound:
+            return
+        if block.table is not None:
+            try:
+                path = block.table.path(self._side_tables)
+            except Wrong as wrong:
+                self._wrong(wrong, block.span)
+                return
+        else:
+            path = block.rows.path()
+            for row, rule, fields in faults(path):
+                start = block.starts[row]
+                self._find(rule, Span(start, self._end_of_line(start)), **fields)
+        self._put(Follow(path, span=span))
+
+    def _end_of_line(self, start: int) -> int:
+        end = self._source.text.find("\n", start)
+        return len(self._source.text) if end < 0 else end
+
+
+_KINDS: Final = {
+    "tools": "tool",
+    "frames": "frame",
+    "speeds": "speed",
+    "blends": "blend",
+    "signals": "signal",
+    "targets": "target",
+    "joint_targets": "joint target",
+    "variables": "variable",
+}
+"""Table of the program → what a person calls its entries."""
+
+
+def _is_assignment(text: str) -> bool:
+    """Whether a line that begins with a word of declarations assigns to a thing so named."""
+    rest = text[len(first_word(text)) :].lstrip()
+    return rest.startswith(("=", ".", "["))

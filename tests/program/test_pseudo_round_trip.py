@@ -1,0 +1,67 @@
+"""The text form says everything that a program can say, and says it one way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+
+from assistant.program.path import Path
+from assistant.program.program import Procedure, Program
+from assistant.program.pseudo import parse, print_program
+from assistant.program.statements import Follow, Statement
+from tests import strategies
+
+PATIENT = settings(
+    deadline=None,
+    max_examples=200,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
+)
+THOROUGH = settings(PATIENT, max_examples=5000)
+
+
+def holding(*body: Statement) -> Program:
+    return Program("p", (Procedure("main", body),))
+
+
+def comes_back(program: Program, side_tables_above: int | None = None) -> None:
+    printed = print_program(program, side_tables_above=side_tables_above)
+    text = printed.encode().decode()
+    again = parse(text, side_tables=printed.tables)
+    assert again == program
+    twice = print_program(again, side_tables_above=side_tables_above)
+    assert twice == printed
+    crlf = parse(text.replace("\n", "\r\n"), side_tables=printed.tables)
+    assert crlf == program
+
+
+@PATIENT
+@given(strategies.programs())
+def test_programs_come_back(program: Program) -> None:
+    comes_back(program)
+
+
+@pytest.mark.slow
+@THOROUGH
+@given(strategies.programs())
+def test_thousands_of_programs_come_back(program: Program) -> None:
+    comes_back(program, side_tables_above=4)
+
+
+@PATIENT
+@given(strategies.statements())
+def test_statements_come_back(statement: Statement) -> None:
+    comes_back(holding(statement))
+
+
+@PATIENT
+@given(strategies.paths())
+def test_paths_come_back(path: Path) -> None:
+    comes_back(holding(Follow(path)))
+
+
+@PATIENT
+@given(strategies.paths())
+def test_paths_come_back_from_side_tables(path: Path) -> None:
+    comes_back(holding(Follow(path), Follow(path)), side_tables_above=0)
