@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from typing import Final, Protocol, cast
 
@@ -56,7 +56,9 @@ def read(path: str | FilePath, process: str | FilePath | None = None) -> Reading
     if module is None:
         raise Unreadable(UNKNOWN_KIND(path=str(path), name=source.name, kinds=" ".join(READERS)))
     reader = cast(Reader, importlib.import_module(module).read)
-    return reader(source, process_of(source, process))
+    chosen = process_of(source, process)
+    reading = reader(source, chosen)
+    return replace(reading, findings=(*chosen.findings, *reading.findings))
 
 
 def process_of(source: FilePath, process: str | FilePath | None = None) -> Process:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
+from assistant.program.diagnostics import Diagnostic
 from assistant.program.expressions import Name
 from assistant.program.geometry import BASE, FLANGE, Frame, Tool, Vector
 from assistant.program.motion import FINE, Blend, Speed
@@ -67,6 +68,7 @@ class Process:
 
     layers: by layer name, compared without case. tags: attribute tag by meaning (`name`,
     `x_rotation`, …), for locations in drawings. tolerance: mm for chaining and fitting.
+    findings: warnings about the process file itself.
     """
 
     defaults: Defaults = DEFAULTS
@@ -76,6 +78,7 @@ class Process:
     layers: Mapping[str, Layer] = field(default_factory=dict)
     tags: Mapping[str, str] = field(default_factory=dict)
     tolerance: float = 0.05
+    findings: tuple[Diagnostic, ...] = ()
 
 
 NO_PROCESS: Final = Process()

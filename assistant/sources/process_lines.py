@@ -1,0 +1,100 @@
+"""Where in a TOML text each key stands; the standard library's reader does not say."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from typing import Final
+
+from assistant.program.diagnostics import Span
+
+KeyPath = tuple[str, ...]
+
+BLANK: Final = re.compile(r"[ \t]*")
+SPACE: Final = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
+KEY: Final = re.compile(r"""[A-Za-z0-9_-]+|"(?:[^"\\\n]|\\.)*"|'[^'\n]*'""")
+TEXT: Final = re.compile(
+    r'"""(?:[^\\]|\\.)*?"{3,5}|' + r"'''.*?'{3,5}|" + r"""\"(?:[^"\\\n]|\\.)*"|'[^'\n]*'""",
+    re.DOTALL,
+)
+BARE: Final = re.compile(r"[^\s,\]}#]+(?: \d[^\s,\]}#]*)?")
+
+
+def key_spans(text: str) -> dict[KeyPath, Span]:
+    """The span of the key of every table and value, by its path from the top.
+
+    text: TOML that `tomllib` has read. Of a table that is opened several times, or implied
+    by a longer name, the first mention counts.
+    """
+    reader = _Keys(text)
+    reader.document()
+    return reader.spans
+
+
+class _Keys:
+    """Reads keys and skips values; the text is known to be valid."""
+
+    def __init__(self, text: str) -> None:
+        self.text, self.at = text, 0
+        self.spans: dict[KeyPath, Span] = {}
+
+    def document(self) -> None:
+        table: KeyPath = ()
+        while self._skip(SPACE) < len(self.text):
+            if self.text[self.at] == "[":
+                self.at += 1 + self.text.startswith("[[", self.at)
+                table = self._key(())
+                self.at = self.text.index("]", self.at) + 1
+                self.at += self.text.startswith("]", self.at)
+            else:
+                self._pair(table)
+
+    def _pair(self, table: KeyPath) -> None:
+        path = self._key(table)
+        self.at = self.text.index("=", self.at) + 1
+        self._value(path)
+
+    def _key(self, table: KeyPath) -> KeyPath:
+        """A dotted key; every part of it gets its place."""
+        path = table
+        while True:
+            self._skip(BLANK)
+            match = KEY.match(self.text, self.at)
+            if match is None:
+                raise ValueError(f"no key at character {self.at}")
+            path = (*path, _plain(match[0]))
+            self.spans.setdefault(path, Span(*match.span()))
+            self.at = match.end()
+            self._skip(BLANK)
+            if not self.text.startswith(".", self.at):
+                return path
+            self.at += 1
+
+    def _value(self, path: KeyPath) -> None:
+        self._skip(SPACE)
+        if self.text[self.at] in "[{":
+            closing = "]" if self.text[self.at] == "[" else "}"
+            self.at += 1
+            while self.text[self._skip(SPACE)] != closing:
+                if closing == "}":
+                    self._pair(path)
+                else:
+                    self._value(())
+                self._skip(SPACE)
+                self.at += self.text.startswith(",", self.at)
+            self.at += 1
+            return
+        match = TEXT.match(self.text, self.at) or BARE.match(self.text, self.at)
+        if match is None:
+            raise ValueError(f"no value at character {self.at}")
+        self.at = match.end()
+
+    def _skip(self, pattern: re.Pattern[str]) -> int:
+        match = pattern.match(self.text, self.at)
+        self.at = match.end() if match else self.at
+        return self.at
+
+
+def _plain(key: str) -> str:
+    """A key as `tomllib` knows it, quotes and escapes resolved."""
+    return next(iter(tomllib.loads(f"{key} = 0"))) if key[0] in "\"'" else key

@@ -1,0 +1,209 @@
+"""Values of a process file: each reader takes what TOML gave and says what is wrong with it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from assistant.program import rotations
+from assistant.program.geometry import Quaternion, Vector
+from assistant.program.motion import FINE, Blend, Speed
+from assistant.program.program import IDENTIFIER, identifier
+
+Read = Callable[[Any], Any]
+"""What TOML gave → the value; raises Wrong."""
+
+REPAIRABLE: Final = 1e-3
+"""How far a quaternion's length may be off 1 to be repaired."""
+EXACT_LENGTH: Final = 1e-6
+"""How far it may be off 1 without a word, as digits of a file leave it."""
+MOST_TOLERANCE: Final = 10.0
+"""mm; over this, contours of a work piece would lose their shape."""
+MOST_BITS: Final = 32
+LEAST_DIRECTION: Final = 1e-9
+
+
+class Wrong(ValueError):
+    """A value that cannot be used: what it is, and what to write instead."""
+
+    def __init__(self, what: str, cure: str) -> None:
+        super().__init__(what)
+        self.what: Final = what
+        self.cure: Final = cure
+
+
+def kind_of(value: object) -> str:
+    """The TOML type of a value, in words."""
+    if isinstance(value, bool):
+        return "true or false"
+    kinds = ((int, "a number"), (float, "a number"), (str, "a text"), (list, "an array"))
+    return next((word for kind, word in kinds if isinstance(value, kind)), _other(value))
+
+
+def number(
+    unit: str, *, least: float = -math.inf, above: float = -math.inf, most: float = math.inf
+) -> Read:
+    """A finite number of a unit: not below `least`, over `above`, not over `most`."""
+    wanted = f"a number of {unit}" if unit else "a number"
+
+    def read(value: Any) -> float:
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise Wrong(f"is {kind_of(value)}", f"write {wanted}, without quotes or unit")
+        try:
+            result = float(value)
+        except OverflowError:
+            result = math.inf
+        if not math.isfinite(result):
+            raise Wrong("is not a finite number", f"write {wanted}")
+        if not (least <= result <= most and result > above):
+            raise Wrong(f"is {result:g}, out of range", f"write {wanted}, {_range()}")
+        return result + 0.0
+
+    def _range() -> str:
+        low = f"over {above:g}" if above > -math.inf else f"{least:g} or more"
+        return low + (f", at most {most:g}" if most < math.inf else "")
+
+    return read
+
+
+def whole(least: int, most: int) -> Read:
+    def read(value: Any) -> int:
+        if isinstance(value, bool) or not isinstance(value, int):
+            raise Wrong(f"is {kind_of(value)}", f"write a whole number, {least} to {most}")
+        if not least <= value <= most:
+            raise Wrong("is out of range", f"write a whole number, {least} to {most}")
+        return value
+
+    return read
+
+
+def choice(*words: str) -> Read:
+    def read(value: Any) -> str:
+        if not isinstance(value, str) or value not in words:
+            said = f'is "{shown(value)}"' if isinstance(value, str) else f"is {kind_of(value)}"
+            raise Wrong(said, "write " + " or ".join(f'"{w}"' for w in words))
+        return value
+
+    return read
+
+
+def truth(value: Any) -> bool:
+    if not isinstance(value, bool):
+        raise Wrong(f"is {kind_of(value)}", "write true or false, without quotes")
+    return value
+
+
+def text(value: Any) -> str:
+    if not isinstance(value, str) or not value.strip():
+        raise Wrong(f"is {kind_of(value)}" if value != "" else "is empty", "write a text in quotes")
+    return value
+
+
+def name(value: Any) -> str:
+    """An identifier."""
+    given = text(value)
+    if IDENTIFIER.fullmatch(given) is None:
+        raise Wrong(f'is "{shown(given)}", which is no name', f"write {identifier(given)}")
+    return given
+
+
+def _vector(unit: str, count: int = 3) -> Callable[[Any], tuple[float, ...]]:
+    component = number("")
+
+    def read(value: Any) -> tuple[float, ...]:
+        cure = f"write {count} numbers{unit} in brackets"
+        if not isinstance(value, list):
+            raise Wrong(f"is {kind_of(value)}", cure)
+        if len(value) != count:
+            raise Wrong(f"has {len(value)} entries", cure)
+        numbers: list[float] = []
+        for i, entry in enumerate(value, 1):
+            try:
+                numbers.append(component(entry))
+            except Wrong as wrong:
+                raise Wrong(f"{wrong.what} in entry {i}", cure) from None
+        return tuple(numbers)
+
+    return read
+
+
+def position(value: Any) -> Vector:
+    x, y, z = _vector(" in mm")(value)
+    return (x, y, z)
+
+
+def direction(value: Any) -> Vector:
+    """A vector of any length but none, made a unit one."""
+    vector = np.array(_vector("")(value))
+    largest = np.abs(vector).max()
+    if largest < LEAST_DIRECTION:
+        raise Wrong("points nowhere", "write three numbers that are not all zero")
+    vector = vector / largest
+    x, y, z = (vector / np.linalg.norm(vector) + 0.0).tolist()
+    return (x, y, z)
+
+
+def euler_zyx(value: Any) -> Quaternion:
+    angles = _vector(" of degrees, about z, y, x,")(value)
+    w, x, y, z = rotations.from_euler(angles, "ZYX").tolist()
+    return (w, x, y, z)
+
+
+def quaternion(value: Any) -> tuple[Quaternion, float]:
+    """The unit quaternion, and how long the one was that was given."""
+    parts = np.array(_vector(", w, x, y, z,", 4)(value))
+    with np.errstate(over="ignore"):
+        length = float(np.linalg.norm(parts))
+    if not abs(length - 1.0) <= REPAIRABLE:
+        raise Wrong(f"has length {length:.6g}", "write w, x, y, z of a quaternion of length 1")
+    w, x, y, z = rotations.canonical(parts).tolist()
+    return (w, x, y, z), length
+
+
+def speed(value: Any) -> Speed:
+    return Speed(number("mm/s", above=0.0)(value))
+
+
+def blend(value: Any) -> Blend:
+    if value == "fine":
+        return FINE
+    if isinstance(value, str):
+        raise Wrong(f'is "{shown(value)}"', 'write "fine", or a number of mm without quotes')
+    return Blend(number("mm", least=0.0)(value))
+
+
+def tolerance(value: Any) -> float:
+    result: float = number("mm", above=0.0, most=MOST_TOLERANCE)(value)
+    return result
+
+
+def switches(value: Any) -> dict[str, float]:
+    """Signals by name, each with its value; true and false are 1 and 0."""
+    if not isinstance(value, dict):
+        raise Wrong(f"is {kind_of(value)}", "write {signal = 1} with the signal's name")
+    read = number("")
+    found: dict[str, float] = {}
+    for signal, given in value.items():
+        try:
+            found[signal] = float(given) if isinstance(given, bool) else read(given)
+        except Wrong as wrong:
+            what = f"of signal {shown(signal)} {wrong.what}"
+            raise Wrong(what, "write its value as a number") from None
+    return found
+
+
+def shown(given: str, most: int = 40) -> str:
+    """A text from outside, fit to stand in a sentence."""
+    plain = "".join(c if c.isprintable() else "?" for c in given)
+    return plain if len(plain) <= most else plain[: most - 1] + "…"
+
+
+def listed(words: Sequence[str]) -> str:
+    return ", ".join(words) if words else "none"
+
+
+def _other(value: object) -> str:
+    return "a table" if isinstance(value, dict) else "a date or time"
