@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from assistant.robots.catalogue import get, load, names
+from assistant.robots.configure import configure
 from assistant.robots.robot import Robot
 
-__all__ = ["Robot", "get", "load", "names"]
+__all__ = ["Robot", "configure", "get", "load", "names"]

@@ -81,11 +81,14 @@ def fk(lengths: Lengths, joints: Floats) -> tuple[Floats, Floats]:
     return positions, rotations.canonical(zyz(j1, tilt, j6))
 
 
-def ik(lengths: Lengths, positions: Floats, quaternions: Floats) -> tuple[Floats, Floats]:
-    """Flange poses → chain angles (5, 4, n) in radians and what keeps each from closing (4, n) mm.
+def ik(
+    lengths: Lengths, positions: Floats, quaternions: Floats, branches: tuple[int, ...]
+) -> tuple[Floats, Floats]:
+    """Flange poses → chain angles (5, b, n) in radians and what keeps each from closing (b, n) mm.
 
-    Branch 2·back + lower, lower being a negative angle of the elbow. A length of 0 closes;
-    otherwise it is by how far the wrist is out of reach of the stretched or folded arm.
+    branches: which of the four, ascending; 2·back + lower, lower being a negative angle of
+    the elbow. A length of 0 closes; otherwise it is by how far the wrist is out of reach of
+    the stretched or folded arm.
     The tool axis is taken into the plane of the arm; `miss` tells by how much.
     """
     azimuth = _plane(positions, quaternions)
@@ -111,7 +114,7 @@ def ik(lengths: Lengths, positions: Floats, quaternions: Floats) -> tuple[Floats
             joints[:, 2 + lower, behind] = found[:, behind]
             joints[:, lower, ~behind] = found[:, ~behind]
     outside = reach_excess(lengths.a2, lengths.d4, np.hypot(r, z))
-    return joints, np.broadcast_to(outside, (4, len(positions)))
+    return joints[:, list(branches)], np.broadcast_to(outside, (len(branches), len(positions)))
 
 
 def two_links(upper: float, fore: float, distance: Floats) -> tuple[Floats, Floats]:
@@ -160,4 +163,4 @@ def _in_plane(azimuth: Floats, quaternions: ArrayLike) -> Floats:
 def _wrapped(degrees: Floats) -> Floats:
     """Into (-180, 180]; what is within 1e-9 of -180 is 180, whatever its rounding."""
     turned = degrees - 360.0 * np.round(degrees / 360.0)
-    return np.where(turned <= -180.0 + 1e-9, turned + 360.0, turned) + 0.0
+    return np.minimum(np.where(turned <= -180.0 + 1e-9, turned + 360.0, turned), 180.0) + 0.0

@@ -76,7 +76,9 @@ class Robot:
     def fk(self, joints: ArrayLike) -> tuple[Floats, Floats]:
         """(n, a) deg → flange in the base: positions (n, 3) mm, quaternions (n, 4)."""
         angles = np.radians(self._joints(joints) + self.zero)
-        return (five_axis if self.five_axis else six_axis).fk(self.lengths, angles)
+        room = five_axis if self.five_axis else six_axis
+        positions, quaternions = room.fk(self.lengths, angles)
+        return positions, quaternions
 
     def ik(self, positions: ArrayLike, quaternions: ArrayLike) -> tuple[Floats, Truths]:
         """Flange poses → joints (n, b, a) deg of every arm branch, valid (n, b).
@@ -97,13 +99,17 @@ class Robot:
                 joints[rows, branch] = one
         return joints, self.inside(joints)
 
-    def solve(self, positions: Floats, quaternions: Floats) -> tuple[Floats, Floats]:
+    def solve(
+        self, positions: Floats, quaternions: Floats, branches: tuple[int, ...] | None = None
+    ) -> tuple[Floats, Floats]:
         """Flange poses → joints (a, b, n) deg, unproven, and excess (b, n) mm of the reach.
 
-        Branch `branch_of`; each axis is nearest to the middle of its range.
+        branches: of `branch_of`, which to compute; None for all. Each axis is nearest to
+        the middle of its range.
         """
+        wanted = tuple(range(self.branches)) if branches is None else branches
         room = five_axis if self.five_axis else six_axis
-        angles, excess = room.ik(self.lengths, positions, quaternions)
+        angles, excess = room.ik(self.lengths, positions, quaternions, wanted)
         joints = np.degrees(angles)
         joints -= self.zero[:, None, None]
         middle = self.limits.mean(axis=1)[:, None, None]
@@ -145,6 +151,10 @@ class Robot:
         columns[:, BACK], columns[:, DOWN], columns[:, FLIP] = back, lower ^ back, flip
         for column, axis in self.turning():
             columns[:, column] = np.floor((j[:, axis] + BOUNDARY) / 90.0)
+            if self.counts == "turns":
+                # Turn 0 goes up to 180 and includes it, so 180 is still in quadrant 1.
+                half = np.abs(j[:, axis] % 360.0 - 180.0) < BOUNDARY
+                columns[half, column] = np.round(j[half, axis] / 90.0) - 1
         return columns
 
     def joints_of(
@@ -187,7 +197,8 @@ class Robot:
             if self.counts == "quadrants":
                 centre, half = 90.0 * q + 45.0, 45.0
             else:
-                centre, half = 360.0 * np.floor((q + 2.0) / 4.0), 180.0
+                # Both ends of turn 0 are the same angle: 180 belongs to it, -180 does not.
+                centre, half = 360.0 * np.floor((q + 2.0) / 4.0) + BOUNDARY, 180.0
             out[:, axis] += 360.0 * np.round((centre - out[:, axis]) / 360.0)
             off = np.abs(out[:, axis] - centre) - half
             fits[:, column - QUADRANTS.start] = off <= QUADRANT_TOLERANCE

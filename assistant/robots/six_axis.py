@@ -7,6 +7,8 @@ zero has the forearm level, which is J3 = 90 here, with the same senses of all a
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,7 +18,7 @@ from assistant.robots.lengths import Lengths
 
 Floats = NDArray[np.float64]
 
-BRANCHES = 8
+BRANCHES: Final = 8
 """Branch 4·back + 2·lower + flip; lower: the forearm is bent backwards from the upper arm."""
 
 
@@ -41,8 +43,12 @@ def fk(lengths: Lengths, joints: Floats) -> tuple[Floats, Floats]:
     return positions, quaternions
 
 
-def ik(lengths: Lengths, positions: Floats, quaternions: Floats) -> tuple[Floats, Floats]:
-    """Flange poses → chain angles (6, 8, n) in radians and what keeps each from closing (8, n) mm.
+def ik(
+    lengths: Lengths, positions: Floats, quaternions: Floats, branches: tuple[int, ...]
+) -> tuple[Floats, Floats]:
+    """Flange poses → chain angles (6, b, n) in radians and what keeps each from closing (b, n) mm.
+
+    branches: which of `BRANCHES`, ascending.
 
     A length of 0 closes; otherwise it is by how far the wrist centre is out of reach of the
     stretched or folded arm, whose angles then point at it. Where axes 4 and 6 are in line
@@ -62,21 +68,21 @@ def ik(lengths: Lengths, positions: Floats, quaternions: Floats) -> tuple[Floats
     fore_length = float(np.hypot(lengths.a3, lengths.d4))
     tilt = float(np.arctan2(lengths.a3, lengths.d4))
 
-    joints = np.empty((6, BRANCHES, len(positions)))
-    excess = np.empty((BRANCHES, len(positions)))
-    for back in (0, 1):
+    joints = np.empty((6, len(branches), len(positions)))
+    excess = np.empty((len(branches), len(positions)))
+    for back in sorted({branch // 4 for branch in branches}):
         sign = -1.0 if back else 1.0
         r = sign * distance - lengths.a1
         span = np.hypot(r, z)
         line = np.arctan2(r, z)
         elbow, shoulder = two_links(lengths.a2, fore_length, span)
-        excess[4 * back : 4 * back + 4] = reach_excess(lengths.a2, fore_length, span)
+        outside = reach_excess(lengths.a2, fore_length, span)
         # The flange's axes in the plane of the arm: u forward, v sideways.
         plane = [
             (sign * (c1 * a[0] + s1 * a[1]), sign * (c1 * a[1] - s1 * a[0]), a[2])
             for a in (ax, ay, az)
         ]
-        for lower in (0, 1):
+        for lower in sorted({branch // 2 % 2 for branch in branches if branch // 4 == back}):
             bend = -1.0 if lower else 1.0
             branch = 4 * back + 2 * lower
             j2 = line - bend * shoulder
@@ -93,12 +99,16 @@ def ik(lengths: Lengths, positions: Floats, quaternions: Floats) -> tuple[Floats
             # In line, the whole wrist is one turn about the forearm.
             straight = np.arctan2(xv, np.sign(along) * (xu * c - xz * s))
             j6 = np.where(in_line, straight, turn)
-            joints[0, branch : branch + 2] = first + np.pi * back
-            joints[1, branch : branch + 2] = j2
-            joints[2, branch : branch + 2] = j3
-            joints[3, branch], joints[3, branch + 1] = j4, j4 + np.pi * ~in_line
-            joints[4, branch], joints[4, branch + 1] = j5, -j5
-            joints[5, branch], joints[5, branch + 1] = j6, j6 + np.pi * ~in_line
+            half_turn = np.pi * ~in_line
+            for flip in (0, 1):
+                if branch + flip not in branches:
+                    continue
+                at = branches.index(branch + flip)
+                excess[at] = outside
+                joints[0, at], joints[1, at], joints[2, at] = first + np.pi * back, j2, j3
+                joints[3, at] = j4 + half_turn if flip else j4
+                joints[4, at] = -j5 if flip else j5
+                joints[5, at] = j6 + half_turn if flip else j6
     return joints, excess
 
 

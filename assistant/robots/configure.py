@@ -1,0 +1,338 @@
+"""Configurations for the targets and paths of a program that state none.
+
+The moves of a procedure are taken in order of text: where one surely follows the other it
+is solved with it, so that a linear move keeps the arm branch it starts with.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.program.diagnostics import Diagnostic, fold
+from assistant.program.expressions import Expression, JointValue, Name
+from assistant.program.geometry import BASE, FLANGE, Frame, JointTarget, Pose, Target, Tool
+from assistant.program.path import (
+    UNSTATED,
+    Kind,
+    Path,
+    configuration_of,
+    configuration_row,
+)
+from assistant.program.program import Procedure, Program, bodies
+from assistant.program.rewriting import rewrite
+from assistant.program.statements import (
+    Call,
+    Follow,
+    Goto,
+    If,
+    Label,
+    Motion,
+    Move,
+    MoveCircular,
+    MoveJoints,
+    Opaque,
+    Statement,
+)
+from assistant.robots import findings as rules
+from assistant.robots.configurations import BACK
+from assistant.robots.naming import Names, Place
+from assistant.robots.robot import Robot
+from assistant.robots.run import Floats, Rows, Run, to_flange
+from assistant.robots.solving import Solved, solve
+
+
+def configure(program: Program, robot: Robot) -> tuple[Program, tuple[Diagnostic, ...]]:
+    """Fills in the configurations that targets and paths leave open.
+
+    Findings tell what is out of reach, outside joint limits, or not as stated; such
+    targets keep what they say. A target that no move names is configured for the
+    program's only tool and frame, or the flange in the base, where that is within reach.
+    """
+    survey = _Survey(program, robot)
+    for procedure in program.procedures:
+        survey.procedure(procedure)
+    survey.joint_targets()
+    survey.unused()
+    done = survey.done
+
+    def visit(value: Any) -> Any:
+        if isinstance(value, Path):
+            return survey.paths.get(id(value), value)
+        if isinstance(value, Target) and value.configuration is None and id(value) in done:
+            return replace(value, configuration=configuration_of(done[id(value)]))
+        return value
+
+    return rewrite(program, visit), fold(survey.findings)
+
+
+@dataclass(frozen=True, slots=True)
+class _Move:
+    """One row of a run. place: the target and where it is from there."""
+
+    kind: Kind
+    place: Place
+    tool: Tool
+    frame: Frame
+    label: str
+
+
+class _Survey:
+    """Goes through a program in order of text and solves its moves run by run.
+
+    done: id of a target → its configuration row. paths: id of a path → the configured one.
+    """
+
+    def __init__(self, program: Program, robot: Robot) -> None:
+        self.program, self.robot = program, robot
+        self.names = Names(program)
+        self.findings: list[Diagnostic] = []
+        self.done: dict[int, NDArray[np.int8]] = {}
+        self.paths: dict[int, Path] = {}
+        self.used: set[tuple[str, str]] = set()
+        self.moves: list[_Move] = []
+        self.before, self.joined = robot.home, False
+        self.where, self.count = "", 0
+
+    def procedure(self, procedure: Procedure) -> None:
+        self.where, self.count = procedure.name, 0
+        self.names.enter(procedure)
+        self.joined = False
+        self.body(procedure.body)
+
+    def body(self, body: tuple[Statement, ...]) -> None:
+        for statement in body:
+            match statement:
+                case Move():
+                    kind = Kind.JOINT if statement.kind == "joint" else Kind.LINEAR
+                    self.move(kind, statement.target, statement.motion)
+                case MoveCircular():
+                    self.move(Kind.VIA, statement.via, statement.motion)
+                    self.move(Kind.END, statement.target, statement.motion)
+                case MoveJoints():
+                    self.flush()
+                    self.move_joints(statement)
+                case Follow():
+                    self.flush()
+                    self.follow(statement.path)
+                case Call() | Goto() | Label() | Opaque():
+                    self.flush()
+                    self.joined = False
+                case _:
+                    inner = bodies(statement)
+                    if inner:
+                        self.nested(statement, inner)
+        self.flush()
+
+    def nested(self, statement: Statement, inner: tuple[tuple[Statement, ...], ...]) -> None:
+        self.flush()
+        # A loop's body is entered from its own end as well; a branch only from before.
+        before, joined = self.before, self.joined and isinstance(statement, If)
+        for each in inner:
+            self.before, self.joined = before, joined
+            self.body(each)
+        self.joined = False
+
+    def move(self, kind: Kind, target: Expression, motion: Motion) -> None:
+        self.count += 1
+        label = target.name if isinstance(target, Name) else f"move {self.count} of {self.where}"
+        tool, frame = self.tool(motion.tool, label), self.frame(motion.frame, label)
+        self.used.add((motion.tool, motion.frame))
+        place = self.names.place(target)
+        if place is None or tool is None or frame is None:
+            self.flush()
+            self.joined = False
+            return
+        self.moves.append(_Move(kind, place, tool, frame, label))
+
+    def flush(self) -> None:
+        """Solves the moves that have come together."""
+        moves, self.moves = self.moves, []
+        if not moves:
+            return
+        keys = [id(move.place.target) for move in moves]
+        run = self.run_of(moves)
+        solved = solve(run, self.robot)
+        first: dict[int, NDArray[np.int8]] = {}
+        for key, row in zip(keys, solved.configurations, strict=True):
+            if row[BACK] != UNSTATED:
+                first.setdefault(key, row)
+        again = np.stack([first.get(key, run.configurations[i]) for i, key in enumerate(keys)])
+        if not np.array_equal(again, solved.configurations):
+            # A target that is met twice has one configuration: the first one it got.
+            solved = solve(replace(run, configurations=again), self.robot)
+        self.done.update({key: row for key, row in first.items() if key not in self.done})
+        self.finish(solved)
+
+    def run_of(self, moves: list[_Move]) -> Run:
+        poses = [to_flange_pose(move.place.pose, move.tool, move.frame) for move in moves]
+        positions = np.array([pose.position for pose in poses])
+        quaternions = np.array([pose.quaternion for pose in poses])
+        rows = [
+            self.done.get(id(move.place.target), configuration_row(move.place.target.configuration))
+            for move in moves
+        ]
+        labels = [move.label for move in moves]
+        return Run(
+            name=self.where,
+            kinds=np.array([move.kind for move in moves], dtype=np.uint8),
+            flange=lambda rows: (positions[rows], quaternions[rows]),
+            configurations=np.array(rows, dtype=np.int8),
+            before=self.before,
+            joined=self.joined,
+            label=labels.__getitem__,
+            exact=np.array([not move.place.moved for move in moves]),
+        )
+
+    def follow(self, path: Path) -> None:
+        path = self.paths.get(id(path), path)
+        place = f"path {path.name}"
+        tools = [self.tool(name, place) for name in path.tools]
+        frames = [self.frame(name, place) for name in path.frames]
+        self.used.update((tool, frame) for tool in path.tools for frame in path.frames)
+        known_tools = [tool for tool in tools if tool is not None]
+        known_frames = [frame for frame in frames if frame is not None]
+        if not len(path) or len(known_tools) < len(tools) or len(known_frames) < len(frames):
+            self.joined = self.joined and not len(path)
+            return
+        run = Run(
+            name=path.name,
+            kinds=path.kinds,
+            flange=lambda rows: _flange(path, rows, known_tools, known_frames),
+            configurations=path.configurations,
+            before=self.before,
+            joined=self.joined,
+            label=lambda row: f"{path.name}_{row + 1}",
+        )
+        solved = solve(run, self.robot)
+        if not np.array_equal(solved.configurations, path.configurations):
+            self.paths[id(path)] = replace(path, configurations=solved.configurations)
+        self.finish(solved)
+
+    def finish(self, solved: Solved) -> None:
+        self.findings.extend(solved.findings)
+        last = solved.joints[-1]
+        self.joined = bool(np.isfinite(last).all())
+        if self.joined:
+            self.before = last
+
+    def move_joints(self, statement: MoveJoints) -> None:
+        self.count += 1
+        target = self.names.joints(statement.target)
+        self.joined = False
+        if target is None:
+            return
+        # A declared one is reported once, by its own name.
+        literal = isinstance(statement.target, JointValue)
+        joints = self.joints(target, f"move {self.count} of {self.where}" if literal else None)
+        if joints is not None:
+            self.before, self.joined = joints, True
+
+    def joints(self, target: JointTarget, label: str | None) -> Floats | None:
+        """The angles of the robot's axes; findings, if it has a label, for what is wrong."""
+        robot, given = self.robot, np.array(target.joints, dtype=np.float64)
+        if robot.five_axis and len(given) == 6 and not given[3] > 0 and not given[3] < 0:
+            given = np.delete(given, 3)
+        if len(given) != len(robot.axes) or not np.isfinite(given).all():
+            if label is not None:
+                self.findings.append(
+                    rules.JOINT_COUNT(
+                        place=label,
+                        robot=robot.title,
+                        count=len(target.joints),
+                        axes=" ".join(robot.axes),
+                    )
+                )
+            return None
+        low, high = robot.limits.T
+        for axis in np.flatnonzero((given < low) | (given > high)) if label is not None else ():
+            self.findings.append(
+                rules.JOINT_OUTSIDE(
+                    place=label,
+                    axis=robot.axes[axis],
+                    value=given[axis],
+                    low=low[axis],
+                    high=high[axis],
+                )
+            )
+        return given if robot.inside(given) else None
+
+    def joint_targets(self) -> None:
+        for name, target in self.program.joint_targets.items():
+            self.joints(target, name)
+
+    def unused(self) -> None:
+        """Configures what no move names, in silence: nobody says how it will be used."""
+        tool, frame = next(iter(self.used)) if len(self.used) == 1 else (FLANGE, BASE)
+        known_tool, known_frame = self.names.tool(tool), self.names.frame(frame)
+        targets: dict[int, Target] = {}
+
+        def visit(value: Any) -> Any:
+            if isinstance(value, Target) and value.configuration is None:
+                targets.setdefault(id(value), value)
+            return value
+
+        rewrite(self.program, visit)
+        moves = [
+            _Move(Kind.JOINT, Place(target, target.pose), known_tool, known_frame, "")
+            for key, target in targets.items()
+            if key not in self.done and known_tool is not None and known_frame is not None
+        ]
+        if not moves:
+            return
+        self.before, self.joined = self.robot.home, False
+        solved = solve(self.run_of(moves), self.robot)
+        for move, row in zip(moves, solved.configurations, strict=True):
+            if row[BACK] != UNSTATED:
+                self.done[id(move.place.target)] = row
+
+    def tool(self, name: str, place: str) -> Tool | None:
+        tool = self.names.tool(name)
+        if tool is None:
+            there = ", ".join([FLANGE, *self.program.tools])
+            self.findings.append(
+                rules.UNKNOWN_TOOL(place=place, kind="tool", name=name, names=there)
+            )
+        return tool
+
+    def frame(self, name: str, place: str) -> Frame | None:
+        frame = self.names.frame(name)
+        if frame is None:
+            there = ", ".join([BASE, *self.program.frames])
+            self.findings.append(
+                rules.UNKNOWN_TOOL(place=place, kind="frame", name=name, names=there)
+            )
+        elif frame.mechanism:
+            self.findings.append(
+                rules.MOVED_FRAME(place=place, name=name, mechanism=frame.mechanism)
+            )
+            return None
+        return frame
+
+
+def to_flange_pose(pose: Pose, tool: Tool, frame: Frame) -> Pose:
+    """One target of a tool in a frame as the pose of the flange in the base."""
+    if frame == PLAIN_FRAME and tool == PLAIN_TOOL:
+        return pose
+    p, q = to_flange(np.array([pose.position]), np.array([pose.quaternion]), tool, frame)
+    return Pose.of(p[0], q[0])
+
+
+PLAIN_TOOL, PLAIN_FRAME = Tool(), Frame()
+
+
+def _flange(
+    path: Path, rows: slice | Rows, tools: list[Tool], frames: list[Frame]
+) -> tuple[Floats, Floats]:
+    p, q = path.positions[rows], path.quaternions[rows]
+    if len(tools) == 1 and len(frames) == 1:
+        return to_flange(p, q, tools[0], frames[0])
+    tool, frame = path.tool[rows], path.frame[rows]
+    position, quaternion = np.empty_like(p), np.empty_like(q)
+    for t, f in np.unique(np.stack([tool, frame], axis=1), axis=0):
+        here = (tool == t) & (frame == f)
+        position[here], quaternion[here] = to_flange(p[here], q[here], tools[t], frames[f])
+    return position, quaternion

@@ -1,0 +1,84 @@
+"""Findings of the robot room."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from assistant.program.diagnostics import Rule, Severity
+
+NO_NUMBER: Final = Rule(
+    "RB101",
+    Severity.ERROR,
+    "the pose is no number",
+    "look for the value where it was computed or read",
+)
+OUT_OF_REACH: Final = Rule(
+    "RB102",
+    Severity.ERROR,
+    "out of reach of {robot}; at worst the wrist is {worst:.1f} mm {side} ({where})",
+    "{cure}",
+)
+OUTSIDE_LIMITS: Final = Rule(
+    "RB103",
+    Severity.ERROR,
+    "outside the joint limits of {robot} in every arm branch; "
+    "at worst {axis} would be at {value:.2f} degrees, its limit is {limit:g} ({where})",
+    "turn the tool about its axis, or move the work piece",
+)
+NOT_IN_PLANE: Final = Rule(
+    "RB104",
+    Severity.ERROR,
+    "the tool axis leaves the plane of the five-axis arm, "
+    "at worst by {worst:.3f} degrees ({where})",
+    "tilt the tool towards or away from axis 1 only, or take a robot with six axes",
+)
+BRANCH_CHANGE: Final = Rule(
+    "RB105",
+    Severity.ERROR,
+    "a linear or circular move cannot change the arm branch, but no branch of {robot} "
+    "holds here and before",
+    "make it a joint move, or turn the tool so that one branch holds for the whole path",
+)
+WOUND_UP: Final = Rule(
+    "RB106",
+    Severity.ERROR,
+    "{axis} would have to be wound back during a linear or circular move",
+    "make it a joint move, or turn the tool so that {axis} stays within {low:g} to {high:g}",
+)
+NOT_AS_STATED: Final = Rule(
+    "RB107",
+    Severity.ERROR,
+    "{robot} cannot take the stated configuration {stated} ({where})",
+    "{cure}",
+)
+OTHER_QUADRANT: Final = Rule(
+    "RB108",
+    Severity.WARNING,
+    "the arm branch is as stated, but {robot} has the axes 1, 4 and 6 in quadrants "
+    "{found}, not {stated} ({where})",
+    "state {found}",
+)
+JOINT_OUTSIDE: Final = Rule(
+    "RB109",
+    Severity.ERROR,
+    "{axis} at {value:g} degrees is outside its limits {low:g} to {high:g}",
+    "move the joint target inside the limits",
+)
+JOINT_COUNT: Final = Rule(
+    "RB110",
+    Severity.ERROR,
+    "{count} joint angles do not fit the axes {axes} of {robot}",
+    "state one angle for each axis (0 for an axis that the arm does not have)",
+)
+UNKNOWN_TOOL: Final = Rule(
+    "RB111",
+    Severity.WARNING,
+    "no {kind} `{name}` is declared, so reach and limits are not checked",
+    "declare it, or name one of {names}",
+)
+MOVED_FRAME: Final = Rule(
+    "RB112",
+    Severity.INFO,
+    "frame `{name}` is moved by `{mechanism}`, so reach and limits are not checked",
+    "state the configurations, or use a frame that stands still",
+)

@@ -1,0 +1,82 @@
+"""A run: moves that follow each other without a branch of the program, in columns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.program import rotations
+from assistant.program.geometry import Frame, Tool
+
+Floats = NDArray[np.float64]
+Rows = NDArray[np.intp]
+
+NAMED: Final = 3
+"""How many rows a finding names before it counts the rest."""
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """n moves of a program.
+
+    name: of the path or procedure. kinds: (n,) `Kind`. flange: rows → poses of the flange
+    in the base, positions (m, 3) mm and quaternions (m, 4). configurations: (n, 6).
+    before: (a,) deg, where the robot is before the run, as far as is known.
+    joined: whether it surely is there, so that a linear first move starts from there.
+    label: row → what the row is called in a finding.
+    exact: (n,) whether a stated quadrant counts; not for what is moved from a target. None: all.
+    """
+
+    name: str
+    kinds: NDArray[np.uint8]
+    flange: Callable[[slice | Rows], tuple[Floats, Floats]]
+    configurations: NDArray[np.int8]
+    before: Floats
+    joined: bool
+    label: Callable[[int], str]
+    exact: NDArray[np.bool_] | None = None
+
+    def __len__(self) -> int:
+        return len(self.kinds)
+
+    @property
+    def exact_rows(self) -> NDArray[np.bool_]:
+        return np.ones(len(self), bool) if self.exact is None else self.exact
+
+    def what(self, rows: Rows) -> str:
+        """The run's name and the first of some rows, the rest counted."""
+        named = ", ".join(self.label(int(row)) for row in rows[:NAMED])
+        if len(rows) == 1 and len(self) == 1:
+            return named
+        more = f" and {len(rows) - NAMED} more" if len(rows) > NAMED else ""
+        return f"{self.name}: {len(rows)} of {len(self)} targets ({named}{more})"
+
+
+def to_flange(
+    positions: Floats, quaternions: Floats, tool: Tool, frame: Frame
+) -> tuple[Floats, Floats]:
+    """Targets of a tool in a frame → poses of the flange in the base of the robot.
+
+    Carried tool: flange = frame · target · tip⁻¹. A tool that stands in the room and a
+    work piece that the robot carries: flange = tip · (frame · target)⁻¹.
+    """
+    placed = frame.pose
+    q = rotations.multiply(placed.quaternion, quaternions)
+    p = rotations.rotate(placed.quaternion, positions) + placed.position
+    if frame.held or not tool.held:
+        back = rotations.conjugate(q)
+        position = -rotations.rotate(back, p)
+        tip = tool.tip
+        return (
+            rotations.rotate(tip.quaternion, position) + tip.position,
+            np.asarray(rotations.multiply(tip.quaternion, back)),
+        )
+    inverse = tool.tip.inverse()
+    return (
+        p + rotations.rotate(q, inverse.position),
+        np.asarray(rotations.multiply(q, inverse.quaternion)),
+    )

@@ -1,0 +1,146 @@
+"""Whole turns of one axis along a path.
+
+Inverse kinematics gives an angle up to whole turns. A linear or circular move follows its
+axes without a break, so all rows of a chain (a joint move and the linear and circular
+moves after it) share one count of turns; a joint move may wind an axis back.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Rows = NDArray[np.intp]
+
+
+@dataclass(frozen=True, slots=True)
+class Turned:
+    """angles: (n,) deg inside the limits where that can be. broken: rows before which the
+    axis would have to be wound back although the move does not allow it.
+    """
+
+    angles: Floats
+    broken: Rows
+
+
+def turn(
+    angles: Floats,
+    limits: tuple[float, float],
+    starts: Rows,
+    near: float,
+    stated: NDArray[np.int64] | None = None,
+) -> Turned:
+    """Adds whole turns to angles (n,) deg, so that chains are unbroken and inside the limits.
+
+    angles: nearest to the middle of the limits; NaN where there is no solution.
+    starts: (c,) first rows of the chains, the first being 0. near: deg, where the axis is
+    before the path. stated: (n,) turns that a row must have, FREE where it states none.
+    """
+    wrapped = filled(angles)
+    if not len(wrapped):
+        return Turned(angles.copy(), np.empty(0, np.intp))
+    step = np.zeros(len(wrapped), dtype=np.int64)
+    step[1:] = -np.round(np.diff(wrapped) / 360.0)
+    turns = np.cumsum(step)
+    whole = _by_chain(angles, wrapped, turns, starts[:1], limits, stated)
+    first = round((near - wrapped[0]) / 360.0)
+    if whole.patterns[0]:
+        return Turned(angles + 360.0 * (whole.follow(first) + turns), np.empty(0, np.intp))
+    chains = _by_chain(angles, wrapped, turns, starts, limits, stated)
+    failing = chains.patterns == 0
+    broken = np.empty(0, np.intp)
+    if failing.any():
+        inside = np.repeat(failing, np.diff(np.append(starts, len(wrapped))))
+        inside[starts] = True
+        chains = _by_chain(angles, wrapped, turns, np.flatnonzero(inside), limits, stated)
+    chosen = chains.follow(first)
+    count = chosen[chains.of_row] + turns - turns[chains.starts][chains.of_row]
+    out = angles + 360.0 * count
+    if failing.any():
+        jumps = np.flatnonzero(np.diff(filled(out), prepend=out[0]).__abs__() > 180.0)
+        broken = np.setdiff1d(jumps, starts)
+    return Turned(out, broken)
+
+
+FREE = np.iinfo(np.int64).min
+"""In `stated`: the row says nothing of its turns."""
+
+
+def filled(angles: Floats) -> Floats:
+    """NaN rows take the value of the row before, leading ones that of the first after; else 0."""
+    known = np.isfinite(angles)
+    if known.all():
+        return angles
+    if not known.any():
+        return np.zeros_like(angles)
+    last = np.maximum.accumulate(np.where(known, np.arange(len(angles)), -1))
+    return np.asarray(angles[np.where(last < 0, known.argmax(), last)])
+
+
+@dataclass(frozen=True, slots=True)
+class _Chains:
+    """starts: (c,) rows. of_row: (n,) chain of each row. offsets: (c,) turns at the starts.
+    patterns: (c,) bit k set if every row of the chain is inside with lowest + k turns.
+    """
+
+    starts: Rows
+    of_row: Rows
+    offsets: NDArray[np.int64]
+    patterns: NDArray[np.int64]
+    lowest: int
+    width: int
+
+    def follow(self, first: int) -> NDArray[np.int64]:
+        """(c,) turns at the start of each chain: unbroken where possible, else the nearest."""
+        margin = self.width + 1
+        table = [
+            [self._nearest(pattern, t) for t in range(-margin, self.width + margin)]
+            for pattern in range(1 << self.width)
+        ]
+        moves = np.diff(self.offsets, prepend=self.offsets[:1]).tolist()
+        top = self.width + 2 * margin - 1
+        at, out = first - self.lowest, []
+        for pattern, move in zip(self.patterns.tolist(), moves, strict=True):
+            at = table[pattern][min(max(at + move + margin, 0), top)]
+            out.append(at)
+        return np.array(out, dtype=np.int64) + self.lowest
+
+    def _nearest(self, pattern: int, wanted: int) -> int:
+        there = [k for k in range(self.width) if pattern >> k & 1] or list(range(self.width))
+        return min(there, key=lambda k: (abs(k - wanted), abs(k + self.lowest)))
+
+
+def _by_chain(
+    angles: Floats,
+    wrapped: Floats,
+    turns: NDArray[np.int64],
+    starts: Rows,
+    limits: tuple[float, float],
+    stated: NDArray[np.int64] | None,
+) -> _Chains:
+    low, high = limits
+    n, middle = len(wrapped), (low + high) / 2.0
+    of_row = np.zeros(n, dtype=np.intp)
+    of_row[starts[1:]] = 1
+    of_row = np.cumsum(of_row)
+    relative = turns - turns[starts][of_row]
+    unwound = angles + 360.0 * relative
+    lows, highs = np.fmin.reduceat(unwound, starts), np.fmax.reduceat(unwound, starts)
+    lowest = int(np.ceil((low - middle - 180.0) / 360.0))
+    width = int(np.floor((high - middle + 180.0) / 360.0)) - lowest + 1
+    patterns = np.zeros(len(starts), dtype=np.int64)
+    if stated is not None:
+        wanted = np.where(stated == FREE, 0, stated - relative)
+        least = np.minimum.reduceat(np.where(stated == FREE, 1 << 40, wanted), starts)
+        most = np.maximum.reduceat(np.where(stated == FREE, -(1 << 40), wanted), starts)
+    for k in range(width):
+        shift = 360.0 * (lowest + k)
+        # `not outside` rather than `inside`: a chain without any solution allows everything.
+        fits = ~((lows + shift < low - 1e-6) | (highs + shift > high + 1e-6))
+        if stated is not None:
+            fits &= (least >= lowest + k) & (most <= lowest + k)
+        patterns |= fits.astype(np.int64) << k
+    return _Chains(starts, of_row, turns[starts], patterns, lowest, width)

@@ -1,0 +1,84 @@
+"""The catalogue: every file loads, and a file that says something wrong is told so."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+
+import numpy as np
+import pytest
+
+from assistant import robots
+from assistant.program.diagnostics import Refused, Unreadable
+from assistant.robots import catalogue
+
+GOOD = files("assistant.robots").joinpath("catalogue", "rv-2aj.toml").read_text("utf-8")
+
+
+@pytest.mark.parametrize("name", robots.names())
+def test_every_robot_is_whole(name: str) -> None:
+    robot = robots.get(name)
+    assert robot.name == name
+    assert robot.limits.shape == (len(robot.axes), 2)
+    assert robot.speeds.shape == robot.home.shape == (len(robot.axes),)
+    assert robot.inside(robot.home)
+    assert robot.source
+    assert robot.reach == pytest.approx(
+        robot.lengths.a1 + robot.lengths.a2 + np.hypot(robot.lengths.a3, robot.lengths.d4), abs=0.1
+    )
+    assert robot.counts == ("quadrants" if robot.maker == "ABB" else "turns")
+
+
+def test_names_of_the_catalogue() -> None:
+    assert {"irb1200-7-0.7", "irb1200-5-0.9", "irb120-3-0.58", "rv-2aj", "rv-4frl"} <= set(
+        robots.names()
+    )
+    assert robots.get("RV-2AJ").name == "rv-2aj"
+    assert robots.get("rv-2aj").axes == ("J1", "J2", "J3", "J5", "J6")
+
+
+def test_an_unknown_name_lists_the_known_ones() -> None:
+    with pytest.raises(KeyError, match="rv-2aj"):
+        robots.get("irb9999")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "field"),
+    [
+        ('name = "rv-2aj"', "", "name"),
+        ("payload_kg = 2", 'payload_kg = "two"', "payload_kg"),
+        ("payload_kg = 2", "payload_kg = nan", "payload_kg"),
+        ("payload_kg = 2", "payload_kg = 0", "payload_kg"),
+        ("d1 = 300", "d9 = 300", "lengths_mm.d9"),
+        ("d1 = 300", "", "lengths_mm.d1"),
+        ("a2 = 250", "a2 = 0", "lengths_mm.a2"),
+        ("a3 = 0", "a3 = -50", "lengths_mm"),
+        ("limits = [-150, 150]", "limits = [150, -150]", "axes_deg.J1.limits"),
+        ("home = 90 }\nJ6", "home = 91 }\nJ6", "axes_deg.J5.home"),
+        ("J5 = {", "J4 = {", "axes_deg"),
+        ('"turns"', '"quarters"', "configuration"),
+        ('languages = ["melfa-basic-4"]', 'languages = "melfa"', "languages"),
+        ("reach_mm", "colour = 1\nreach_mm", "colour"),
+    ],
+)
+def test_a_wrong_field_is_named(old: str, new: str, field: str) -> None:
+    assert old in GOOD
+    with pytest.raises(Refused) as refused:
+        catalogue.read(GOOD.replace(old, new).encode(), "mine.toml")
+    assert refused.value.exit_status == 1
+    assert field in {finding.place for finding in refused.value.findings}
+    assert all(f.code == "RB002" and f.path == "mine.toml" for f in refused.value.findings)
+
+
+@pytest.mark.parametrize("data", [b"name = ", b"\xff\xfe", b"= 3"])
+def test_a_file_that_is_no_toml(data: bytes) -> None:
+    with pytest.raises(Unreadable) as refused:
+        catalogue.read(data, "mine.toml")
+    assert [f.code for f in refused.value.findings] == ["RB001"]
+
+
+def test_a_robot_of_the_users_own(tmp_path) -> None:
+    file = tmp_path / "mine.toml"
+    file.write_text(GOOD.replace('name = "rv-2aj"', 'name = "mine"'), encoding="utf-8")
+    assert robots.load(file).name == "mine"
+    with pytest.raises(Unreadable):
+        robots.load(tmp_path / "missing.toml")
