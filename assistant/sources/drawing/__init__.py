@@ -1,0 +1,28 @@
+"""Drawings (DXF): locations from points and blocks, contours from lines and curves."""
+
+from __future__ import annotations
+
+from pathlib import Path as FilePath
+
+from assistant.program.diagnostics import Refused, has_errors
+from assistant.sources import Reading
+from assistant.sources.drawing.assembly import assemble
+from assistant.sources.drawing.contents import Contents, read_contents
+from assistant.sources.process import Process
+
+__all__ = ["Contents", "read", "read_contents"]
+
+
+def read(path: FilePath, process: Process) -> Reading:
+    """The pseudo-program of a drawing.
+
+    Raises Unreadable for what is no drawing, Refused if an entity says something wrong or
+    nothing in it can become motion.
+    """
+    contents = read_contents(path, process)
+    if has_errors(contents.findings):
+        raise Refused(*contents.findings)
+    reading = assemble(contents, path, process)
+    if has_errors(reading.findings):
+        raise Refused(*reading.findings)
+    return reading

@@ -1,0 +1,148 @@
+"""From the contents of a drawing to a pseudo-program: names, order, procedures."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import Final
+
+from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.expressions import Name
+from assistant.program.geometry import Target
+from assistant.program.program import MANGLED, Procedure, Program, identifier
+from assistant.program.statements import Call, Move
+from assistant.sources import Reading
+from assistant.sources.drawing.contents import Contents
+from assistant.sources.drawing.findings import (
+    DUPLICATE,
+    EMPTY,
+    SAME_ORDER,
+    SOME_ORDERED,
+    shown,
+)
+from assistant.sources.drawing.locations import Location
+from assistant.sources.process import Process
+
+MAIN: Final = "main"
+LOCATIONS: Final = "locations"
+"""Name of the procedure that visits the locations."""
+
+
+def assemble(contents: Contents, path: FilePath, process: Process) -> Reading:
+    """The program of a drawing: `main` visits the locations, then follows the contours.
+
+    Raises Refused if there is nothing to do.
+    """
+    name = str(path)
+    if not contents.curves and not contents.locations:
+        raise Refused(*contents.findings, EMPTY(path=name))
+    title = identifier(path.stem)
+    mangled = [MANGLED(path=name, place="file name", given=shown(path.stem), name=title)]
+    named = name_locations(contents.locations, _taken(process), name)
+    ordered = visiting_order(contents.locations, name)
+    moves = tuple(
+        Move(location.kind, Name(named.names[i]), location.motion)
+        for i, location in ((i, contents.locations[i]) for i in ordered.rows)
+    )
+    calls = (Call(LOCATIONS),) if moves else ()
+    procedures = (Procedure(LOCATIONS, moves),) if moves else ()
+    program = Program(
+        title,
+        (Procedure(MAIN, calls), *procedures),
+        entry=MAIN,
+        comments=(f"drawing {shown(path.name)}, in {contents.unit}",),
+        frames=dict(process.frames),
+        tools=dict(process.tools),
+        signals=dict(process.signals),
+        targets={
+            n: Target(location.pose)
+            for n, location in zip(named.names, contents.locations, strict=True)
+        },
+    )
+    findings = (
+        *contents.findings,
+        *(mangled if title != path.stem else ()),
+        *named.findings,
+        *ordered.findings,
+    )
+    return Reading(program, findings)
+
+
+@dataclass(frozen=True, slots=True)
+class Names:
+    """A name for each location, in order of drawing."""
+
+    names: tuple[str, ...]
+    findings: tuple[Diagnostic, ...]
+
+
+def name_locations(locations: Sequence[Location], taken: Collection[str], path: str) -> Names:
+    """Unique names of the locations, near to those that were drawn.
+
+    Names that were given come first, so that a counted one never takes one of them.
+    """
+    used = {t.lower() for t in taken}
+    names: dict[int, str] = {}
+    findings: list[Diagnostic] = []
+    drawn: set[str] = set()
+    for i, location in enumerate(locations):
+        if not location.given:
+            continue
+        name = names[i] = identifier(location.given, used)
+        given = shown(location.given)
+        if location.given.lower() in drawn:
+            findings.append(DUPLICATE(path=path, place=location.place, given=given, name=name))
+        elif name != location.given:
+            findings.append(MANGLED(path=path, place=location.place, given=given, name=name))
+        drawn.add(location.given.lower())
+        used.add(name.lower())
+    counts: Counter[str] = Counter()
+    stems: dict[str, str] = {}
+    for i, location in enumerate(locations):
+        if location.given:
+            continue
+        if location.stem not in stems:
+            stems[location.stem] = stem = identifier(location.stem)
+            if stem != location.stem:
+                given = shown(location.stem)
+                findings.append(MANGLED(path=path, place=location.place, given=given, name=stem))
+        stem = stems[location.stem]
+        while True:
+            counts[stem.lower()] += 1
+            name = f"{stem}_{counts[stem.lower()]}"
+            if name.lower() not in used:
+                break
+        names[i] = name
+        used.add(name.lower())
+    return Names(tuple(names[i] for i in range(len(locations))), tuple(findings))
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """Rows of locations in the order of visiting."""
+
+    rows: tuple[int, ...]
+    findings: tuple[Diagnostic, ...]
+
+
+def visiting_order(locations: Sequence[Location], path: str) -> Order:
+    """By the order that locations state, as drawn where it is the same; the others follow."""
+    stated = [(order, i) for i, entry in enumerate(locations) if (order := entry.order) is not None]
+    rest = [i for i, entry in enumerate(locations) if entry.order is None]
+    findings = []
+    if stated and rest:
+        findings.append(SOME_ORDERED(path=path, ordered=len(stated), rest=len(rest)))
+    seen: set[float] = set()
+    for order, i in sorted(stated):
+        if order in seen:
+            place = locations[i].place
+            findings.append(SAME_ORDER(path=path, place=place, order=f"{order:g}"))
+        seen.add(order)
+    return Order((*(i for _, i in sorted(stated)), *rest), tuple(findings))
+
+
+def _taken(process: Process) -> set[str]:
+    """Names of the program that no target may have: a vendor's language has one space for all."""
+    return {MAIN, LOCATIONS, *process.tools, *process.frames, *process.signals}

@@ -1,0 +1,123 @@
+"""What a drawing holds for a robot: curves and locations in mm, and what is not used."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.geometry import BASE, FLANGE
+from assistant.program.statements import Motion
+from assistant.sources.curves import Curve
+from assistant.sources.drawing.attributes import Tags
+from assistant.sources.drawing.document import LIBRARY_ERRORS, open_drawing
+from assistant.sources.drawing.entities import ignored, primitives
+from assistant.sources.drawing.findings import (
+    BAD_ENTITY,
+    DEGENERATE,
+    IGNORED,
+    OTHER_UCS,
+    UNKNOWN_DEFAULT,
+    Tally,
+    shown,
+)
+from assistant.sources.drawing.locations import Location, Locations
+from assistant.sources.drawing.primitives import Degenerate
+from assistant.sources.drawing.transforms import scaling
+from assistant.sources.drawing.traversal import Placed, Traversal
+from assistant.sources.drawing.units import unit_of
+from assistant.sources.process import Process
+
+if TYPE_CHECKING:
+    from ezdxf.document import Drawing
+
+
+@dataclass(frozen=True, slots=True)
+class Contents:
+    """Curves and locations in order of drawing, in mm, in the drawing's world."""
+
+    unit: str
+    curves: tuple[Curve, ...]
+    locations: tuple[Location, ...]
+    findings: tuple[Diagnostic, ...]
+
+
+def read_contents(path: FilePath, process: Process) -> Contents:
+    """Everything in a drawing; raises Unreadable or Refused if it cannot be gone through.
+
+    What is wrong with single entities is in the findings, with severity error where a robot
+    might miss it.
+    """
+    name = str(path)
+    _check_defaults(process, name)
+    tags = Tags.of(process.tags, name)
+    document, opened = open_drawing(path)
+    unit, factor, units = unit_of(document, name)
+    tally = Tally()
+    traversal = Traversal(document, name, tags, tally)
+    locations = Locations(document, name, tags, process, tally)
+    curves: list[Curve] = []
+    found: list[Location] = []
+    for placed in traversal.model(scaling(factor)):
+        if placed.entity.dxftype() in ("POINT", "INSERT"):
+            location = locations.read(placed)
+            found += [location] if location else []
+        else:
+            curves += _curves(placed, tally, traversal)
+    traversal.paper()
+    counted = (f.within(name) for f in tally.findings())
+    findings = (*opened, *units, *_ucs(document, name), *traversal.findings, *locations.findings)
+    return Contents(unit, tuple(curves), tuple(found), (*findings, *counted))
+
+
+def _curves(placed: Placed, tally: Tally, traversal: Traversal) -> list[Curve]:
+    """The curves of an entity; what has no length is counted, what is broken is a finding."""
+    from ezdxf.lldxf.const import DXFError
+
+    entity, layer = placed.entity, placed.layer
+    kind, handle = entity.dxftype(), entity.dxf.handle or ""
+    curves: list[Curve] = []
+    try:
+        with np.errstate(all="ignore"):  # what overflows is found not to be finite
+            for what in ignored(entity):
+                tally.add(IGNORED, kind, layer, what, handle)
+            for piece in primitives(entity):
+                try:
+                    curves.append(piece.moved(placed.matrix).curve(layer, handle))
+                except Degenerate as reason:
+                    tally.add(DEGENERATE, kind, layer, str(reason), handle)
+    except Degenerate as reason:
+        tally.add(DEGENERATE, kind, layer, str(reason), handle)
+    except (DXFError, *LIBRARY_ERRORS) as error:
+        reason_shown = shown(str(error) or type(error).__name__)
+        traversal.findings.append(
+            BAD_ENTITY(path=traversal.path, place=placed.place, kind=kind, reason=reason_shown)
+        )
+    return curves
+
+
+def _check_defaults(process: Process, path: str) -> None:
+    """Raises Refused where motion names a tool or frame that is not declared."""
+    tools, frames = {FLANGE, *process.tools}, {BASE, *process.frames}
+    motions: list[Motion] = [process.defaults.motion]
+    motions += [layer.motion for layer in process.layers.values()]
+    wrong = {("tool", m.tool) for m in motions if m.tool not in tools}
+    wrong |= {("frame", m.frame) for m in motions if m.frame not in frames}
+    if wrong:
+        raise Refused(
+            *(UNKNOWN_DEFAULT(path=path, what=w, name=shown(n)) for w, n in sorted(wrong))
+        )
+
+
+def _ucs(document: Drawing, path: str) -> tuple[Diagnostic, ...]:
+    """A finding if people drew in a coordinate system of their own.
+
+    Entities are stored in world coordinates whatever it is; but who reads coordinates off the
+    screen sees others.
+    """
+    axes = (("$UCSORG", (0, 0, 0)), ("$UCSXDIR", (1, 0, 0)), ("$UCSYDIR", (0, 1, 0)))
+    world = all(np.allclose(tuple(document.header.get(name, usual)), usual) for name, usual in axes)
+    return () if world else (OTHER_UCS(path=path, place="header"),)

@@ -1,0 +1,166 @@
+"""Opening a drawing: text and binary DXF, damaged ones through repair."""
+
+from __future__ import annotations
+
+import logging
+import re
+import struct
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Final
+
+from assistant.program.diagnostics import Diagnostic, Unreadable
+from assistant.program.text import read_bytes
+from assistant.sources.drawing.findings import (
+    BROKEN,
+    LOST,
+    NO_DXF,
+    NOTED,
+    REPAIRED,
+    TRUNCATED,
+    shown,
+)
+
+if TYPE_CHECKING:
+    from ezdxf.document import Drawing
+
+BINARY_SENTINEL: Final = b"AutoCAD Binary DXF\r\n\x1a\x00"
+DWG_SIGNATURE: Final = re.compile(rb"AC10\d\d\x00|AC1\.\d\d")
+SECTION: Final = re.compile(rb"(?:^|[\r\n])[ \t]*0[ \t]*\r?[\r\n][ \t]*SECTION[ \t]*\r?[\r\n]")
+END: Final = re.compile(rb"[\r\n][ \t]*0[ \t]*\r?[\r\n][ \t]*EOF[ \t]*(?:[\r\n]|$)")
+TAIL: Final = 1 << 16
+"""Bytes at the end of a file in which the end mark has to stand."""
+
+PADDING: Final = b"\x00\x1a \t\r\n"
+"""What old systems and transfers fill the last block of a file with."""
+
+LIBRARY_ERRORS: Final = (
+    ArithmeticError,
+    AssertionError,
+    AttributeError,
+    LookupError,
+    OSError,
+    RecursionError,
+    TypeError,
+    ValueError,
+    struct.error,
+)
+"""What reading a damaged file raises inside ezdxf, besides its own errors."""
+
+LOSSES: Final = frozenset(
+    {
+        "UNDEFINED_BLOCK",
+        "UNDEFINED_BLOCK_NAME",
+        "INVALID_BLOCK_REFERENCE_CYCLE",
+        "INVALID_MAJOR_AXIS",
+        "INVALID_SPLINE_DEFINITION",
+        "INVALID_SPLINE_CONTROL_POINT_COUNT",
+        "INVALID_SPLINE_FIT_POINT_COUNT",
+        "INVALID_SPLINE_KNOT_VALUE_COUNT",
+        "INVALID_SPLINE_WEIGHT_COUNT",
+        "REMOVED_ENTITY_WITH_INVALID_OWNER_HANDLE",
+        "REMOVED_STANDALONE_ATTRIB_ENTITY",
+        "TAG_ATTRIBUTE_MISSING",
+    }
+)
+"""Repairs that delete something a robot might have to follow."""
+
+MOST_NOTES: Final = 20
+"""How many repairs or notes are told one by one."""
+
+
+def open_drawing(path: FilePath) -> tuple[Drawing, tuple[Diagnostic, ...]]:
+    """The document, and what had to be repaired to read it; raises Unreadable."""
+    data = read_bytes(path)
+    binary = data.startswith(BINARY_SENTINEL)
+    _check_kind(path, data, binary)
+    _check_end(path, data, binary)
+    notes: list[str] = []
+    with _heard(notes):
+        document, repairs = _load(path, binary)
+    told = [NOTED(path=str(path), place="file", what=shown(n)) for n in dict.fromkeys(notes)]
+    return document, (*repairs, *told[:MOST_NOTES])
+
+
+def _check_kind(path: FilePath, data: bytes, binary: bool) -> None:
+    if binary or SECTION.search(data):
+        return
+    reason = "it has no section"
+    if DWG_SIGNATURE.match(data):
+        reason = "it is a DWG drawing"
+    raise Unreadable(NO_DXF(path=str(path), name=shown(path.name), reason=reason))
+
+
+def _check_end(path: FilePath, data: bytes, binary: bool) -> None:
+    """A file without its end mark would read as a drawing with fewer entities."""
+    if binary:
+        whole = data.rstrip(b"\x1a \t\r\n\x00").endswith(b"\x00EOF")
+    else:
+        whole = END.search(data[-TAIL:].rstrip(PADDING)) is not None
+    if not whole:
+        raise Unreadable(TRUNCATED(path=str(path), name=shown(path.name)))
+
+
+def _load(path: FilePath, binary: bool) -> tuple[Drawing, tuple[Diagnostic, ...]]:
+    from ezdxf import recover
+    from ezdxf.filemanagement import readfile
+    from ezdxf.lldxf.const import DXFError
+
+    try:
+        return readfile(path), ()
+    except (DXFError, *LIBRARY_ERRORS) as error:
+        strict = error
+    if binary:  # ezdxf repairs text only
+        raise _broken(path, strict) from strict
+    try:
+        document, auditor = recover.readfile(path)
+    except (DXFError, *LIBRARY_ERRORS) as error:
+        raise _broken(path, error) from error
+    name = str(path)
+    first = REPAIRED(path=name, place="file", what=shown(str(strict)))
+    repairs = [
+        (LOST if _code(entry.code) in LOSSES else REPAIRED)(
+            path=name, place=_code(entry.code), what=shown(entry.message)
+        )
+        for entry in [*auditor.fixes, *auditor.errors]
+    ]
+    kept = [r for i, r in enumerate(repairs) if i < MOST_NOTES or r.code == LOST.code]
+    if len(kept) < len(repairs):
+        what = f"{len(repairs) - len(kept)} more of the same kind"
+        kept.append(REPAIRED(path=name, place="file", what=what))
+    return document, (first, *kept)
+
+
+def _code(code: int) -> str:
+    from ezdxf.audit import AuditError
+
+    return AuditError(code).name
+
+
+def _broken(path: FilePath, error: Exception) -> Unreadable:
+    reason = shown(str(error) or type(error).__name__)
+    return Unreadable(BROKEN(path=str(path), name=shown(path.name), reason=reason))
+
+
+@contextmanager
+def _heard(notes: list[str]) -> Iterator[None]:
+    """Collects what ezdxf logs as a warning or worse, which else would go to the terminal."""
+    logger = logging.getLogger("ezdxf")
+    listener = _Listener(notes)
+    propagates, logger.propagate = logger.propagate, False
+    logger.addHandler(listener)
+    try:
+        yield
+    finally:
+        logger.removeHandler(listener)
+        logger.propagate = propagates
+
+
+class _Listener(logging.Handler):
+    def __init__(self, notes: list[str]) -> None:
+        super().__init__(logging.WARNING)
+        self.notes = notes
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self.notes.append(record.getMessage())

@@ -1,0 +1,150 @@
+"""Straight pieces, conics and splines: what entities are made of, closed under any transform.
+
+An affine map of a conic given by two conjugate radii is again such a conic, and of a spline
+the spline of the moved control points. So nested, mirrored and unevenly scaled inserts need
+no cases of their own; only at the end it shows whether a conic is a circle.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from assistant.sources.curves import Arc, Curve, FreeCurve, Line, Points, vector
+from assistant.sources.drawing.transforms import Floats, direction, point
+
+ROUND: Final = 1e-9
+"""Relative difference of two conjugate radii, and cosine between them, of a circle."""
+
+FARTHEST: Final = 1e7
+"""mm; a coordinate beyond 10 km is no work piece but a broken file."""
+
+SHORTEST: Final = 1e-9
+"""mm; what is shorter has no direction."""
+
+
+class Degenerate(ValueError):
+    """A curve without length or without a plane."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Straight:
+    """From start to end, (3,) each."""
+
+    start: Floats
+    end: Floats
+
+    def moved(self, matrix: Floats) -> Straight:
+        return Straight(point(matrix, self.start), point(matrix, self.end))
+
+    def curve(self, layer: str, handle: str) -> Curve:
+        check_places(self.start, self.end)
+        if np.linalg.norm(self.end - self.start) <= SHORTEST:
+            raise Degenerate("without length")
+        return Line(vector(self.start), vector(self.end), layer, handle)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Conic:
+    """centre + u·cos t + v·sin t for t from 0 to `sweep` radians, a whole ellipse at 2π."""
+
+    centre: Floats
+    u: Floats
+    v: Floats
+    sweep: float
+
+    @staticmethod
+    def part(centre: Floats, u: Floats, v: Floats, first: float, sweep: float) -> Conic:
+        """The part that begins at parameter `first` (radians)."""
+        c, s = math.cos(first), math.sin(first)
+        return Conic(centre, c * u + s * v, c * v - s * u, sweep)
+
+    @property
+    def whole(self) -> bool:
+        return self.sweep == math.tau
+
+    def moved(self, matrix: Floats) -> Conic:
+        return replace(
+            self,
+            centre=point(matrix, self.centre),
+            u=direction(matrix, self.u),
+            v=direction(matrix, self.v),
+        )
+
+    def curve(self, layer: str, handle: str) -> Curve:
+        check_places(self.centre, self.u, self.v)
+        sizes = float(np.linalg.norm(self.u)), float(np.linalg.norm(self.v))
+        normal = np.cross(self.u, self.v)
+        flat = float(np.linalg.norm(normal)) <= ROUND * max(sizes) ** 2
+        if flat or self.sweep * max(sizes) <= SHORTEST:
+            raise Degenerate("without length or area")
+        even = abs(sizes[0] - sizes[1]) <= ROUND * max(sizes)
+        if even and abs(float(self.u @ self.v)) <= ROUND * max(sizes) ** 2:
+            sweep = 360.0 if self.whole else math.degrees(self.sweep)
+            return Arc.about(self.centre, normal, self.centre + self.u, sweep, layer, handle)
+        return FreeCurve(self._evaluate, self.whole, layer, handle)
+
+    def _evaluate(self, parameters: Floats) -> Points:
+        t = (parameters * self.sweep)[:, None]
+        return np.asarray(self.centre + np.cos(t) * self.u + np.sin(t) * self.v)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Spline:
+    """A rational B-spline.
+
+    knots (n + degree + 1,) ascending, points (n, 3), weights (n,) positive.
+    """
+
+    degree: int
+    knots: Floats
+    points: Floats
+    weights: Floats
+
+    def moved(self, matrix: Floats) -> Spline:
+        return replace(self, points=point(matrix, self.points))
+
+    def curve(self, layer: str, handle: str) -> Curve:
+        check_places(self.points)
+        if np.linalg.norm(np.ptp(self.points, axis=0)) <= SHORTEST:
+            raise Degenerate("without length")
+        low, high = self._domain
+        inner = np.unique(self.knots[(self.knots > low) & (self.knots < high)])
+        breaks = (0.0, *(float(b) for b in (inner - low) / (high - low)), 1.0)
+        ends = self._evaluate(np.array([0.0, 1.0]))
+        closed = bool(np.linalg.norm(ends[1] - ends[0]) <= SHORTEST)
+        return FreeCurve(self._evaluate, closed, layer, handle, breaks)
+
+    @property
+    def _domain(self) -> tuple[float, float]:
+        return float(self.knots[self.degree]), float(self.knots[len(self.points)])
+
+    def _evaluate(self, parameters: Floats) -> Points:
+        """De Boor's algorithm in homogeneous coordinates, all parameters at once."""
+        p, n, knots = self.degree, len(self.points), self.knots
+        low, high = self._domain
+        x = np.clip(low + parameters * (high - low), low, high)
+        last = int(np.searchsorted(knots, high, side="left")) - 1  # its span holds the end
+        span = np.clip(np.searchsorted(knots, x, side="right") - 1, p, min(last, n - 1))
+        homogeneous = np.column_stack([self.points * self.weights[:, None], self.weights])
+        d = homogeneous[span[:, None] + np.arange(-p, 1)]
+        for r in range(1, p + 1):
+            for j in range(p, r - 1, -1):
+                i = span - p + j
+                width = knots[i + p - r + 1] - knots[i]
+                share = np.divide(x - knots[i], width, out=np.zeros_like(x), where=width > 0)
+                d[:, j] = d[:, j - 1] + share[:, None] * (d[:, j] - d[:, j - 1])
+        return np.asarray(d[:, p, :3] / d[:, p, 3:])
+
+
+Primitive = Straight | Conic | Spline
+
+
+def check_places(*places: Floats) -> None:
+    """Raises ValueError for a coordinate that is not finite, or is no place for a robot."""
+    for place in places:
+        if not (np.abs(place) < FARTHEST).all():  # NaN fails as well
+            raise ValueError(f"a coordinate is not finite or beyond {FARTHEST:g} mm")

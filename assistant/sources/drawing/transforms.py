@@ -1,0 +1,147 @@
+"""Object coordinate systems, inserts and directions as matrices.
+
+Matrices are (4, 4), work on columns and hold mm in the end: world = matrix @ [x y z 1].
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    from ezdxf.entities.insert import Insert
+
+Floats = NDArray[np.float64]
+
+ARBITRARY_AXIS_BOUND: Final = 1.0 / 64.0
+"""DXF reference, arbitrary axis algorithm: closer than this to z, x comes from the y axis."""
+
+EVEN: Final = 1e-6
+"""Relative difference in scale, and cosine, below which a transform keeps angles."""
+
+
+def ocs_axes(extrusion: ArrayLike) -> Floats:
+    """Axes of the object coordinate system of an extrusion, in columns (3, 3).
+
+    The arbitrary axis algorithm of the DXF reference. Raises ValueError for a zero vector.
+    """
+    z = _unit(np.asarray(extrusion, dtype=np.float64))
+    near = abs(z[0]) < ARBITRARY_AXIS_BOUND and abs(z[1]) < ARBITRARY_AXIS_BOUND
+    x = _unit(np.cross((0.0, 1.0, 0.0) if near else (0.0, 0.0, 1.0), z))
+    return np.column_stack([x, np.cross(z, x), z])
+
+
+def ocs_matrix(extrusion: ArrayLike) -> Floats:
+    """Object to world coordinates of an entity with that extrusion."""
+    return affine(ocs_axes(extrusion))
+
+
+def affine(linear: ArrayLike, origin: ArrayLike = (0.0, 0.0, 0.0)) -> Floats:
+    """The (4, 4) matrix of a (3, 3) one and where it puts the origin."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = linear
+    matrix[:3, 3] = origin
+    return matrix
+
+
+def scaling(factor: float) -> Floats:
+    return affine(np.eye(3) * factor)
+
+
+def point(matrix: Floats, p: ArrayLike) -> Floats:
+    """A point (3,) or points (n, 3) moved by a matrix."""
+    return np.asarray(np.asarray(p, dtype=np.float64) @ matrix[:3, :3].T + matrix[:3, 3])
+
+
+def direction(matrix: Floats, v: ArrayLike) -> Floats:
+    """A vector (3,) or vectors (n, 3) turned and scaled by a matrix, but not moved."""
+    return np.asarray(np.asarray(v, dtype=np.float64) @ matrix[:3, :3].T)
+
+
+def cells(insert: Insert) -> Iterator[tuple[float, float]]:
+    """Offsets of the copies of an insert along its own turned x and y, rows last.
+
+    One for a plain insert. Where the spacing is 0 copies would coincide: then there is one.
+    """
+    dxf = insert.dxf
+    columns = dxf.column_count if dxf.column_spacing else 1
+    rows = dxf.row_count if dxf.row_spacing else 1
+    for row in range(max(rows, 1)):
+        for column in range(max(columns, 1)):
+            yield column * dxf.column_spacing, row * dxf.row_spacing
+
+
+def insert_axes(insert: Insert) -> Floats:
+    """Axes of an insert in columns (3, 3), unit length, turned over where a scale is negative."""
+    return np.asarray(_turned_axes(insert) * np.sign(_scale(insert)))
+
+
+def insert_origin(insert: Insert, cell: tuple[float, float] = (0.0, 0.0)) -> Floats:
+    """Where an insert puts the base point of its block.
+
+    The grid of a multiple insert is turned with it, but not scaled.
+    """
+    at = direction(ocs_matrix(insert.dxf.extrusion), insert.dxf.insert.xyz)
+    return np.asarray(at + _turned_axes(insert) @ np.array([*cell, 0.0]))
+
+
+def insert_matrix(
+    insert: Insert, base: ArrayLike = (0.0, 0.0, 0.0), cell: tuple[float, float] = (0.0, 0.0)
+) -> Floats:
+    """Block coordinates to those that the insert stands in.
+
+    base: base point of the block. cell: offset of one copy of a multiple insert.
+    """
+    linear = _turned_axes(insert) * _scale(insert)
+    origin = insert_origin(insert, cell) - linear @ np.asarray(base, dtype=np.float64)
+    return affine(linear, origin)
+
+
+def mirrors(matrix: Floats) -> bool:
+    return bool(np.linalg.det(matrix[:3, :3]) < 0)
+
+
+def skews(matrix: Floats) -> bool:
+    """Whether a matrix changes angles, as an uneven scale does."""
+    gram = matrix[:3, :3].T @ matrix[:3, :3]
+    even = np.eye(3) * np.trace(gram) / 3.0
+    return bool(np.abs(gram - even).max() > EVEN * np.trace(gram))
+
+
+def right_handed(x: Floats, z: Floats) -> Floats:
+    """Rotation matrix with z along `z`, and x as near to `x` as it can be.
+
+    Raises ValueError if a vector is zero or both are parallel.
+    """
+    unit_z = _unit(z)
+    unit_x = _unit(x)
+    across = unit_x - (unit_x @ unit_z) * unit_z
+    if np.linalg.norm(across) < 1e-9:
+        raise ValueError("its directions fall into one")
+    across = _unit(across)
+    return np.column_stack([across, np.cross(unit_z, across), unit_z])
+
+
+def _turned_axes(insert: Insert) -> Floats:
+    angle = math.radians(insert.dxf.rotation)
+    c, s = math.cos(angle), math.sin(angle)
+    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    return np.asarray(ocs_axes(insert.dxf.extrusion) @ turn)
+
+
+def _scale(insert: Insert) -> Floats:
+    scale = np.array([insert.dxf.xscale, insert.dxf.yscale, insert.dxf.zscale], dtype=np.float64)
+    if not scale.all():
+        raise ValueError("a scale of the insert is 0")
+    return scale
+
+
+def _unit(v: Floats) -> Floats:
+    length = float(np.linalg.norm(v))
+    if not 0.0 < length < math.inf:
+        raise ValueError("a direction has no length")
+    return np.asarray(v / length)

@@ -1,0 +1,234 @@
+"""Through a drawing: every entity once for each place where inserts put it.
+
+A block on a frozen layer is not seen at all; on a layer that is off, only what is on layer 0
+of the block goes with it. In a block, layer 0 stands for the layer of the insert. What is on
+a frozen or switched-off layer, invisible, or in paper space is left out and counted.
+
+The geometry of a location block is its symbol, for people: it is counted, not read. Locations
+inside it are read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Final, cast
+
+from assistant.program.diagnostics import Diagnostic, Refused, Rule
+from assistant.sources.drawing.attributes import Tags, texts_of
+from assistant.sources.drawing.entities import follows
+from assistant.sources.drawing.findings import (
+    BAD_ENTITY,
+    EXTERNAL,
+    LEFT_OUT,
+    NO_BLOCK,
+    NO_LOCATION,
+    RECURSIVE,
+    TOO_DEEP,
+    TOO_MANY,
+    UNUSED,
+    Tally,
+    shown,
+)
+from assistant.sources.drawing.transforms import Floats, cells, insert_matrix
+
+if TYPE_CHECKING:
+    from ezdxf.document import Drawing
+    from ezdxf.entities.dxfgfx import DXFGraphic
+    from ezdxf.entities.insert import Insert
+    from ezdxf.layouts.blocklayout import BlockLayout
+
+MOST_ENTITIES: Final = 1_000_000
+"""Nested blocks double with each level: a small file can stand for more than a memory holds."""
+
+MOST_NESTED: Final = 100
+
+DIMENSION_LAYER: Final = "defpoints"
+"""Where CAD systems put the construction points of dimensions; never plotted."""
+
+ANNOTATION: Final = frozenset(
+    {
+        "TEXT",
+        "MTEXT",
+        "ATTDEF",
+        "ATTRIB",
+        "LEADER",
+        "MULTILEADER",
+        "TOLERANCE",
+        "ACAD_TABLE",
+        "DIMENSION",
+        "ARC_DIMENSION",
+        "LARGE_RADIAL_DIMENSION",
+        "VIEWPORT",
+        "IMAGE",
+        "WIPEOUT",
+        "OLEFRAME",
+        "OLE2FRAME",
+        "PDFUNDERLAY",
+    }
+)
+"""Types that are for people to read; no robot would be expected to follow them."""
+
+XREF_FLAGS: Final = 4 | 8
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Placed:
+    """An entity at one of its places.
+
+    matrix: from the coordinates that it stands in to the drawing's world, in mm. layer: in
+    effect. place: the inserts it is in and its handle, for people. cell: of a multiple insert.
+    """
+
+    entity: DXFGraphic
+    matrix: Floats
+    layer: str
+    place: str
+    cell: tuple[float, float] = (0.0, 0.0)
+
+
+@dataclass(slots=True)
+class Traversal:
+    """Walks through a document; `tally` and `findings` fill while it goes."""
+
+    document: Drawing
+    path: str
+    tags: Tags
+    tally: Tally
+    findings: list[Diagnostic] = field(default_factory=list)
+    seen: int = 0
+    states: dict[str, str] = field(default_factory=dict)
+    """Layer in lower case → `frozen` or `off`."""
+
+    def __post_init__(self) -> None:
+        for layer in self.document.layers:
+            state = "frozen" if layer.is_frozen() else "off" if layer.is_off() else ""
+            self.states[layer.dxf.name.lower()] = state
+
+    def model(self, root: Floats) -> Iterator[Placed]:
+        """Curves, points and location inserts of the model space, in order of drawing.
+
+        root: scale from drawing units to mm. Raises Refused if there is no end to it.
+        """
+        yield from self._walk(self.document.modelspace(), _Owner(root))
+
+    def paper(self) -> None:
+        """Counts what stands in paper space; viewports there are windows, no drawing."""
+        for layout in self.document.layouts:
+            if layout.is_modelspace:
+                continue
+            reason = f"it is in the paper space `{shown(layout.name)}`"
+            for entity in layout:
+                if entity.dxftype() != "VIEWPORT":
+                    self._leave(LEFT_OUT, entity, entity.dxf.layer, reason)
+
+    def _walk(self, entities: Iterable[DXFGraphic], owner: _Owner) -> Iterator[Placed]:
+        for entity in entities:
+            self.seen += 1
+            if self.seen > MOST_ENTITIES:
+                raise Refused(TOO_MANY(path=self.path, most=MOST_ENTITIES))
+            layer = owner.layer if owner.blocks and entity.dxf.layer == "0" else entity.dxf.layer
+            kind = entity.dxftype()
+            hidden = self._hidden(entity, layer)
+            if kind == "INSERT" and hidden in (None, OFF):
+                yield from self._insert(cast("Insert", entity), layer, hidden, owner)
+            elif kind == "ATTDEF" and owner.blocks:
+                continue  # says which attributes an insert may have; those are read there
+            elif hidden:
+                self._leave(LEFT_OUT, entity, layer, hidden)
+            elif owner.symbol:
+                self._leave(LEFT_OUT, entity, layer, SYMBOL)
+            elif layer.lower() == DIMENSION_LAYER:
+                self._leave(LEFT_OUT, entity, layer, "construction points of dimensions")
+            elif kind == "POINT" or follows(entity):
+                yield Placed(entity, owner.matrix, layer, owner.place(entity))
+            elif kind in ANNOTATION:
+                self._leave(LEFT_OUT, entity, layer, "it is for people to read")
+            else:
+                self._leave(UNUSED, entity, layer, "")
+
+    def _insert(
+        self, insert: Insert, layer: str, hidden: str | None, owner: _Owner
+    ) -> Iterator[Placed]:
+        place = owner.place(insert)
+        tags = [tag for tag, _ in texts_of(insert, self.document)]
+        location = self.tags.make_location(tags)
+        if hidden and location:
+            self._leave(LEFT_OUT, insert, layer, hidden)
+            return
+        if not location:
+            self._no_location(insert, layer, tags, place)
+        block = self._block(insert, place, owner, needed=not location)
+        base = (0.0, 0.0, 0.0) if block is None else block.base_point
+        for cell in cells(insert):
+            if location:
+                yield Placed(insert, owner.matrix, layer, place, cell)
+            if block is None:
+                self.seen += 1
+                continue
+            try:
+                inner = owner.matrix @ insert_matrix(insert, tuple(base), cell)
+            except ValueError as error:
+                self._say(BAD_ENTITY, place, kind="INSERT", reason=error)
+                return
+            symbol = owner.symbol or location
+            blocks = (*owner.blocks, block.name.lower())
+            yield from self._walk(block, _Owner(inner, layer, f"{place} > ", blocks, symbol))
+
+    def _block(
+        self, insert: Insert, place: str, owner: _Owner, *, needed: bool
+    ) -> BlockLayout | None:
+        """The block of an insert; None, with a finding, if its content cannot be had."""
+        name = insert.dxf.get("name", "")
+        block = self.document.blocks.get(name)
+        given = shown(name)
+        if block is None:
+            if needed:  # a location needs no symbol
+                self._say(NO_BLOCK, place, block=given)
+        elif block.name.lower() in (*owner.blocks, "*model_space"):
+            self._say(RECURSIVE, place, block=given)
+        elif len(owner.blocks) >= MOST_NESTED:
+            self._say(TOO_DEEP, place, most=MOST_NESTED)
+        elif block.block is not None and block.block.dxf.flags & XREF_FLAGS and not len(block):
+            if needed:
+                self._say(EXTERNAL, place, block=given)
+        else:
+            return block
+        return None
+
+    def _no_location(self, insert: Insert, layer: str, tags: list[str], place: str) -> None:
+        for attribute in insert.attribs:
+            self._leave(LEFT_OUT, attribute, layer, "it belongs to a block that is no location")
+        if any(self.tags.meaning(tag) for tag in tags):
+            names = " ".join(shown(tag) for tag in tags)
+            self._say(NO_LOCATION, place, block=shown(insert.dxf.name), tags=names)
+
+    def _hidden(self, entity: DXFGraphic, layer: str) -> str | None:
+        if entity.dxf.get("invisible", 0):
+            return "it is invisible"
+        state = self.states.get(layer.lower(), "")
+        return {"frozen": "the layer is frozen", "off": OFF}.get(state)
+
+    def _leave(self, rule: Rule, entity: DXFGraphic, layer: str, reason: str) -> None:
+        self.tally.add(rule, shown(entity.dxftype()), layer, reason, entity.dxf.handle or "")
+
+    def _say(self, rule: Rule, place: str, **fields: Any) -> None:
+        self.findings.append(rule(path=self.path, place=place, **fields))
+
+
+SYMBOL: Final = "it is the symbol of a location"
+OFF: Final = "the layer is off"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Owner:
+    """What the content of a block gets from the inserts around it."""
+
+    matrix: Floats
+    layer: str = "0"
+    prefix: str = ""
+    blocks: tuple[str, ...] = ()
+    symbol: bool = False
+
+    def place(self, entity: DXFGraphic) -> str:
+        return f"{self.prefix}{shown(entity.dxftype())} #{entity.dxf.handle}"

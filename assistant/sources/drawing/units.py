@@ -1,0 +1,62 @@
+"""The unit of a drawing, and how many millimetres it is."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.sources.drawing.findings import NO_UNITS, UNKNOWN_UNITS
+
+if TYPE_CHECKING:
+    from ezdxf.document import Drawing
+
+FOOT: Final = 304.8
+SURVEY_FOOT: Final = 1_200_000.0 / 3937.0
+"""mm; 1200/3937 m by its definition of 1893."""
+METRE: Final = 1000.0
+ASTRONOMICAL_UNIT: Final = 149_597_870_700.0 * METRE
+
+MILLIMETRES: Final[dict[int, tuple[str, float]]] = {
+    1: ("inches", FOOT / 12),
+    2: ("feet", FOOT),
+    3: ("miles", FOOT * 5280),
+    4: ("millimetres", 1.0),
+    5: ("centimetres", 10.0),
+    6: ("metres", METRE),
+    7: ("kilometres", METRE * 1e3),
+    8: ("microinches", FOOT / 12 * 1e-6),
+    9: ("mils", FOOT / 12 * 1e-3),
+    10: ("yards", FOOT * 3),
+    11: ("ångströms", 1e-7),
+    12: ("nanometres", 1e-6),
+    13: ("micrometres", 1e-3),
+    14: ("decimetres", 100.0),
+    15: ("decametres", METRE * 10),
+    16: ("hectometres", METRE * 100),
+    17: ("gigametres", METRE * 1e9),
+    18: ("astronomical units", ASTRONOMICAL_UNIT),
+    19: ("light years", 9_460_730_472_580_800.0 * METRE),
+    20: ("parsecs", ASTRONOMICAL_UNIT * 648_000 / 3.141592653589793),
+    21: ("US survey feet", SURVEY_FOOT),
+    22: ("US survey inches", SURVEY_FOOT / 12),
+    23: ("US survey yards", SURVEY_FOOT * 3),
+    24: ("US survey miles", SURVEY_FOOT * 5280),
+}
+"""Code of $INSUNITS (DXF reference, header section) → name, millimetres."""
+
+
+def unit_of(document: Drawing, path: str) -> tuple[str, float, tuple[Diagnostic, ...]]:
+    """Name of the drawing's unit, mm a unit, findings; raises Refused for unknown codes.
+
+    The units of blocks do not matter: a CAD system puts them into the scale of the insert
+    when it is made.
+    """
+    code = document.header.get("$INSUNITS", None)
+    if code is None or code == 0:
+        state = "missing" if code is None else "0"
+        english = document.header.get("$MEASUREMENT", 1) == 0
+        hint = ", although its measurement is English" if english else ""
+        return "millimetres", 1.0, (NO_UNITS(path=path, place="header", state=state, hint=hint),)
+    if code not in MILLIMETRES:
+        raise Refused(UNKNOWN_UNITS(path=path, place="header", code=code))
+    return (*MILLIMETRES[code], ())

@@ -1,0 +1,148 @@
+"""Opening: text and binary files, damaged ones, and whatever is no drawing."""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import ezdxf
+import pytest
+from ezdxf.document import Drawing
+
+from assistant.program.diagnostics import Refused, Severity, Unreadable
+from assistant.sources.curves import Line
+from assistant.sources.drawing import read, read_contents
+from assistant.sources.process import NO_PROCESS
+
+Save = Callable[..., Path]
+
+
+def codes(path: Path) -> list[str]:
+    """Codes of what keeps a file from being read."""
+    with pytest.raises(Unreadable) as caught:
+        read(path, NO_PROCESS)
+    assert caught.value.exit_status == 2
+    assert all(f.path == str(path) and f.cure for f in caught.value.findings)
+    return [f.code for f in caught.value.findings]
+
+
+def damaged(path: Path, old: bytes, new: bytes) -> Path:
+    data = path.read_bytes()
+    assert old in data
+    path.write_bytes(data.replace(old, new, 1))
+    return path
+
+
+@pytest.mark.parametrize("version", ["R12", "R2000", "R2004", "R2007", "R2010", "R2013", "R2018"])
+@pytest.mark.parametrize("fmt", ["asc", "bin"])
+def test_versions(save: Save, version: str, fmt: str) -> None:
+    logging.getLogger("ezdxf").setLevel(logging.ERROR)
+    document = ezdxf.new(version, units=4)
+    document.modelspace().add_line((1, 2, 3), (4, 5, 6), dxfattribs={"layer": "GLUE"})
+    (curve,) = read_contents(save(document, fmt=fmt), NO_PROCESS).curves
+    assert isinstance(curve, Line)
+    assert (curve.start, curve.end, curve.layer) == ((1, 2, 3), (4, 5, 6), "GLUE")
+
+
+def test_missing_folder_and_empty(tmp_path: Path) -> None:
+    assert codes(tmp_path / "none.dxf") == ["IN001"]
+    assert codes(tmp_path) == ["IN002"]
+    empty = tmp_path / "empty.dxf"
+    empty.touch()
+    assert codes(empty) == ["IN005"]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no mode that keeps an owner out")
+def test_permission(save: Save, drawing: Drawing) -> None:
+    path = save(drawing)
+    path.chmod(0)
+    user = os.geteuid()
+    os.seteuid(user or 65534)  # root may read everything
+    try:
+        assert codes(path) == ["IN003"]
+    finally:
+        os.seteuid(user)
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"hello\nworld\n",
+        b'{"a": 1}',
+        b"  0\nEOF\n",
+        bytes(range(256)) * 40,
+        b"AC1027\x00\x00\x00\x00",
+        b"%PDF-1.7\n",
+        b"\xff\xfe0\x00\n\x00",
+    ],
+)
+def test_no_drawing(tmp_path: Path, data: bytes) -> None:
+    path = tmp_path / "no.dxf"
+    path.write_bytes(data)
+    assert codes(path) == ["DX001"]
+
+
+def test_dwg_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "no.dxf"
+    path.write_bytes(b"AC1032\x00" + bytes(100))
+    with pytest.raises(Unreadable, match="DWG"):
+        read(path, NO_PROCESS)
+
+
+@pytest.mark.parametrize("fmt", ["asc", "bin"])
+@pytest.mark.parametrize("share", [0.3, 0.6, 0.9, 0.999])
+def test_truncated(save: Save, drawing: Drawing, fmt: str, share: float) -> None:
+    drawing.modelspace().add_line((0, 0), (1, 1))
+    path = save(drawing, fmt=fmt)
+    data = path.read_bytes()
+    path.write_bytes(data[: int(len(data) * share)])
+    assert codes(path) == ["DX002"]
+
+
+def test_padding_after_the_end_is_allowed(save: Save, drawing: Drawing) -> None:
+    drawing.modelspace().add_line((0, 0), (1, 1))
+    path = save(drawing)
+    path.write_bytes(path.read_bytes() + b"\x1a" + bytes(500))
+    assert len(read_contents(path, NO_PROCESS).curves) == 1
+
+
+def test_repair_is_told(save: Save, drawing: Drawing) -> None:
+    drawing.modelspace().add_line((0, 0), (1, 1))
+    path = damaged(save(drawing), b"  0\nENDSEC\n", b"")
+    contents = read_contents(path, NO_PROCESS)
+    assert len(contents.curves) == 1
+    repaired = [f for f in contents.findings if f.code == "DX004"]
+    assert repaired[0].severity is Severity.WARNING
+    assert any("ENDSEC" in f.message for f in repaired)
+
+
+def test_repair_that_drops_an_insert_is_an_error(save: Save, drawing: Drawing) -> None:
+    drawing.modelspace().add_line((0, 0), (1, 1))
+    drawing.modelspace().add_blockref("NOWHERE", (0, 0))
+    path = damaged(save(drawing), b"  0\nENDSEC\n", b"")
+    with pytest.raises(Refused) as caught:
+        read(path, NO_PROCESS)
+    assert "DX005" in [f.code for f in caught.value.findings]
+
+
+@pytest.mark.parametrize("fmt", ["asc", "bin"])
+def test_beyond_repair(save: Save, drawing: Drawing, fmt: str) -> None:
+    drawing.modelspace().add_line((0, 0), (1, 1))
+    path = save(drawing, fmt=fmt)
+    data = path.read_bytes()
+    middle = len(data) // 2
+    junk = b"\nno group code\n" if fmt == "asc" else b"\xff" * 64
+    path.write_bytes(data[:middle] + junk + data[middle:])
+    assert codes(path) == ["DX003"]
+
+
+def test_reader_does_not_write_to_the_terminal(
+    save: Save, drawing: Drawing, capfd: pytest.CaptureFixture[str]
+) -> None:
+    drawing.modelspace().add_line((0, 0), (1, 1))
+    damaged_file = damaged(save(drawing), b"  0\nENDSEC\n", b"")
+    read_contents(damaged_file, NO_PROCESS)
+    out, err = capfd.readouterr()
+    assert (out, err) == ("", "")
