@@ -54,7 +54,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path as FilePath
 from typing import Any, Final
 
@@ -157,9 +157,14 @@ def read_process(path: str | FilePath) -> Process:
 
 def parse_process(source: SourceText) -> Process:
     """As `read_process`, from a text."""
-    top = _top(source)
+    return process_in(read_toml(source))
+
+
+def process_in(top: Table, beside: Sequence[str] = ()) -> Process:
+    """The process file's tables of a document that may hold other keys beside them."""
     page = top.page
-    found = top.read(dict.fromkeys(TOP, _as_it_is) | {"tolerance": values.tolerance})
+    keys = dict.fromkeys((*TOP, *beside), _as_it_is)
+    found = top.read(keys | {"tolerance": values.tolerance})
     tools = {n: _tool(n, t) for n, t in top.table("tools").named()}
     frames = {n: _frame(n, t) for n, t in top.table("frames").named()}
     signals = {n: _signal(n, t) for n, t in top.table("signals").named()}
@@ -177,7 +182,8 @@ def parse_process(source: SourceText) -> Process:
     return Process(defaults, tools, frames, signals, layers, tags, tolerance, findings)
 
 
-def _top(source: SourceText) -> Table:
+def read_toml(source: SourceText) -> Table:
+    """A document, every key with its place; raises Unreadable if it is no TOML."""
     try:
         content = tomllib.loads(source.text)
     except tomllib.TOMLDecodeError as error:

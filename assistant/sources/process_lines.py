@@ -24,7 +24,7 @@ def key_spans(text: str) -> dict[KeyPath, Span]:
     """The span of the key of every table and value, by its path from the top.
 
     text: TOML that `tomllib` has read. Of a table that is opened several times, or implied
-    by a longer name, the first mention counts.
+    by a longer name, the first mention counts. Entries of arrays go by their number from 0.
     """
     reader = _Keys(text)
     reader.document()
@@ -37,17 +37,34 @@ class _Keys:
     def __init__(self, text: str) -> None:
         self.text, self.at = text, 0
         self.spans: dict[KeyPath, Span] = {}
+        self.entries: dict[KeyPath, int] = {}
 
     def document(self) -> None:
         table: KeyPath = ()
         while self._skip(SPACE) < len(self.text):
             if self.text[self.at] == "[":
-                self.at += 1 + self.text.startswith("[[", self.at)
-                table = self._key(())
+                entry = self.text.startswith("[[", self.at)
+                self.at += 1 + entry
+                opening = self.at
+                table = self._within_entries(self._key(()))
+                if entry:
+                    number = self.entries.get(table, 0)
+                    self.entries[table] = number + 1
+                    table = (*table, str(number))
+                    self.spans[table] = Span(opening, self.at)
                 self.at = self.text.index("]", self.at) + 1
                 self.at += self.text.startswith("]", self.at)
             else:
                 self._pair(table)
+
+    def _within_entries(self, path: KeyPath) -> KeyPath:
+        """A table's path with the number of the last entry after each array of tables."""
+        found: KeyPath = ()
+        for key in path[:-1]:
+            found = (*found, key)
+            if found in self.entries:
+                found = (*found, str(self.entries[found] - 1))
+        return (*found, path[-1])
 
     def _pair(self, table: KeyPath) -> None:
         path = self._key(table)
@@ -75,11 +92,15 @@ class _Keys:
         if self.text[self.at] in "[{":
             closing = "]" if self.text[self.at] == "[" else "}"
             self.at += 1
+            entry = 0
             while self.text[self._skip(SPACE)] != closing:
                 if closing == "}":
                     self._pair(path)
                 else:
-                    self._value(())
+                    start = self.at
+                    self._value((*path, str(entry)))
+                    self.spans.setdefault((*path, str(entry)), Span(start, self.at))
+                    entry += 1
                 self._skip(SPACE)
                 self.at += self.text.startswith(",", self.at)
             self.at += 1
