@@ -41,13 +41,17 @@ def names() -> tuple[str, ...]:
     return tuple(sorted(f.name[: -len(".toml")] for f in _folder().iterdir() if _is_robot(f)))
 
 
-@cache
 def get(name: str) -> Robot:
     """The robot of that name; raises KeyError, with the names there are, if there is none."""
     known = {n.lower(): n for n in names()}
     if name.lower() not in known:
         raise KeyError(f"no robot {name!r}; there are {', '.join(known.values())}")
-    file = _folder() / f"{known[name.lower()]}.toml"
+    return _of_catalogue(known[name.lower()])
+
+
+@cache
+def _of_catalogue(name: str) -> Robot:
+    file = _folder() / f"{name}.toml"
     return read(file.read_bytes(), file.name)
 
 

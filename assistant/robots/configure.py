@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from assistant.program.diagnostics import Diagnostic, fold
 from assistant.program.expressions import Expression, JointValue, Name
-from assistant.program.geometry import BASE, FLANGE, Frame, JointTarget, Pose, Target, Tool
+from assistant.program.geometry import BASE, FLANGE, Frame, JointTarget, Target, Tool
 from assistant.program.path import (
     UNSTATED,
     Kind,
@@ -168,9 +168,16 @@ class _Survey:
         self.finish(solved)
 
     def run_of(self, moves: list[_Move]) -> Run:
-        poses = [to_flange_pose(move.place.pose, move.tool, move.frame) for move in moves]
-        positions = np.array([pose.position for pose in poses])
-        quaternions = np.array([pose.quaternion for pose in poses])
+        positions = np.array([move.place.pose.position for move in moves], dtype=np.float64)
+        quaternions = np.array([move.place.pose.quaternion for move in moves], dtype=np.float64)
+        together: dict[tuple[int, int], list[int]] = {}
+        for row, move in enumerate(moves):
+            together.setdefault((id(move.tool), id(move.frame)), []).append(row)
+        for here in together.values():
+            tool, frame = moves[here[0]].tool, moves[here[0]].frame
+            positions[here], quaternions[here] = to_flange(
+                positions[here], quaternions[here], tool, frame
+            )
         rows = [
             self.done.get(id(move.place.target), configuration_row(move.place.target.configuration))
             for move in moves
@@ -311,17 +318,6 @@ class _Survey:
             )
             return None
         return frame
-
-
-def to_flange_pose(pose: Pose, tool: Tool, frame: Frame) -> Pose:
-    """One target of a tool in a frame as the pose of the flange in the base."""
-    if frame == PLAIN_FRAME and tool == PLAIN_TOOL:
-        return pose
-    p, q = to_flange(np.array([pose.position]), np.array([pose.quaternion]), tool, frame)
-    return Pose.of(p[0], q[0])
-
-
-PLAIN_TOOL, PLAIN_FRAME = Tool(), Frame()
 
 
 def _flange(

@@ -35,8 +35,8 @@ NOT_IN_PLANE: Final = Rule(
 BRANCH_CHANGE: Final = Rule(
     "RB105",
     Severity.ERROR,
-    "a linear or circular move cannot change the arm branch, but no branch of {robot} "
-    "holds here and before",
+    "a linear or circular move cannot change the arm branch of {robot}, but {branch}, as "
+    "before, {reason} ({where})",
     "make it a joint move, or turn the tool so that one branch holds for the whole path",
 )
 WOUND_UP: Final = Rule(
@@ -54,7 +54,7 @@ NOT_AS_STATED: Final = Rule(
 OTHER_QUADRANT: Final = Rule(
     "RB108",
     Severity.WARNING,
-    "the arm branch is as stated, but {robot} has the axes 1, 4 and 6 in quadrants "
+    "the arm branch is as stated, but {robot} has the axes 1, 4 and 6 in {counts} "
     "{found}, not {stated} ({where})",
     "state {found}",
 )

@@ -243,10 +243,10 @@ class Robot:
         rows = np.arange(len(p))
         stated = c[:, BACK] != UNSTATED
         branch = np.where(stated, self.branch_of(c), 0)
-        for row in np.flatnonzero(~stated):
-            away = np.abs(found[:, :, row].T - self.home).max(axis=1)
-            away[~self.inside(found[:, :, row].T)] = np.inf
-            branch[row] = np.argmin(away)
+        if not stated.all():
+            open_ = np.moveaxis(found[:, :, ~stated], 0, -1)
+            away = np.abs(open_ - self.home).max(axis=-1)
+            branch[~stated] = np.where(self.inside(open_), away, np.inf).argmin(axis=0)
         plain = found[:, branch, rows].T
         turned, fits = self.turned(plain, c)
         joints = np.where(stated[:, None], turned, plain)

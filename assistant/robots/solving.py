@@ -6,21 +6,20 @@ row allows, then a branch is chosen for each row, and the second computes its jo
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program.diagnostics import Diagnostic, Severity
-from assistant.program.path import UNSTATED, Kind, configuration_of
+from assistant.program.path import UNSTATED, Kind
 from assistant.robots import findings as rules
 from assistant.robots.branches import choose
 from assistant.robots.configurations import BACK, QUADRANTS
-from assistant.robots.five_axis import MISS_TOLERANCE
-from assistant.robots.five_axis import fk as five_fk
 from assistant.robots.robot import CHUNK, CLOSING, LIMIT_TOLERANCE, Robot
 from assistant.robots.run import Run
+from assistant.robots.survey import finite_poses, survey_of
 from assistant.robots.turns import FREE, filled, turn
 
 Floats = NDArray[np.float64]
@@ -52,7 +51,7 @@ def solve(run: Run, robot: Robot) -> Solved:
     """
     n = len(run)
     stated = np.asarray(run.configurations[:, BACK] != UNSTATED)
-    survey = _survey(run, robot)
+    survey = survey_of(run, robot)
     own = np.where(stated, robot.branch_of(run.configurations), -1)
     kept = stated & survey.allowed[own, np.arange(n)]
     bound = survey.allowed & ~kept
@@ -81,8 +80,7 @@ def solve(run: Run, robot: Robot) -> Solved:
         broken = np.append(0, broken)
     for rows, severity in ((broken[~kept[broken]], None), (broken[kept[broken]], Severity.WARNING)):
         if len(rows):
-            place = run.what(rows)
-            report.append(rules.BRANCH_CHANGE(place=place, robot=robot.title, severity=severity))
+            report.append(_branch_change(run, robot, rows, joints, severity))
     for axis, rows in wound:
         if continued and abs(joints[0, axis] - run.before[axis]) > 180.0:
             rows = np.append(0, rows)
@@ -92,154 +90,6 @@ def solve(run: Run, robot: Robot) -> Solved:
             name = robot.axes[axis]
             report.append(rules.WOUND_UP(place=run.what(rest), axis=name, low=low, high=high))
     return Solved(joints, configurations, tuple(report))
-
-
-@dataclass(slots=True)
-class _Worst:
-    """Rows with one kind of fault, and the worst of them."""
-
-    rows: list[Rows] = field(default_factory=list)
-    value: float = -1.0
-    row: int = -1
-    fields: dict[str, object] = field(default_factory=dict)
-
-    def add(self, rows: Rows, values: Floats, **columns: NDArray[np.generic]) -> None:
-        if not len(rows):
-            return
-        self.rows.append(rows)
-        at = int(np.argmax(values))
-        if values[at] > self.value:
-            self.value, self.row = float(values[at]), int(rows[at])
-            self.fields = {name: column[at].item() for name, column in columns.items()}
-
-    def all(self) -> Rows:
-        return np.concatenate(self.rows) if self.rows else np.empty(0, np.intp)
-
-
-@dataclass(slots=True)
-class _Survey:
-    """What a first look at every row says. allowed: (b, n) branches inside reach and limits."""
-
-    allowed: Truths
-    no_number: list[Rows] = field(default_factory=list)
-    reach: _Worst = field(default_factory=_Worst)
-    plane: _Worst = field(default_factory=_Worst)
-    limits: _Worst = field(default_factory=_Worst)
-
-    def findings(self, run: Run, robot: Robot) -> list[Diagnostic]:
-        out = []
-        if self.no_number:
-            out.append(rules.NO_NUMBER(place=run.what(np.concatenate(self.no_number))))
-        if self.reach.rows:
-            far = bool(self.reach.fields["far"])
-            need = robot.reach + self.reach.value
-            cure = f"move the work piece or the robot, or take one that reaches {need:.0f} mm"
-            out.append(
-                rules.OUT_OF_REACH(
-                    place=run.what(self.reach.all()),
-                    robot=robot.title,
-                    worst=self.reach.value,
-                    side="too far out" if far else "too near to the arm",
-                    where=run.label(self.reach.row),
-                    cure=cure if far else "move the work piece away from the arm",
-                )
-            )
-        if self.plane.rows:
-            out.append(
-                rules.NOT_IN_PLANE(
-                    place=run.what(self.plane.all()),
-                    worst=self.plane.value,
-                    where=run.label(self.plane.row),
-                )
-            )
-        if self.limits.rows:
-            axis, value = int(self.limits.fields["axis"]), float(self.limits.fields["angle"])  # type: ignore[call-overload,arg-type]
-            low, high = robot.limits[axis]
-            out.append(
-                rules.OUTSIDE_LIMITS(
-                    place=run.what(self.limits.all()),
-                    robot=robot.title,
-                    axis=robot.axes[axis],
-                    value=value,
-                    limit=low if value < low else high,
-                    where=run.label(self.limits.row),
-                )
-            )
-        return out
-
-
-def _survey(run: Run, robot: Robot) -> _Survey:
-    survey = _Survey(np.zeros((robot.branches, len(run)), dtype=bool))
-    low, high = (limit[:, None, None] for limit in robot.limits.T)
-    for start in range(0, len(run), CHUNK):
-        rows = slice(start, min(start + CHUNK, len(run)))
-        p, q, finite = _finite(run, rows)
-        joints, excess = robot.solve(p, q)
-        beyond = np.maximum(low - joints, joints - high)
-        reached = excess < CLOSING / 2.0
-        allowed = reached & (beyond <= LIMIT_TOLERANCE).all(axis=0) & finite
-        missed = _miss(robot, joints, q)
-        allowed &= missed <= MISS_TOLERANCE
-        survey.allowed[:, rows] = allowed
-        bad = np.flatnonzero(~allowed.any(axis=0))
-        if not len(bad):
-            continue
-        if not finite.all():
-            survey.no_number.append(start + np.flatnonzero(~finite))
-        bad = bad[finite[bad]]
-        least = excess[:, bad].min(axis=0)
-        far = bad[least >= CLOSING / 2.0]
-        beyond_reach = np.hypot(robot.lengths.a3, robot.lengths.d4) + robot.lengths.a2
-        survey.reach.add(
-            start + far,
-            least[least >= CLOSING / 2.0],
-            far=_span(robot, p[far], q[far]) > beyond_reach,
-        )
-        near = bad[least < CLOSING / 2.0]
-        aside = near[missed[near] > MISS_TOLERANCE]
-        survey.plane.add(start + aside, missed[aside])
-        stuck = near[missed[near] <= MISS_TOLERANCE]
-        over = np.where(reached[:, stuck], beyond[:, :, stuck], np.inf)  # (a, b, m)
-        branch = over.max(axis=0).argmin(axis=0)
-        each = np.arange(len(stuck))
-        axis = over[:, branch, each].argmax(axis=0)
-        survey.limits.add(
-            start + stuck,
-            over[axis, branch, each],
-            axis=axis,
-            angle=joints[axis, branch, stuck],
-        )
-    return survey
-
-
-def _finite(run: Run, rows: slice | Rows) -> tuple[Floats, Floats, Truths]:
-    """Poses of the flange; those that are no number are replaced and marked False."""
-    p, q = run.flange(rows)
-    finite = np.asarray(np.isfinite(p).all(axis=1) & np.isfinite(q).all(axis=1))
-    if not finite.all():
-        p = np.where(finite[:, None], p, 0.0)
-        q = np.where(finite[:, None], q, (1.0, 0.0, 0.0, 0.0))
-    return p, q, finite
-
-
-def _miss(robot: Robot, joints: Floats, quaternions: Floats) -> Floats:
-    """(n,) degrees by which the nearest pose of a five-axis arm is turned; else 0."""
-    if not robot.five_axis:
-        return np.zeros(len(quaternions))
-    _, q = five_fk(robot.lengths, np.radians(joints[:, 0].T + robot.zero))
-    same = np.abs(np.einsum("ij,ij->i", q, quaternions))
-    return np.asarray(2.0 * np.degrees(np.arccos(np.clip(same, 0.0, 1.0))))
-
-
-def _span(robot: Robot, p: Floats, q: Floats) -> Floats:
-    """Mm from axis 2 to the wrist centre, by the shorter way round axis 1."""
-    w, x, y, z = q.T
-    axis = np.stack(
-        [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)], axis=-1
-    )
-    wrist = p - robot.lengths.d6 * axis
-    r = np.hypot(wrist[:, 0], wrist[:, 1]) - robot.lengths.a1
-    return np.hypot(r, wrist[:, 2] - robot.lengths.d1)
 
 
 def _branches_at(joints: Floats, robot: Robot) -> Truths:
@@ -262,7 +112,7 @@ def _cost(run: Run, robot: Robot, allowed: Truths) -> Floats:
     """(b,) seconds that the axes need to the first row and, sampled, along the path."""
     n = len(run)
     rows = np.unique(np.linspace(0, n - 1, min(n, SAMPLES)).astype(np.intp))
-    p, q, _ = _finite(run, rows)
+    p, q, _ = finite_poses(run, rows)
     joints, _ = robot.solve(p, q)
     speeds = robot.speeds[:, None, None]
     step = np.abs(np.diff(joints, axis=2, prepend=run.before[:, None, None] + joints[:, :, :1] * 0))
@@ -277,7 +127,7 @@ def _joints(run: Run, robot: Robot, branch: Rows) -> Floats:
     out = np.full((len(run), len(robot.axes)), np.nan)
     for start in range(0, len(run), CHUNK):
         rows = slice(start, min(start + CHUNK, len(run)))
-        p, q, _ = _finite(run, rows)
+        p, q, _ = finite_poses(run, rows)
         chosen = branch[rows]
         solved = chosen >= 0
         if not solved.any():
@@ -341,6 +191,38 @@ def _straighten(joints: Floats, before: float, middle: float) -> None:
     joints[straight, 5] = six - 360.0 * np.round((six - middle) / 360.0)
 
 
+def _branch_change(
+    run: Run, robot: Robot, rows: Rows, joints: Floats, severity: Severity | None
+) -> Diagnostic:
+    """What keeps the first of some rows from having the branch of the row before it."""
+    row = int(rows[0])
+    solved = np.flatnonzero(np.isfinite(joints[:row]).all(axis=1))
+    last = joints[solved[-1]] if len(solved) else run.before
+    before = robot.configuration(last)
+    branch = int(robot.branch_of(before)[0])
+    p, q, _ = finite_poses(run, slice(row, row + 1))
+    found, excess = robot.solve(p, q, (branch,))
+    angles = found[:, 0, 0]
+    low, high = robot.limits.T
+    beyond = np.maximum(low - angles, angles - high)
+    axis = int(beyond.argmax())
+    if excess[0, 0] >= CLOSING / 2.0:
+        reason = f"is {excess[0, 0]:.1f} mm short of it"
+    elif beyond[axis] > LIMIT_TOLERANCE:
+        limit = low[axis] if angles[axis] < low[axis] else high[axis]
+        reason = f"would have {robot.axes[axis]} at {angles[axis]:.2f} degrees, limit {limit:g}"
+    else:
+        reason = "is not what is stated or what the rest of the path allows"
+    return rules.BRANCH_CHANGE(
+        place=run.what(rows),
+        severity=severity,
+        robot=robot.title,
+        branch=_branch_words(before[0]),
+        reason=reason,
+        where=run.label(row),
+    )
+
+
 def _not_as_stated(run: Run, robot: Robot, rows: Rows, found: NDArray[np.int8]) -> list[Diagnostic]:
     if not len(rows):
         return []
@@ -350,8 +232,8 @@ def _not_as_stated(run: Run, robot: Robot, rows: Rows, found: NDArray[np.int8]) 
             place=run.what(rows),
             robot=robot.title,
             where=run.label(row),
-            stated=described(run.configurations[row]),
-            cure=f"{described(found[row])} would work there; state it, or state none",
+            stated=_described(run.configurations[row], robot),
+            cure=f"{_described(found[row], robot)} would work there; state it, or state none",
         )
     ]
 
@@ -367,24 +249,26 @@ def _other_quadrant(
             place=run.what(rows),
             robot=robot.title,
             where=run.label(row),
-            stated=_quadrants(run.configurations[row]),
-            found=_quadrants(found[row]),
+            counts=robot.counts,
+            stated=_counted(run.configurations[row], robot),
+            found=_counted(found[row], robot),
         )
     ]
 
 
-def described(row: NDArray[np.integer]) -> str:
+def _described(row: NDArray[np.integer], robot: Robot) -> str:
     """A configuration in words."""
-    c = configuration_of(row.astype(np.int8))
-    if c is None:
-        return "none"
-    words = (
-        "back" if c.back else "front",
-        "elbow down" if c.down else "elbow up",
-        "flip" if c.flip else "no flip",
-    )
-    return f"{', '.join(words)}, quadrants {_quadrants(row)}"
+    return f"{_branch_words(row)}, {robot.counts} {_counted(row, robot)}"
 
 
-def _quadrants(row: NDArray[np.integer]) -> str:
-    return " ".join(str(int(q)) for q in row[QUADRANTS])
+def _branch_words(row: NDArray[np.integer]) -> str:
+    back, down, flip = (int(v) == 1 for v in row[: QUADRANTS.start])
+    words = ("back" if back else "front", "elbow down" if down else "elbow up")
+    return ", ".join((*words, "flip" if flip else "no flip"))
+
+
+def _counted(row: NDArray[np.integer], robot: Robot) -> str:
+    """Quadrants, or for a maker that counts only those, whole turns of axes 1, 4 and 6."""
+    quadrants = [int(q) for q in row[QUADRANTS]]
+    counts = quadrants if robot.counts == "quadrants" else [(q + 2) // 4 for q in quadrants]
+    return " ".join(str(count) for count in counts)

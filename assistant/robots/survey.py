@@ -1,0 +1,167 @@
+"""A first look at every row of a run: which arm branches it allows, and why none if so."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.program.diagnostics import Diagnostic
+from assistant.robots import findings as rules
+from assistant.robots.five_axis import MISS_TOLERANCE
+from assistant.robots.five_axis import fk as five_fk
+from assistant.robots.robot import CHUNK, CLOSING, LIMIT_TOLERANCE, Robot
+from assistant.robots.run import Run
+
+Floats = NDArray[np.float64]
+Truths = NDArray[np.bool_]
+Rows = NDArray[np.intp]
+
+
+@dataclass(slots=True)
+class _Worst:
+    """Rows with one kind of fault, and the worst of them."""
+
+    rows: list[Rows] = field(default_factory=list)
+    value: float = -1.0
+    row: int = -1
+    fields: dict[str, object] = field(default_factory=dict)
+
+    def add(self, rows: Rows, values: Floats, **columns: NDArray[np.generic]) -> None:
+        if not len(rows):
+            return
+        self.rows.append(rows)
+        at = int(np.argmax(values))
+        if values[at] > self.value:
+            self.value, self.row = float(values[at]), int(rows[at])
+            self.fields = {name: column[at].item() for name, column in columns.items()}
+
+    def all(self) -> Rows:
+        return np.concatenate(self.rows) if self.rows else np.empty(0, np.intp)
+
+
+@dataclass(slots=True)
+class Survey:
+    """What a first look at every row says. allowed: (b, n) branches inside reach and limits."""
+
+    allowed: Truths
+    no_number: list[Rows] = field(default_factory=list)
+    reach: _Worst = field(default_factory=_Worst)
+    plane: _Worst = field(default_factory=_Worst)
+    limits: _Worst = field(default_factory=_Worst)
+
+    def findings(self, run: Run, robot: Robot) -> list[Diagnostic]:
+        out = []
+        if self.no_number:
+            out.append(rules.NO_NUMBER(place=run.what(np.concatenate(self.no_number))))
+        if self.reach.rows:
+            far = bool(self.reach.fields["far"])
+            need = robot.reach + self.reach.value
+            cure = f"move the work piece or the robot, or take one that reaches {need:.0f} mm"
+            out.append(
+                rules.OUT_OF_REACH(
+                    place=run.what(self.reach.all()),
+                    robot=robot.title,
+                    worst=self.reach.value,
+                    side="too far out" if far else "too near to the arm",
+                    where=run.label(self.reach.row),
+                    cure=cure if far else "move the work piece away from the arm",
+                )
+            )
+        if self.plane.rows:
+            out.append(
+                rules.NOT_IN_PLANE(
+                    place=run.what(self.plane.all()),
+                    worst=self.plane.value,
+                    where=run.label(self.plane.row),
+                )
+            )
+        if self.limits.rows:
+            axis, value = int(self.limits.fields["axis"]), float(self.limits.fields["angle"])  # type: ignore[call-overload,arg-type]
+            low, high = robot.limits[axis]
+            out.append(
+                rules.OUTSIDE_LIMITS(
+                    place=run.what(self.limits.all()),
+                    robot=robot.title,
+                    axis=robot.axes[axis],
+                    value=value,
+                    limit=low if value < low else high,
+                    where=run.label(self.limits.row),
+                )
+            )
+        return out
+
+
+def survey_of(run: Run, robot: Robot) -> Survey:
+    survey = Survey(np.zeros((robot.branches, len(run)), dtype=bool))
+    low, high = (limit[:, None, None] for limit in robot.limits.T)
+    for start in range(0, len(run), CHUNK):
+        rows = slice(start, min(start + CHUNK, len(run)))
+        p, q, finite = finite_poses(run, rows)
+        joints, excess = robot.solve(p, q)
+        beyond = np.maximum(low - joints, joints - high)
+        reached = excess < CLOSING / 2.0
+        allowed = reached & (beyond <= LIMIT_TOLERANCE).all(axis=0) & finite
+        missed = _miss(robot, joints, q)
+        allowed &= missed <= MISS_TOLERANCE
+        survey.allowed[:, rows] = allowed
+        bad = np.flatnonzero(~allowed.any(axis=0))
+        if not len(bad):
+            continue
+        if not finite.all():
+            survey.no_number.append(start + np.flatnonzero(~finite))
+        bad = bad[finite[bad]]
+        least = excess[:, bad].min(axis=0)
+        far = bad[least >= CLOSING / 2.0]
+        beyond_reach = np.hypot(robot.lengths.a3, robot.lengths.d4) + robot.lengths.a2
+        survey.reach.add(
+            start + far,
+            least[least >= CLOSING / 2.0],
+            far=_span(robot, p[far], q[far]) > beyond_reach,
+        )
+        near = bad[least < CLOSING / 2.0]
+        aside = near[missed[near] > MISS_TOLERANCE]
+        survey.plane.add(start + aside, missed[aside])
+        stuck = near[missed[near] <= MISS_TOLERANCE]
+        over = np.where(reached[:, stuck], beyond[:, :, stuck], np.inf)  # (a, b, m)
+        branch = over.max(axis=0).argmin(axis=0)
+        each = np.arange(len(stuck))
+        axis = over[:, branch, each].argmax(axis=0)
+        survey.limits.add(
+            start + stuck,
+            over[axis, branch, each],
+            axis=axis,
+            angle=joints[axis, branch, stuck],
+        )
+    return survey
+
+
+def finite_poses(run: Run, rows: slice | Rows) -> tuple[Floats, Floats, Truths]:
+    """Poses of the flange; those that are no number are replaced and marked False."""
+    p, q = run.flange(rows)
+    finite = np.asarray(np.isfinite(p).all(axis=1) & np.isfinite(q).all(axis=1))
+    if not finite.all():
+        p = np.where(finite[:, None], p, 0.0)
+        q = np.where(finite[:, None], q, (1.0, 0.0, 0.0, 0.0))
+    return p, q, finite
+
+
+def _miss(robot: Robot, joints: Floats, quaternions: Floats) -> Floats:
+    """(n,) degrees by which the nearest pose of a five-axis arm is turned; else 0."""
+    if not robot.five_axis:
+        return np.zeros(len(quaternions))
+    _, q = five_fk(robot.lengths, np.radians(joints[:, 0].T + robot.zero))
+    same = np.abs(np.einsum("ij,ij->i", q, quaternions))
+    return np.asarray(2.0 * np.degrees(np.arccos(np.clip(same, 0.0, 1.0))))
+
+
+def _span(robot: Robot, p: Floats, q: Floats) -> Floats:
+    """Mm from axis 2 to the wrist centre, by the shorter way round axis 1."""
+    w, x, y, z = q.T
+    axis = np.stack(
+        [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)], axis=-1
+    )
+    wrist = p - robot.lengths.d6 * axis
+    r = np.hypot(wrist[:, 0], wrist[:, 1]) - robot.lengths.a1
+    return np.hypot(r, wrist[:, 2] - robot.lengths.d1)
