@@ -144,6 +144,7 @@ def texts_of(insert: Insert, document: Drawing) -> list[tuple[str, str]]:
     found = [
         (a.dxf.tag, a.plain_mtext() if a.has_embedded_mtext_entity else a.dxf.text)
         for a in insert.attribs
+        if a.is_alive  # one that repair has dropped is a finding already
     ]
     block = document.blocks.get(insert.dxf.name)
     if block is not None:

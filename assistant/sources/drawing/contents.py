@@ -13,7 +13,7 @@ from assistant.program.geometry import BASE, FLANGE
 from assistant.program.statements import Motion
 from assistant.sources.curves import Curve
 from assistant.sources.drawing.attributes import Tags
-from assistant.sources.drawing.document import LIBRARY_ERRORS, open_drawing
+from assistant.sources.drawing.document import library_errors, open_drawing
 from assistant.sources.drawing.entities import ignored, primitives
 from assistant.sources.drawing.findings import (
     BAD_ENTITY,
@@ -75,8 +75,6 @@ def read_contents(path: FilePath, process: Process) -> Contents:
 
 def _curves(placed: Placed, tally: Tally, traversal: Traversal) -> list[Curve]:
     """The curves of an entity; what has no length is counted, what is broken is a finding."""
-    from ezdxf.lldxf.const import DXFError
-
     entity, layer = placed.entity, placed.layer
     kind, handle = entity.dxftype(), entity.dxf.handle or ""
     curves: list[Curve] = []
@@ -91,7 +89,7 @@ def _curves(placed: Placed, tally: Tally, traversal: Traversal) -> list[Curve]:
                     tally.add(DEGENERATE, kind, layer, str(reason), handle)
     except Degenerate as reason:
         tally.add(DEGENERATE, kind, layer, str(reason), handle)
-    except (DXFError, *LIBRARY_ERRORS) as error:
+    except library_errors() as error:
         reason_shown = shown(str(error) or type(error).__name__)
         traversal.findings.append(
             BAD_ENTITY(path=traversal.path, place=placed.place, kind=kind, reason=reason_shown)

@@ -35,7 +35,7 @@ TAIL: Final = 1 << 16
 PADDING: Final = b"\x00\x1a \t\r\n"
 """What old systems and transfers fill the last block of a file with."""
 
-LIBRARY_ERRORS: Final = (
+DAMAGE: Final = (
     ArithmeticError,
     AssertionError,
     AttributeError,
@@ -46,7 +46,7 @@ LIBRARY_ERRORS: Final = (
     ValueError,
     struct.error,
 )
-"""What reading a damaged file raises inside ezdxf, besides its own errors."""
+"""What a damaged file or entity raises inside ezdxf, besides its own errors."""
 
 LOSSES: Final = frozenset(
     {
@@ -83,6 +83,13 @@ def open_drawing(path: FilePath) -> tuple[Drawing, tuple[Diagnostic, ...]]:
     return document, (*repairs, *told[:MOST_NOTES])
 
 
+def library_errors() -> tuple[type[Exception], ...]:
+    """What ezdxf raises for a damaged file or entity."""
+    from ezdxf.lldxf.const import DXFError
+
+    return (DXFError, *DAMAGE)
+
+
 def _check_kind(path: FilePath, data: bytes, binary: bool) -> None:
     if binary or SECTION.search(data):
         return
@@ -105,17 +112,16 @@ def _check_end(path: FilePath, data: bytes, binary: bool) -> None:
 def _load(path: FilePath, binary: bool) -> tuple[Drawing, tuple[Diagnostic, ...]]:
     from ezdxf import recover
     from ezdxf.filemanagement import readfile
-    from ezdxf.lldxf.const import DXFError
 
     try:
         return readfile(path), ()
-    except (DXFError, *LIBRARY_ERRORS) as error:
+    except library_errors() as error:
         strict = error
     if binary:  # ezdxf repairs text only
         raise _broken(path, strict) from strict
     try:
         document, auditor = recover.readfile(path)
-    except (DXFError, *LIBRARY_ERRORS) as error:
+    except library_errors() as error:
         raise _broken(path, error) from error
     name = str(path)
     first = REPAIRED(path=name, place="file", what=shown(str(strict)))

@@ -28,7 +28,15 @@ def primitives(entity: DXFGraphic) -> list[Primitive]:
     The entity's type has to be one of `READERS`. Raises Degenerate for one without any
     length, ValueError or ezdxf's errors for one that says nothing sensible.
     """
+    check_stated(entity)
     return READERS[entity.dxftype()](entity)
+
+
+def check_stated(entity: DXFGraphic) -> None:
+    """Raises ValueError if an entity lacks what ezdxf would put a default in place of."""
+    missing = [a for a in STATED.get(entity.dxftype(), ()) if not entity.dxf.hasattr(a)]
+    if missing:
+        raise ValueError(f"it does not state its {' and '.join(missing)}")
 
 
 def follows(entity: DXFGraphic) -> bool:
@@ -234,6 +242,16 @@ def _xyz(v: Any) -> Floats:
 def _points(vectors: Iterable[ArrayLike]) -> Floats:
     return np.array([tuple(v) for v in vectors], dtype=np.float64).reshape(-1, 3)  # type: ignore[arg-type]
 
+
+STATED: Final[dict[str, tuple[str, ...]]] = {
+    "LINE": ("start", "end"),
+    "ARC": ("center", "radius", "start_angle", "end_angle"),
+    "CIRCLE": ("center", "radius"),
+    "ELLIPSE": ("center", "major_axis", "ratio", "start_param", "end_param"),
+    "POINT": ("location",),
+    "INSERT": ("name", "insert"),
+}
+"""What an entity has to state itself: with a default instead, a robot would go elsewhere."""
 
 READERS: Final[dict[str, Callable[[Any], list[Primitive]]]] = {
     "LINE": _line,

@@ -26,6 +26,8 @@ from assistant.program.geometry import BASE, FLANGE, Frame, Pose, Tool
 from assistant.program.motion import Speed
 from assistant.program.statements import Motion
 from assistant.sources.drawing.attributes import ANGLES, QUATERNION, Tags, Values, texts_of
+from assistant.sources.drawing.document import library_errors
+from assistant.sources.drawing.entities import check_stated
 from assistant.sources.drawing.findings import (
     BAD_ENTITY,
     FACING,
@@ -113,12 +115,13 @@ class Locations:
                 if placed.entity.dxftype() == "POINT":
                     return self._of_point(placed)
                 return self._of_insert(placed)
-        except ValueError as error:
+        except library_errors() as error:
             kind = placed.entity.dxftype()
             self._say(BAD_ENTITY, placed.place, kind=kind, reason=shown(str(error)))
             return None
 
     def _of_point(self, placed: Placed) -> Location:
+        check_stated(placed.entity)
         dxf = placed.entity.dxf
         if dxf.get("thickness", 0) or dxf.get("angle", 0):
             self._ignored(placed)

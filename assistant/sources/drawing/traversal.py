@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Any, Final, cast
 
 from assistant.program.diagnostics import Diagnostic, Refused, Rule
 from assistant.sources.drawing.attributes import Tags, texts_of
-from assistant.sources.drawing.entities import follows
+from assistant.sources.drawing.document import library_errors
+from assistant.sources.drawing.entities import check_stated, follows
 from assistant.sources.drawing.findings import (
     BAD_ENTITY,
     EXTERNAL,
@@ -120,14 +121,16 @@ class Traversal:
             reason = f"it is in the paper space `{shown(layout.name)}`"
             for entity in layout:
                 if entity.dxftype() != "VIEWPORT":
-                    self._leave(LEFT_OUT, entity, entity.dxf.layer, reason)
+                    self._leave(LEFT_OUT, entity, layer_of(entity), reason)
 
     def _walk(self, entities: Iterable[DXFGraphic], owner: _Owner) -> Iterator[Placed]:
         for entity in entities:
             self.seen += 1
             if self.seen > MOST_ENTITIES:
                 raise Refused(TOO_MANY(path=self.path, most=MOST_ENTITIES))
-            layer = owner.layer if owner.blocks and entity.dxf.layer == "0" else entity.dxf.layer
+            layer = layer_of(entity)
+            if layer == "0" and owner.blocks:
+                layer = owner.layer
             kind = entity.dxftype()
             hidden = self._hidden(entity, layer)
             if kind == "INSERT" and hidden in (None, OFF):
@@ -151,7 +154,13 @@ class Traversal:
         self, insert: Insert, layer: str, hidden: str | None, owner: _Owner
     ) -> Iterator[Placed]:
         place = owner.place(insert)
-        tags = [tag for tag, _ in texts_of(insert, self.document)]
+        try:
+            check_stated(insert)
+            tags = [tag for tag, _ in texts_of(insert, self.document)]
+            insert_matrix(insert)
+        except library_errors() as error:
+            self._say(BAD_ENTITY, place, kind="INSERT", reason=shown(str(error)))
+            return
         location = self.tags.make_location(tags)
         if hidden and location:
             self._leave(LEFT_OUT, insert, layer, hidden)
@@ -159,19 +168,14 @@ class Traversal:
         if not location:
             self._no_location(insert, layer, tags, place)
         block = self._block(insert, place, owner, needed=not location)
-        base = (0.0, 0.0, 0.0) if block is None else block.base_point
+        symbol = owner.symbol or location
         for cell in cells(insert):
             if location:
                 yield Placed(insert, owner.matrix, layer, place, cell)
             if block is None:
                 self.seen += 1
                 continue
-            try:
-                inner = owner.matrix @ insert_matrix(insert, tuple(base), cell)
-            except ValueError as error:
-                self._say(BAD_ENTITY, place, kind="INSERT", reason=error)
-                return
-            symbol = owner.symbol or location
+            inner = owner.matrix @ insert_matrix(insert, block.base_point.xyz, cell)
             blocks = (*owner.blocks, block.name.lower())
             yield from self._walk(block, _Owner(inner, layer, f"{place} > ", blocks, symbol))
 
@@ -204,7 +208,7 @@ class Traversal:
             self._say(NO_LOCATION, place, block=shown(insert.dxf.name), tags=names)
 
     def _hidden(self, entity: DXFGraphic, layer: str) -> str | None:
-        if entity.dxf.get("invisible", 0):
+        if entity.dxf.is_supported("invisible") and entity.dxf.get("invisible", 0):
             return "it is invisible"
         state = self.states.get(layer.lower(), "")
         return {"frozen": "the layer is frozen", "off": OFF}.get(state)
@@ -216,6 +220,16 @@ class Traversal:
         self.findings.append(rule(path=self.path, place=place, **fields))
 
 
+def layer_of(entity: DXFGraphic) -> str:
+    """The entity's own layer, also of a type that ezdxf only stores."""
+    if entity.dxf.is_supported("layer"):
+        return str(entity.dxf.layer)
+    tags = getattr(entity, "xtags", None)
+    stored = (tag for part in (tags.subclasses if tags else ()) for tag in part)
+    return next((str(tag.value) for tag in stored if tag.code == LAYER_CODE), "0")
+
+
+LAYER_CODE: Final = 8
 SYMBOL: Final = "it is the symbol of a location"
 OFF: Final = "the layer is off"
 

@@ -344,6 +344,49 @@ def test_unused_entities_are_counted_by_type_and_layer(save: Save, drawing: Draw
     assert [f.severity for f in told] == ["warning", "warning", "info", "warning"]
 
 
+@pytest.mark.parametrize("where", ["model", "block"])
+def test_unknown_types_are_counted_too(save: Save, drawing: Drawing, where: str) -> None:
+    block = drawing.blocks.new("B")
+    layout = drawing.modelspace() if where == "model" else block
+    layout.add_ray((0, 0), (1, 0), dxfattribs={"layer": "NEW"})
+    drawing.modelspace().add_blockref("B", (0, 0))
+    path = save(drawing)
+    path.write_text(path.read_text().replace("\nRAY\n", "\nSUPERCURVE\n"))
+    (told,) = findings(path, "DX201")
+    assert told.message.startswith("1 SUPERCURVE on layer `NEW`")
+
+
+@pytest.mark.parametrize(
+    ("kind", "group", "name"),
+    [
+        ("LINE", " 11\n4.5\n 21\n0.0\n 31\n0.0\n", "end"),
+        ("CIRCLE", " 40\n4.5\n", "radius"),
+        ("POINT", " 10\n4.5\n 20\n0.0\n 30\n0.0\n", "location"),
+        ("INSERT", " 10\n4.5\n 20\n0.0\n 30\n0.0\n", "insert"),
+    ],
+)
+def test_what_is_not_stated_is_not_made_up(
+    save: Save, drawing: Drawing, kind: str, group: str, name: str
+) -> None:
+    model = drawing.modelspace()
+    drawing.blocks.new("B").add_line((0, 0), (1, 1))
+    {
+        "LINE": lambda: model.add_line((1, 1), (4.5, 0)),
+        "CIRCLE": lambda: model.add_circle((1, 1), 4.5),
+        "POINT": lambda: model.add_point((4.5, 0)),
+        "INSERT": lambda: model.add_blockref("B", (4.5, 0)),
+    }[kind]()
+    path = save(drawing)
+    text = path.read_text()
+    assert group in text
+    path.write_text(text.replace(group, ""))
+    with pytest.raises(Refused) as caught:
+        read(path, NO_PROCESS)
+    (error,) = [f for f in caught.value.findings if f.severity is Severity.ERROR]
+    assert error.code == "DX205"
+    assert name in error.message
+
+
 def test_hidden_layers_and_paper_space(save: Save, drawing: Drawing) -> None:
     for name in ("FROZEN", "OFF", "ON"):
         drawing.layers.add(name)
