@@ -106,13 +106,13 @@ def compile(
         run_compile(
             sources,
             language,
-            robot,
-            process,
-            output,
-            most_targets,
-            from_language,
-            from_robot,
-            format,
+            robot=robot,
+            process=process,
+            output=output,
+            most_targets=most_targets,
+            from_language=from_language,
+            from_robot=from_robot,
+            format=format,
         )
     )
 

@@ -114,7 +114,7 @@ def run_show(
     from assistant.compiler.output import write_files
 
     printed = pseudo.print_program(loaded.program, side_tables_above=SIDE_TABLES_ABOVE)
-    name = output.with_suffix(".pseudo").name
+    name = output.with_suffix(pseudo.SUFFIX).name
     for path in write_files({name: printed.text.encode(), **printed.tables}, output.parent):
         say(f"wrote {path}")
     return 0

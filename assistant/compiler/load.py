@@ -8,6 +8,7 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant import languages, sources
+from assistant.program import pseudo
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.program import Program
 from assistant.program.statements import Call
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
     from assistant.languages import Language
     from assistant.robots import Robot
 
-PSEUDO_SUFFIX: Final = ".pseudo"
 PSEUDO_ENCODINGS: Final = ("utf-8-sig", "utf-8")
 STANDARD_INPUT: Final = "-"
 
@@ -46,9 +46,7 @@ def load(
     Raises Unreadable or Refused.
     """
     source = FilePath(path)
-    if source.suffix.lower() == PSEUDO_SUFFIX:
-        from assistant.program import pseudo
-
+    if source.suffix.lower() == pseudo.SUFFIX:
         text = decode(read_bytes(source), str(path), PSEUDO_ENCODINGS)
         return Loaded(pseudo.parse(text, side_tables=source.parent))
     data = None if source.suffix.lower() in sources.READERS else read_bytes(source)
@@ -64,8 +62,6 @@ def load_text(
 ) -> Loaded:
     """The same for a text that is no file: a robot language's if named, else pseudo text."""
     if language is None:
-        from assistant.program import pseudo
-
         return Loaded(pseudo.parse(text))
     return lift(languages.get(language), [text], robot)
 

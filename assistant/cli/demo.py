@@ -1,0 +1,126 @@
+"""`demo`: a trajectory and a drawing on two virtual controllers, with a report."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from assistant.cli.compiling import working
+from assistant.cli.presentation import print_findings, say
+from assistant.program.diagnostics import Refused
+from assistant.resources import resource
+
+if TYPE_CHECKING:
+    from assistant.compiler import Compiled
+    from assistant.controllers import Controller
+    from assistant.report.page import Program, Section
+
+SOURCES: Final = {
+    "positioning.csv": "A trajectory of 35 poses",
+    "plate.dxf": "A drawing with locations and contours",
+}
+ROBOTS: Final = {"irb1200-7-0.7": "rapid", "rv-2aj": "melfa-basic-4"}
+"""Robot → language; each has its virtual controller."""
+REPORT: Final = "report.html"
+
+
+def run_demo(output: Path) -> int:
+    from assistant.report import page
+
+    with ExitStack() as stack:
+        controllers = _controllers(output, stack)
+        sections = [
+            _section(output, Path(str(resource("samples", name))), title, controllers)
+            for name, title in SOURCES.items()
+        ]
+    from assistant.compiler.output import write_files
+
+    html = page.page("robot-assistant demo", sections)
+    (report,) = write_files({REPORT: html.encode()}, output)
+    say(f"the report is {report}")
+    return 0
+
+
+def _controllers(output: Path, stack: ExitStack) -> Mapping[str, Controller]:
+    """A client of a running virtual controller for each robot."""
+    from assistant.controllers import connect
+    from assistant.virtual.cr import VirtualCr
+    from assistant.virtual.irc5 import VirtualIrc5
+
+    irc5 = stack.enter_context(VirtualIrc5(output / "virtual-irc5" / "HOME"))
+    cr = stack.enter_context(VirtualCr("rv-2aj", folder=output / "virtual-cr"))
+    return {
+        "irb1200-7-0.7": connect(irc5.address, password=irc5.password),
+        "rv-2aj": connect(cr.address),
+    }
+
+
+def _section(
+    output: Path, source: Path, title: str, controllers: Mapping[str, Controller]
+) -> Section:
+    from assistant.report import page, plots
+    from assistant.report.track import track
+
+    programs = []
+    for robot in ROBOTS:
+        compiled = _compiled(source, robot)
+        programs.append(_installed(output, source, robot, compiled, controllers[robot]))
+    way = track(compiled.program)
+    plot = plots.pose_plot(way, f"{source.name}: the TCP over its way")
+    from assistant.compiler.output import write_files
+
+    (png,) = write_files({f"{source.stem}.png": plot}, output)
+    say(f"  plot: {png}")
+    return page.Section(title, tuple(programs), page.plan_view(_drawn(source), way), plot)
+
+
+def _compiled(source: Path, robot: str) -> Compiled:
+    from assistant.compiler import compile
+
+    with working(f"compiling {source.name} for {robot}"):
+        compiled = compile(source, language=ROBOTS[robot], robot=robot)
+    print_findings(f.within(source.name) for f in compiled.findings)
+    say(f"{source.name} for {robot}: {compiled.proof.line()}")
+    if not compiled.ok:
+        raise Refused(*compiled.findings)
+    return compiled
+
+
+def _installed(
+    output: Path, source: Path, robot: str, compiled: Compiled, controller: Controller
+) -> Program:
+    from assistant import deploy, languages
+    from assistant.compiler.output import write_files
+    from assistant.report import page
+
+    paths = write_files(compiled.files, output)
+    say(f"  written: {', '.join(str(path) for path in paths)}")
+    done = deploy.deploy(deploy.plan(paths, controller), backup=output / "backup")
+    if not done.ok:
+        raise Refused(*done.findings)
+    say(f"  {done.summary}")
+    language = languages.get(compiled.language)
+    texts = {name: language.decode(data).text for name, data in compiled.files.items()}
+    return page.Program(
+        source.name,
+        language.title,
+        robot,
+        compiled.proof.line(),
+        done.summary,
+        tuple(texts.items()),
+    )
+
+
+def _drawn(source: Path) -> list[np.ndarray[tuple[int, ...], np.dtype[np.float64]]]:
+    """The curves of a drawing as points; nothing for other sources."""
+    if source.suffix != ".dxf":
+        return []
+    from assistant.sources import process_of
+    from assistant.sources.drawing import read_contents
+
+    steps = np.linspace(0.0, 1.0, 65)
+    return [curve.at(steps) for curve in read_contents(source, process_of(source)).curves]
