@@ -45,7 +45,7 @@ TOO_MANY_SPEEDS = Rule(
 BROKEN_ARC = Rule(
     "TB308",
     ERROR,
-    "{what}{more}",
+    "{what}",
     "an arc is a `via` row and the `end` row after it, with a row before it to start from",
 )
 TWICE_NAMED = Rule(
@@ -53,6 +53,12 @@ TWICE_NAMED = Rule(
     ERROR,
     "the name {name} stands here and in {first}",
     "give every target a name of its own; case does not tell names apart",
+)
+VIA_ACTION = Rule(
+    "TB311",
+    ERROR,
+    "{what} at a `via` target, which is passed in motion",
+    "move it to the `end` target",
 )
 NO_NAME = Rule("TB310", ERROR, "the target has no name", "name it, or name none of the rows")
 
@@ -149,21 +155,21 @@ def blends_of(
 
 def arc_findings(kinds: NDArray[np.uint8], locate: Place) -> list[Diagnostic]:
     """A `via` row without its `end` row, an `end` row without its `via` row."""
+    return [BROKEN_ARC(**locate(row), what=what) for row, what in broken_arcs(kinds)]
+
+
+def broken_arcs(kinds: NDArray[np.uint8]) -> list[tuple[int, str]]:
+    """The first row that breaks each rule of arcs, and how."""
     via, end = kinds == Kind.VIA, kinds == Kind.END
     after_via = np.concatenate([[False], via[:-1]])
     before_end = np.concatenate([end[1:], [False]])
-    first = np.zeros(len(kinds), dtype=bool)
-    first[:1] = True
+    first = np.arange(len(kinds)) == 0
     broken = (
-        ("the `via` row has no `end` row after it", via & ~before_end),
-        ("the `end` row has no `via` row before it", end & ~after_via),
-        ("the `via` row has no row before it that the arc could start from", via & first),
+        ("`via` has no `end` after it", via & ~before_end),
+        ("`end` has no `via` before it", end & ~after_via),
+        ("`via` has nothing before it that the arc could start from", via & first),
     )
-    return [
-        BROKEN_ARC(**locate(int(np.argmax(rows))), what=what, more=many(rows))
-        for what, rows in broken
-        if rows.any()
-    ]
+    return [(int(np.argmax(rows)), what) for what, rows in broken if rows.any()]
 
 
 def known(name: str, table: Mapping[str, Any], builtin: str) -> str | None:

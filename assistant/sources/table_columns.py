@@ -108,6 +108,7 @@ def table_of(cells: Cells, columns: list[Column], process: Process) -> Table:
     motions, wrong = _motions(cells, columns, values, process)
     findings += wrong
     findings += _signal_findings(cells, columns, process)
+    findings += _via_findings(cells, columns, values, kinds)
     if has_errors(findings):
         raise Refused(*findings)
     return Table(
@@ -366,6 +367,20 @@ def _signal_findings(cells: Cells, columns: list[Column], process: Process) -> l
             cure = rows.cure_for("signal", column.detail, process.signals)
             place = cells.header_place(index)
             findings.append(rows.UNKNOWN_SIGNAL(**place, name=shown(column.detail), cure=cure))
+    return findings
+
+
+def _via_findings(
+    cells: Cells, columns: list[Column], values: NDArray[np.float64], kinds: NDArray[np.uint8]
+) -> list[Diagnostic]:
+    """Signals and waits in the middle of an arc."""
+    findings = []
+    for index, column in enumerate(columns):
+        if column.group in ("set", "wait"):
+            wrong = (kinds == Kind.VIA) & ~np.isnan(values[:, index])
+            if wrong.any():
+                place = cells.place(int(np.argmax(wrong)), index)
+                findings.append(rows.VIA_ACTION(**place, what=shown(cells.header[index])))
     return findings
 
 

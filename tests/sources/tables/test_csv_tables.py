@@ -254,6 +254,11 @@ BAD = {
         POSE + ",motion\n1,2,3,1,0,0,0,linear\n1,2,3,1,0,0,0,via\n", "TB308", 3, "no `end`",
     ),
     "end alone": (POSE + ",motion\n1,2,3,1,0,0,0,end\n", "TB308", 2, "no `via`"),
+    "wait at via": (
+        "name," + POSE + ",motion,wait_s\na,1,2,3,1,0,0,0,linear,\n"
+        "b,1,2,3,1,0,0,0,via,1\nc,1,2,3,1,0,0,0,end,1\n",
+        "TB311", 3, "`wait_s`",
+    ),
     "half a branch": (
         POSE + ",back,down,flip,quadrant1,quadrant4,quadrant6\n1,2,3,1,0,0,0,1,,,,,\n",
         "TB134", 2, "arm branch",

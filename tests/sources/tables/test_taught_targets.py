@@ -1,0 +1,208 @@
+"""Taught targets in TOML: targets, and a move to each in the order of the file."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from assistant.program import rotations
+from assistant.program.diagnostics import Refused, Severity
+from assistant.program.expressions import Name, Number
+from assistant.program.geometry import Configuration, Frame, JointTarget, Pose, Target, Tool
+from assistant.program.motion import FINE, Blend, Speed
+from assistant.program.program import Signal
+from assistant.program.statements import (
+    Comment,
+    Motion,
+    Move,
+    MoveCircular,
+    MoveJoints,
+    SetSignal,
+    Wait,
+)
+from assistant.program.text import SourceText
+from assistant.sources import Reading
+from assistant.sources.process import NO_PROCESS, Defaults, Process
+from assistant.sources.taught import read_taught
+
+CELL = Process(
+    defaults=Defaults(speed=Speed(70.0), blend=Blend(3.0)),
+    tools={"Torch": Tool(Pose((0.0, 0.0, 120.0)))},
+    signals={"glue": Signal("digital", "output", 8), "ready": Signal("digital", "input", 1)},
+)
+POSE = "position = [1, 2.5, -3]\nquaternion = [0, 1, 0, 0]\n"
+
+
+def read(text: str, process: Process = NO_PROCESS) -> Reading:
+    return read_taught(SourceText(text, "part.toml"), "part", process)
+
+
+def test_targets_moves_and_what_stands_around_them() -> None:
+    reading = read(
+        """
+        [tools.gripper]
+        tip = [0, 0, 60]
+        [frames.table]
+        position = [400, 0, 20]
+
+        [[targets]]
+        name = "home"
+        joints = [0, 10, nan, -20.5]
+        external = [100]
+        [[targets]]
+        name = "above"
+        kind = "joint"
+        position = [1, 2, 3]
+        euler_zyx = [90, 0, 0]
+        speed = 250
+        blend = "fine"
+        tool = "GRIPPER"
+        frame = "table"
+        comment = "over\\nthe part"
+        set = {glue = true}
+        wait = 0.5
+        [[targets]]
+        name = "on"
+        position = [4, 5, 6]
+        quaternion = [0, 0, 1, 0]
+        tool = "torch"
+        [targets.configuration]
+        back = false
+        down = true
+        flip = true
+        quadrants = [0, -1, 2]
+        """,
+        CELL,
+    )
+    program, half = reading.program, math.sqrt(0.5)
+    assert reading.findings == ()
+    assert program.tools == {"gripper": Tool(Pose((0.0, 0.0, 60.0))), **CELL.tools}
+    assert program.frames == {"table": Frame(Pose((400.0, 0.0, 20.0)))}
+    assert program.joint_targets == {
+        "home": JointTarget((0.0, 10.0, math.nan, -20.5), (100.0, *[math.nan] * 5))
+    }
+    turn = program.targets["above"].pose.quaternion
+    assert np.allclose(turn, (half, 0, 0, half), atol=1e-15)
+    assert program.targets["on"] == Target(
+        Pose((4.0, 5.0, 6.0), (0.0, 0.0, 1.0, 0.0)), Configuration(False, True, True, (0, -1, 2))
+    )
+    assert program.procedures[0].body == (
+        MoveJoints(Name("home"), CELL.defaults.motion),
+        Comment("over the part"),
+        Move("joint", Name("above"), Motion(Speed(250.0), FINE, "gripper", "table")),
+        SetSignal("glue", Number(1)),
+        Wait(Number(0.5)),
+        Move("linear", Name("on"), Motion(Speed(70.0), Blend(3.0), "Torch")),
+    )
+
+
+def test_its_own_motion_table_comes_before_the_process_file() -> None:
+    body = read('[motion]\nspeed = 20\n[[targets]]\nname = "p"\n' + POSE, CELL).program
+    assert body.procedures[0].body == (Move("linear", Name("p"), Motion(Speed(20.0), FINE)),)
+
+
+def test_arcs() -> None:
+    text = "".join(
+        f'[[targets]]\nname = "p{i}"\nkind = "{kind}"\n{POSE}'
+        for i, kind in enumerate(("linear", "via", "end"))
+    )
+    program = read(text).program
+    assert list(program.targets) == ["p0", "p1", "p2"]
+    assert program.procedures[0].body[1:] == (
+        MoveCircular(Name("p1"), Name("p2"), NO_PROCESS.defaults.motion),
+    )
+
+
+def test_inline_tables_and_names_that_are_no_identifiers() -> None:
+    reading = read(
+        'targets = [{name = "a;b", position = [1, 2, 3], euler_xyz = [0, 0, 0]},\n'
+        ' {name = "a b", joints = [1]}]'
+    )
+    assert list(reading.program.targets) == ["a_b"]
+    assert list(reading.program.joint_targets) == ["a_b_2"]
+    assert [(f.code, f.line) for f in reading.findings] == [("NM001", 1), ("NM001", 2)]
+
+
+@pytest.mark.parametrize(
+    ("key", "order"), [("euler_zyx", "ZYX"), ("euler_xyz", "XYZ"), ("euler_zyz", "ZYZ")]
+)
+@given(angles=st.tuples(*[st.floats(-179, 179)] * 3))
+@settings(deadline=None, max_examples=40)
+def test_orientations(key: str, order: rotations.EulerOrder, angles: tuple[float, ...]) -> None:
+    program = read(
+        f'[[targets]]\nname = "p"\nposition = [1, 2, 3]\n{key} = {list(angles)}\n'
+    ).program
+    found = program.targets["p"].pose.quaternion
+    assert rotations.angle_between(found, rotations.from_euler(angles, order)) < 1e-6
+
+
+def test_a_quaternion_nearly_of_unit_length_is_repaired_with_a_warning() -> None:
+    reading = read(
+        '[[targets]]\nname = "p"\nposition = [1, 2, 3]\nquaternion = [0, 1.0005, 0, 0]\n'
+    )
+    assert reading.program.targets["p"].pose.quaternion == (0.0, 1.0, 0.0, 0.0)
+    assert [(f.severity, f.line) for f in reading.findings] == [(Severity.WARNING, 4)]
+
+
+P = '[[targets]]\nname = "p"\n'
+BAD = {
+    "no toml": ("[[targets]", "CT301", 1),
+    "nothing": ("# nothing", "TB501", 1),
+    "a single table": ('[targets]\nname = "p"', "TB502", 1),
+    "numbers": ("targets = [\n1, 2]", "TB502", 2),
+    "unknown key": (P + POSE + "sped = 3", "CT302", 5),
+    "unknown top key": ("[defaults]\n" + P + POSE, "CT302", 1),
+    "nan": (P + "position = [1, nan, 3]\nquaternion = [1, 0, 0, 0]", "CT303", 3),
+    "text": (P + 'position = [1, "2,5", 3]\nquaternion = [1, 0, 0, 0]', "CT303", 3),
+    "huge": (P + "position = [1, 2e6, 3]\nquaternion = [1, 0, 0, 0]", "CT303", 3),
+    "quaternion": (P + "position = [1, 2, 3]\nquaternion = [1, 0, 0, 1]", "CT303", 4),
+    "two numbers": (P + "position = [1, 2]\nquaternion = [1, 0, 0, 0]", "CT303", 3),
+    "no orientation": (P + "position = [1, 2, 3]", "TB504", 1),
+    "two orientations": (P + POSE + "euler_zyx = [0, 0, 0]", "TB504", 5),
+    "no target": (P, "TB503", 1),
+    "both": (P + POSE + "joints = [1]", "TB503", 5),
+    "joints by a line": (P + 'joints = [1]\nkind = "linear"', "TB505", 4),
+    "half a branch": (P + POSE + "configuration = {back = true}", "CT303", 5),
+    "unknown kind": (P + POSE + 'kind = "fast"', "CT303", 5),
+    "speed 0": (P + POSE + "speed = 0", "CT303", 5),
+    "unknown tool": (P + POSE + 'tool = "drill"', "TB301", 5),
+    "unknown frame": (P + POSE + 'frame = "desk"', "TB302", 5),
+    "input set": (P + POSE + "set = {ready = 1}", "TB303", 5),
+    "tool twice": ("[tools.torch]\n" + P + POSE, "TB506", 1),
+    "same name": (P + POSE + P.replace('"p"', '"P"') + POSE, "TB309", 5),
+    "no name": ("[[targets]]\n" + POSE, "TB310", 1),
+    "via first": (P + POSE + 'kind = "via"', "TB308", 5),
+    "end alone": (P + POSE + 'kind = "end"', "TB308", 5),
+    "wait at via": (P + POSE + 'kind = "via"\nwait = 1', "TB311", 6),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_input_is_refused_with_its_line_and_a_cure(case: str) -> None:
+    text, code, line = BAD[case]
+    with pytest.raises(Refused) as refused:
+        read(text, CELL)
+    found = [f for f in refused.value.findings if f.code == code]
+    assert found, refused.value.findings
+    assert (found[0].path, found[0].line) == ("part.toml", line)
+    assert found[0].cure
+    assert "\n" not in found[0].message
+
+
+GOOD = P + POSE + 'kind = "joint"\n[[targets]]\nname = "q"\njoints = [1, 2]\nset = {glue = 1}\n'
+
+
+@given(st.lists(st.tuples(st.integers(0, len(GOOD)), st.integers(0, 5), st.text(max_size=3))))
+@settings(deadline=None, max_examples=150)
+def test_damaged_lists_are_read_or_refused_never_crash(edits: list[tuple[int, int, str]]) -> None:
+    text = GOOD
+    for at, gone, put in edits:
+        text = text[:at] + put + text[at + gone :]
+    try:
+        read(text, CELL)
+    except Refused as refused:
+        assert all(f.path == "part.toml" and f.code for f in refused.findings)
