@@ -22,7 +22,4 @@ def read(path: FilePath, process: Process) -> Reading:
     contents = read_contents(path, process)
     if has_errors(contents.findings):
         raise Refused(*contents.findings)
-    reading = assemble(contents, path, process)
-    if has_errors(reading.findings):
-        raise Refused(*reading.findings)
-    return reading
+    return assemble(contents, path, process)

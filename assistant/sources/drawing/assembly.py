@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Final
 
-from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.expressions import Name
 from assistant.program.geometry import Target
 from assistant.program.program import MANGLED, Procedure, Program, identifier
@@ -23,6 +23,7 @@ from assistant.sources.drawing.findings import (
     shown,
 )
 from assistant.sources.drawing.locations import Location
+from assistant.sources.layers import contour_program
 from assistant.sources.process import Process
 
 MAIN: Final = "main"
@@ -33,24 +34,26 @@ LOCATIONS: Final = "locations"
 def assemble(contents: Contents, path: FilePath, process: Process) -> Reading:
     """The program of a drawing: `main` visits the locations, then follows the contours.
 
-    Raises Refused if there is nothing to do.
+    Raises Refused if there is nothing to do, or something in it is wrong.
     """
     name = str(path)
-    if not contents.curves and not contents.locations:
-        raise Refused(*contents.findings, EMPTY(path=name))
     title = identifier(path.stem)
-    mangled = [MANGLED(path=name, place="file name", given=shown(path.stem), name=title)]
-    named = name_locations(contents.locations, _taken(process), name)
-    ordered = visiting_order(contents.locations, name)
-    moves = tuple(
-        Move(location.kind, Name(named.names[i]), location.motion)
-        for i, location in ((i, contents.locations[i]) for i in ordered.rows)
-    )
-    calls = (Call(LOCATIONS),) if moves else ()
-    procedures = (Procedure(LOCATIONS, moves),) if moves else ()
+    taken = {title, MAIN, LOCATIONS, *process.tools, *process.frames, *process.signals}
+    named = name_locations(contents.locations, taken, name)
+    taken |= set(named.names)
+    contours, followed = contour_program(contents.curves, process, taken=taken, path=name)
+    order = visiting_order(contents.locations, name)
+    findings = [*contents.findings, *named.findings, *order.findings, *followed]
+    if title != path.stem:
+        findings.append(MANGLED(path=name, place="file name", given=shown(path.stem), name=title))
+    if not contours and not contents.locations and not has_errors(findings):
+        findings.append(EMPTY(path=name))
+    if has_errors(findings):
+        raise Refused(*findings)
+    procedures = [*_visiting(contents.locations, named.names, order.rows), *contours]
     program = Program(
         title,
-        (Procedure(MAIN, calls), *procedures),
+        (Procedure(MAIN, tuple(Call(p.name) for p in procedures)), *procedures),
         entry=MAIN,
         comments=(f"drawing {shown(path.name)}, in {contents.unit}",),
         frames=dict(process.frames),
@@ -61,13 +64,15 @@ def assemble(contents: Contents, path: FilePath, process: Process) -> Reading:
             for n, location in zip(named.names, contents.locations, strict=True)
         },
     )
-    findings = (
-        *contents.findings,
-        *(mangled if title != path.stem else ()),
-        *named.findings,
-        *ordered.findings,
-    )
-    return Reading(program, findings)
+    return Reading(program, tuple(findings))
+
+
+def _visiting(
+    locations: Sequence[Location], names: Sequence[str], rows: Sequence[int]
+) -> list[Procedure]:
+    """The procedure through the locations, or none if there are none."""
+    moves = [Move(locations[i].kind, Name(names[i]), locations[i].motion) for i in rows]
+    return [Procedure(LOCATIONS, tuple(moves))] if moves else []
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,8 +146,3 @@ def visiting_order(locations: Sequence[Location], path: str) -> Order:
             findings.append(SAME_ORDER(path=path, place=place, order=f"{order:g}"))
         seen.add(order)
     return Order((*(i for _, i in sorted(stated)), *rest), tuple(findings))
-
-
-def _taken(process: Process) -> set[str]:
-    """Names of the program that no target may have: a vendor's language has one space for all."""
-    return {MAIN, LOCATIONS, *process.tools, *process.frames, *process.signals}

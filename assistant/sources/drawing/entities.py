@@ -206,7 +206,9 @@ def _fitted(entity: SplineEntity, fit: Floats) -> Spline:
         if all(t.magnitude > 0 for t in pair):
             tangents = pair
     curve = fit_points_to_cad_cv([Vec3(p) for p in fit], tangents)
-    return _nurbs(curve.degree, curve.knots(), _points(curve.control_points), ())
+    points = _points(curve.control_points)
+    points[0], points[-1] = fit[0], fit[-1]  # where they are but for rounding
+    return _nurbs(curve.degree, curve.knots(), points, ())
 
 
 def _nurbs(degree: int, knots: Sequence[float], points: Floats, weights: Sequence[float]) -> Spline:

@@ -128,6 +128,7 @@ class Locations:
         axes = ocs_axes(dxf.extrusion)
         pose = self._pose(placed, dxf.location, axes, None, placed.layer)
         kind, motion = self._usual(placed.layer)
+        pose = self._into_frame(placed, pose, motion.frame)
         return Location("", placed.layer, pose, kind, motion, None, placed.place)
 
     def _of_insert(self, placed: Placed) -> Location | None:
@@ -142,7 +143,7 @@ class Locations:
         given, block = values.text("name"), insert.dxf.name
         origin = insert_origin(insert, placed.cell)
         pose = self._pose(placed, origin, insert_axes(insert), turn, given or block)
-        pose = self._into_frame(values, pose, motion.frame)
+        pose = self._into_frame(placed, pose, motion.frame)
         for tag in values.unused:
             reason = "an attribute that means nothing here"
             self.tally.add(UNUSED_TAG, shown(tag), placed.layer, reason, insert.dxf.handle or "")
@@ -153,7 +154,7 @@ class Locations:
         """Type of motion and motion of a location that does not state them."""
         defaults = self.process.defaults
         for name, process in self.process.layers.items():
-            if name.lower() == layer.lower():
+            if name.casefold() == layer.casefold():
                 return defaults.kind, process.motion
         return defaults.kind, defaults.motion
 
@@ -226,7 +227,7 @@ class Locations:
         kind, handle = placed.entity.dxftype(), placed.entity.dxf.handle or ""
         slope = 1.0 - abs(float(rotation[:, 2] @ UPWARDS)) > LEVEL
         for layer, process in self.process.layers.items():
-            if layer.lower() == placed.layer.lower() and not slope:
+            if layer.casefold() == placed.layer.casefold() and not slope:
                 self.tally.add(FACING, kind, placed.layer, "as the layer's process says", handle)
                 z = np.asarray(process.direction, dtype=np.float64)
                 steep = abs(float(z @ rotation[:, 0])) > (1.0 - LEVEL) * np.linalg.norm(z)
@@ -236,14 +237,14 @@ class Locations:
             self._say(FACING_UP, placed.place, name=shown(name))
         return rotation
 
-    def _into_frame(self, values: Values, pose: Pose, name: str) -> Pose:
+    def _into_frame(self, placed: Placed, pose: Pose, name: str) -> Pose:
         """A pose of the drawing's world in the frame of that name, at the same place."""
         drawing = self.process.defaults.frame
         if name == drawing:
             return pose
         frames = self.frames[drawing], self.frames[name]
         if any(f.held or f.mechanism for f in frames):
-            values.say(MOVING_FRAME, drawing=drawing, frame=name)
+            self._say(MOVING_FRAME, placed.place, drawing=drawing, frame=name)
             return pose
         return frames[1].pose.inverse() @ frames[0].pose @ pose
 

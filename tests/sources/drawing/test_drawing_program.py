@@ -1,0 +1,125 @@
+"""Whole programs of drawings: locations and contours under one roof."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from ezdxf.document import Drawing
+
+from assistant import sources
+from assistant.program.diagnostics import Refused, Severity
+from assistant.program.geometry import Frame, Pose, Tool
+from assistant.program.motion import FINE, Speed
+from assistant.program.path import Kind
+from assistant.program.program import Program
+from assistant.program.statements import Call, Follow, Motion
+from assistant.sources.drawing import read
+from assistant.sources.process import NO_PROCESS, Defaults, Layer, Process
+
+Save = Callable[..., Path]
+
+SAMPLE = Path(__file__).parents[3] / "samples" / "plate.dxf"
+
+
+def paths(program: Program) -> list[Follow]:
+    return [s for s in program.statements() if isinstance(s, Follow)]
+
+
+def calls(program: Program) -> list[str]:
+    main = program.procedure("main")
+    assert main is not None
+    found = [s.procedure for s in main.body if isinstance(s, Call)]
+    assert len(found) == len(main.body)
+    return found
+
+
+def names(program: Program) -> list[str]:
+    """Every name that a vendor's language puts into one space, rows of paths included."""
+    found = [*program.targets, *program.tools, *program.frames, *program.signals]
+    found += [p.name for p in program.procedures]
+    for follow in paths(program):
+        found += [f"{follow.path.name}_{i + 1}" for i in range(len(follow.path))]
+    return [n.lower() for n in found]
+
+
+def test_sample() -> None:
+    reading = sources.read(SAMPLE)
+    assert {f.severity for f in reading.findings} <= {Severity.INFO}
+    program = reading.program
+    assert program.name == "plate"
+    assert calls(program) == ["locations", "GLUE", "CUT"]
+    assert list(program.targets) == [
+        "home", "above_pick", "pick", "leave_pick", "above_place", "place", "leave_place",
+        "INSPECT_1", "INSPECT_2",
+    ]  # fmt: skip
+    assert program.targets["pick"].pose.position == (235.0, -85.0, 150.0)
+    assert program.targets["place"].pose.quaternion == pytest.approx(
+        (0.0, np.sqrt(0.5), np.sqrt(0.5), 0.0), abs=1e-12
+    )
+    assert program.tools["gripper"].tip.position == (0.0, 0.0, 60.0)
+    kinds = {int(k) for follow in paths(program) for k in np.unique(follow.path.kinds)}
+    assert kinds == {Kind.LINEAR, Kind.VIA, Kind.END}
+    for follow in paths(program):
+        low, high = follow.path.positions.min(axis=0), follow.path.positions.max(axis=0)
+        assert (low >= (220, -90, 120)).all()
+        assert (high <= (320, 90, 220)).all()
+
+
+def test_contours_follow_the_locations(save: Save, drawing: Drawing) -> None:
+    model = drawing.modelspace()
+    model.add_line((0, 0), (10, 0), dxfattribs={"layer": "CUT"})
+    model.add_line((10, 0), (10, 10), dxfattribs={"layer": "CUT"})
+    model.add_point((5, 5, 5), dxfattribs={"layer": "CUT"})
+    program = read(save(drawing), NO_PROCESS).program
+    assert calls(program) == ["locations", "CUT"]
+    (follow,) = paths(program)
+    assert np.allclose(follow.path.positions, [(10, 0, 0), (10, 10, 0)])
+
+
+def test_no_name_is_there_twice(save: Save, drawing: Drawing) -> None:
+    model = drawing.modelspace()
+    for layer in ("glue", "GLUE_1", "main", "locations", "gripper"):
+        model.add_line((0, 0), (10, 0), dxfattribs={"layer": layer})
+        model.add_point((5, 5, 5), dxfattribs={"layer": layer})
+    process = Process(tools={"gripper": Tool()}, frames={"glue_1_1": Frame()})
+    program = read(save(drawing, "glue.dxf"), process).program
+    assert len(paths(program)) == 5
+    assert len(names(program)) == len(set(names(program)))
+
+
+def test_contours_and_points_in_a_frame_of_their_own(save: Save, drawing: Drawing) -> None:
+    model = drawing.modelspace()
+    model.add_line((0, 0), (10, 0), dxfattribs={"layer": "CUT"})
+    model.add_point((10, 0), dxfattribs={"layer": "CUT"})
+    motion = Motion(Speed(10.0), FINE, "tool0", "table")
+    process = Process(
+        Defaults(frame="base"),
+        frames={"table": Frame(Pose((0.0, 0.0, 100.0)))},
+        layers={"cut": Layer("cutting", motion)},
+    )
+    program = read(save(drawing), process).program
+    (follow,) = paths(program)
+    (target,) = program.targets.values()
+    assert follow.path.frames == ("table",)
+    assert follow.path.positions[-1] == pytest.approx((10, 0, -100))
+    assert target.pose.position == pytest.approx((10, 0, -100))
+    assert target.pose.quaternion == pytest.approx(tuple(follow.path.quaternions[-1]), abs=1e-12)
+
+
+def test_only_layers_without_process(save: Save, drawing: Drawing) -> None:
+    drawing.modelspace().add_line((0, 0), (10, 0), dxfattribs={"layer": "OTHER"})
+    process = Process(layers={"cut": Layer("cutting", Motion(Speed(10.0), FINE))})
+    with pytest.raises(Refused) as caught:
+        read(save(drawing), process)
+    assert {"CT201", "DX007"} <= {f.code for f in caught.value.findings}
+
+
+def test_block_twice_gives_contours_twice(save: Save, drawing: Drawing) -> None:
+    drawing.blocks.new("HOLE").add_circle((0, 0), 5)
+    for at in ((0, 0), (50, 0)):
+        drawing.modelspace().add_blockref("HOLE", at, dxfattribs={"layer": "CUT"})
+    program = read(save(drawing), NO_PROCESS).program
+    assert [len(follow.path) for follow in paths(program)] == [4, 4]
