@@ -12,19 +12,29 @@ from pathlib import Path
 
 import pytest
 
+from assistant.program import pseudo
+from assistant.sources.process_file import read_process
 from docs import findings
 
 PROJECT = Path(__file__).parent.parent
 PAGES = [PROJECT / "README.md", *sorted((PROJECT / "docs").glob("*.md"))]
-BLOCK = re.compile(r"^```console\n(.*?)^```", re.M | re.S)
+BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.M | re.S)
 EXITS = re.compile(r"\s+# exits (\d)$")
 READY = b"listening"
 
 
+def blocks(page: Path, kind: str) -> list[str]:
+    return [text for found, text in BLOCK.findall(page.read_text("utf-8")) if found == kind]
+
+
+def examples(kind: str) -> list[tuple[str, str]]:
+    """Page and text of each block of that kind in all pages."""
+    return [(page.name, text) for page in PAGES for text in blocks(page, kind)]
+
+
 def commands(page: Path) -> list[str]:
     """The lines after a `$ ` prompt that call robot-assistant."""
-    text = page.read_text(encoding="utf-8")
-    lines = [line for block in BLOCK.findall(text) for line in block.splitlines()]
+    lines = [line for block in blocks(page, "console") for line in block.splitlines()]
     return [line[2:] for line in lines if line.startswith("$ ") and "robot-assistant" in line]
 
 
@@ -73,6 +83,28 @@ def _server(command: str, folder: Path, environment: dict[str, str]) -> subproce
     line = server.stdout.readline()
     assert READY in line, line
     return server
+
+
+@pytest.mark.parametrize(("page", "text"), examples("python"))
+def test_the_python_of_a_page_runs(page, text, tmp_path):
+    shutil.copytree(PROJECT / "samples", tmp_path / "samples")
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", text], cwd=tmp_path, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout
+
+
+@pytest.mark.parametrize(("page", "text"), examples("pseudo"))
+def test_the_pseudo_programs_of_a_page_are_exact(page, text):
+    assert pseudo.print_program(pseudo.parse(text)).text == text
+
+
+@pytest.mark.parametrize(("page", "text"), examples("toml"))
+def test_the_process_files_of_a_page_are_read(page, text, tmp_path):
+    file = tmp_path / "x.process.toml"
+    file.write_text(text, encoding="utf-8")
+    assert read_process(file).layers
 
 
 def test_the_findings_page_is_what_the_rules_say():
