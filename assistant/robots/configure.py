@@ -41,7 +41,7 @@ from assistant.robots import findings as rules
 from assistant.robots.configurations import BACK
 from assistant.robots.naming import Names, Place
 from assistant.robots.robot import Robot
-from assistant.robots.run import Floats, Rows, Run, to_flange
+from assistant.robots.run import Floats, Mounting, Run
 from assistant.robots.solving import Solved, solve
 
 
@@ -170,14 +170,16 @@ class _Survey:
     def run_of(self, moves: list[_Move]) -> Run:
         positions = np.array([move.place.pose.position for move in moves], dtype=np.float64)
         quaternions = np.array([move.place.pose.quaternion for move in moves], dtype=np.float64)
-        together: dict[tuple[int, int], list[int]] = {}
-        for row, move in enumerate(moves):
-            together.setdefault((id(move.tool), id(move.frame)), []).append(row)
-        for here in together.values():
-            tool, frame = moves[here[0]].tool, moves[here[0]].frame
-            positions[here], quaternions[here] = to_flange(
-                positions[here], quaternions[here], tool, frame
-            )
+        tools = {id(move.tool): move.tool for move in moves}
+        frames = {id(move.frame): move.frame for move in moves}
+        tool_row = {key: row for row, key in enumerate(tools)}
+        frame_row = {key: row for row, key in enumerate(frames)}
+        mounting = Mounting(
+            np.array([tool_row[id(move.tool)] for move in moves], dtype=np.int32),
+            np.array([frame_row[id(move.frame)] for move in moves], dtype=np.int32),
+            tuple(tools.values()),
+            tuple(frames.values()),
+        )
         rows = [
             self.done.get(id(move.place.target), configuration_row(move.place.target.configuration))
             for move in moves
@@ -186,7 +188,8 @@ class _Survey:
         return Run(
             name=self.where,
             kinds=np.array([move.kind for move in moves], dtype=np.uint8),
-            flange=lambda rows: (positions[rows], quaternions[rows]),
+            targets=lambda rows: (positions[rows], quaternions[rows]),
+            mounting=mounting,
             configurations=np.array(rows, dtype=np.int8),
             before=self.before,
             joined=self.joined,
@@ -208,7 +211,8 @@ class _Survey:
         run = Run(
             name=path.name,
             kinds=path.kinds,
-            flange=lambda rows: _flange(path, rows, known_tools, known_frames),
+            targets=lambda rows: (path.positions[rows], path.quaternions[rows]),
+            mounting=Mounting(path.tool, path.frame, known_tools, known_frames),
             configurations=path.configurations,
             before=self.before,
             joined=self.joined,
@@ -318,17 +322,3 @@ class _Survey:
             )
             return None
         return frame
-
-
-def _flange(
-    path: Path, rows: slice | Rows, tools: list[Tool], frames: list[Frame]
-) -> tuple[Floats, Floats]:
-    p, q = path.positions[rows], path.quaternions[rows]
-    if len(tools) == 1 and len(frames) == 1:
-        return to_flange(p, q, tools[0], frames[0])
-    tool, frame = path.tool[rows], path.frame[rows]
-    position, quaternion = np.empty_like(p), np.empty_like(q)
-    for t, f in np.unique(np.stack([tool, frame], axis=1), axis=0):
-        here = (tool == t) & (frame == f)
-        position[here], quaternion[here] = to_flange(p[here], q[here], tools[t], frames[f])
-    return position, quaternion

@@ -45,6 +45,18 @@ WOUND_UP: Final = Rule(
     "{axis} would have to be wound back during a linear or circular move",
     "make it a joint move, or turn the tool so that {axis} stays within {low:g} to {high:g}",
 )
+ON_THE_WAY: Final = Rule(
+    "RB113",
+    Severity.ERROR,
+    "on the straight line to it {robot} {reason} ({where})",
+    "go there by a joint move, or by way of another target",
+)
+NOT_CLOSED: Final = Rule(
+    "RB114",
+    Severity.ERROR,
+    "the joints that were computed for {robot} do not lead back to the pose ({where})",
+    "move the target a little: the arm is at a singularity there",
+)
 NOT_AS_STATED: Final = Rule(
     "RB107",
     Severity.ERROR,

@@ -262,4 +262,5 @@ IN_LINE: Final = 0.05
 def _poses(positions: ArrayLike, quaternions: ArrayLike) -> tuple[Floats, Floats]:
     p = np.asarray(positions, dtype=np.float64).reshape(-1, 3)
     q = np.asarray(quaternions, dtype=np.float64).reshape(-1, 4)
-    return p, q / np.linalg.norm(q, axis=1, keepdims=True)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return p, q / np.linalg.norm(q, axis=1, keepdims=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -20,11 +20,46 @@ NAMED: Final = 3
 
 
 @dataclass(frozen=True, slots=True)
+class Mounting:
+    """Which tool moves in which frame, row by row.
+
+    tool, frame: (n,) rows of the tables tools and frames.
+    """
+
+    tool: NDArray[np.int32]
+    frame: NDArray[np.int32]
+    tools: Sequence[Tool]
+    frames: Sequence[Frame]
+
+    def to_flange(
+        self, positions: Floats, quaternions: Floats, rows: slice | Rows
+    ) -> tuple[Floats, Floats]:
+        """Targets (m, 3), (m, 4) with the tools and frames of m rows → poses of the flange."""
+        if len(self.tools) == 1 and len(self.frames) == 1:
+            return to_flange(positions, quaternions, self.tools[0], self.frames[0])
+        tool, frame = self.tool[rows], self.frame[rows]
+        p, q = np.empty_like(positions), np.empty_like(quaternions)
+        for t, f in np.unique(np.stack([tool, frame], axis=1), axis=0):
+            here = (tool == t) & (frame == f)
+            p[here], q[here] = to_flange(
+                positions[here], quaternions[here], self.tools[t], self.frames[f]
+            )
+        return p, q
+
+    def unchanged(self) -> NDArray[np.bool_]:
+        """(n,) whether a row has the tool and frame of the row before."""
+        same = np.zeros(len(self.tool), dtype=bool)
+        same[1:] = (np.diff(self.tool) == 0) & (np.diff(self.frame) == 0)
+        return same
+
+
+@dataclass(frozen=True, slots=True)
 class Run:
     """n moves of a program.
 
-    name: of the path or procedure. kinds: (n,) `Kind`. flange: rows → poses of the flange
-    in the base, positions (m, 3) mm and quaternions (m, 4). configurations: (n, 6).
+    name: of the path or procedure. kinds: (n,) `Kind`. targets: rows → poses of the tool in
+    the frame, positions (m, 3) mm and quaternions (m, 4). mounting: the tools and frames of
+    the rows. configurations: (n, 6).
     before: (a,) deg, where the robot is before the run, as far as is known.
     joined: whether it surely is there, so that a linear first move starts from there.
     label: row → what the row is called in a finding.
@@ -33,7 +68,8 @@ class Run:
 
     name: str
     kinds: NDArray[np.uint8]
-    flange: Callable[[slice | Rows], tuple[Floats, Floats]]
+    targets: Callable[[slice | Rows], tuple[Floats, Floats]]
+    mounting: Mounting
     configurations: NDArray[np.int8]
     before: Floats
     joined: bool
@@ -42,6 +78,10 @@ class Run:
 
     def __len__(self) -> int:
         return len(self.kinds)
+
+    def flange(self, rows: slice | Rows) -> tuple[Floats, Floats]:
+        """Poses of the flange in the base of the robot at some rows."""
+        return self.mounting.to_flange(*self.targets(rows), rows)
 
     @property
     def exact_rows(self) -> NDArray[np.bool_]:
@@ -65,7 +105,9 @@ def to_flange(
     work piece that the robot carries: flange = tip · (frame · target)⁻¹.
     """
     placed = frame.pose
-    q = rotations.multiply(placed.quaternion, quaternions)
+    with np.errstate(invalid="ignore", divide="ignore"):  # of no length: found as no number
+        unit = quaternions / np.linalg.norm(quaternions, axis=1, keepdims=True)
+    q = rotations.multiply(placed.quaternion, unit)
     p = rotations.rotate(placed.quaternion, positions) + placed.position
     if frame.held or not tool.held:
         back = rotations.conjugate(q)

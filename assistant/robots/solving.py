@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from assistant.program.diagnostics import Diagnostic, Severity
 from assistant.program.path import UNSTATED, Kind
 from assistant.robots import findings as rules
+from assistant.robots.between import lines
 from assistant.robots.branches import choose
 from assistant.robots.configurations import BACK, QUADRANTS
 from assistant.robots.robot import CHUNK, CLOSING, LIMIT_TOLERANCE, Robot
@@ -64,17 +65,24 @@ def solve(run: Run, robot: Robot) -> Solved:
         bound[:, 0] &= same
     branches = choose(bound, starts, cost)
     joints = _joints(run, robot, branches.chosen)
+    report = survey.findings(run, robot)
+    lost = np.flatnonzero((branches.chosen >= 0) & np.isnan(joints).any(axis=1))
+    if len(lost):
+        where = run.label(int(lost[0]))
+        report.append(rules.NOT_CLOSED(place=run.what(lost), robot=robot.title, where=where))
+    winding = None
+    if not report and not len(branches.broken):
+        way = lines(run, robot, joints, branches.chosen)
+        winding = way.winding
+        report += way.findings
     said = np.where(kept[:, None], run.configurations, UNSTATED)
-    joints, wound, off = _turned(run, robot, joints, starts, said)
+    joints, wound, off = _turned(run, robot, joints, starts, said, winding)
     found = robot.configuration(np.nan_to_num(joints))
     solved = np.isfinite(joints).all(axis=1)
     fill = ~stated & solved
     configurations = np.where(fill[:, None], found, run.configurations)
-    report = [
-        *survey.findings(run, robot),
-        *_not_as_stated(run, robot, np.flatnonzero(stated & ~kept & solved), found),
-        *_other_quadrant(run, robot, off, found),
-    ]
+    report += _not_as_stated(run, robot, np.flatnonzero(stated & ~kept & solved), found)
+    report += _other_quadrant(run, robot, off, found)
     broken = branches.broken
     if branches.chosen[0] >= 0 and not same[branches.chosen[0]]:
         broken = np.append(0, broken)
@@ -142,7 +150,12 @@ def _joints(run: Run, robot: Robot, branch: Rows) -> Floats:
 
 
 def _turned(
-    run: Run, robot: Robot, joints: Floats, starts: Rows, said: NDArray[np.integer]
+    run: Run,
+    robot: Robot,
+    joints: Floats,
+    starts: Rows,
+    said: NDArray[np.integer],
+    winding: NDArray[np.int64] | None,
 ) -> tuple[Floats, list[tuple[int, Rows]], Rows]:
     """Joints with their whole turns.
 
@@ -170,7 +183,9 @@ def _turned(
             turns = np.where(free, 0.0, whole).astype(np.int64)
             turns[free] = FREE
         low, high = (float(limit) for limit in robot.limits[axis])
-        result = turn(angles, (low, high), starts, float(run.before[axis]), turns)
+        on_the_way = None if winding is None else winding[:, axis]
+        near = float(run.before[axis])
+        result = turn(angles, (low, high), starts, near, turns, on_the_way)
         out[:, axis] = result.angles
         wound.append((axis, result.broken))
     return out, wound, off

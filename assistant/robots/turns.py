@@ -32,18 +32,22 @@ def turn(
     starts: Rows,
     near: float,
     stated: NDArray[np.int64] | None = None,
+    winding: NDArray[np.int64] | None = None,
 ) -> Turned:
     """Adds whole turns to angles (n,) deg, so that chains are unbroken and inside the limits.
 
     angles: nearest to the middle of the limits; NaN where there is no solution.
     starts: (c,) first rows of the chains, the first being 0. near: deg, where the axis is
     before the path. stated: (n,) turns that a row must have, FREE where it states none.
+    winding: (n,) turns that the axis makes on its way to a row beyond the shorter way.
     """
     wrapped = filled(angles)
     if not len(wrapped):
         return Turned(angles.copy(), np.empty(0, np.intp))
     step = np.zeros(len(wrapped), dtype=np.int64)
     step[1:] = -np.round(np.diff(wrapped) / 360.0)
+    if winding is not None:
+        step += winding
     turns = np.cumsum(step)
     whole = _by_chain(angles, wrapped, turns, starts[:1], limits, stated)
     first = round((near - wrapped[0]) / 360.0)
@@ -60,8 +64,8 @@ def turn(
     count = chosen[chains.of_row] + turns - turns[chains.starts][chains.of_row]
     out = angles + 360.0 * count
     if failing.any():
-        jumps = np.flatnonzero(np.diff(filled(out), prepend=out[0]).__abs__() > 180.0)
-        broken = np.setdiff1d(jumps, starts)
+        unmet = np.flatnonzero(np.diff(count, prepend=count[0]) != step)
+        broken = np.setdiff1d(unmet, starts)
     return Turned(out, broken)
 
 

@@ -406,3 +406,58 @@ def test_random_poses_within_the_limits_never_crash_and_joint_paths_are_solved(n
         assert not findings
     else:
         assert "RB105" in codes(findings) or "RB106" in codes(findings)
+
+
+def test_an_axis_that_turns_more_than_half_way_round_in_one_linear_move() -> None:
+    ends = np.radians([-40.0, 40.0])
+    positions = np.c_[450 * np.cos(ends), 450 * np.sin(ends), [300.0, 300.0]]
+    _, joints, findings = followed(path_of(positions, turning(np.array([0.0, 170.0]))))
+    assert not findings
+    assert joints[1, 5] - joints[0, 5] == pytest.approx(250.0)
+    many = np.linspace(0, 1, 200)[:, None]
+    dense = path_of(positions[0] + many * (positions[1] - positions[0]), turning(170 * many[:, 0]))
+    _, all_joints, _ = followed(dense)
+    assert all_joints[-1, 5] - all_joints[0, 5] == pytest.approx(250.0)
+
+
+def test_a_line_between_two_good_targets_that_leaves_the_reach() -> None:
+    ends = [[40.0, 450.0, 400.0], [40.0, -450.0, 400.0]]
+    _, _, findings = followed(path_of(ends, kinds=Kind.JOINT))
+    assert not findings
+    _, _, findings = followed(path_of(ends))
+    assert codes(findings) == ["RB113"]
+    assert "J3" in findings[0].message
+    assert "seam_2" in findings[0].where()
+
+
+def test_quaternions_of_nearly_unit_length_are_no_obstacle() -> None:
+    _, _, findings = followed(path_of([[450, 0, 300.0], [450, 10, 300.0]], (0, 0, 1.0005, 0)))
+    assert not findings
+
+
+def test_a_quaternion_without_length_is_no_number() -> None:
+    _, _, findings = followed(path_of([[450, 0, 300.0]], (0, 0, 0, 0)))
+    assert codes(findings) == ["RB101"]
+
+
+def test_rows_that_state_another_branch_in_a_linear_move_are_warned_of() -> None:
+    rows = np.array([[0, 0, 0, 0, 0, 0], [0, 0, 1, 0, 2, 2]], dtype=np.int8)
+    path = path_of([[400, 20, 300.0], [410, 20, 300.0]], configurations=rows)
+    done, _, findings = followed(path)
+    assert codes(findings) == ["RB105"]
+    assert findings[0].severity is Severity.WARNING
+    assert np.array_equal(done.configurations, rows)
+
+
+def test_long_paths_take_little_memory() -> None:
+    import tracemalloc
+
+    t = np.linspace(0, 600, 200_000)
+    path = path_of(np.c_[450 + 100 * np.cos(t), 100 * np.sin(t), 300 + 0 * t])
+    tracemalloc.start()
+    followed_program, findings = robots.configure(program(Follow(path)), ABB)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert not findings
+    assert len(followed_program.procedures[0].body[0].path) == len(path)
+    assert peak < 200_000 * 400  # bytes a row; a million rows stay far below 2 GB
