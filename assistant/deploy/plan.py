@@ -1,0 +1,144 @@
+"""What a deployment would do: each file with what the controller has of it, and the difference."""
+
+from __future__ import annotations
+
+import difflib
+import enum
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path as FilePath
+from typing import Final
+
+from assistant import languages
+from assistant.controllers import Address, Controller
+from assistant.deploy import rules
+from assistant.program.diagnostics import Diagnostic, Refused, has_errors
+from assistant.program.text import read_bytes
+
+PROGRAM_FILE: Final = ".pgf"
+"""Names the modules of a RAPID program; goes last, when they are there."""
+ENCODING: Final = "latin-1"
+"""Shows any bytes; differences are found on the bytes themselves."""
+
+
+class Change(enum.StrEnum):
+    """What a deployment does to one file on the controller."""
+
+    NEW = "new"
+    CHANGED = "changed"
+    SAME = "same"
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedFile:
+    """A file to install.
+
+    path: the local file. name: on the controller. data: what is sent. before: what the
+    controller has, None if nothing. findings: of the language's parser, no errors among them.
+    """
+
+    path: str
+    name: str
+    change: Change
+    data: bytes = field(repr=False)
+    before: bytes | None = field(repr=False)
+    diff: str = field(repr=False, default="")
+    findings: tuple[Diagnostic, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What a deployment would do; nothing has been changed yet."""
+
+    address: Address
+    files: tuple[PlannedFile, ...]
+    controller: Controller = field(repr=False, compare=False)
+
+    @property
+    def changes(self) -> tuple[PlannedFile, ...]:
+        """The files that would be written."""
+        return tuple(file for file in self.files if file.change is not Change.SAME)
+
+    @property
+    def findings(self) -> tuple[Diagnostic, ...]:
+        return tuple(finding for file in self.files for finding in file.findings)
+
+
+def plan(files: Sequence[str | FilePath], controller: Controller) -> Plan:
+    """Compares local programs with what is on the controller; changes nothing.
+
+    Every file is parsed first: a program with errors is never sent. Raises Refused (Unreadable
+    for files that cannot be read) with everything that keeps the files from being deployed.
+    """
+    if not files:
+        raise Refused(rules.NO_FILES())
+    data = {str(file): read_bytes(file) for file in files}
+    ordered = sorted(data, key=lambda path: path.lower().endswith(PROGRAM_FILE))
+    names = _names(ordered, controller)
+    with controller:
+        # Only a session knows which version of a language the controller takes.
+        notes = {path: _looked_at(path, data[path], controller) for path in ordered}
+        errors = [finding for found in notes.values() if has_errors(found) for finding in found]
+        if errors:
+            raise Refused(*errors)
+        planned = tuple(
+            _planned(path, names[path], data[path], controller, notes[path]) for path in ordered
+        )
+    return Plan(controller.address, planned, controller)
+
+
+def difference(name: str, before: bytes | None, after: bytes) -> str:
+    """A unified diff of two versions of a program, "" if there is none."""
+    left = (before or b"").decode(ENCODING).splitlines()
+    right = after.decode(ENCODING).splitlines()
+    origin = f"{name} (on the controller)" if before is not None else "/dev/null"
+    lines = difflib.unified_diff(left, right, origin, f"{name} (to be sent)", lineterm="")
+    return "".join(f"{line}\n" for line in lines)
+
+
+def _names(paths: Sequence[str], controller: Controller) -> dict[str, str]:
+    """Local file → its name on the controller; no two may be the same there."""
+    names: dict[str, str] = {}
+    owner: dict[str, str] = {}
+    findings: list[Diagnostic] = []
+    for path in paths:
+        try:
+            name = names[path] = controller.name_for(path)
+        except Refused as refusal:
+            findings += [finding.within(path) for finding in refusal.findings]
+            continue
+        first = owner.setdefault(name.lower(), path)
+        if first != path:
+            findings.append(rules.SAME_NAME(path=path, first=first, second=path, name=name))
+    if findings:
+        raise Refused(*findings)
+    return names
+
+
+def _looked_at(path: str, data: bytes, controller: Controller) -> tuple[Diagnostic, ...]:
+    """The findings of a file's own language, or that it is not one of the controller's."""
+    taken = ", ".join(languages.get(name).title for name in controller.languages)
+    where = {"path": path, "address": controller.address, "taken": taken}
+    if path.lower().endswith(PROGRAM_FILE) and "rapid" in controller.languages:
+        return ()
+    for name in controller.languages:  # the version that the controller speaks comes first
+        language = languages.get(name)
+        if FilePath(path).suffix.lower() in language.suffixes and language.recognises(data):
+            tree = language.parse(language.decode(data, path))
+            return tuple(finding.within(path) for finding in tree.findings)
+    other = languages.of_file(path, data)
+    if other is not None:
+        return (rules.WRONG_LANGUAGE(**where, given=other.title),)  # type: ignore[arg-type]
+    return (rules.UNKNOWN_LANGUAGE(**where),)  # type: ignore[arg-type]
+
+
+def _planned(
+    path: str, name: str, data: bytes, controller: Controller, notes: tuple[Diagnostic, ...]
+) -> PlannedFile:
+    before = controller.read(name)
+    there = None if before is None else controller.stored(before)
+    wanted = controller.stored(data)
+    same = Change.SAME if there == wanted else Change.CHANGED
+    change = same if there is not None else Change.NEW
+    diff = "" if change is Change.SAME else difference(name, there, wanted)
+    return PlannedFile(path, name, change, data, before, diff, notes)
