@@ -1,0 +1,62 @@
+"""Error numbers of Mitsubishi CR controllers: the commonest, in our own words.
+
+The table is `cr_errors.tsv`; numbers and levels are those of the controllers' error lists.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from typing import Final
+
+LEVELS: Final = {"H": "high", "L": "low", "C": "caution"}
+"""High: servos go off. Low: the program stops. Caution: the program goes on."""
+
+FAMILIES: Final = {
+    0: "an error of the hardware",
+    1: "an error of the servos",
+    2: "an error of the motion",
+    3: "an error of the running program",
+    4: "an error of a program or its editing",
+    5: "a command that the present state forbids",
+    6: "an error of the communication or the signals",
+    7: "an error of files, parameters or options",
+    8: "an error of an option",
+    9: "an error raised by the user's program",
+}
+"""First digit of the number → what it is about, for numbers that the table does not name."""
+
+LOOK_IT_UP: Final = "look the number up in the controller's troubleshooting manual"
+
+
+@dataclass(frozen=True, slots=True)
+class CrError:
+    """One error number; level is a key of `LEVELS`, "" if it is not known."""
+
+    number: int
+    level: str
+    text: str
+    cure: str
+
+
+def error(number: int) -> CrError:
+    """What an error number means; never fails."""
+    known = _table().get(number)
+    family = FAMILIES.get(number // 1000, "an error")
+    return known or CrError(number, "", family, LOOK_IT_UP)
+
+
+@cache
+def _table() -> Mapping[int, CrError]:
+    text = files("assistant.controllers").joinpath("cr_errors.tsv").read_text(encoding="ascii")
+    rows = csv.DictReader(io.StringIO(text), delimiter="\t", quoting=csv.QUOTE_NONE)
+    return {
+        int(row["number"]): CrError(
+            int(row["number"]), row["level"], row["text"], row["cure"] or LOOK_IT_UP
+        )
+        for row in rows
+    }

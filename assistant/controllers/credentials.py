@@ -1,0 +1,74 @@
+"""User and password of a controller: from arguments, environment, keyring, or a question."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Final
+
+from assistant.controllers import rules
+from assistant.controllers.address import Address
+from assistant.program.diagnostics import Refused
+
+USER: Final = "ROBOT_ASSISTANT_USER"
+PASSWORD: Final = "ROBOT_ASSISTANT_PASSWORD"  # noqa: S105 - the name of a variable
+SERVICE: Final = "robot-assistant"
+"""Service name in the keyring; the entry is `user@host`."""
+
+Question = Callable[[str], str | None]
+"""Asks the user for a secret with this prompt; None or "" if there is no answer."""
+
+
+@dataclass(frozen=True, slots=True)
+class Credentials:
+    user: str
+    password: str = field(repr=False)
+
+    def __str__(self) -> str:
+        return self.user
+
+    def hidden(self, text: str) -> str:
+        """The text without the password, for replies that repeat what was sent."""
+        return text.replace(self.password, "***") if self.password else text
+
+
+def find(
+    address: Address,
+    *,
+    user: str | None = None,
+    password: str | None = None,
+    ask: Question | None = None,
+    environment: Mapping[str, str] = os.environ,
+) -> Credentials:
+    """The first user and password that are stated: arguments, address, environment, keyring, ask.
+
+    Raises Refused if there is none.
+    """
+    name = user or address.user or environment.get(USER)
+    if not name:
+        raise Refused(rules.NO_USER(place=str(address), address=address))
+    sources: tuple[Callable[[], str | None], ...] = (
+        lambda: password,
+        lambda: environment.get(PASSWORD),
+        lambda: _from_keyring(f"{name}@{address.host}"),
+        lambda: ask(f"Password of {name} on {address.host}: ") if ask else None,
+    )
+    secret = next((found for source in sources if (found := source()) is not None), None)
+    if secret is None:
+        raise Refused(rules.NO_PASSWORD(place=str(address), address=address, user=name))
+    return Credentials(name, secret)
+
+
+def _from_keyring(entry: str) -> str | None:
+    """The password that the system's keyring holds, None if there is none or no keyring."""
+    try:
+        import keyring
+        import keyring.errors
+    except ImportError:
+        return None
+    try:
+        found: str | None = keyring.get_password(SERVICE, entry)
+    except keyring.errors.KeyringError:
+        return None  # locked or without a backend: the next source is asked
+    return found

@@ -1,0 +1,85 @@
+"""Addresses: what they say, what is refused, and that no password is ever repeated."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from assistant.controllers.address import SCHEMES, Address, parse
+from assistant.program.diagnostics import Refused
+
+GOOD = {
+    "ftp://engineer@192.168.125.1": Address("ftp", "192.168.125.1", 21, "engineer", "HOME:"),
+    "ftp://a%20b@irc5:2121/HOME:/parts/": Address("ftp", "irc5", 2121, "a b", "HOME:/parts"),
+    "ftp://Default%20User@irc5": Address("ftp", "irc5", 21, "Default User", "HOME:"),
+    "FTPS://x@IRC5": Address("ftps", "irc5", 21, "x", "HOME:"),
+    "ftp://irc5": Address("ftp", "irc5", 21, None, "HOME:"),
+    "melfa://192.168.0.20": Address("melfa", "192.168.0.20", 10001),
+    "melfa://cr:10002/": Address("melfa", "cr", 10002),
+    "melfa://[::1]:10001": Address("melfa", "::1", 10001),
+}
+
+
+@pytest.mark.parametrize("text", GOOD)
+def test_good_addresses(text):
+    assert parse(text) == GOOD[text]
+    assert parse(str(GOOD[text])) == GOOD[text]
+
+
+@pytest.mark.parametrize(
+    ("text", "code"),
+    [
+        ("", "CN103"),
+        ("irc5", "CN103"),
+        ("http://irc5", "CN103"),
+        ("ftp://", "CN101"),
+        ("ftp://user@", "CN101"),
+        ("ftp://irc5:0", "CN101"),
+        ("ftp://irc5:99999", "CN101"),
+        ("ftp://irc5:port", "CN101"),
+        ("ftp://irc5/../etc", "CN101"),
+        ("ftp://irc5/a%2F..%2F../etc", "CN101"),
+        ("ftp://irc5/a%0d%0aDELE x", "CN101"),
+        ("ftp://u%0aser@irc5", "CN101"),
+        ("ftp://irc5/x?y=1", "CN101"),
+        ("ftp://irc5\r\nDELE x", "CN101"),
+        ("ftp://[::1", "CN101"),
+        ("melfa://user@cr", "CN101"),
+        ("melfa://cr/folder", "CN101"),
+    ],
+)
+def test_what_is_refused(text, code):
+    with pytest.raises(Refused) as refused:
+        parse(text)
+    assert [finding.code for finding in refused.value.findings] == [code]
+
+
+@given(
+    st.sampled_from([*SCHEMES, "http"]),
+    st.text(min_size=1, max_size=20).map(lambda t: f"Geheim{t}7"),
+    st.sampled_from(["", ":21", ":nonsense", "/a/b"]),
+)
+def test_a_password_is_refused_and_never_shown(scheme, password, rest):
+    with pytest.raises(Refused) as refused:
+        parse(f"{scheme}://user:{password}@host{rest}")
+    finding = refused.value.findings[0]
+    shown = "".join(filter(None, [finding.message, finding.cure, finding.place]))
+    assert "Geheim" not in shown and "Geheim" not in str(refused.value)
+
+
+@given(
+    st.sampled_from(sorted(SCHEMES)),
+    st.from_regex(r"[a-z][a-z0-9-]{0,20}(\.[a-z0-9]{1,8})?", fullmatch=True),
+    st.integers(1, 65535),
+    st.none() | st.text(st.characters(codec="utf-8", categories=["L", "N", "Zs", "P"]), min_size=1),
+)
+def test_an_address_survives_being_written(scheme, host, port, user):
+    address = Address(scheme, host, port, user if SCHEMES[scheme].login else None)
+    if address.folder != SCHEMES[scheme].folder:
+        address = Address(scheme, host, port, address.user, SCHEMES[scheme].folder)
+    assert parse(str(address)) == address
+
+
+@pytest.mark.parametrize("text", GOOD)
+def test_a_label_is_one_safe_folder(text):
+    label = parse(text).label
+    assert label and not set(label) & set('/\\:*?"<>| ') and ".." not in label
