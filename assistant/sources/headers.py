@@ -51,7 +51,7 @@ NO_HEADER = Rule(
     "TB106",
     ERROR,
     "the first line names no columns",
-    "write a line above it that does, such as `{example}`",
+    'write a line above it that does, such as `{example}` (numpy.savetxt: with comments="")',
 )
 TWO_ORIENTATIONS = Rule(
     "TB107", ERROR, "the orientation is given twice, by {names}", "keep one of them"
@@ -160,6 +160,7 @@ _TURN = (
     "or `rotvec_{axis}_{unit}` (axis times angle)",
 )
 _NO_UNIT = "names no unit"
+_PART_OR_JOINT = "may be a part of a quaternion or a joint"
 _AMBIGUOUS: Final = tuple(
     (re.compile(pattern), why, proposals)
     for pattern, why, proposals in (
@@ -167,11 +168,8 @@ _AMBIGUOUS: Final = tuple(
         (r"(?:r|rot_?|euler_?)(?P<axis>[xyz])(?:_(?P<unit>deg|rad))?", *_TURN),
         (r"(?P<axis>roll|pitch|yaw)(?:_(?P<unit>deg|rad))?", *_TURN),
         (r"(?P<axis>[abc])(?:_(?P<unit>deg|rad))?", *_TURN),
-        (
-            r"q(?P<axis>[0-4])",
-            "may be a part of a quaternion or a joint",
-            "`q_w`, `q_x`, `q_y`, `q_z` or `j{axis}_deg`",
-        ),
+        (r"q(?P<axis>[1-4])", _PART_OR_JOINT, "`q_w`, `q_x`, `q_y`, `q_z` or `j{axis}_deg`"),
+        (r"q0", _PART_OR_JOINT, "`q_w`, `q_x`, `q_y`, `q_z` or `j1_deg`"),
         (r"(?:j|joint_?|axis_?|a)(?P<axis>[1-8])", _NO_UNIT, "`j{axis}_deg` or `j{axis}_rad`"),
         (r"(?:e|eax_?|ext_?)(?P<axis>[1-6])", _NO_UNIT, "`e{axis}_mm` or `e{axis}_deg`"),
         (

@@ -29,7 +29,8 @@ from assistant.program.statements import (
 )
 from assistant.program.text import read_bytes
 from assistant.sources import Reading, rows
-from assistant.sources.cells import Cells, read_cells
+from assistant.sources.cells import Cells
+from assistant.sources.delimited import read_cells
 from assistant.sources.headers import columns_of, shown
 from assistant.sources.process import Process
 from assistant.sources.table_columns import Table, output, table_of
