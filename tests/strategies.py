@@ -8,6 +8,7 @@ sense as a whole: a name may refer to nothing.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any, get_args
 
 import numpy as np
@@ -106,10 +107,11 @@ TRICKY_NAMES = (
     "p2",
 )
 HOSTILE_TEXTS = (
-    "", " ", "end", "end\nend", '"', '\\"', "\\", "`", "#", "# no", '#"', "|", "| x", "a\nb", "a\r\nb",
-    "\n", "\t", "tab\tin", " ahead", "behind ", "\x00", "\x1b[31m", "\u2028", "\x85", "\ufeff", "ü", "日本",
-    "\U0001f916", "\ud800", "\u202eevil", "x" * 300, 'TPWrite "a;b"; ! c', "MOV P1 'home", "\\n", "\\x41",
-)  # fmt: skip
+    *("", " ", "end", "end\nend", '"', '\\"', "\\", "`", "#", "# no", '#"', "|", "| x", "\\n"),
+    *("a\nb", "a\r\nb", "\n", "\t", "tab\tin", " ahead", "behind ", "\x00", "\x1b[31m", "\\x41"),
+    *("\u2028", "\x85", "\ufeff", "ü", "日本", "\U0001f916", "\ud800", "\u202eevil", "x" * 300),
+    *('TPWrite "a;b"; ! c', "MOV P1 'home"),
+)
 
 
 # ------------------------------------------------------------------------------ small things
@@ -146,7 +148,7 @@ def amounts() -> st.SearchStrategy[float]:
 
 
 def quaternions() -> st.SearchStrategy[Quaternion]:
-    """Unit quaternions: usual ones, random ones, and rounded ones that are nearly of unit length."""
+    """Unit quaternions: usual ones, random ones, and ones rounded to five decimals."""
     half = math.sqrt(0.5)
     usual = st.sampled_from(
         [(1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (half, 0.0, half, 0.0), (-0.0, 1.0, -0.0, 0.0)]
@@ -382,19 +384,20 @@ def programs(most: int = 4) -> st.SearchStrategy[Program]:
     )
 
 
-def procedures() -> st.SearchStrategy[Procedure]:
-    parameters = _once(st.tuples(_types(), st.sampled_from(["in", "inout"]))).map(
-        lambda given: tuple(Parameter(name, *rest) for name, rest in given.items())
-    )
-    return st.builds(
-        Procedure,
-        names(),
-        bodies(),
-        parameters,
-        _once(variables()),
-        st.none() | _types(),
-        st.none() | names(),
-        st.booleans(),
+@st.composite
+def procedures(draw: st.DrawFn) -> Procedure:
+    modes = st.sampled_from(["in", "inout"])
+    parameters = draw(_once(st.tuples(_types(), modes)))
+    taken = {name.lower() for name in parameters}
+    local = {n: v for n, v in draw(_once(variables())).items() if n.lower() not in taken}
+    return Procedure(
+        draw(names()),
+        draw(bodies()),
+        tuple(Parameter(name, *rest) for name, rest in parameters.items()),
+        local,
+        draw(st.none() | _types()),
+        draw(st.none() | names()),
+        draw(st.booleans()),
     )
 
 
@@ -430,6 +433,4 @@ def _once(values: st.SearchStrategy[Any], most: int = 3) -> st.SearchStrategy[di
 
 
 def _renamed(procedure: Procedure, name: str) -> Procedure:
-    from dataclasses import replace
-
     return replace(procedure, name=name)

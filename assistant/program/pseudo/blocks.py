@@ -82,7 +82,7 @@ class ProcedureBlock(Block):
         name, parameters, result, unit, local = cast("list[Any]", tree.children)
         self.name = read_name(name)
         self._parameters = read_parameters(parameters)
-        self.names = [(parameter.name, line) for parameter in self._parameters]
+        self.parameters = [parameter.name for parameter in self._parameters]
         self.variables: dict[str, Variable] = {}
         self._result = None if result is None else str(result)
         self._unit = None if unit is None else read_name(unit)

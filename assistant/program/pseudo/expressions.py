@@ -7,6 +7,7 @@ from typing import Any, Final, assert_never, cast
 
 from lark import Token, Tree
 
+from assistant.program.diagnostics import Refused
 from assistant.program.expressions import (
     Aggregate,
     Apply,
@@ -26,6 +27,7 @@ from assistant.program.expressions import (
     UnaryOperator,
     Verbatim,
 )
+from assistant.program.pseudo.findings import MOST_DEEP, TOO_DEEP
 from assistant.program.pseudo.values import (
     joints_text,
     pose_text,
@@ -58,13 +60,20 @@ PRIORITIES: Final[dict[str, int]] = {
 from the left. A sign binds looser than `^`."""
 
 
-def expression_text(expression: Expression) -> str:
-    return _text(expression, 0)
+def expression_text(expression: Expression, least: int = 0) -> str:
+    """Raises Refused for an expression of more levels than can be read back."""
+    try:
+        text = _text(expression, least)
+    except RecursionError:
+        text = None
+    if text is None or (len(text) > MOST_DEEP and _is_deeper(expression, MOST_DEEP - 10)):
+        raise Refused(TOO_DEEP(what="expression", cure="split it into several"))
+    return text
 
 
 def assignable_text(expression: Expression) -> str:
     """An expression as it stands on the left of `=`."""
-    return _text(expression, ATOM)
+    return expression_text(expression, ATOM)
 
 
 def arguments_text(items: tuple[Expression, ...]) -> str:
@@ -109,20 +118,49 @@ def _text_and_priority(expression: Expression) -> tuple[str, int]:
         case PoseValue(pose):
             return f"pose {pose_text(pose)}", LITERAL
         case Aggregate(items):
-            return f"[{arguments_text(items)}]", ATOM
+            return f"[{_list(items)}]", ATOM
         case Member(value, field):
             return f"{_text(value, ATOM)}.{name_text(field)}", ATOM
         case Index(value, indices):
-            return f"{_text(value, ATOM)}[{arguments_text(indices)}]", ATOM
+            return f"{_text(value, ATOM)}[{_list(indices)}]", ATOM
         case Unary(operator, operand):
             return _unary_text(operator, operand)
         case Binary(operator, left, right):
             return _binary_text(operator, left, right)
         case Apply(function, arguments):
-            return f"{name_text(function)}({arguments_text(arguments)})", ATOM
+            return f"{name_text(function)}({_list(arguments)})", ATOM
         case Verbatim(language, text):
             return f"verbatim {word_text(language)} {quoted(text)}", ATOM
     assert_never(expression)
+
+
+def _list(items: tuple[Expression, ...]) -> str:
+    return ", ".join(_text(item, 0) for item in items)
+
+
+def _is_deeper(expression: Expression, most: int) -> bool:
+    """Whether there are more levels; looked at without recursion."""
+    level: list[Expression] = [expression]
+    for _ in range(most):
+        level = [part for whole in level for part in _parts(whole)]
+        if not level:
+            return False
+    return True
+
+
+def _parts(expression: Expression) -> tuple[Expression, ...]:
+    match expression:
+        case Aggregate(items) | Apply(arguments=items):
+            return items
+        case Member(value):
+            return (value,)
+        case Index(value, indices):
+            return (value, *indices)
+        case Unary(operand=operand):
+            return (operand,)
+        case Binary(left=left, right=right):
+            return (left, right)
+    return ()
 
 
 def _number_text(value: float) -> str:

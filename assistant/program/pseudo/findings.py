@@ -19,8 +19,13 @@ BAD_ESCAPE = Rule(
     "`{escape}` is no escape",
     r"write one of \\ \" \` \n \r \t \x.. \u.... \U........",
 )
-TOO_DEEP = Rule("PS105", _ERROR, "the line is nested too deeply", "split it into several")
+TOO_DEEP = Rule("PS105", _ERROR, "the {what} is nested too deeply", "{cure}")
 TOO_MANY = Rule("PS106", _ERROR, "more than {most} findings", "is this a pseudo-program?")
+
+MOST_DEEP: Final = 100
+"""Levels of brackets and operators in an expression."""
+MOST_BLOCKS: Final = 50
+"""Blocks in one another."""
 
 NO_PROGRAM = Rule(
     "PS201", _ERROR, "the text does not begin with a `program` line", "begin with `program <name>`"

@@ -7,9 +7,16 @@ import re
 from functools import cache
 from typing import TYPE_CHECKING, Final, Literal
 
-from lark import Token
+from lark import Token, Tree
 
-from assistant.program.pseudo.findings import TOO_DEEP, UNEXPECTED, UNFINISHED, UNKNOWN_WORD, Wrong
+from assistant.program.pseudo.findings import (
+    MOST_DEEP,
+    TOO_DEEP,
+    UNEXPECTED,
+    UNFINISHED,
+    UNKNOWN_WORD,
+    Wrong,
+)
 from assistant.program.pseudo.words import Node, shortened
 from assistant.resources import read_grammar
 
@@ -58,6 +65,8 @@ _SPOKEN: Final = {
     "WITHOUT_ENTRY": "`without entry`",
 }
 _MOST_EXPECTED: Final = 8
+_GOING_ON: Final = frozenset(f"`{word}`" for word in ("or", "xor", "and", "=", "+", "-", "*", "^"))
+"""What could make an expression longer; seldom what is missing."""
 
 
 def parse_line(start: Start, text: str) -> Node:
@@ -65,7 +74,7 @@ def parse_line(start: Start, text: str) -> Node:
     from lark import UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 
     try:
-        return _grammar().parse(text, start=start)
+        tree = _grammar().parse(text, start=start)
     except UnexpectedInput as error:
         position: int = len(text)
         found = ""
@@ -76,13 +85,24 @@ def parse_line(start: Start, text: str) -> Node:
             found = text[position]
         expected = getattr(error, "accepts", None) or getattr(error, "allowed", None) or set()
         raise _wrong(start, text, position, found, set(expected)) from None
-    except RecursionError:
-        raise Wrong(TOO_DEEP) from None
+    if len(text) > MOST_DEEP and _is_deeper(tree, MOST_DEEP):
+        raise Wrong(TOO_DEEP, what="expression", cure="split it into several")
+    return tree
 
 
 def first_word(text: str) -> str:
     found = re.match(r"\s*(\w+)", text)
     return found[1] if found else ""
+
+
+def _is_deeper(tree: Node, most: int) -> bool:
+    """Whether a tree has more levels; looked at without recursion."""
+    level = [tree]
+    for _ in range(2 * most):  # two rules of the grammar to one of an expression, at the most
+        level = [child for node in level for child in node.children if isinstance(child, Tree)]
+        if not level:
+            return False
+    return True
 
 
 @cache
@@ -114,7 +134,7 @@ def _wrong(start: Start, text: str, position: int, found: str, expected: set[str
     words = FIRST_WORDS.get(start, ())
     if word and word not in words and not text[after:position].strip():
         near = difflib.get_close_matches(word.lower(), words, n=3)
-        cure = " or ".join(f"`{n}`" for n in near) or f"one of {', '.join(words)}"
+        cure = " or ".join(f"`{n}`" for n in near or words[:_MOST_EXPECTED])
         whole = Token("WORD", word, after - len(word), end_pos=after)
         return Wrong(UNKNOWN_WORD, whole, word=shortened(word), cure=f"write {cure}")
     spoken = _spoken(expected)
@@ -133,8 +153,10 @@ def _spoken(expected: set[str]) -> str:
         if name in _SPOKEN:
             said.add(_SPOKEN[name])
         elif name in patterns:
-            plain = patterns[name].value.removesuffix(r"(?!\w)").replace("\\", "")
-            said.update(f"`{p}`" for p in plain.strip("()").split("|"))
+            plain = patterns[name].value.removesuffix(r"(?!\w)")
+            words = plain[1:-1].split("|") if "|" in plain else [plain]
+            said.update("`" + word.replace("\\", "") + "`" for word in words)
+    said = (said - _GOING_ON) or said
     order = sorted(said, key=lambda s: (s.startswith("`"), s))
     more = ["…"] if len(order) > _MOST_EXPECTED else []
     return ", ".join(order[:_MOST_EXPECTED] + more) or "something else"

@@ -25,6 +25,7 @@ from assistant.program.pseudo.findings import (
     DUPLICATE,
     INSIDE,
     LATE_VARIABLE,
+    MOST_BLOCKS,
     NO_CASE,
     NO_PROGRAM,
     NO_TEXT,
@@ -154,8 +155,6 @@ class _Reader:
             read(line)
         except Wrong as wrong:
             self._wrong(wrong, line.span)
-        except RecursionError:
-            self._find(TOO_DEEP, line.span)
 
     def _wrong(self, wrong: Wrong, line: Span) -> None:
         span = line
@@ -205,14 +204,14 @@ class _Reader:
             return
         if word != "procedure":
             self._keep_pending()
-            self._comment(line)
+            self._comments += [] if line.comment is None else [line.comment]
         try:
             tree = parse_line("declaration", line.text)
             if tree.data == "procedure":
                 self._procedure(tree, line)
                 return
         except Wrong:
-            if word == "procedure":
+            if word == "procedure" and not self._stack:
                 self._stack.append(Ignored(word, line.span, self._number(line)))
             raise
         if tree.data == "program":
@@ -238,9 +237,10 @@ class _Reader:
 
     def _once(self, kind: str, name: str, line: _Line, scope: str = "") -> None:
         number = self._number(line)
-        first = self._first.setdefault((f"{scope}{kind}", name.lower()), number)
-        if first != number:
+        first = self._first.get((f"{scope}{kind}", name.lower()))
+        if first is not None:
             raise Wrong(DUPLICATE, kind=kind, name=shortened(name), first=first)
+        self._first[f"{scope}{kind}", name.lower()] = number
 
     def _procedure(self, tree: Node, line: _Line) -> None:
         block = ProcedureBlock(tree, line.span, self._number(line))
@@ -250,6 +250,8 @@ class _Reader:
             if above.comment is not None:
                 block.body.append(Comment(above.comment, span=above.span))
         self._pending.clear()
+        for name in block.parameters:
+            self._once("variable", name, line, scope=f"{block.line} ")
         self._once("procedure", block.name, line)
 
     # ------------------------------------------------------------------------- statements
@@ -283,6 +285,8 @@ class _Reader:
         elif block.body is None:
             raise Wrong(NO_CASE)
         elif rule in OPENING:
+            if len(self._stack) > MOST_BLOCKS:
+                raise Wrong(TOO_DEEP, what="block", cure="move the inner ones to procedures")
             opened = OPENING[rule](tree, line.span, self._number(line))
             self._comment(line)
             self._stack.append(opened)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
+from assistant.program.diagnostics import Refused
 from assistant.program.program import Procedure, Program
 from assistant.program.pseudo.declarations import (
     header_text,
@@ -15,6 +16,7 @@ from assistant.program.pseudo.declarations import (
     variable_lines,
 )
 from assistant.program.pseudo.expressions import arguments_text, expression_text
+from assistant.program.pseudo.findings import MOST_BLOCKS, TOO_DEEP
 from assistant.program.pseudo.rows import row_lines
 from assistant.program.pseudo.statements import statement_text
 from assistant.program.pseudo.tables import TableWriter
@@ -40,6 +42,7 @@ def print_program(program: Program, *, side_tables_above: int | None = None) -> 
 
     side_tables_above: paths of more rows than this go to side tables; None keeps every path
     in the text.
+    Raises Refused for expressions or blocks of more levels than can be read back.
     """
     printer = _Printer(program.name, side_tables_above)
     sections = [[*map(comment_text, program.comments), header_text(program)]]
@@ -55,6 +58,7 @@ class _Printer:
     def __init__(self, program: str, side_tables_above: int | None) -> None:
         self.tables = TableWriter(program)
         self._most_rows = side_tables_above
+        self._blocks = 0
 
     def procedure(self, procedure: Procedure) -> Iterator[str]:
         yield _procedure_text(procedure)
@@ -65,10 +69,15 @@ class _Printer:
     def _body(self, body: tuple[Statement, ...]) -> Iterator[str]:
         for statement in body:
             line = statement_text(statement)
-            if line is None:
-                yield from _indented(_BLOCKS[type(statement)](self, statement))
-            else:
+            if line is not None:
                 yield INDENT + line
+                continue
+            self._blocks += 1
+            if self._blocks > MOST_BLOCKS:
+                cure = "move the inner ones to procedures"
+                raise Refused(TOO_DEEP(what="block", cure=cure))
+            yield from _indented(_BLOCKS[type(statement)](self, statement))
+            self._blocks -= 1
 
     def _if(self, statement: If) -> Iterator[str]:
         if not statement.branches:

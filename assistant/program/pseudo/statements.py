@@ -8,9 +8,10 @@ from typing import Any, Final, cast
 from lark import Token, Tree
 
 from assistant.program.diagnostics import Span
-from assistant.program.expressions import Expression, Index, Member, Name, Verbatim
+from assistant.program.expressions import Binary, Expression, Index, Member, Name, Verbatim
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.pseudo.expressions import (
+    ATOM,
     arguments_text,
     assignable_text,
     expression_text,
@@ -65,13 +66,19 @@ def motion_text(motion: Motion) -> str:
     return " ".join(parts)
 
 
+def _value(value: Expression) -> str:
+    """What stands behind a `=`; a comparison for equality in brackets, for the eye."""
+    equality = isinstance(value, Binary) and value.operator == "="
+    return expression_text(value, ATOM if equality else 0)
+
+
 def _timeout(timeout: Expression | None) -> str:
     return "" if timeout is None else f" timeout {expression_text(timeout)} s"
 
 
 def _set_signal(s: SetSignal) -> str:
     pulse = "" if s.pulse is None else f" pulse {expression_text(s.pulse)} s"
-    return f"set {name_text(s.signal)} = {expression_text(s.value)}{pulse}"
+    return f"set {name_text(s.signal)} = {_value(s.value)}{pulse}"
 
 
 def _call(s: Call) -> str:
@@ -86,7 +93,7 @@ def _circular(s: MoveCircular) -> str:
 
 
 def _wait_signal(s: WaitSignal) -> str:
-    awaited = f"{name_text(s.signal)} = {expression_text(s.value)}"
+    awaited = f"{name_text(s.signal)} = {_value(s.value)}"
     return f"wait for {awaited}{_timeout(s.timeout)}"
 
 
@@ -107,7 +114,7 @@ _PRINTERS: Final[dict[type, Callable[[Any], str]]] = {
     SetAcceleration: _acceleration,
     SetOverride: lambda s: f"override {expression_text(s.percent)} %",
     Call: _call,
-    Assign: lambda s: f"{assignable_text(s.target)} = {expression_text(s.value)}",
+    Assign: lambda s: f"{assignable_text(s.target)} = {_value(s.value)}",
     Stop: lambda s: "exit" if s.end else "stop",
     Return: lambda s: "return" if s.value is None else f"return {expression_text(s.value)}",
     Comment: lambda s: comment_text(s.text),

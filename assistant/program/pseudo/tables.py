@@ -131,7 +131,7 @@ class TableReader:
 
     def _data(self, side_tables: SideTables) -> bytes:
         name = self._file_name
-        if name != FilePath(name).name or set(name) & set("/\\:\0") or name in (".", ".."):
+        if name != FilePath(name).name or set(name) & set("/\\:\0") or name in ("", ".", ".."):
             raise Wrong(NOT_BARE, self._file, name=name)
         if side_tables is None:
             raise Wrong(NO_FOLDER, self._file, name=name)

@@ -115,6 +115,8 @@ def read_numbers(tree: Node, *counts: int) -> tuple[float, ...]:
 
 
 def shortened(text: str, most: int = 24) -> str:
+    """As it can stand in a message: of one line, visible, not too long."""
+    text = "".join(_escaped(c, "") for c in text[: most + 1])
     return text if len(text) <= most else text[: most - 1] + "…"
 
 

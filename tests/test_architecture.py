@@ -1,0 +1,251 @@
+"""The house keeps its order: rooms import downwards only, and modules never in a circle."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path as FilePath
+
+import pytest
+
+PACKAGE = FilePath(__file__).parent.parent / "assistant"
+
+ROOMS: dict[str, frozenset[str]] = {
+    "program": frozenset(),
+    "sources": frozenset({"program"}),
+    "robots": frozenset({"program"}),
+    "languages": frozenset({"program", "robots"}),
+    "checks": frozenset({"program", "robots"}),
+    "virtual": frozenset({"program", "robots", "languages"}),
+    "controllers": frozenset({"program"}),
+    "deploy": frozenset({"program", "languages", "controllers"}),
+    "compiler": frozenset(
+        {
+            *("program", "sources", "robots", "languages", "checks"),
+            *("virtual", "controllers", "deploy"),
+        }
+    ),
+    "report": frozenset({"program", "sources", "robots", "compiler"}),
+    "cli": frozenset(
+        {
+            *("program", "sources", "robots", "languages", "checks"),
+            *("virtual", "controllers", "deploy", "compiler", "report"),
+        }
+    ),
+}
+"""Room → the rooms that it may import."""
+
+SHARED = frozenset({"resources"})
+"""Modules of the top folder that every room may import."""
+
+TOP_MAY_IMPORT = frozenset({"compiler", "languages", "robots"})
+"""What `assistant/__init__.py` offers to users, loaded when first used."""
+
+
+@dataclass(frozen=True, slots=True)
+class Import:
+    """One import statement: the module that it stands in, the one that it names, its line."""
+
+    by: str
+    of: str
+    line: int
+
+    def __str__(self) -> str:
+        return f"{self.by}:{self.line} imports {self.of}"
+
+
+def modules(package: FilePath) -> dict[str, FilePath]:
+    """Every module of a package by its dotted name."""
+    found = {}
+    for file in sorted(package.rglob("*.py")):
+        parts = file.relative_to(package.parent).with_suffix("").parts
+        found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = file
+    return found
+
+
+def imports(package: FilePath) -> Iterator[Import]:
+    """Imports of a package's own modules, also inside functions and behind TYPE_CHECKING.
+
+    Also a text that is the name of a module is one: that is how lazy tables name them.
+    """
+    known = modules(package)
+    for name, file in known.items():
+        tree = ast.parse(file.read_text(encoding="utf-8"), str(file))
+        is_package = file.name == "__init__.py"
+        for node in ast.walk(tree):
+            for named in _named(node, name, is_package, known):
+                if named.split(".")[0] == package.name and named != name:
+                    yield Import(name, named, getattr(node, "lineno", 0))
+
+
+def _named(
+    node: ast.AST, module: str, is_package: bool, known: Mapping[str, FilePath]
+) -> Iterator[str]:
+    match node:
+        case ast.Import(names):
+            yield from (alias.name for alias in names)
+        case ast.ImportFrom(level=level, module=of, names=names):
+            parts = module.split(".")
+            above = parts[: len(parts) - level + is_package] if level else []
+            start = ".".join([*above, *([of] if of else [])])
+            for alias in names:
+                full = f"{start}.{alias.name}"
+                yield full if full in known else start
+        case ast.Constant(value=str(text)) if text in known and "." in text:
+            yield text
+
+
+def faults(package: FilePath, rooms: Mapping[str, frozenset[str]] = ROOMS) -> list[str]:
+    """What breaks the order: an import upwards or sideways, an unknown room, a circle."""
+    found = [f"`{name}` is no room" for name in _unknown_rooms(package, rooms)]
+    graph: dict[str, set[str]] = {name: set() for name in modules(package)}
+    known = modules(package)
+    for one in imports(package):
+        if not _is_allowed(_room(one.by), _room(one.of), rooms):
+            found.append(str(one))
+        if not _is_lazy(known[one.by], one):
+            graph[one.by].add(one.of)
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        found.append("circle: " + " -> ".join(error.args[1]))
+    return found
+
+
+def _is_allowed(by: str, of: str, rooms: Mapping[str, frozenset[str]]) -> bool:
+    if by == "":
+        return of in TOP_MAY_IMPORT
+    if by == "__main__":
+        return of == "cli"
+    if by in SHARED:
+        return False
+    if of in ("", *SHARED):  # `assistant` itself is asked for its version only
+        return True
+    return by == of or of in rooms.get(by, frozenset())
+
+
+def _is_lazy(file: FilePath, one: Import) -> bool:
+    """Whether a module is loaded only when a name of it is first used, or never, for types."""
+    tree = ast.parse(file.read_text(encoding="utf-8"))
+    at_once = {
+        node.lineno
+        for node in _at_import(tree.body)
+        if isinstance(node, ast.Import | ast.ImportFrom)
+    }
+    return one.line not in at_once
+
+
+def _at_import(body: list[ast.stmt]) -> Iterator[ast.stmt]:
+    """The statements that run when a module is imported."""
+    for node in body:
+        yield node
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
+            yield from _at_import(node.orelse)
+        elif isinstance(node, ast.If | ast.Try | ast.With | ast.ClassDef):
+            for part in ("body", "orelse", "finalbody"):
+                yield from _at_import(getattr(node, part, []))
+            for handler in getattr(node, "handlers", []):
+                yield from _at_import(handler.body)
+
+
+def _room(module: str) -> str:
+    parts = module.split(".")
+    return parts[1] if len(parts) > 1 else ""
+
+
+def _unknown_rooms(package: FilePath, rooms: Mapping[str, frozenset[str]]) -> list[str]:
+    data = {"grammars", "templates", "__pycache__"}
+    folders = {f.name for f in package.iterdir() if f.is_dir()} - data
+    files = {f.stem for f in package.glob("*.py")} - {"__init__", "__main__"}
+    return sorted((folders - set(rooms)) | (files - SHARED))
+
+
+# ------------------------------------------------------------------------------------ the house
+
+
+def test_the_house_keeps_its_order() -> None:
+    assert faults(PACKAGE) == []
+
+
+def test_the_graph_is_read_at_all() -> None:
+    seen = {(one.by, one.of) for one in imports(PACKAGE)}
+    assert ("assistant.program.statements", "assistant.program.path") in seen
+    assert ("assistant.languages.language", "assistant.robots") in seen  # for types only
+    assert ("assistant.sources", "assistant.sources.process_file") in seen  # in a function
+    assert ("assistant", "assistant.compiler") in seen  # as a text in a table
+
+
+# ---------------------------------------------------------------------- the checker can fail
+
+
+@pytest.fixture
+def house(tmp_path: FilePath) -> FilePath:
+    """A small house in order."""
+    files = {
+        "__init__.py": "_LAZY = {'robots': ('assistant.robots', None)}",
+        "resources.py": "",
+        "program/__init__.py": "from assistant.resources import x",
+        "program/path.py": "import numpy",
+        "program/program.py": "from assistant.program import path",
+        "robots/__init__.py": "from assistant.program.path import Path",
+        "languages/__init__.py": "from .language import Language",
+        "languages/language.py": "from assistant.program.program import Program",
+        "cli/__init__.py": "def main():\n    from assistant import languages, robots",
+    }
+    for name, text in files.items():
+        file = tmp_path / "assistant" / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text, encoding="utf-8")
+    return tmp_path / "assistant"
+
+
+def test_a_house_in_order_has_no_fault(house: FilePath) -> None:
+    assert faults(house) == []
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "line", "of"),
+    [
+        ("program/path.py", "import assistant.robots", 1, "robots"),
+        ("program/path.py", "from assistant import robots", 1, "robots"),
+        ("program/path.py", "from ..robots import get", 1, "robots"),
+        ("program/__init__.py", "from ..robots import get", 1, "robots"),
+        ("program/__init__.py", "\ndef f():\n  from .. import cli", 3, "cli"),
+        ("robots/__init__.py", "try:\n  import assistant.cli as c\nfinally: ...", 2, "cli"),
+        (
+            "robots/__init__.py",
+            "if TYPE_CHECKING:\n  import assistant.languages.language",
+            2,
+            "languages.language",
+        ),
+        ("robots/__init__.py", "import_module('assistant.languages')", 1, "languages"),
+        ("resources.py", "from assistant.program import path", 1, "program.path"),
+        ("__init__.py", "from assistant import cli", 1, "cli"),
+        ("__main__.py", "from assistant import robots", 1, "robots"),
+    ],
+)
+def test_a_breach_is_found(house: FilePath, file: str, text: str, line: int, of: str) -> None:
+    (house / file).write_text(text, encoding="utf-8")
+    by = ".".join(["assistant", *FilePath(file).with_suffix("").parts]).removesuffix(".__init__")
+    found = [fault for fault in faults(house) if not fault.startswith("circle")]
+    assert found == [f"{by}:{line} imports assistant.{of}"]
+
+
+def test_an_unknown_room_is_found(house: FilePath) -> None:
+    (house / "helpers").mkdir()
+    (house / "misc.py").touch()
+    assert faults(house) == ["`helpers` is no room", "`misc` is no room"]
+
+
+def test_a_circle_is_found(house: FilePath) -> None:
+    (house / "program" / "path.py").write_text("from .program import Program", encoding="utf-8")
+    (found,) = faults(house)
+    assert found.startswith("circle: ") and "assistant.program.path" in found
+
+
+def test_a_circle_that_only_types_close_is_none(house: FilePath) -> None:
+    text = "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n  from .program import Program"
+    (house / "program" / "path.py").write_text(text, encoding="utf-8")
+    assert faults(house) == []
