@@ -15,7 +15,12 @@ from assistant.program.path import UNSTATED, Kind
 from assistant.sources import rows
 from assistant.sources.cells import EMPTY_CELL, NOT_A_NUMBER, Cells
 from assistant.sources.headers import MOST_JOINTS, ORIENTATIONS, Column, shown
-from assistant.sources.poses import LARGEST_ANGLE, position_findings, unit_quaternions
+from assistant.sources.poses import (
+    LARGEST_ANGLE,
+    LARGEST_POSITION,
+    position_findings,
+    unit_quaternions,
+)
 from assistant.sources.process import Process
 
 ERROR: Final = Severity.ERROR
@@ -301,8 +306,9 @@ def _motions(
             )
         known = values[:, [column]]
         known[np.isnan(known)] = 0.0
+        most = 100.0 if group == "joint" else LARGEST_POSITION
         findings += position_findings(
-            known, _locate(cells, columns, group), shown(cells.header[column])
+            known, _locate(cells, columns, group), shown(cells.header[column]), most=most
         )
         findings += _too_many(cells, column, values[:, column]) if group != "wait" else []
     if not findings:

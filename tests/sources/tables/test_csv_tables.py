@@ -243,6 +243,7 @@ BAD = {
     "unknown frame": (POSE + ",frame\n1,2,3,1,0,0,0,desk\n", "TB302", 2, "`desk`"),
     "unknown motion": (POSE + ",motion\n1,2,3,1,0,0,0,straight\n", "TB304", 2, "straight"),
     "no speed": (POSE + ",speed_mm_s\n1,2,3,1,0,0,0,0\n", "TB305", 2, "is 0"),
+    "more than all": (POSE + ",joint_percent\n1,2,3,1,0,0,0,101\n", "TB202", 2, "101"),
     "negative blend": (POSE + ",blend_mm\n1,2,3,1,0,0,0,-1\n", "TB306", 2, "-1"),
     "blend of no number": (
         POSE + ",blend_mm\n1,2,3,1,0,0,0,fine\n1,2,3,1,0,0,0,z10\n", "TB125", 3, "`z10`",
