@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import re
 import struct
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path as FilePath
@@ -66,6 +67,8 @@ LOSSES: Final = frozenset(
 )
 """Repairs that delete something a robot might have to follow."""
 
+HANDLE_OR_LINE: Final = re.compile(r"#[0-9A-Fa-f]+|\bline \d+")
+
 MOST_NOTES: Final = 20
 """How many repairs or notes are told one by one."""
 
@@ -79,8 +82,22 @@ def open_drawing(path: FilePath) -> tuple[Drawing, tuple[Diagnostic, ...]]:
     notes: list[str] = []
     with _heard(notes):
         document, repairs = _load(path, binary)
-    told = [NOTED(path=str(path), place="file", what=shown(n)) for n in dict.fromkeys(notes)]
-    return document, (*repairs, *told[:MOST_NOTES])
+    return document, (*repairs, *_told(notes, str(path)))
+
+
+def _told(notes: list[str], path: str) -> list[Diagnostic]:
+    """A finding for each kind of note, with a count where they differ in handle or line only."""
+    first: dict[str, str] = {}
+    counts: Counter[str] = Counter()
+    for note in notes:
+        kind = HANDLE_OR_LINE.sub("", note)
+        first.setdefault(kind, note)
+        counts[kind] += 1
+    told = []
+    for kind, note in first.items():
+        times = f" ({counts[kind]} times)" if counts[kind] > 1 else ""
+        told.append(NOTED(path=path, place="file", what=shown(note) + times))
+    return told[:MOST_NOTES]
 
 
 def library_errors() -> tuple[type[Exception], ...]:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from assistant.sources.drawing.primitives import Conic, Degenerate, Primitive, Spline, Straight
-from assistant.sources.drawing.transforms import Floats, ocs_axes, ocs_matrix
+from assistant.sources.drawing.transforms import Floats, cross, ocs_axes, ocs_matrix
 
 if TYPE_CHECKING:
     from ezdxf.entities.dxfgfx import DXFGraphic
@@ -94,7 +94,7 @@ def _round(entity: Any, start: float, sweep: float) -> Conic:
 def _ellipse(entity: Any) -> list[Primitive]:
     major = _xyz(entity.dxf.major_axis)
     normal = ocs_axes(_xyz(entity.dxf.extrusion))[:, 2]
-    minor = np.cross(normal, major) * float(entity.dxf.ratio)
+    minor = cross(normal, major) * float(entity.dxf.ratio)
     first, last = float(entity.dxf.start_param), float(entity.dxf.end_param)
     if not (math.isfinite(first) and math.isfinite(last)):
         raise ValueError("a parameter is not finite")

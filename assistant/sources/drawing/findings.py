@@ -86,6 +86,12 @@ TOO_MANY = Rule(
     "leave out what the robot does not need",
 )
 TOO_DEEP = Rule("DX210", E, "blocks are nested more than {most} deep", "explode inner blocks")
+CLIPPED = Rule(
+    "DX211",
+    E,
+    "the insert of block `{block}` is clipped, which cannot be followed",
+    "explode the insert and trim what is in it",
+)
 
 # Locations.
 NOT_A_NUMBER = Rule("DX301", E, "{tag} is {given!r}, which is no number", "write a number: 12.5")

@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from assistant.sources.curves import Arc, Curve, FreeCurve, Line, Points, vector
-from assistant.sources.drawing.transforms import Floats, direction, point
+from assistant.sources.drawing.transforms import Floats, cross, direction, point
 
 ROUND: Final = 1e-9
 """Relative difference of two conjugate radii, and cosine between them, of a circle."""
@@ -77,7 +77,7 @@ class Conic:
     def curve(self, layer: str, handle: str) -> Curve:
         check_places(self.centre, self.u, self.v)
         sizes = float(np.linalg.norm(self.u)), float(np.linalg.norm(self.v))
-        normal = np.cross(self.u, self.v)
+        normal = cross(self.u, self.v)
         flat = float(np.linalg.norm(normal)) <= ROUND * max(sizes) ** 2
         if flat or self.sweep * max(sizes) <= SHORTEST:
             raise Degenerate("without length or area")

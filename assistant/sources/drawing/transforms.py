@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -25,14 +26,29 @@ EVEN: Final = 1e-6
 
 
 def ocs_axes(extrusion: ArrayLike) -> Floats:
-    """Axes of the object coordinate system of an extrusion, in columns (3, 3).
+    """Axes of the object coordinate system of an extrusion, in columns (3, 3), read only.
 
     The arbitrary axis algorithm of the DXF reference. Raises ValueError for a zero vector.
     """
-    z = _unit(np.asarray(extrusion, dtype=np.float64))
+    x, y, z = np.asarray(extrusion, dtype=np.float64).tolist()
+    return _axes_of(x, y, z)
+
+
+@lru_cache(maxsize=1024)
+def _axes_of(*extrusion: float) -> Floats:
+    # A drawing has few directions, and most entities are flat.
+    z = _unit(np.array(extrusion))
     near = abs(z[0]) < ARBITRARY_AXIS_BOUND and abs(z[1]) < ARBITRARY_AXIS_BOUND
-    x = _unit(np.cross((0.0, 1.0, 0.0) if near else (0.0, 0.0, 1.0), z))
-    return np.column_stack([x, np.cross(z, x), z])
+    x = _unit(cross(np.array((0.0, 1.0, 0.0) if near else (0.0, 0.0, 1.0)), z))
+    axes = np.column_stack([x, cross(z, x), z])
+    axes.flags.writeable = False
+    return axes
+
+
+def cross(a: Floats, b: Floats) -> Floats:
+    """Vector product of two (3,); numpy's own is made for columns and slow on one."""
+    (ax, ay, az), (bx, by, bz) = a.tolist(), b.tolist()
+    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
 
 
 def ocs_matrix(extrusion: ArrayLike) -> Floats:
@@ -123,7 +139,7 @@ def right_handed(x: Floats, z: Floats) -> Floats:
     if np.linalg.norm(across) < 1e-9:
         raise ValueError("its directions fall into one")
     across = _unit(across)
-    return np.column_stack([across, np.cross(unit_z, across), unit_z])
+    return np.column_stack([across, cross(unit_z, across), unit_z])
 
 
 def _turned_axes(insert: Insert) -> Floats:

@@ -20,6 +20,7 @@ from assistant.sources.drawing.document import library_errors
 from assistant.sources.drawing.entities import check_stated, follows
 from assistant.sources.drawing.findings import (
     BAD_ENTITY,
+    CLIPPED,
     EXTERNAL,
     LEFT_OUT,
     NO_BLOCK,
@@ -189,6 +190,8 @@ class Traversal:
         if block is None:
             if needed:  # a location needs no symbol
                 self._say(NO_BLOCK, place, block=given)
+        elif needed and _clipped(insert):
+            self._say(CLIPPED, place, block=given)
         elif block.name.lower() in (*owner.blocks, "*model_space"):
             self._say(RECURSIVE, place, block=given)
         elif len(owner.blocks) >= MOST_NESTED:
@@ -218,6 +221,14 @@ class Traversal:
 
     def _say(self, rule: Rule, place: str, **fields: Any) -> None:
         self.findings.append(rule(path=self.path, place=place, **fields))
+
+
+def _clipped(insert: Insert) -> bool:
+    """Whether only a part of the block is shown; a robot must not follow the rest."""
+    from ezdxf.xclip import XClip
+
+    clip = XClip(insert)
+    return clip.has_clipping_path and clip.is_clipping_enabled
 
 
 def layer_of(entity: DXFGraphic) -> str:

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from ezdxf.document import Drawing
 from ezdxf.math import Matrix44
+from ezdxf.xclip import XClip
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -233,6 +234,16 @@ def test_doubling_blocks_have_an_end(save: Save, drawing: Drawing) -> None:
     drawing.blocks.new("B1").add_blockref("NOWHERE", (0, 0), dxfattribs=grid)
     drawing.modelspace().add_blockref("B0", (0, 0), dxfattribs=grid)
     assert [e.code for e in errors(save(drawing))] == ["DX209"]
+
+
+def test_clipped_insert(save: Save, drawing: Drawing) -> None:
+    segment(drawing)
+    insert = drawing.modelspace().add_blockref("B", (0, 0))
+    clip = XClip(insert)
+    clip.set_block_clipping_path([(0, 0), (2, 2)])
+    assert [e.code for e in errors(save(drawing))] == ["DX211"]
+    clip.disable_clipping()
+    assert len(curves(save(drawing))) == 1
 
 
 def test_external_reference(save: Save, drawing: Drawing) -> None:
