@@ -6,7 +6,8 @@ is solved with it, so that a linear move keeps the arm branch it starts with.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,6 @@ from assistant.program.path import (
     Kind,
     Path,
     configuration_of,
-    configuration_row,
 )
 from assistant.program.program import Procedure, Program, bodies
 from assistant.program.rewriting import rewrite
@@ -39,10 +39,19 @@ from assistant.program.statements import (
 )
 from assistant.robots import findings as rules
 from assistant.robots.configurations import BACK
+from assistant.robots.gathering import (
+    Configurations,
+    Part,
+    SingleMove,
+    first_ones,
+    moves_part,
+    path_part,
+    run_of,
+)
 from assistant.robots.naming import Names, Place
 from assistant.robots.robot import Robot
-from assistant.robots.run import Floats, Mounting, Run
-from assistant.robots.solving import Solved, solve
+from assistant.robots.run import Floats
+from assistant.robots.solving import solve
 
 
 def configure(program: Program, robot: Robot) -> tuple[Program, tuple[Diagnostic, ...]]:
@@ -69,17 +78,6 @@ def configure(program: Program, robot: Robot) -> tuple[Program, tuple[Diagnostic
     return rewrite(program, visit), fold(survey.findings)
 
 
-@dataclass(frozen=True, slots=True)
-class _Move:
-    """One row of a run. place: the target and where it is from there."""
-
-    kind: Kind
-    place: Place
-    tool: Tool
-    frame: Frame
-    label: str
-
-
 class _Survey:
     """Goes through a program in order of text and solves its moves run by run.
 
@@ -92,8 +90,10 @@ class _Survey:
         self.findings: list[Diagnostic] = []
         self.done: dict[int, NDArray[np.int8]] = {}
         self.paths: dict[int, Path] = {}
+        self.followed: dict[int, Path] = {}
         self.used: set[tuple[str, str]] = set()
-        self.moves: list[_Move] = []
+        self.moves: list[SingleMove] = []
+        self.parts: list[Part] = []
         self.before, self.joined = robot.home, False
         self.where, self.count = "", 0
 
@@ -116,7 +116,6 @@ class _Survey:
                     self.flush()
                     self.move_joints(statement)
                 case Follow():
-                    self.flush()
                     self.follow(statement.path)
                 case Call() | Goto() | Label() | Opaque():
                     self.flush()
@@ -146,89 +145,65 @@ class _Survey:
             self.flush()
             self.joined = False
             return
-        self.moves.append(_Move(kind, place, tool, frame, label))
-
-    def flush(self) -> None:
-        """Solves the moves that have come together."""
-        moves, self.moves = self.moves, []
-        if not moves:
-            return
-        keys = [id(move.place.target) for move in moves]
-        run = self.run_of(moves)
-        solved = solve(run, self.robot)
-        first: dict[int, NDArray[np.int8]] = {}
-        for key, row in zip(keys, solved.configurations, strict=True):
-            if row[BACK] != UNSTATED:
-                first.setdefault(key, row)
-        again = np.stack([first.get(key, run.configurations[i]) for i, key in enumerate(keys)])
-        if not np.array_equal(again, solved.configurations):
-            # A target that is met twice has one configuration: the first one it got.
-            solved = solve(replace(run, configurations=again), self.robot)
-        self.done.update({key: row for key, row in first.items() if key not in self.done})
-        self.finish(solved)
-
-    def run_of(self, moves: list[_Move]) -> Run:
-        positions = np.array([move.place.pose.position for move in moves], dtype=np.float64)
-        quaternions = np.array([move.place.pose.quaternion for move in moves], dtype=np.float64)
-        tools = {id(move.tool): move.tool for move in moves}
-        frames = {id(move.frame): move.frame for move in moves}
-        tool_row = {key: row for row, key in enumerate(tools)}
-        frame_row = {key: row for row, key in enumerate(frames)}
-        mounting = Mounting(
-            np.array([tool_row[id(move.tool)] for move in moves], dtype=np.int32),
-            np.array([frame_row[id(move.frame)] for move in moves], dtype=np.int32),
-            tuple(tools.values()),
-            tuple(frames.values()),
-        )
-        rows = [
-            self.done.get(id(move.place.target), configuration_row(move.place.target.configuration))
-            for move in moves
-        ]
-        labels = [move.label for move in moves]
-        return Run(
-            name=self.where,
-            kinds=np.array([move.kind for move in moves], dtype=np.uint8),
-            targets=lambda rows: (positions[rows], quaternions[rows]),
-            mounting=mounting,
-            configurations=np.array(rows, dtype=np.int8),
-            before=self.before,
-            joined=self.joined,
-            label=labels.__getitem__,
-            exact=np.array([not move.place.moved for move in moves]),
-        )
+        self.moves.append(SingleMove(kind, place, tool, frame, label))
 
     def follow(self, path: Path) -> None:
-        path = self.paths.get(id(path), path)
         place = f"path {path.name}"
         tools = [self.tool(name, place) for name in path.tools]
         frames = [self.frame(name, place) for name in path.frames]
         self.used.update((tool, frame) for tool in path.tools for frame in path.frames)
         known_tools = [tool for tool in tools if tool is not None]
         known_frames = [frame for frame in frames if frame is not None]
-        if not len(path) or len(known_tools) < len(tools) or len(known_frames) < len(frames):
-            self.joined = self.joined and not len(path)
+        if not len(path):
             return
-        run = Run(
-            name=path.name,
-            kinds=path.kinds,
-            targets=lambda rows: (path.positions[rows], path.quaternions[rows]),
-            mounting=Mounting(path.tool, path.frame, known_tools, known_frames),
-            configurations=path.configurations,
-            before=self.before,
-            joined=self.joined,
-            label=lambda row: f"{path.name}_{row + 1}",
-        )
-        solved = solve(run, self.robot)
-        if not np.array_equal(solved.configurations, path.configurations):
-            self.paths[id(path)] = replace(path, configurations=solved.configurations)
-        self.finish(solved)
+        if len(known_tools) < len(tools) or len(known_frames) < len(frames):
+            self.flush()
+            self.joined = False
+            return
+        self.close_moves()
+        configurations = self.paths.get(id(path), path).configurations
+        self.parts.append(path_part(path, configurations, known_tools, known_frames))
+        self.followed[id(path)] = path
 
-    def finish(self, solved: Solved) -> None:
+    def close_moves(self) -> None:
+        """Makes a part of the single moves that have come together."""
+        if self.moves:
+            self.parts.append(moves_part(self.where, self.moves, self.done))
+            self.moves = []
+
+    def flush(self) -> None:
+        """Solves the parts that have come together."""
+        self.close_moves()
+        parts, self.parts = self.parts, []
+        if not parts:
+            return
+        run = run_of(parts, self.before, self.joined)
+        solved = solve(run, self.robot)
+        first = first_ones(parts, solved.configurations)
+        if first is not solved.configurations:
+            # What is met twice has one configuration: the first one it got.
+            solved = solve(replace(run, configurations=first), self.robot)
+        self.keep(parts, solved.configurations)
         self.findings.extend(solved.findings)
         last = solved.joints[-1]
         self.joined = bool(np.isfinite(last).all())
         if self.joined:
             self.before = last
+
+    def keep(self, parts: Sequence[Part], configurations: Configurations) -> None:
+        """Remembers the configurations of targets and paths."""
+        at = 0
+        for part in parts:
+            rows = configurations[at : at + len(part)]
+            at += len(part)
+            if part.is_path:
+                path = self.followed[part.keys[0]]
+                if not np.array_equal(rows, path.configurations):
+                    self.paths[id(path)] = replace(path, configurations=rows)
+                continue
+            for key, row in zip(part.keys, rows, strict=True):
+                if row[BACK] != UNSTATED:
+                    self.done.setdefault(key, row)
 
     def move_joints(self, statement: MoveJoints) -> None:
         self.count += 1
@@ -288,17 +263,15 @@ class _Survey:
 
         rewrite(self.program, visit)
         moves = [
-            _Move(Kind.JOINT, Place(target, target.pose), known_tool, known_frame, "")
+            SingleMove(Kind.JOINT, Place(target, target.pose), known_tool, known_frame, "")
             for key, target in targets.items()
             if key not in self.done and known_tool is not None and known_frame is not None
         ]
         if not moves:
             return
-        self.before, self.joined = self.robot.home, False
-        solved = solve(self.run_of(moves), self.robot)
-        for move, row in zip(moves, solved.configurations, strict=True):
-            if row[BACK] != UNSTATED:
-                self.done[id(move.place.target)] = row
+        parts = [moves_part("", moves, self.done)]
+        solved = solve(run_of(parts, self.robot.home, joined=False), self.robot)
+        self.keep(parts, solved.configurations)
 
     def tool(self, name: str, place: str) -> Tool | None:
         tool = self.names.tool(name)

@@ -57,7 +57,8 @@ class Mounting:
 class Run:
     """n moves of a program.
 
-    name: of the path or procedure. kinds: (n,) `Kind`. targets: rows → poses of the tool in
+    names: of the paths and procedures that it consists of. starts: (k + 1,) where each of
+    these k parts begins, and n. kinds: (n,) `Kind`. targets: rows → poses of the tool in
     the frame, positions (m, 3) mm and quaternions (m, 4). mounting: the tools and frames of
     the rows. configurations: (n, 6).
     before: (a,) deg, where the robot is before the run, as far as is known.
@@ -66,7 +67,8 @@ class Run:
     exact: (n,) whether a stated quadrant counts; not for what is moved from a target. None: all.
     """
 
-    name: str
+    names: tuple[str, ...]
+    starts: Rows
     kinds: NDArray[np.uint8]
     targets: Callable[[slice | Rows], tuple[Floats, Floats]]
     mounting: Mounting
@@ -88,12 +90,22 @@ class Run:
         return np.ones(len(self), bool) if self.exact is None else self.exact
 
     def what(self, rows: Rows) -> str:
-        """The run's name and the first of some rows, the rest counted."""
+        """The first of some rows (ascending) of each part of the run, the rest counted."""
+        ends = np.searchsorted(rows, self.starts)
+        said = [
+            self._of_part(part, rows[ends[part] : ends[part + 1]])
+            for part in np.flatnonzero(np.diff(ends))[:NAMED]
+        ]
+        more = int(np.count_nonzero(np.diff(ends))) - NAMED
+        return "; ".join(said) + (f"; and in {more} more paths" if more > 0 else "")
+
+    def _of_part(self, part: int, rows: Rows) -> str:
+        whole = int(self.starts[part + 1] - self.starts[part])
         named = ", ".join(self.label(int(row)) for row in rows[:NAMED])
-        if len(rows) == 1 and len(self) == 1:
+        if whole == 1:
             return named
         more = f" and {len(rows) - NAMED} more" if len(rows) > NAMED else ""
-        return f"{self.name}: {len(rows)} of {len(self)} targets ({named}{more})"
+        return f"{self.names[part]}: {len(rows)} of {whole} targets ({named}{more})"
 
 
 def to_flange(
