@@ -15,7 +15,7 @@ from assistant.program.expressions import Name
 from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
 from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.path import Kind, Path
-from assistant.program.program import MANGLED, Procedure, Program, identifier
+from assistant.program.program import MANGLED, Procedure, Program, Signal, identifier
 from assistant.program.statements import Follow, Motion, Move, Statement
 from assistant.sources.headers import shown
 from assistant.sources.process import Process
@@ -59,6 +59,12 @@ VIA_ACTION = Rule(
     ERROR,
     "{what} at a `via` target, which is passed in motion",
     "move it to the `end` target",
+)
+NOT_ITS_VALUE = Rule(
+    "TB312",
+    ERROR,
+    "the {kind} output {name} cannot be {value:g}",
+    "write a whole number, 0 to {most}",
 )
 NO_NAME = Rule("TB310", ERROR, "the target has no name", "name it, or name none of the rows")
 
@@ -177,6 +183,11 @@ def known(name: str, table: Mapping[str, Any], builtin: str) -> str | None:
     if name.lower() == builtin.lower():
         return builtin
     return next((entry for entry in table if entry.lower() == name.lower()), None)
+
+
+def most_of(signal: Signal) -> float:
+    """The largest value of a signal that counts in whole numbers from 0; infinite if none."""
+    return np.inf if signal.kind == "analog" else 2**signal.bits - 1
 
 
 def known_tool(name: str, process: Process) -> str | None:

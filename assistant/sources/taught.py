@@ -319,8 +319,13 @@ class _Taught:
             if signal is None:
                 cure = rows.cure_for("signal", given, self.process.signals)
                 one.table.say(rows.UNKNOWN_SIGNAL, "set", name=marked(given), cure=cure)
-            else:
-                yield SetSignal(signal, _number(value))
+                continue
+            declared = self.process.signals[signal]
+            most = rows.most_of(declared)
+            if most < np.inf and not (value == int(value) and 0 <= value <= most):
+                fields = {"kind": declared.kind, "name": marked(signal), "value": value}
+                one.table.say(rows.NOT_ITS_VALUE, "set", **fields, most=most)
+            yield SetSignal(signal, _number(value))
         if "wait" in one.found:
             yield Wait(_number(one.found["wait"]))
 

@@ -199,6 +199,12 @@ def test_quaternions_nearly_of_unit_length_are_repaired_with_one_warning() -> No
     assert np.abs(np.linalg.norm(follow.path.quaternions, axis=1) - 1).max() < 1e-15
 
 
+SIGNALS = Process(
+    signals={
+        "glue": Signal("digital", "output", 8),
+        "force": Signal("analog", "output", 3),
+    }
+)
 BAD = {
     "decimal comma": (POSE.replace(",", ";") + "\n1,5;2;3;1;0;0;0\n", "TB121", 2, "`1,5`"),
     "quoted comma": (POSE + '\n"1,5",2,3,1,0,0,0\n', "TB121", 2, "decimal comma"),
@@ -274,6 +280,13 @@ BAD = {
     "undeclared signal": (
         "name," + POSE + ",set_spray\np,1,2,3,1,0,0,0,1\n", "TB303", 1, "`spray`",
     ),
+    "half a digital signal": (
+        "name," + POSE + ",set_glue\np,1,2,3,1,0,0,0,\nq,1,2,3,1,0,0,0,0.5\n",
+        "TB312", 3, "`glue`",
+    ),
+    "endless signal": (
+        "name," + POSE + ",set_force\nq,1,2,3,1,0,0,0,1e999\n", "TB201", 2, "`set_force`",
+    ),
     "stray quote": ('name,' + POSE + '\n5" pipe,1,2,3,1,0,0,0\n', "TB116", 2, "quotation"),
     "stray quote before a blank": (
         'name,' + POSE + '\nx" ,1,2,3,1,0,0,"0"\n', "TB116", 2, "quotation",
@@ -287,7 +300,7 @@ BAD = {
 def test_bad_input_is_refused_with_its_place_and_a_cure(case: str) -> None:
     text, code, line, words = BAD[case]
     with pytest.raises(Refused) as refused:
-        read(text)
+        read(text, SIGNALS)
     found = [f for f in refused.value.findings if f.code == code]
     assert found, refused.value.findings
     finding = found[0]

@@ -172,6 +172,7 @@ BAD = {
     "unknown tool": (P + POSE + 'tool = "drill"', "TB301", 5),
     "unknown frame": (P + POSE + 'frame = "desk"', "TB302", 5),
     "input set": (P + POSE + "set = {ready = 1}", "TB303", 5),
+    "half a signal": (P + POSE + "set = {glue = 0.5}", "TB312", 5),
     "tool twice": ("[tools.torch]\n" + P + POSE, "TB506", 1),
     "same name": (P + POSE + P.replace('"p"', '"P"') + POSE, "TB309", 5),
     "no name": ("[[targets]]\n" + POSE, "TB310", 1),
