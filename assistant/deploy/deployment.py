@@ -200,4 +200,4 @@ def _altered(name: str, sent: bytes, read: bytes) -> Diagnostic:
         repr(lines[at].decode("latin-1")[:60]) if at < len(lines) else "nothing"
         for lines in (left, right)
     ]
-    return rules.ALTERED(place=name, line=at + 1, name=name, sent=shown[0], read=shown[1])
+    return rules.ALTERED(place=name, row=at + 1, name=name, sent=shown[0], read=shown[1])

@@ -37,7 +37,7 @@ ALTERED = Rule(
     "DP202",
     ERROR,
     "`{name}` read back from the controller is not what was sent (first difference in line "
-    "{line}: sent {sent}, read {read})",
+    "{row}: sent {sent}, read {read})",
     "check the line and the controller's version of the language",
 )
 NO_BACKUP = Rule(

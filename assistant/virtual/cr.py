@@ -1,0 +1,197 @@
+"""An embedded virtual CR controller: controller link over TCP, programs, states; no motion.
+
+with VirtualCr("rv-2aj") as controller:
+    connect(f"melfa://127.0.0.1:{controller.port}")
+"""
+
+from __future__ import annotations
+
+import contextlib
+import socket
+import socketserver
+import threading
+from collections.abc import Callable
+from datetime import datetime
+from pathlib import Path as FilePath
+from typing import Final, Self
+
+from assistant.virtual.cr_commands import execute
+from assistant.virtual.cr_framing import MOST_BYTES, Framing
+from assistant.virtual.cr_state import SUFFIXES, CrSession, CrState
+from assistant.virtual.cr_store import CAPACITY, CrRefusal, CrStore
+
+MOST_CONNECTIONS: Final = 9
+"""Lines OPT11 to OPT19 of a controller, one client each."""
+ENCODING: Final = "latin-1"
+PATIENCE: Final = 10.0
+"""Seconds that a client may take to receive an answer."""
+
+
+class VirtualCr:
+    """A controller of one robot on 127.0.0.1; a context manager, or `start` and `stop`.
+
+    robot: name in the catalogue. language: version of MELFA-BASIC, None for the robot's first.
+    port: 0 for any free one. folder: where programs are kept, None for memory.
+    terminator: what ends an answer (CR, CR LF or nothing). quiet: seconds of silence that end
+    a command without end code. report: is told each command and its answer.
+    """
+
+    def __init__(
+        self,
+        robot: str = "rv-2aj",
+        *,
+        language: str | None = None,
+        host: str = "127.0.0.1",
+        port: int = 0,
+        folder: str | FilePath | None = None,
+        capacity: int = CAPACITY,
+        terminator: bytes = b"\r",
+        quiet: float = 0.05,
+        clock: Callable[[], datetime] = datetime.now,
+        report: Callable[[str], None] | None = None,
+    ) -> None:
+        from assistant import robots
+
+        arm = robots.get(robot)
+        spoken = language or arm.languages[0]
+        if spoken not in SUFFIXES:
+            raise ValueError(f"a CR controller speaks {', '.join(SUFFIXES)}, not {spoken}")
+        store = CrStore(FilePath(folder) if folder else None, capacity=capacity)
+        home = tuple(float(angle) for angle in arm.home)
+        self.state = CrState(arm, spoken, store, clock, joints=home)
+        self._place = (host, port)
+        self._terminator = terminator
+        self._quiet = quiet
+        self._report = report
+        self._server: _Server | None = None
+        self._thread: threading.Thread | None = None
+
+    def __enter__(self) -> Self:
+        self.start()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.stop()
+
+    @property
+    def port(self) -> int:
+        assert self._server is not None, "the controller is not started"
+        return int(self._server.server_address[1])
+
+    @property
+    def address(self) -> str:
+        return f"melfa://{self._place[0]}:{self.port}"
+
+    def start(self) -> None:
+        """Listens; raises OSError if the port is taken."""
+        self._server = _Server(self._place, self._converse)
+        self._thread = threading.Thread(
+            target=self._server.serve_forever, args=(0.02,), name="virtual-cr", daemon=True
+        )
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Hangs up on every client and frees the port."""
+        if self._server is None or self._thread is None:
+            return
+        self._server.shutdown()
+        self._server.hang_up()
+        self._server.server_close()
+        self._thread.join()
+        self._server = self._thread = None
+
+    def alarm(self, number: int, level: int = 2) -> None:
+        """Brings the controller into an error state; RSTALRM ends it."""
+        with self.state.lock:
+            self.state.alarm = (number, level)
+
+    def text(self, name: str) -> str | None:
+        """The text of a stored program, None if there is none of that name."""
+        with self.state.lock:
+            return self.state.store[name].text() if name in self.state.store else None
+
+    def names(self) -> tuple[str, ...]:
+        with self.state.lock:
+            return tuple(self.state.store)
+
+    def answer(self, session: CrSession, command: bytes) -> str:
+        """`QoK…` or `QeR…` for one command, third letter lower case in an error state."""
+        text = command.decode(ENCODING)
+        with self.state.lock:
+            try:
+                if len(command) > MOST_BYTES:
+                    raise CrRefusal(6080)
+                head, body = "Qo", execute(session, text)
+            except CrRefusal as error:
+                head = "Qe"
+                body = ";".join([f"{error.number:04}", *map(str, error.places)])
+            letter = ("k", "r") if self.state.alarm else ("K", "R")
+        answer = head + letter[head == "Qe"] + body
+        if self._report is not None:
+            self._report(f"{text!r} -> {answer!r}")
+        return answer
+
+    def _converse(self, connection: socket.socket) -> None:
+        """Serves one client until it or the controller hangs up."""
+        framing, session = Framing(), CrSession(self.state)
+        try:
+            while True:
+                connection.settimeout(self._quiet if framing.ends_by_silence else None)
+                try:
+                    data = connection.recv(65536)
+                except TimeoutError:
+                    commands = framing.silence()
+                else:
+                    if not data:
+                        return
+                    commands = framing.feed(data)
+                connection.settimeout(PATIENCE)
+                for command in commands:
+                    answer = self.answer(session, command)
+                    connection.sendall(answer.encode(ENCODING) + self._terminator)
+        except OSError:
+            return  # the client is gone; what it held is given back below
+        finally:
+            with self.state.lock:
+                session.hang_up()
+
+
+class _Server(socketserver.ThreadingTCPServer):
+    """Accepts clients up to `MOST_CONNECTIONS` and can hang up on all of them."""
+
+    allow_reuse_address = True
+    daemon_threads = False
+    block_on_close = True
+
+    def __init__(self, place: tuple[str, int], converse: Callable[[socket.socket], None]) -> None:
+        self._converse = converse
+        self._open: set[socket.socket] = set()
+        self._guard = threading.Lock()
+        super().__init__(place, socketserver.BaseRequestHandler)
+
+    def verify_request(self, request: object, client_address: object) -> bool:
+        del request, client_address
+        with self._guard:
+            return len(self._open) < MOST_CONNECTIONS
+
+    def process_request(self, request: object, client_address: object) -> None:
+        assert isinstance(request, socket.socket)
+        with self._guard:
+            self._open.add(request)
+        super().process_request(request, client_address)
+
+    def finish_request(self, request: object, client_address: object) -> None:
+        del client_address
+        assert isinstance(request, socket.socket)
+        try:
+            request.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            self._converse(request)
+        finally:
+            with self._guard:
+                self._open.discard(request)
+
+    def hang_up(self) -> None:
+        with self._guard:
+            for connection in self._open:
+                with contextlib.suppress(OSError):
+                    connection.shutdown(socket.SHUT_RDWR)

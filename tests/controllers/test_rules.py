@@ -1,0 +1,33 @@
+"""The tables of findings of controllers, virtual controllers and deployment."""
+
+import string
+
+import pytest
+
+from assistant.controllers import rules as controllers
+from assistant.deploy import rules as deploying
+from assistant.program.diagnostics import Rule
+from assistant.virtual import irc5, irc5_modules
+
+RULES = sorted(
+    {
+        rule
+        for module in (controllers, deploying, irc5, irc5_modules)
+        for rule in vars(module).values()
+        if isinstance(rule, Rule)
+    },
+    key=lambda rule: rule.code,
+)
+PLACES = {"path", "span", "line", "column", "place", "excerpt", "severity"}
+
+
+def test_codes_are_unique():
+    codes = [rule.code for rule in RULES]
+    assert len(codes) == len(set(codes)) > 20
+    assert {code[:2] for code in codes} == {"CN", "DP", "VC"}
+
+
+@pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule.code)
+def test_templates_name_no_field_that_is_a_place(rule):
+    parts = string.Formatter().parse(rule.message + rule.cure)
+    assert not {name for _, name, _, _ in parts if name} & PLACES
