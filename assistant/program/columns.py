@@ -204,6 +204,8 @@ def _plain_numbers(spaced: bytes) -> NDArray[np.float64] | None:
     The digits as a whole number and the power of ten are exact doubles, so their quotient
     is the correctly rounded value.
     """
+    if b"E" in spaced or b"e" in spaced:
+        return None
     text = np.frombuffer(spaced, dtype=np.uint8)
     filled = text != _BLANK
     digit = (text >= _ZERO) & (text <= _ZERO + 9)
