@@ -132,7 +132,8 @@ SAMPLES: Final = (0.0, 0.25, 0.5, 0.75, 1.0)
 
 def _chain_layer(curves: list[Curve], tolerance: float) -> tuple[list[Contour], list[Diagnostic]]:
     layer, findings = curves[0].layer, []
-    points = sample(curves, SAMPLES)
+    with np.errstate(invalid="ignore", over="ignore"):
+        points = sample(curves, SAMPLES)  # what is no number comes out as none
     placed = np.all(np.abs(points) < FARTHEST, axis=(1, 2)).astype(bool)
     findings += [NOT_A_PLACE(layer=layer, place=_place(curves[i])) for i in np.flatnonzero(~placed)]
     lengths = np.array([c.length if ok else 0.0 for c, ok in zip(curves, placed, strict=True)])

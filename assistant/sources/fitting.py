@@ -34,6 +34,13 @@ STRAIGHT: Final = 1e-3
 CONTROLLER_SWEEP: Final = 240.0
 """Degrees up to which arcs of one circle are joined."""
 
+_EVEN: Final = np.arange(SAMPLES) / (SAMPLES - 1)
+_ASIDE: Final = (0.618034 * np.arange(SAMPLES) % 1.0 - 0.5) * (0.6 / (SAMPLES - 1))
+STEPS: Final = np.where((_EVEN > 0) & (_EVEN < 1), _EVEN + _ASIDE, _EVEN)
+"""Where in an interval they stand: unevenly, lest a curve that repeats looks straight."""
+NEAR_ENDS: Final = np.array([1e-4, 2e-4, 1 - 1e-4, 1 - 2e-4])
+"""Where the directions at the ends are taken from."""
+
 Flags = NDArray[np.bool_]
 
 
@@ -52,6 +59,11 @@ class Fit:
 
 def fit(curve: FreeCurve, tolerance: float) -> Fit:
     """Lines and arcs within `tolerance` mm of the curve; they carry its layer and handle."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        return _fit(curve, tolerance)
+
+
+def _fit(curve: FreeCurve, tolerance: float) -> Fit:
     todo = _first_intervals(curve.breaks)
     done: list[_Biarcs] = []
     within = True
@@ -109,7 +121,7 @@ class _Biarcs:
     def of(curve: FreeCurve, intervals: Points, tolerance: float) -> _Biarcs:
         k = len(intervals)
         span = np.diff(intervals, axis=1)
-        steps = np.concatenate([np.linspace(0, 1, SAMPLES), [1e-4, 2e-4, 1 - 1e-4, 1 - 2e-4]])
+        steps = np.concatenate([STEPS, NEAR_ENDS])
         points = curve.at(intervals[:, :1] + span * steps).reshape(k, -1, 3)
         points, near = points[:, :SAMPLES], points[:, SAMPLES:]
         p, q = points[:, 0], points[:, -1]

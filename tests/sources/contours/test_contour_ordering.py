@@ -1,0 +1,126 @@
+"""Ordering: nothing lost, nothing longer, the same each time."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from assistant.sources.contours import Contour
+from assistant.sources.curves import Arc, Line, vector
+from assistant.sources.ordering import ordered, travel
+
+
+def line(a, b):
+    return Contour((Line(tuple(map(float, a)), tuple(map(float, b))),), False, "L")
+
+
+def ring(*points):
+    corners = [*points, points[0]]
+    return Contour(tuple(Line(a, b) for a, b in itertools.pairwise(corners)), True, "L")
+
+
+def circle(centre, radius=3.0):
+    start = np.add(centre, (radius, 0, 0))
+    return Contour((Arc.about(centre, (0, 0, 1), start, 360.0),), True, "L")
+
+
+@st.composite
+def contours(draw):
+    random = np.random.default_rng(draw(st.integers(0, 2**32)))
+    made = []
+    for _ in range(draw(st.integers(0, 40))):
+        p = vector(random.uniform(0, 500, 3))
+        kind = draw(st.integers(0, 2))
+        if kind == 0:
+            made.append(line(p, random.uniform(0, 500, 3)))
+        elif kind == 1:
+            made.append(circle(p))
+        else:
+            made.append(ring(p, *(vector(random.uniform(0, 500, 3)) for _ in range(3))))
+    return made
+
+
+def identity(contour):
+    """What stays the same however a contour is turned."""
+    curve = contour.curves[0]
+    if isinstance(curve, Arc):
+        return ("circle", tuple(np.round(curve.centre, 6)))
+    sides = {frozenset((c.start, c.end)) for c in contour.curves}
+    return ("lines", contour.closed, tuple(sorted(map(tuple, map(sorted, sides)))))
+
+
+@settings(max_examples=80, deadline=None)
+@given(contours())
+def test_never_longer_and_nothing_lost(given_):
+    result = ordered(given_)
+    assert sorted(map(identity, result.contours)) == sorted(map(identity, given_))
+    assert result.before == pytest.approx(travel(given_))
+    assert result.after == pytest.approx(travel(result.contours))
+    assert result.after <= result.before
+    assert ordered(given_) == result
+
+
+@settings(max_examples=30, deadline=None)
+@given(contours())
+def test_closed_contours_keep_their_direction(given_):
+    def sides(contour):
+        return {(c.start, c.end) for c in contour.curves}
+
+    before = [sides(c) for c in given_ if c.closed and len(c.curves) > 1]
+    after = [sides(c) for c in ordered(given_).contours if c.closed and len(c.curves) > 1]
+    assert sorted(map(sorted, before)) == sorted(map(sorted, after))
+
+
+def test_lines_that_follow_each_other_are_met_end_to_end():
+    parts = [line((i * 10, 0, 0), (i * 10 + 9, 0, 0)) for i in range(30)]
+    mixed = [c.reversed() if i % 3 else c for i, c in enumerate(parts)]
+    np.random.default_rng(3).shuffle(mixed)
+    result = ordered(mixed)
+    assert result.after == pytest.approx(29.0)
+
+
+def test_a_closed_contour_starts_where_the_tool_comes_from():
+    square = ring((100.0, 0.0, 0.0), (90.0, 0.0, 0.0), (90.0, 10.0, 0.0), (100.0, 10.0, 0.0))
+    result = ordered([line((0, 0, 0), (80, 0, 0)), square])
+    assert result.after == pytest.approx(10.0)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_small_tours_are_near_the_best_there_is(seed):
+    random = np.random.default_rng(seed)
+    parts = [line(*random.uniform(0, 100, (2, 3))) for _ in range(6)]
+    best = math.inf
+    for order in itertools.permutations(range(6)):
+        for turns in itertools.product((False, True), repeat=6):
+            chosen = [
+                parts[i].reversed() if t else parts[i] for i, t in zip(order, turns, strict=False)
+            ]
+            length = 0.0
+            for one, two in itertools.pairwise(chosen):
+                length += math.dist(one.end, two.start)
+                if length >= best:
+                    break
+            best = min(best, length)
+    assert ordered(parts).after <= best * 1.25 + 1e-9
+
+
+def test_many_contours_are_ordered_well():
+    random = np.random.default_rng(7)
+    parts = [circle(vector(p), 0.1) for p in random.uniform(0, 1000, (2500, 3)) * (1, 1, 0)]
+    result = ordered(parts)
+    assert len(result.contours) == 2500
+    assert result.after < 1.0 * math.sqrt(2500 * 1e6)  # a random tour of the best is 0.71
+
+
+def test_contours_all_in_one_place():
+    parts = [circle((0.0, 0.0, 0.0))] * 50
+    assert ordered(parts).after == pytest.approx(0.0)
+
+
+def test_none_and_one():
+    assert ordered([]).contours == ()
+    one = [circle((0.0, 0.0, 0.0))]
+    assert ordered(one).contours == tuple(one)
