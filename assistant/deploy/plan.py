@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import enum
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
@@ -13,12 +14,12 @@ from assistant import languages
 from assistant.controllers import Address, Controller
 from assistant.deploy import rules
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
-from assistant.program.text import read_bytes
+from assistant.program.text import decode, read_bytes
 
 PROGRAM_FILE: Final = ".pgf"
 """Names the modules of a RAPID program; goes last, when they are there."""
-ENCODING: Final = "latin-1"
-"""Shows any bytes; differences are found on the bytes themselves."""
+ENCODINGS: Final = ("utf-8", "latin-1")
+"""To show a program in; differences are found on its bytes."""
 
 
 class Change(enum.StrEnum):
@@ -89,11 +90,16 @@ def plan(files: Sequence[str | FilePath], controller: Controller) -> Plan:
 
 def difference(name: str, before: bytes | None, after: bytes) -> str:
     """A unified diff of two versions of a program, "" if there is none."""
-    left = (before or b"").decode(ENCODING).splitlines()
-    right = after.decode(ENCODING).splitlines()
+    left, right = _shown(before or b""), _shown(after)
     origin = f"{name} (on the controller)" if before is not None else "/dev/null"
     lines = difflib.unified_diff(left, right, origin, f"{name} (to be sent)", lineterm="")
     return "".join(f"{line}\n" for line in lines)
+
+
+def _shown(data: bytes) -> list[str]:
+    """The lines, with no character in them that a terminal would obey."""
+    lines = re.split(r"\r\n|\r|\n", decode(data, None, ENCODINGS).text)
+    return [re.sub(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]", "�", line) for line in lines if line]
 
 
 def _names(paths: Sequence[str], controller: Controller) -> dict[str, str]:

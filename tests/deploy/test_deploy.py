@@ -418,6 +418,15 @@ def test_severities_of_what_was_undone_do_not_hide_the_cause(tmp_path):
         assert "4110" in deployment.findings[0].message and controller.names() == ()
 
 
+def test_a_difference_says_nothing_to_the_terminal(tmp_path):
+    file = tmp_path / "a.mod"
+    file.write_text(MODULE.format("A", "main", 1), newline="")
+    old = MODULE.format("A", "main", 1).replace("MODULE A", "! \x1b[2J\x9b1m\x07\r\nMODULE A")
+    with FtpPeer({"a.mod": old.encode("latin-1")}) as peer:
+        diff = plan([file], peer.connect()).files[0].diff
+    assert "[2J" in diff and not set(diff) & {"\x1b", "\x9b", "\x07", "\r"}
+
+
 def test_a_closed_port_is_never_a_success(tmp_path):
     file = tmp_path / "a.mod"
     file.write_text(MODULE.format("A", "main", 1), newline="")

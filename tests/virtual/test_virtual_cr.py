@@ -200,7 +200,22 @@ def test_a_wrong_line_is_told_with_its_place(wire):
     assert (number, line) == ("4220", "2") and int(column) > 3
     # What came before the wrong line is in the edit, what came after is not.
     assert wire.ask("1;1;LISTLTOP") == "QoK10 MOV P1;1;0"
-    assert wire.ask("1;1;EDATA40000 END").startswith("QeR4")
+
+
+@pytest.mark.parametrize(
+    ("line", "answer"),
+    [
+        ("40000 END", "QeR4420"),
+        ("10 '" + "x" * 130, "QeR4210"),
+        ("10 MOV PLONGNAMES1", "QeR4300"),
+        ("10 BREAK", "QeR4220"),  # not in version IV
+        ("10 GOTO *LATER", "QoK"),  # looked for when the program runs
+        ("20 FOR M1=1 TO 3", "QoK"),
+    ],
+)
+def test_rules_of_single_lines(wire, line, answer):
+    wire.ask("1;1;LOAD=BAD")
+    assert wire.ask(f"1;1;EDATA{line}").split(";")[0] == answer
 
 
 def test_a_message_may_have_255_bytes(wire):
