@@ -57,6 +57,13 @@ NOT_CLOSED: Final = Rule(
     "the joints that were computed for {robot} do not lead back to the pose ({where})",
     "move the target a little: the arm is at a singularity there",
 )
+THROUGH_WRIST: Final = Rule(
+    "RB115",
+    Severity.WARNING,
+    "a linear or circular move takes {robot} through its wrist singularity (axis 5 at 0), where "
+    "the controller may stop",
+    "move the work piece, tilt the tool a little, or make it a joint move",
+)
 NOT_AS_STATED: Final = Rule(
     "RB107",
     Severity.ERROR,

@@ -22,6 +22,7 @@ from assistant.robots.robot import CHUNK, CLOSING, LIMIT_TOLERANCE, Robot
 from assistant.robots.run import Run
 from assistant.robots.survey import finite_poses, survey_of
 from assistant.robots.turns import FREE, filled, turn
+from assistant.robots.wrist import crossings, sheets
 
 Floats = NDArray[np.float64]
 Truths = NDArray[np.bool_]
@@ -58,21 +59,28 @@ def solve(run: Run, robot: Robot) -> Solved:
     bound = survey.allowed & ~kept
     bound[own[kept], np.flatnonzero(kept)] = True
     starts = _chain_starts(run)
-    cost = _cost(run, robot, bound)
+    crossed = None if survey.bends is None else crossings(survey.bends, run.kinds)
+    sheet = None if crossed is None or not crossed.any() else sheets(crossed)
+    if sheet is not None:
+        bound = np.take_along_axis(bound, sheet, axis=0)
+    cost = _cost(run, robot, bound, sheet)
     continued = run.joined and run.kinds[0] != Kind.JOINT
     same = _branches_at(run.before, robot) if continued else np.ones(robot.branches, bool)
     if (bound[:, 0] & same).any():
         bound[:, 0] &= same
     branches = choose(bound, starts, cost)
-    joints = _joints(run, robot, branches.chosen)
+    chosen = branches.chosen
+    if sheet is not None:
+        chosen = np.where(chosen >= 0, sheet[chosen, np.arange(n)], -1)
+    joints = _joints(run, robot, chosen)
     report = survey.findings(run, robot)
-    lost = np.flatnonzero((branches.chosen >= 0) & np.isnan(joints).any(axis=1))
+    lost = np.flatnonzero((chosen >= 0) & np.isnan(joints).any(axis=1))
     if len(lost):
         where = run.label(int(lost[0]))
         report.append(rules.NOT_CLOSED(place=run.what(lost), robot=robot.title, where=where))
     winding = None
     if not report and not len(branches.broken):
-        way = lines(run, robot, joints, branches.chosen)
+        way = lines(run, robot, joints, chosen)
         winding = way.winding
         report += way.findings
     said = np.where(kept[:, None], run.configurations, UNSTATED)
@@ -84,11 +92,15 @@ def solve(run: Run, robot: Robot) -> Solved:
     report += _not_as_stated(run, robot, np.flatnonzero(stated & ~kept & solved), found)
     report += _other_quadrant(run, robot, off, found)
     broken = branches.broken
-    if branches.chosen[0] >= 0 and not same[branches.chosen[0]]:
+    if chosen[0] >= 0 and not same[chosen[0]]:
         broken = np.append(0, broken)
     for rows, severity in ((broken[~kept[broken]], None), (broken[kept[broken]], Severity.WARNING)):
         if len(rows):
             report.append(_branch_change(run, robot, rows, joints, severity))
+    if sheet is not None and crossed is not None:
+        through = np.flatnonzero((chosen >= 0) & crossed[chosen // 2, np.arange(n)])
+        if len(through):
+            report.append(rules.THROUGH_WRIST(place=run.what(through), robot=robot.title))
     for axis, rows in wound:
         if continued and abs(joints[0, axis] - run.before[axis]) > 180.0:
             rows = np.append(0, rows)
@@ -116,12 +128,14 @@ def _chain_starts(run: Run) -> Rows:
     return np.flatnonzero(first)
 
 
-def _cost(run: Run, robot: Robot, allowed: Truths) -> Floats:
+def _cost(run: Run, robot: Robot, allowed: Truths, sheet: NDArray[np.intp] | None) -> Floats:
     """(b,) seconds that the axes need to the first row and, sampled, along the path."""
     n = len(run)
     rows = np.unique(np.linspace(0, n - 1, min(n, SAMPLES)).astype(np.intp))
     p, q, _ = finite_poses(run, rows)
     joints, _ = robot.solve(p, q)
+    if sheet is not None:
+        joints = np.take_along_axis(joints, sheet[None][:, :, rows], axis=1)
     speeds = robot.speeds[:, None, None]
     step = np.abs(np.diff(joints, axis=2, prepend=run.before[:, None, None] + joints[:, :, :1] * 0))
     turning = (robot.limits[:, 1] - robot.limits[:, 0] >= 360.0)[:, None, None]

@@ -8,11 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program.diagnostics import Diagnostic
+from assistant.program.path import Kind
 from assistant.robots import findings as rules
 from assistant.robots.five_axis import MISS_TOLERANCE
 from assistant.robots.five_axis import fk as five_fk
 from assistant.robots.robot import CHUNK, CLOSING, LIMIT_TOLERANCE, Robot
 from assistant.robots.run import Run
+from assistant.robots.wrist import PAIRS, directions
 
 Floats = NDArray[np.float64]
 Truths = NDArray[np.bool_]
@@ -43,9 +45,14 @@ class _Worst:
 
 @dataclass(slots=True)
 class Survey:
-    """What a first look at every row says. allowed: (b, n) branches inside reach and limits."""
+    """What a first look at every row says.
+
+    allowed: (b, n) branches inside reach and limits. bends: see `wrist.directions`; None for
+    a run that needs none.
+    """
 
     allowed: Truths
+    bends: NDArray[np.float32] | None = None
     no_number: list[Rows] = field(default_factory=list)
     reach: _Worst = field(default_factory=_Worst)
     plane: _Worst = field(default_factory=_Worst)
@@ -95,6 +102,8 @@ class Survey:
 
 def survey_of(run: Run, robot: Robot) -> Survey:
     survey = Survey(np.zeros((robot.branches, len(run)), dtype=bool))
+    if not robot.five_axis and (run.kinds != Kind.JOINT).any():
+        survey.bends = np.zeros((PAIRS, 2, len(run)), dtype=np.float32)
     low, high = (limit[:, None, None] for limit in robot.limits.T)
     for start in range(0, len(run), CHUNK):
         rows = slice(start, min(start + CHUNK, len(run)))
@@ -106,6 +115,8 @@ def survey_of(run: Run, robot: Robot) -> Survey:
         missed = _miss(robot, joints, q)
         allowed &= missed <= MISS_TOLERANCE
         survey.allowed[:, rows] = allowed
+        if survey.bends is not None:
+            survey.bends[:, :, rows] = directions(joints)
         bad = np.flatnonzero(~allowed.any(axis=0))
         if not len(bad):
             continue

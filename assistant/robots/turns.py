@@ -41,7 +41,7 @@ def turn(
     before the path. stated: (n,) turns that a row must have, FREE where it states none.
     winding: (n,) turns that the axis makes on its way to a row beyond the shorter way.
     """
-    wrapped = filled(angles)
+    wrapped = _filled_by_chain(angles, starts)
     if not len(wrapped):
         return Turned(angles.copy(), np.empty(0, np.intp))
     step = np.zeros(len(wrapped), dtype=np.int64)
@@ -82,6 +82,22 @@ def filled(angles: Floats) -> Floats:
         return np.zeros_like(angles)
     last = np.maximum.accumulate(np.where(known, np.arange(len(angles)), -1))
     return np.asarray(angles[np.where(last < 0, known.argmax(), last)])
+
+
+def _filled_by_chain(angles: Floats, starts: Rows) -> Floats:
+    """NaN rows take the value before them, at the start of a chain the one after them.
+
+    So a chain is counted from its own first angle, not from the last of the chain before.
+    """
+    known = np.isfinite(angles)
+    if known.all() or not known.any():
+        return filled(angles)
+    row, n = np.arange(len(angles)), len(angles)
+    last = np.maximum.accumulate(np.where(known, row, -1))
+    following = np.minimum.accumulate(np.where(known, row, n)[::-1])[::-1]
+    start = np.repeat(starts, np.diff(np.append(starts, n)))
+    own = np.where((last < start) & (following < n), following, last)
+    return np.asarray(angles[own])
 
 
 @dataclass(frozen=True, slots=True)

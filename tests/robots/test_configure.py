@@ -162,9 +162,9 @@ def test_rows_that_are_no_number_are_named() -> None:
 
 def test_a_linear_path_that_no_single_branch_follows_is_refused() -> None:
     narrow = ABB.limits.copy()
-    narrow[[0, 2, 3]] = [(-100, 100), (-70, 70), (-100, 100)]  # leaves each pose one branch
+    narrow[[0, 2, 3]] = [(-100, 100), (-70, 70), (-90, 90)]  # leaves each pose one branch
     robot = replace(ABB, limits=narrow)
-    p, q = robot.fk([[0, 20, 10, 20, 80, 0.0], [0, 20, 10, 20, -80, 0.0], [0, 20, 10, 30, -80, 0]])
+    p, q = robot.fk([[0, 20, 10, 20, 80, 0.0], [0, 20, 10, 80, -80, 0.0], [0, 20, 10, 85, -80, 0]])
     _, _, findings = followed(path_of(p, q), robot)
     assert codes(findings) == ["RB105"]
     _, joints, findings = followed(path_of(p, q, kinds=Kind.JOINT), robot)
@@ -461,3 +461,51 @@ def test_long_paths_take_little_memory() -> None:
     assert not findings
     assert len(followed_program.procedures[0].body[0].path) == len(path)
     assert peak < 200_000 * 400  # bytes a row; a million rows stay far below 2 GB
+
+
+def test_straight_through_the_wrist_axis_four_stays_and_axis_five_changes_sign() -> None:
+    z = np.linspace(200, 150, 40)
+    path = path_of(np.c_[240 + 0 * z, -50 + 0 * z, z], tools=("gripper",))
+    tools = {"gripper": Tool(Pose((0, 0, 60)))}
+    out, findings = robots.configure(program(Follow(path), tools=tools), ABB)
+    assert codes(findings) == ["RB115"]
+    assert findings[0].severity is Severity.WARNING
+    done = out.procedures[0].body[0].path
+    flange = done.positions + np.array([0, 0, 60])
+    joints = ABB.joints_of(flange, done.quaternions, done.configurations)
+    assert np.abs(np.diff(joints, axis=0)).max() < 3.0
+    assert np.sign(joints[0, 4]) == -np.sign(joints[-1, 4])
+    assert sorted(set(done.configurations[:, 2].tolist())) == [0, 1]
+
+
+def test_beside_the_wrist_singularity_the_branch_stays_and_axis_four_turns() -> None:
+    z = np.linspace(200, 150, 400)
+    tilted = rotations.multiply(DOWN, rotations.about((1.0, 0.0, 0.0), 5.0))
+    path = path_of(np.c_[240 + 0 * z, 0 * z, z], tilted)
+    done, joints, findings = followed(path)
+    assert not findings
+    assert (done.configurations[:, 2] == done.configurations[0, 2]).all()
+    assert np.abs(np.diff(joints, axis=0)).max() < 3.0
+
+
+def test_the_way_to_a_path_is_solved_with_it() -> None:
+    # The path needs the lower half of axis 6, so the joint move before it has to go there.
+    q = turning(np.linspace(-20, -540, 100))
+    positions = np.tile([450, 0, 300.0], (100, 1))
+    above = TargetValue(Target(Pose((450, 0, 350), tuple(q[0].tolist()))))
+    body = (Move("joint", above, MOTION), Follow(path_of(positions, q)))
+    out, findings = robots.configure(program(*body), ABB)
+    assert not findings
+    approach = out.procedures[0].body[0].target.target.configuration
+    assert abs(approach.quadrants[2] - out.procedures[0].body[1].path.configurations[0, 5]) <= 1
+
+
+def test_a_path_followed_twice_has_one_configuration() -> None:
+    path = path_of([[450, 0, 300.0], [450, 20, 300.0]])
+    out, findings = robots.configure(
+        program(Follow(path), Move("joint", down(400, 0, 400), MOTION), Follow(path)), ABB
+    )
+    assert not findings
+    first, _, second = out.procedures[0].body
+    assert first.path == second.path
+    assert first.path.configurations[0, 0] != UNSTATED

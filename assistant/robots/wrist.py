@@ -1,0 +1,67 @@
+"""Where a wrist goes straight through its singularity.
+
+With axes 4 and 6 in line the two wrist branches meet. A linear move that goes through that
+point takes axis 5 through 0 and leaves axis 4 where it is, which changes the branch from
+no flip to flip; keeping the branch would ask for half a turn of axis 4 at that instant.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.program.path import Kind
+from assistant.robots.six_axis import BRANCHES
+
+Floats = NDArray[np.float64]
+Truths = NDArray[np.bool_]
+
+PAIRS: Final = BRANCHES // 2
+"""Branches 2·pair and 2·pair + 1 differ in the wrist only."""
+THROUGH: Final = np.float32(np.sin(np.radians(0.1)))
+"""Sine of the least angle of axis 5 on the way that still counts as through the point: a
+robot cannot turn axis 4 by half a turn on so short a way."""
+IN_LINE: Final = np.float32(1e-5)
+"""Sine of axis 5 below which axis 4 has no angle of its own."""
+
+
+def directions(joints: Floats) -> NDArray[np.float32]:
+    """Joints (6, 8, n) deg → (4, 2, n), where the wrist bends to: sin J5 · (cos J4, sin J4)."""
+    four, five = np.radians(joints[3, ::2]), np.radians(joints[4, ::2])
+    bend = np.sin(five)
+    return np.stack([bend * np.cos(four), bend * np.sin(four)], axis=1).astype(np.float32)
+
+
+def crossings(bends: NDArray[np.float32], kinds: NDArray[np.uint8]) -> Truths:
+    """Which linear and circular moves go through the singularity, (4, n) of each pair.
+
+    bends: (4, 2, n) of `directions`. kinds: (n,) `Kind`.
+    """
+    n = len(kinds)
+    out = np.zeros((PAIRS, n), dtype=bool)
+    chain = np.cumsum(kinds == Kind.JOINT)
+    for pair in range(PAIRS):
+        bend = bends[pair]
+        bent = np.hypot(*bend) > IN_LINE
+        last = np.maximum.accumulate(np.where(bent, np.arange(n), -1))
+        before = np.append(-1, last[:-1])
+        opposite = np.einsum("in,in->n", bend, bend[:, before]) < 0.0
+        rows = np.flatnonzero(bent & (before >= 0) & (chain == chain[before]) & opposite)
+        here, there = bend[:, rows], bend[:, before[rows]]
+        length = np.hypot(*(here - there))
+        off = np.abs(here[0] * there[1] - here[1] * there[0]) / length
+        out[pair, rows] = (off < THROUGH) | (before[rows] < rows - 1)
+    return out
+
+
+def sheets(crossed: Truths) -> NDArray[np.intp]:
+    """Branches that belong together along a run, (8, n), for crossings (4, n).
+
+    Row s says for each move which branch an arm is in that had branch s before the run and
+    made joint moves without a change of branch, the others without a jump.
+    """
+    parity = np.cumsum(crossed, axis=1) & 1
+    branch = np.arange(BRANCHES)
+    return np.asarray((branch & ~1)[:, None] + ((branch & 1)[:, None] ^ parity[branch // 2]))
