@@ -1,0 +1,107 @@
+"""ABB RAPID for RobotWare 5 to 7."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final
+
+from assistant.languages.language import Adapted, Language, Precision
+from assistant.languages.rapid.syntax import File
+from assistant.program.diagnostics import Diagnostic
+from assistant.program.program import Program
+from assistant.program.text import SourceText
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+
+__all__ = ["Rapid", "language"]
+
+_MODULE: Final = re.compile(
+    rb"^[ \t]*(?:MODULE[ \t]+[A-Za-z_\d]|%%%)", re.IGNORECASE | re.MULTILINE
+)
+_LOOKED_AT: Final = 1 << 16
+
+
+def language(name: str) -> Rapid:
+    """The language of that name; KeyError for any but `rapid`."""
+    if name != Rapid.name:
+        raise KeyError(name)
+    return Rapid()
+
+
+class Rapid(Language[File]):
+    """RAPID: modules of data and routines."""
+
+    name = "rapid"
+    title = "ABB RAPID"
+    suffixes = (".mod", ".modx", ".sys", ".sysx", ".prg")
+    encodings = ("utf-8-sig", "utf-8", "cp1252", "latin-1")
+    precision = Precision(position=6e-5, angle=1e-6)
+
+    def recognises(self, data: bytes) -> bool:
+        return _MODULE.search(data[:_LOOKED_AT]) is not None
+
+    def encode(self, tree: File) -> bytes:
+        encoding = tree.origin.source.encoding if tree.origin else "ascii"
+        return self.render(tree).encode(encoding)
+
+    def parse(self, source: SourceText | str) -> File:
+        from assistant.languages.rapid.parser import parse
+
+        return parse(source)
+
+    def render(self, tree: File) -> str:
+        from assistant.languages.rapid.printer import print_file
+
+        origin = tree.origin
+        if origin is None:
+            return print_file(tree)
+        if tree.parts is origin.parts:
+            return origin.source.text
+        return print_file(tree, origin.source.newline)
+
+    def format(self, tree: File) -> str:
+        from assistant.languages.rapid.printer import print_file
+
+        if tree.origin is None:
+            return print_file(tree)
+        if tree.findings and not tree.parts:
+            return tree.origin.source.text  # nothing is known of what could not be read
+        return print_file(File(tree.parts, tree.header), newline=tree.origin.source.newline)
+
+    def lift(self, trees: File | Sequence[File], robot: Robot | None = None) -> Program:  # noqa: ARG002
+        from assistant.languages.rapid.lift import lift
+
+        return lift([trees] if isinstance(trees, File) else trees)
+
+    def adapt(
+        self,
+        program: Program,
+        robot: Robot | None = None,  # noqa: ARG002
+        *,
+        most_targets: int | None = None,
+    ) -> Adapted:
+        from assistant.languages.rapid.adapt import adapt
+
+        return adapt(program, most_targets)
+
+    def build(
+        self,
+        program: Program,
+        robot: Robot | None = None,  # noqa: ARG002
+        unit: str | None = None,
+    ) -> File:
+        from assistant.languages.rapid.lower import build
+
+        return build(program, unit)
+
+    def file_name(self, program: Program, unit: str | None = None) -> str:
+        from assistant.languages.rapid.lower import module_name
+
+        return module_name(program, unit) + ".mod"
+
+    def check(self, trees: Sequence[File]) -> tuple[Diagnostic, ...]:
+        from assistant.languages.rapid.check import check
+
+        return check(trees)

@@ -1,0 +1,97 @@
+"""The comment lines that open a module: what RAPID itself has no words for.
+
+One item a line: `program: NAME`, `robot: NAME`, `entry: NAME`, `unit of: NAME`,
+`signal: NAME digital output [number [bits]]`, `name: SHORT = original`. Anything else is a
+comment; one that looks like an item is written with `: ` before it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+from assistant.program.program import Program, Signal
+
+_NAME = r"[A-Za-z][A-Za-z0-9_]*"
+_ITEM: Final = re.compile(
+    rf"program: (?P<program>{_NAME})"
+    r"|robot: (?P<robot>[A-Za-z0-9][A-Za-z0-9_.-]*)"
+    rf"|entry: (?P<entry>{_NAME})"
+    rf"|unit of: (?P<unit>{_NAME})"
+    rf"|signal: (?P<signal>{_NAME}) (?P<kind>digital|analog|group) (?P<direction>input|output)"
+    r"(?: (?P<number>[0-9]{1,9})?(?: x(?P<bits>[0-9]{1,3}))?)?"
+    rf"|name: (?P<short>{_NAME}) = (?P<original>{_NAME})",
+    re.ASCII,
+)
+_QUOTED: Final = ": "
+
+
+@dataclass(slots=True)
+class Header:
+    """What the opening comments say. names: short → original. unit: of the program it is of."""
+
+    program: str = ""
+    robot: str | None = None
+    entry: str | None = None
+    unit: str = ""
+    signals: dict[str, Signal] = field(default_factory=dict)
+    names: dict[str, str] = field(default_factory=dict)
+    comments: list[str] = field(default_factory=list)
+
+
+def header_lines(program: Program, unit: str | None, names: Sequence[tuple[str, str]]) -> list[str]:
+    """The lines of a module's header. names: (short, original) each."""
+    if unit is None:
+        lines = [f"program: {program.name}"]
+        if program.robot:
+            lines.append(f"robot: {program.robot}")
+        if program.entry:
+            lines.append(f"entry: {program.entry}")
+        lines += [_signal(name, signal) for name, signal in program.signals.items()]
+    else:
+        lines = [f"unit of: {program.name}"]
+    lines += [f"name: {short} = {original}" for short, original in names]
+    if unit is None:
+        lines += [
+            _QUOTED + c if _ITEM.fullmatch(c) or c.startswith(_QUOTED.strip()) else c
+            for c in program.comments
+        ]
+    return lines
+
+
+def _signal(name: str, signal: Signal) -> str:
+    number = f" {signal.number}" if signal.number is not None else ""
+    bits = f" x{signal.bits}" if signal.bits != 1 else ""
+    gap = " " if bits and not number else ""
+    return f"signal: {name} {signal.kind} {signal.direction}{gap}{number}{bits}"
+
+
+def read_header(comments: Sequence[str]) -> Header:
+    header = Header()
+    for comment in comments:
+        match = _ITEM.fullmatch(comment)
+        if match is None:
+            header.comments.append(
+                comment.removeprefix(_QUOTED) if comment.startswith(_QUOTED) else comment
+            )
+        elif match["program"]:
+            header.program = match["program"]
+        elif match["robot"]:
+            header.robot = match["robot"]
+        elif match["entry"]:
+            header.entry = match["entry"]
+        elif match["unit"]:
+            header.unit = match["unit"]
+        elif match["signal"]:
+            number = int(match["number"]) if match["number"] else None
+            header.signals[match["signal"]] = Signal(
+                match["kind"],  # type: ignore[arg-type]
+                match["direction"],  # type: ignore[arg-type]
+                number,
+                int(match["bits"] or 1),
+            )
+        else:
+            header.names[match["short"].lower()] = match["original"]
+    return header

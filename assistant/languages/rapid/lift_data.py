@@ -1,0 +1,203 @@
+"""Declared data of modules: tools, work objects, speeds, zones, joint targets, variables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.gather import literal_number, literal_target
+from assistant.languages.rapid.lift_expressions import lift, target
+from assistant.languages.rapid.motions import speed_name, speed_of, zone_name, zone_of
+from assistant.languages.rapid.tables import VALUE_OF_TYPE
+from assistant.program import expressions as e
+from assistant.program import rotations
+from assistant.program.geometry import BASE, FLANGE, Frame, JointTarget, Load, Pose, Target, Tool
+from assistant.program.motion import Blend, Speed
+from assistant.program.program import Variable
+
+
+class DataLift:
+    """What the data of modules say. speeds, blends: by lower-case name, also unnamed ones."""
+
+    def __init__(self, modules: Sequence[s.Module], original: Callable[[str], str]) -> None:
+        self.original = original
+        self.tools: dict[str, Tool] = {}
+        self.frames: dict[str, Frame] = {}
+        self.speeds: dict[str, Speed] = {}
+        self.blends: dict[str, Blend] = {}
+        self._spelled: dict[str, str] = {}
+        self.joint_targets: dict[str, JointTarget] = {}
+        self.targets: dict[str, Target] = {}
+        self.variables: dict[str, Variable] = {}
+        self._held: set[int] = set()
+        self._names: set[str] = set()
+        assigned = {n.lower() for n in _assigned(modules)}
+        for module in modules:
+            for item in module.items:
+                if isinstance(item, s.Data) and item.name.lower() not in self._names:
+                    constant = item.storage == "CONST" or item.name.lower() not in assigned
+                    if self._take(item, constant):
+                        self._held.add(id(item))
+                        self._names.add(item.name.lower())
+
+    def holds(self, item: s.Data) -> bool:
+        return id(item) in self._held
+
+    def named_speeds(self) -> dict[str, Speed]:
+        return {
+            self.original(self._spelled[n]): v for n, v in self.speeds.items() if n != speed_name(v)
+        }
+
+    def named_blends(self) -> dict[str, Blend]:
+        return {
+            self.original(self._spelled[n]): v for n, v in self.blends.items() if n != zone_name(v)
+        }
+
+    def _take(self, item: s.Data, constant: bool) -> bool:
+        """Whether the pseudo-program has a place for the data."""
+        type, name = item.type.lower(), self.original(item.name)
+        if item.scope == "TASK" or (item.dimensions and type not in VALUE_OF_TYPE):
+            return False
+        value = numbers(item.value)
+        if type == "tooldata" and (tool := _tool(value)) and name.lower() != FLANGE:
+            self.tools[name] = tool
+        elif type == "wobjdata" and (frame := _frame(value)) and name.lower() != BASE:
+            self.frames[name] = frame
+        elif type == "speeddata" and constant and _shape(value) == "nnnn":
+            self.speeds[item.name.lower()] = speed_of(value)
+            self._spelled[item.name.lower()] = item.name
+        elif type == "zonedata" and constant and _shape(value) == "bnnnnnn":
+            zone = zone_of(value[0], value[1:])
+            if zone.radius is None and any(value[1:]):
+                return False
+            self.blends[item.name.lower()] = zone
+            self._spelled[item.name.lower()] = item.name
+        elif type in VALUE_OF_TYPE:
+            variable = self.variable(item)
+            if variable is None:
+                return False
+            fixed = variable.storage == "constant" and not variable.size
+            if fixed and isinstance(variable.initial, e.TargetValue):
+                self.targets[name] = variable.initial.target
+            elif fixed and isinstance(variable.initial, e.JointValue):
+                self.joint_targets[name] = variable.initial.target
+            else:
+                self.variables[name] = variable
+        else:
+            return False
+        return True
+
+    def variable(self, item: s.Data) -> Variable | None:
+        """A variable, None if the pseudo-program has none of that kind."""
+        type = VALUE_OF_TYPE.get(item.type.lower())
+        if type is None or item.scope == "TASK":
+            return None
+        size = [literal_number(d) for d in item.dimensions]
+        if not all(isinstance(n, int) and n > 0 for n in size):
+            return None
+        storage: Any = {"CONST": "constant", "VAR": "variable", "PERS": "persistent"}[item.storage]
+        initial = None if item.value is None else lift(item.value, self.original)
+        extents = tuple(n for n in size if isinstance(n, int))
+        return Variable(type, initial, extents, storage, item.scope == "LOCAL")
+
+
+def is_module_data(item: s.Data) -> bool:
+    return item.storage in ("CONST", "VAR", "PERS")
+
+
+def numbers(node: s.Expression | None) -> Any:
+    """A literal as nested lists of numbers, truths and strings; None in it for anything else."""
+    match node:
+        case s.AggregateNode(items):
+            return [numbers(i) for i in items]
+        case s.BoolLiteral(value):
+            return value
+        case s.StringLiteral(value):
+            return value
+        case None:
+            return None
+    return literal_number(node)
+
+
+def _shape(value: Any) -> str:
+    """`n` a number, `b` a truth, `t` a text, brackets for lists, `?` for anything else."""
+    if not isinstance(value, list):
+        return "?"
+    return "".join(_letter(v) for v in value)
+
+
+def _letter(value: Any) -> str:
+    if isinstance(value, bool):
+        return "b"
+    if isinstance(value, int | float):
+        return "n"
+    if isinstance(value, str):
+        return "t"
+    return f"[{_shape(value)}]" if isinstance(value, list) else "?"
+
+
+_POSE = "[[nnn][nnnn]]"
+
+
+def _pose(value: Any) -> Pose | None:
+    if not any(value[1]):
+        return None
+    return Pose.of(np.array(value[0], dtype=np.float64), rotations.canonical(value[1]))
+
+
+def _tool(value: Any) -> Tool | None:
+    if _shape(value) != f"b{_POSE}[n[nnn][nnnn]nnn]":
+        return None
+    held, tip, load = value
+    pose = _pose(tip)
+    mass, centre, axes, *inertia = load
+    weight = Load(
+        float(mass),
+        tuple(float(v) for v in centre),  # type: ignore[arg-type]
+        tuple(float(v) for v in axes),  # type: ignore[arg-type]
+        tuple(float(v) for v in inertia),  # type: ignore[arg-type]
+    )
+    return None if pose is None else Tool(pose, weight, held)
+
+
+def _frame(value: Any) -> Frame | None:
+    if _shape(value) != f"bbt{_POSE}{_POSE}":
+        return None
+    held, fixed, mechanism, user, object = value
+    first, second = _pose(user), _pose(object)
+    if first is None or second is None or fixed == bool(mechanism):
+        return None
+    return Frame(first, second, held, mechanism)
+
+
+def _assigned(modules: Sequence[s.Module]) -> set[str]:
+    """Names of variables that a routine assigns to."""
+    found: set[str] = set()
+    pending: list[Any] = list(modules)
+    while pending:
+        node = pending.pop()
+        match node:
+            case s.Assignment(target=variable):
+                while isinstance(variable, s.Component | s.Element):
+                    variable = variable.value
+                if isinstance(variable, s.NameRef):
+                    found.add(variable.name)
+            case s.Module(items=items):
+                pending += items
+            case s.Routine(body=body, handlers=handlers):
+                pending += [*body, *(x for h in handlers for x in h.body)]
+            case s.IfThen(branches=branches, otherwise=otherwise):
+                pending += [x for b in branches for x in b.body] + list(otherwise or ())
+            case s.ForLoop(body=body) | s.WhileLoop(body=body):
+                pending += body
+            case s.TestOf(cases=cases, otherwise=otherwise):
+                pending += [x for c in cases for x in c.body] + list(otherwise or ())
+            case s.CompactIf(statement=inner):
+                pending.append(inner)
+    return found
+
+
+__all__ = ["DataLift", "is_module_data", "literal_target", "target"]

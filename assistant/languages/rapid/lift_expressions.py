@@ -1,0 +1,173 @@
+"""Expressions of RAPID as the pseudo-program's; what it has no word for stays verbatim."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Final
+
+from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.gather import literal_number, literal_target
+from assistant.languages.rapid.lower_expressions import AS_FUNCTIONS, BINARY
+from assistant.languages.rapid.printer import expression as printed
+from assistant.languages.rapid.tables import COMPONENTS, FUNCTIONS, UNUSED
+from assistant.program import expressions as e
+from assistant.program import rotations
+from assistant.program.geometry import UNUSED_AXIS, Configuration, JointTarget, Pose, Target
+from assistant.program.path import configuration_of
+from assistant.robots.configurations import from_confdata
+
+LANGUAGE: Final = "rapid"
+_OPERATORS: Final = {row[0]: name for name, row in BINARY.items()}
+_FUNCTIONS: Final = {rapid.lower(): name for name, rapid in FUNCTIONS.items()}
+_POWERS: Final = {rapid.lower(): operator for operator, rapid in AS_FUNCTIONS.items()}
+_COMPONENTS: Final = {pair: name for name, pair in COMPONENTS.items()}
+ARITY: Final = {
+    "atan2": (2,),
+    "min": (2,),
+    "max": (2,),
+    "offset": (4,),
+}
+"""Arguments that a function must have to be the pseudo-program's own; 1 if not named."""
+
+Original = Callable[[str], str]
+
+
+def lift(node: s.Expression, original: Original) -> e.Expression:
+    """original: gives a shortened name back."""
+    simple = _literal(node)
+    if simple is not None:
+        return simple
+    match node:
+        case s.StringLiteral(value):
+            return e.Text(value)
+        case s.BoolLiteral(value):
+            return e.Truth(value)
+        case s.NameRef(name):
+            return e.Name(original(name))
+        case s.Group(inner):
+            return lift(inner, original)
+        case s.AggregateNode(items):
+            return aggregate(tuple(lift(i, original) for i in items))
+        case s.Component(s.Component(value, part), name):
+            known = _COMPONENTS.get((part.lower(), name.lower()))
+            if known is not None and not isinstance(value, s.Placeholder):
+                return e.Member(lift(value, original), known)
+        case s.Element(value, indices) if not isinstance(value, s.Placeholder):
+            if not any(isinstance(i, s.Whole) for i in indices):
+                lifted = [lift(i, original) for i in indices if not isinstance(i, s.Whole)]
+                return e.Index(lift(value, original), tuple(lifted))
+        case s.Prefix("NOT", operand):
+            return e.Unary("not", lift(operand, original))
+        case s.Prefix("-", operand):
+            return negative(lift(operand, original))
+        case s.Prefix("+", operand):
+            return lift(operand, original)
+        case s.Infix(operator, left, right):
+            name_ = _OPERATORS[operator]
+            return e.Binary(name_, lift(left, original), lift(right, original))  # type: ignore[arg-type]
+        case s.FunctionCall():
+            return _call(node, original)
+    return e.Verbatim(LANGUAGE, printed(node))
+
+
+def negative(operand: e.Expression) -> e.Expression:
+    if isinstance(operand, e.Number):
+        return e.Number(-operand.value if operand.value else operand.value)
+    return e.Unary("-", operand)
+
+
+def aggregate(items: tuple[e.Expression, ...]) -> e.Expression:
+    """Values in brackets: a target, joint target or pose if they have its form."""
+    shape: list[int] = []
+    values: list[list[float]] = []
+    for item in items:
+        if not isinstance(item, e.Aggregate):
+            return e.Aggregate(items)
+        numbers = [n.value for n in item.items if isinstance(n, e.Number)]
+        if len(numbers) != len(item.items):
+            return e.Aggregate(items)
+        shape.append(len(numbers))
+        values.append([float(n) for n in numbers])
+    if shape == [3, 4, 4, 6] and any(values[1]):
+        return e.TargetValue(target([v for part in values for v in part]))
+    if shape == [6, 6]:
+        return e.JointValue(JointTarget(tuple(values[0]), external(values[1])))
+    if shape == [3, 4] and any(values[1]):
+        return e.PoseValue(pose(values[0], values[1]))
+    return e.Aggregate(items)
+
+
+def _literal(node: s.Expression) -> e.Expression | None:
+    number = literal_number(node)
+    return None if number is None else e.Number(number if number else 0)
+
+
+def _call(node: s.FunctionCall, original: Original) -> e.Expression:
+    name = node.name.lower()
+    options = {a.name.lower(): a.value for a in node.arguments if isinstance(a, s.Option)}
+    plain = [a for a in node.arguments if isinstance(a, s.Positional) and a.name is None]
+    verbatim = e.Verbatim(LANGUAGE, printed(node))
+    if len(plain) + len(options) != len(node.arguments):
+        return verbatim
+    if any(value is None for value in options.values()):
+        return verbatim
+    given = tuple(lift(a.value, original) for a in plain)
+    turned = {k: lift(v, original) for k, v in options.items() if v is not None}
+    if name == "reltool" and len(given) == 4:
+        if not turned:
+            return e.Apply("relative", given)
+        if set(turned) <= {"rx", "ry", "rz"}:
+            turns = tuple(turned.get(k, e.Number(0)) for k in ("rx", "ry", "rz"))
+            return e.Apply("relative", given + turns)
+    if name == "crobt" and not given and set(turned) in (set(), {"tool"}, {"tool", "wobj"}):
+        names = [turned[k] for k in ("tool", "wobj") if k in turned]
+        named = [n for n in names if isinstance(n, e.Name)]
+        if len(named) == len(names):
+            based = [e.Name("base") if n.name.lower() == "wobj0" else n for n in named]
+            return e.Apply("here", tuple(based))
+    if turned:
+        return verbatim
+    if name == "cjointt" and not given:
+        return e.Apply("joints_here")
+    if name == "distance" and len(plain) == 2:
+        points = [_whole_target(a.value, original) for a in plain]
+        if all(p is not None for p in points):
+            return e.Apply("distance", tuple(p for p in points if p is not None))
+        return verbatim
+    if name in _POWERS and len(given) == 2:
+        return e.Binary(_POWERS[name], *given)  # type: ignore[arg-type]
+    if name in _FUNCTIONS:
+        known = _FUNCTIONS[name]
+        return e.Apply(known, given) if len(given) in ARITY.get(known, (1,)) else verbatim
+    if name in ("reltool", "crobt", "cjointt", "distance", "pow", "posemult"):
+        return verbatim
+    if original(node.name) in e.FUNCTIONS:
+        return verbatim
+    return e.Apply(original(node.name), given)
+
+
+def _whole_target(node: s.Expression, original: Original) -> e.Expression | None:
+    if isinstance(node, s.Component) and node.name.lower() == "trans":
+        return None if isinstance(node.value, s.Placeholder) else lift(node.value, original)
+    return None
+
+
+def external(values: Sequence[float]) -> tuple[float, ...]:
+    return tuple(UNUSED_AXIS if v >= UNUSED else v for v in values)
+
+
+def pose(position: Sequence[float], quaternion: Sequence[float]) -> Pose:
+    import numpy as np
+
+    return Pose.of(np.array(position, dtype=np.float64), rotations.canonical(quaternion))
+
+
+def target(values: Sequence[float]) -> Target:
+    """From the 17 numbers of a robtarget whose quaternion is not zero."""
+    configuration: Configuration | None = None
+    if all(-127 <= v <= 127 and v == int(v) for v in values[7:11]):
+        configuration = configuration_of(from_confdata([values[7:11]])[0])
+    return Target(pose(values[:3], values[3:7]), configuration, external(values[11:17]))
+
+
+__all__ = ["aggregate", "lift", "literal_target", "negative", "target"]

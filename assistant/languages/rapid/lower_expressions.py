@@ -1,0 +1,247 @@
+"""Expressions of the pseudo-program as RAPID's, with parentheses where its priorities need them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, Final
+
+import numpy as np
+
+from assistant.languages.rapid import rules
+from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.runs import PARTS, POSITION_PLACES, QUATERNION_PLACES
+from assistant.languages.rapid.tables import COMPONENTS, FUNCTIONS, LONGEST_STRING
+from assistant.program import expressions as e
+from assistant.program.diagnostics import Refused, Rule
+from assistant.program.geometry import JointTarget, Pose, Target
+from assistant.program.path import configuration_row
+from assistant.robots.configurations import to_confdata
+
+OR, AND, RELATION, SUM, TERM, PRIMARY = range(6)
+"""How tightly an expression holds together; what is looser than its place gets parentheses."""
+
+BINARY: Final[dict[str, tuple[str, int, int, int]]] = {
+    "or": ("OR", OR, OR, AND),
+    "xor": ("XOR", OR, OR, AND),
+    "and": ("AND", AND, AND, RELATION),
+    **{o: (o, RELATION, SUM, SUM) for o in ("=", "<>", "<", "<=", ">", ">=")},
+    "+": ("+", SUM, SUM, TERM),
+    "-": ("-", SUM, SUM, TERM),
+    "*": ("*", TERM, TERM, PRIMARY),
+    "/": ("/", TERM, TERM, PRIMARY),
+    "div": ("DIV", TERM, TERM, PRIMARY),
+    "mod": ("MOD", TERM, TERM, PRIMARY),
+}
+"""Operator → RAPID's, its own level, and the levels that its operands must have."""
+
+AS_FUNCTIONS: Final = {"^": "Pow", "@": "PoseMult"}
+
+Names = Callable[[str], str]
+
+
+def refuse(rule: Rule, **fields: Any) -> Refused:
+    return Refused(rule(**fields))
+
+
+class Expressions:
+    """value: RAPID's name of a variable, target or signal. function: of a function."""
+
+    def __init__(self, value: Names, function: Names, tool: Names, frame: Names) -> None:
+        self._value, self._function, self._tool, self._frame = value, function, tool, frame
+
+    def lower(self, expression: e.Expression, level: int = OR) -> s.Expression:
+        """Raises Refused for what RAPID cannot say."""
+        node, own = self._lower(expression)
+        return node if own >= level else s.Group(node)
+
+    def _lower(self, x: e.Expression) -> tuple[s.Expression, int]:
+        match x:
+            case e.Number(value):
+                return number(value)
+            case e.Truth(value):
+                return s.BoolLiteral(value), PRIMARY
+            case e.Text(value):
+                return text(value), PRIMARY
+            case e.Name(name):
+                return s.NameRef(self._value(name)), PRIMARY
+            case e.TargetValue(target):
+                return target_node(target), PRIMARY
+            case e.JointValue(joints):
+                return joints_node(joints), PRIMARY
+            case e.PoseValue(pose):
+                return pose_node(pose), PRIMARY
+            case e.Aggregate(items):
+                return s.AggregateNode(tuple(self.lower(i) for i in items)), PRIMARY
+            case e.Member(value, name):
+                node = self._variable(value)
+                for part in COMPONENTS.get(name, (name,)):
+                    node = s.Component(node, part)
+                return node, PRIMARY
+            case e.Index(value, indices):
+                node = self._variable(value)
+                return s.Element(node, tuple(self.lower(i) for i in indices)), PRIMARY
+            case e.Unary("not", operand):
+                return s.Prefix("NOT", self.lower(operand, AND)), OR
+            case e.Unary(_, operand):
+                return s.Prefix("-", self.lower(operand, TERM)), SUM
+            case e.Binary(operator, left, right):
+                if operator in AS_FUNCTIONS:
+                    return self._call(AS_FUNCTIONS[operator], (left, right)), PRIMARY
+                name, own, first, second = BINARY[operator]
+                return s.Infix(name, self.lower(left, first), self.lower(right, second)), own
+            case e.Apply(function, given):
+                return self._apply(function, given), PRIMARY
+            case e.Verbatim(language, text_):
+                return self._verbatim(language, text_)
+
+    def _variable(self, x: e.Expression) -> s.Variable:
+        node = self.lower(x, PRIMARY)
+        if isinstance(node, s.NameRef | s.Component | s.Element):
+            return node
+        raise refuse(
+            rules.NO_MEANING,
+            what="a component of an expression",
+            hint="put the value into a variable first",
+        )
+
+    def _call(self, name: str, given: tuple[e.Expression, ...]) -> s.FunctionCall:
+        return s.FunctionCall(name, tuple(s.Positional(self.lower(a)) for a in given))
+
+    def _apply(self, function: str, given: tuple[e.Expression, ...]) -> s.FunctionCall:
+        if function in FUNCTIONS:
+            return self._call(FUNCTIONS[function], given)
+        if function == "relative" and len(given) in (4, 7):
+            call = self._call("RelTool", given[:4])
+            turns = tuple(
+                s.Option(axis, self.lower(a))
+                for axis, a in zip(("Rx", "Ry", "Rz"), given[4:], strict=False)
+            )
+            return s.FunctionCall("RelTool", call.arguments + turns)
+        if function == "distance" and len(given) == 2:
+            points = (s.Component(self._variable(a), "trans") for a in given)
+            return s.FunctionCall("Distance", tuple(s.Positional(p) for p in points))
+        if function == "here" and all(isinstance(a, e.Name) for a in given) and len(given) < 3:
+            names = [a.name for a in given if isinstance(a, e.Name)]
+            options = [s.Option("Tool", s.NameRef(self._tool(n))) for n in names[:1]]
+            options += [s.Option("WObj", s.NameRef(self._frame(n) or "wobj0")) for n in names[1:]]
+            return s.FunctionCall("CRobT", tuple(options))
+        if function == "joints_here" and not given:
+            return s.FunctionCall("CJointT")
+        if function in e.FUNCTIONS:
+            raise refuse(
+                rules.NO_MEANING,
+                what=f"the function `{function}` of {len(given)} arguments",
+                hint="compute the value otherwise",
+            )
+        return self._call(self._function(function), given)
+
+    def _verbatim(self, language: str, given: str) -> tuple[s.Expression, int]:
+        from assistant.languages.rapid.parser import parse_statements
+
+        if language != "rapid":
+            raise refuse(rules.OTHER_LANGUAGE, language=language, text=given)
+        read = parse_statements(f"x:={given}\n;")
+        if (
+            isinstance(read, tuple)
+            and len(read) == 1
+            and isinstance(assignment := read[0], s.Assignment)
+        ):
+            node = assignment.value
+            plain = isinstance(
+                node,
+                s.NumberLiteral
+                | s.StringLiteral
+                | s.BoolLiteral
+                | s.NameRef
+                | s.Component
+                | s.Element
+                | s.AggregateNode
+                | s.Group
+                | s.FunctionCall,
+            )
+            return node, PRIMARY if plain else OR
+        why = read.message if not isinstance(read, tuple) else "no expression"
+        raise refuse(rules.NOT_RAPID, text=given, why=why)
+
+
+def number(value: float) -> tuple[s.Expression, int]:
+    if not math.isfinite(value):
+        raise refuse(rules.NOT_FINITE, what="an expression")
+    size = abs(value)
+    written = str(int(size)) if size == int(size) and size < 1e15 else repr(float(size))
+    literal = s.NumberLiteral(written)
+    if math.copysign(1.0, value) < 0 and value != 0:
+        return s.Prefix("-", literal), SUM
+    return literal, PRIMARY
+
+
+def text(value: str) -> s.StringLiteral:
+    if len(value) > LONGEST_STRING:
+        raise Refused(rules.LONG_STRING(length=len(value), place=value[:20]))
+    if any(ord(c) > 255 for c in value):
+        raise refuse(
+            rules.NO_MEANING,
+            what=f"the characters of {value[:30]!a}",
+            hint="use letters of Latin-1 only",
+        )
+    return s.StringLiteral(value)
+
+
+def numbers_node(values: list[float], places: int) -> s.AggregateNode:
+    """Rounded numbers in brackets; 9E9 for NaN."""
+    items: list[s.Expression] = []
+    for value in values:
+        if value != value:
+            items.append(s.NumberLiteral("9E9"))
+        else:
+            items.append(number(float(np.round(value, places)) + 0.0)[0])
+    return s.AggregateNode(tuple(items))
+
+
+def target_values(target: Target) -> list[float]:
+    """The 17 numbers of a target, rounded as they are printed, 9E9 for unused axes."""
+    numbers = [
+        *np.round(target.pose.position, POSITION_PLACES),
+        *np.round(target.pose.quaternion, QUATERNION_PLACES),
+        *to_confdata([configuration_row(target.configuration)])[0],
+        *np.round([9e9 if v != v else v for v in target.external], POSITION_PLACES),
+    ]
+    finite([float(v) for v in numbers], "a target")
+    return [float(v) + 0.0 for v in numbers]
+
+
+def finite(values: list[float], what: str) -> None:
+    if not all(math.isfinite(v) for v in values):
+        raise refuse(rules.NOT_FINITE, what=what)
+
+
+def target_node(target: Target) -> s.AggregateNode:
+    values = target_values(target)
+    return s.AggregateNode(tuple(_group(values[a:b]) for a, b in PARTS))
+
+
+def _group(values: list[float]) -> s.AggregateNode:
+    return s.AggregateNode(
+        tuple(s.NumberLiteral("9E9") if v == 9e9 else number(v)[0] for v in values)
+    )
+
+
+def joints_node(target: JointTarget) -> s.AggregateNode:
+    finite(list(target.joints), "a joint target")
+    return s.AggregateNode(
+        (
+            numbers_node(list(target.joints), POSITION_PLACES),
+            numbers_node(list(target.external), POSITION_PLACES),
+        )
+    )
+
+
+def pose_node(pose: Pose) -> s.AggregateNode:
+    finite([*pose.position, *pose.quaternion], "a pose")
+    return s.AggregateNode(
+        (
+            numbers_node(list(pose.position), POSITION_PLACES),
+            numbers_node(list(pose.quaternion), QUATERNION_PLACES),
+        )
+    )

@@ -1,0 +1,94 @@
+"""Speeds and zones between physical values and RAPID's names and records."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Final
+
+from assistant.languages.rapid.tables import LARGEST_ZONE, SPEEDS, ZONES, usual_sizes
+from assistant.program.motion import Blend, Speed
+
+_SPEED_NAMES: Final = {speed: name for name, speed in SPEEDS.items()}
+_ZONE_NAMES: Final = {blend: name for name, blend in ZONES.items()}
+PLACES: Final = 3
+FASTEST: Final = max(s.tcp for s in SPEEDS.values() if math.isfinite(s.tcp))
+
+
+def speed_name(speed: Speed) -> str:
+    """`v150` if predefined, else the name under which it is declared: `speed_147`."""
+    if speed in _SPEED_NAMES:
+        return _SPEED_NAMES[speed]
+    usual = Speed(speed.tcp)
+    rest = (speed.rotation, speed.external_linear, speed.external_rotary)
+    if rest == (usual.rotation, usual.external_linear, usual.external_rotary):
+        return f"speed_{_in_name(speed.tcp)}"
+    return "speed_" + "_".join(_in_name(v).replace("_", "d") for v in (speed.tcp, *rest))
+
+
+def zone_name(blend: Blend) -> str:
+    """`z100` or `fine` if predefined, else the name under which it is declared: `zone_2_5`."""
+    if blend in _ZONE_NAMES:
+        return _ZONE_NAMES[blend]
+    radius = blend.radius or 0.0
+    if blend.details is None:
+        return f"zone_{_in_name(radius)}"
+    return "zone_" + "_".join(_in_name(v).replace("_", "d") for v in (radius, *blend.details))
+
+
+def _in_name(value: float) -> str:
+    return f"{value:.{PLACES}f}".rstrip("0").rstrip(".").replace(".", "_")
+
+
+def speed_values(speed: Speed) -> list[float]:
+    return [speed.tcp, speed.rotation, speed.external_linear, speed.external_rotary]
+
+
+def zone_values(blend: Blend) -> list[float]:
+    """The six sizes of a zonedata that is no stop point."""
+    if blend.radius is None:
+        return [0.0] * 6
+    return [blend.radius, *(blend.details or usual_sizes(blend.radius))]
+
+
+def speed_of(values: Sequence[float]) -> Speed:
+    return Speed(*(float(v) for v in values))
+
+
+def zone_of(stop: bool, values: Sequence[float]) -> Blend:
+    """A zone without details if these are the usual ones of its radius."""
+    if stop:
+        return Blend()
+    radius, a, b, c, d, e = (float(v) for v in values)
+    if (a, b, c, d, e) == usual_sizes(radius):
+        return Blend(radius)
+    return Blend(radius, details=(a, b, c, d, e))
+
+
+def sayable_speed(speed: Speed) -> tuple[Speed, str | None]:
+    """The speed as RAPID has it, and what was changed."""
+    changed = None
+    if speed.joint is not None:
+        changed, speed = "a joint speed in percent", replace(speed, joint=None)
+    if math.isinf(speed.tcp) and speed != Speed(math.inf):
+        changed, speed = "an unlimited speed", replace(speed, tcp=FASTEST)
+    rounded = [v if math.isinf(v) else round(v, PLACES) for v in speed_values(speed)]
+    return speed_of(rounded), changed
+
+
+def sayable_blend(blend: Blend) -> tuple[Blend, str | None]:
+    """The blend as RAPID has it, and what was changed."""
+    if blend.radius is None:
+        return Blend(), None
+    changed = None
+    radius, details = blend.radius, blend.details
+    if blend.exit is not None and blend.exit != blend.radius:
+        changed, radius, details = "a corner of two sizes", min(radius, blend.exit), None
+    if math.isinf(radius):
+        changed, radius, details = "a corner without size", LARGEST_ZONE, None
+    radius = round(radius, PLACES)
+    if details is not None:
+        a, b, c, d, e = (round(v, PLACES) for v in details)
+        return zone_of(False, [radius, a, b, c, d, e]), changed
+    return Blend(radius), changed

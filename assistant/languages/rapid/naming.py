@@ -1,0 +1,140 @@
+"""Names that RAPID takes: at most 32 characters, one name space, none that is predefined.
+
+A name that does not fit gets another one; the header of the module keeps the original.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Final
+
+from assistant.languages.rapid.tables import LONGEST_NAME, PREDEFINED, RESERVED
+from assistant.program.geometry import BASE, FLANGE
+from assistant.program.program import Procedure, Program, identifier, walk
+from assistant.program.statements import Follow, For, Label
+
+_ROW: Final = re.compile(r"(.+)_([1-9][0-9]*)")
+
+KINDS: Final = ("signals", "procedures", "tools", "frames", "speeds", "blends", "values", "modules")
+
+
+@dataclass(slots=True)
+class Naming:
+    """RAPID's name of everything in a program.
+
+    of: by kind and lower-case original. rows: stem of the targets of a Follow, by its id.
+    inner: by procedure and lower-case original, its parameters, variables, counters, labels.
+    changed: (kind, short, original).
+    """
+
+    of: dict[str, dict[str, str]] = field(default_factory=lambda: {k: {} for k in KINDS})
+    rows: dict[int, str] = field(default_factory=dict)
+    inner: dict[str, dict[str, str]] = field(default_factory=dict)
+    changed: list[tuple[str, str]] = field(default_factory=list)
+    _taken: set[str] = field(default_factory=lambda: set(PREDEFINED | RESERVED))
+    _numbered: dict[str, list[int]] = field(default_factory=dict)
+
+    def get(self, kind: str, name: str) -> str:
+        """The name of something of that kind; unknown ones keep theirs."""
+        short = self.of[kind].get(name.lower(), name)
+        return name if short.lower() == name.lower() else short
+
+    def take(self, name: str) -> None:
+        self._taken.add(name.lower())
+        if (row := _ROW.fullmatch(name.lower())) is not None and len(row[2]) < 16:
+            self._numbered.setdefault(row[1], []).append(int(row[2]))
+
+    def declare(self, kind: str, name: str) -> None:
+        short = self._free(name)
+        self.of[kind][name.lower()] = short
+        self.take(short)
+        self._note(short, name)
+
+    def declare_inner(self, procedure: str, names: Iterable[str]) -> None:
+        known = self.inner.setdefault(procedure.lower(), {})
+        own: set[str] = set()
+        for name in names:
+            if name.lower() in known:
+                continue
+            short = self._free(name, own)
+            known[name.lower()] = short
+            own.add(short.lower())
+            if short != name:
+                self.take(short)
+            self._note(short, name)
+
+    def declare_rows(self, follow: Follow) -> None:
+        count = len(follow.path)
+        room = LONGEST_NAME - 1 - len(str(count))
+        base = identifier(follow.path.name)[:room]
+        stem, number = base, 2
+        while self._rows_taken(stem.lower(), count):
+            end = f"_p{number}"
+            stem, number = base[: room - len(end)] + end, number + 1
+        self._numbered.setdefault(stem.lower(), []).extend((1, count))
+        self.rows[id(follow)] = stem
+        self._note(stem, follow.path.name)
+
+    def _rows_taken(self, stem: str, count: int) -> bool:
+        return any(number <= count for number in self._numbered.get(stem, ()))
+
+    def _free(self, name: str, own: set[str] | frozenset[str] = frozenset()) -> str:
+        base = identifier(name)[:LONGEST_NAME]
+        short, number = base, 2
+        while short.lower() in self._taken or short.lower() in own:
+            end = f"_{number}"
+            short, number = base[: LONGEST_NAME - len(end)] + end, number + 1
+        return short
+
+    def _note(self, short: str, name: str) -> None:
+        if short != name and (short, name) not in self.changed:
+            self.changed.append((short, name))
+
+
+def naming(program: Program, fixed: Iterable[str] = ()) -> Naming:
+    """Names of a whole program. fixed: names that its verbatim declarations take."""
+    names = Naming()
+    for name in PREDEFINED:
+        if _ROW.fullmatch(name):
+            names.take(name)
+    for name in fixed:
+        names.take(name)
+    for kind, table in (
+        ("signals", program.signals),
+        ("procedures", [p.name for p in program.procedures]),
+        ("tools", [t for t in program.tools if t != FLANGE]),
+        ("frames", [f for f in program.frames if f != BASE]),
+        ("speeds", program.speeds),
+        ("blends", program.blends),
+        ("values", [*program.targets, *program.joint_targets, *program.variables]),
+    ):
+        for name in table:
+            names.declare(kind, name)
+    names.of["tools"][FLANGE] = FLANGE
+    names.of["frames"][BASE] = ""
+    for name in (program.name, *units(program)):
+        names.declare("modules", name)
+    for procedure in program.procedures:
+        names.declare_inner(procedure.name, _inner(procedure))
+    for procedure in program.procedures:
+        for statement in walk(procedure.body):
+            if isinstance(statement, Follow):
+                names.declare_rows(statement)
+    return names
+
+
+def units(program: Program) -> tuple[str, ...]:
+    """The units that are loaded when called, in order of their first procedure."""
+    return tuple(dict.fromkeys(p.unit for p in program.procedures if p.unit is not None))
+
+
+def _inner(procedure: Procedure) -> list[str]:
+    names = [p.name for p in procedure.parameters] + list(procedure.variables)
+    for statement in walk(procedure.body):
+        if isinstance(statement, For):
+            names.append(statement.variable)
+        elif isinstance(statement, Label):
+            names.append(statement.name)
+    return names

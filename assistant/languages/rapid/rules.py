@@ -1,0 +1,93 @@
+"""The findings of the RAPID room."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from assistant.program.diagnostics import Rule, Severity
+
+ERROR, WARNING, INFO = Severity.ERROR, Severity.WARNING, Severity.INFO
+
+SYNTAX: Final = Rule("RA101", ERROR, "{found} stands where {expected} should", "{hint}")
+TOO_DEEP: Final = Rule(
+    "RA102", ERROR, "more than {most} brackets or blocks stand inside each other", "simplify it"
+)
+DUPLICATE: Final = Rule(
+    "RA201", ERROR, "the name `{name}` is declared twice", "rename one of the two"
+)
+LONG_NAME: Final = Rule(
+    "RA202", ERROR, "the name `{name}` has {length} characters", "use at most 32"
+)
+LONG_STRING: Final = Rule(
+    "RA203", ERROR, "a string has {length} characters", "use at most 80; join several with `+`"
+)
+UNKNOWN_SPEED: Final = Rule(
+    "RA204", ERROR, "unknown speed `{name}`", "write {near}, or declare a speeddata of that name"
+)
+UNKNOWN_ZONE: Final = Rule(
+    "RA205", ERROR, "unknown zone `{name}`", "write {near}, or declare a zonedata of that name"
+)
+NOT_UNIT: Final = Rule(
+    "RA206",
+    ERROR,
+    "the quaternion of `{name}` is off unit length by {off:.2g}",
+    "normalise it: the sum of the squares must be 1 within 0.00001",
+)
+NOT_LITERAL: Final = Rule(
+    "RA207",
+    ERROR,
+    "the initial value of PERS `{name}` is no literal",
+    "write numbers, strings, TRUE or FALSE; assign anything else in a routine",
+)
+NOT_PERSISTENT: Final = Rule(
+    "RA208",
+    ERROR,
+    "`{name}` is handed over as {role}, but is no PERS",
+    "declare it with PERS",
+)
+OUT_OF_ORDER: Final = Rule(
+    "RA209",
+    ERROR,
+    "{what} stands after {after}",
+    "the order is records, data, routines in a module; declarations, statements in a routine",
+)
+RESERVED_NAME: Final = Rule(
+    "RA210", ERROR, "`{name}` is predefined and cannot be declared", "choose another name"
+)
+
+SHORTENED: Final = Rule(
+    "RA301",
+    INFO,
+    "the name `{name}` is written `{short}`: {why}",
+    "the header of the module keeps the original",
+)
+NO_LOAD: Final = Rule(
+    "RA302",
+    WARNING,
+    "the load of tool `{name}` is not known; 0.001 kg is written",
+    "state mass and centre of gravity, the controller needs them to move safely",
+)
+NO_CONFIGURATION: Final = Rule(
+    "RA303",
+    WARNING,
+    "targets state no configuration; [0,0,0,0] is written",
+    "compile for a robot, or state the configurations",
+)
+OTHER_LANGUAGE: Final = Rule(
+    "RA304",
+    ERROR,
+    "a statement of {language} has no meaning in RAPID: {text}",
+    "write it in the pseudo-program or in RAPID",
+)
+NO_MEANING: Final = Rule("RA305", ERROR, "RAPID cannot say {what}", "{hint}")
+CHANGED: Final = Rule("RA306", WARNING, "{what} is written as {instead}", "{hint}")
+NOT_FINITE: Final = Rule(
+    "RA307", ERROR, "{what} holds a number that is not finite", "correct the input"
+)
+NOT_RAPID: Final = Rule("RA308", ERROR, "this is no RAPID: {text} ({why})", "correct it")
+SPLIT: Final = Rule(
+    "RA309",
+    INFO,
+    "path `{name}` of {count} targets is spread over {parts} modules",
+    "they are loaded one after the other while the program runs",
+)

@@ -1,0 +1,197 @@
+"""Moves through consecutively numbered targets as one path, in a pseudo-program."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import fields, is_dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.geometry import Target
+from assistant.program.path import Kind, Path, configuration_row
+from assistant.program.program import Procedure, Program, bodies
+
+_ROW: Final = re.compile(r"(.*)_([1-9][0-9]{0,14})", re.DOTALL)
+_WORD: Final = re.compile(r"[A-Za-z]\w*")
+
+
+def with_paths(program: Program) -> Program:
+    """Moves through `seam_1`, `seam_2` … that nothing else uses, two at least, become `seam`."""
+    uses: Counter[str] = Counter()
+    for procedure in program.procedures:
+        uses.update(n.lower() for n in _names(procedure))
+    for declaration in program.declarations:
+        uses.update(w.lower() for w in _WORD.findall(declaration.text))
+    once = {n.lower(): (n, t) for n, t in program.targets.items() if uses[n.lower()] == 1}
+    if not once:
+        return program
+    gatherer = _Gatherer(once)
+    procedures = tuple(replace(q, body=gatherer.body(q.body)) for q in program.procedures)
+    left = {n: t for n, t in program.targets.items() if n.lower() not in gatherer.gone}
+    return replace(program, procedures=procedures, targets=left)
+
+
+def _names(node: Any) -> Iterator[str]:
+    """Every name in an expression or statement; the words of what is verbatim."""
+    if isinstance(node, e.Name):
+        yield node.name
+    elif isinstance(node, e.Verbatim | p.Opaque):
+        yield from _WORD.findall(node.text)
+    elif isinstance(node, Path | str):
+        return
+    elif isinstance(node, tuple):
+        for item in node:
+            yield from _names(item)
+    elif isinstance(node, dict):
+        for value in node.values():
+            yield from _names(value)
+    elif is_dataclass(node):
+        for f in fields(node):
+            yield from _names(getattr(node, f.name))
+
+
+class _Gatherer:
+    def __init__(self, once: Mapping[str, tuple[str, Target]]) -> None:
+        self.once = once
+        self.gone: set[str] = set()
+
+    def body(self, body: tuple[p.Statement, ...]) -> tuple[p.Statement, ...]:
+        out: list[p.Statement] = []
+        held: list[p.Statement] = []
+        stem, count = "", 0
+        for statement in body:
+            piece = self.piece(statement)
+            if piece is not None and piece[0] == stem.lower() and piece[1] == count + 1 and held:
+                held.append(statement)
+                count = piece[2]
+                continue
+            out += self.joined(held, count)
+            if piece is not None and piece[1] == 1:
+                held, stem, count = [statement], piece[0], piece[2]
+            else:
+                held, stem, count = [], "", 0
+                out.append(self.inside(statement))
+        return tuple(out + self.joined(held, count))
+
+    def inside(self, statement: p.Statement) -> p.Statement:
+        if not bodies(statement):
+            return statement
+        changed: p.Statement = map_bodies(statement, self.body)
+        return changed
+
+    def piece(self, statement: p.Statement) -> tuple[str, int, int] | None:
+        """Stem, first and last number of the rows that a statement could be of a path."""
+        match statement:
+            case p.Follow(path):
+                return path.name.lower(), 1, len(path)
+            case p.Move(_, e.Name(name)):
+                row = self.row(name)
+                return None if row is None else (row[0], row[1], row[1])
+            case p.MoveCircular(e.Name(via), e.Name(end)):
+                one, two = self.row(via), self.row(end)
+                if one is not None and two is not None and (one[0], one[1] + 1) == two:
+                    return one[0], one[1], two[1]
+        return None
+
+    def row(self, name: str) -> tuple[str, int] | None:
+        match = _ROW.fullmatch(name.lower())
+        if match is None or name.lower() not in self.once:
+            return None
+        return match[1], int(match[2])
+
+    def joined(self, held: list[p.Statement], count: int) -> list[p.Statement]:
+        if count < 2 or (len(held) == 1 and isinstance(held[0], p.Follow)):
+            return held
+        paths = [self.path(statement) for statement in held]
+        return [p.Follow(join(paths[0].name, paths), span=held[0].span)]
+
+    def path(self, statement: p.Statement) -> Path:
+        match statement:
+            case p.Follow(path):
+                return path
+            case p.Move(kind, e.Name(name), motion):
+                row = Kind.JOINT if kind == "joint" else Kind.LINEAR
+                return self.of([name], [row], motion)
+            case p.MoveCircular(e.Name(via), e.Name(end), motion):
+                return self.of([via, end], [Kind.VIA, Kind.END], motion)
+        raise TypeError(statement)
+
+    def of(self, names: list[str], kinds: list[Kind], motion: p.Motion) -> Path:
+        targets = [self.once[n.lower()][1] for n in names]
+        self.gone.update(n.lower() for n in names)
+        first = self.once[names[0].lower()][0]
+        return Path.of(
+            first.rsplit("_", 1)[0],
+            [t.pose.position for t in targets],
+            [t.pose.quaternion for t in targets],
+            kinds=np.array(kinds),
+            configurations=[configuration_row(t.configuration) for t in targets],
+            external=[t.external for t in targets],
+            speeds=(motion.speed,),
+            blends=(motion.blend,),
+            tools=(motion.tool,),
+            frames=(motion.frame,),
+        )
+
+
+def join(name: str, paths: list[Path]) -> Path:
+    """Paths one after the other as one."""
+    tables: dict[str, tuple[Any, ...]] = {}
+    columns: dict[str, Any] = {}
+    for column in ("speed", "blend", "tool", "frame"):
+        rows: dict[Any, int] = {}
+        parts = []
+        for path in paths:
+            entries = getattr(path, column + "s")
+            index = np.array([rows.setdefault(v, len(rows)) for v in entries], dtype=np.int32)
+            parts.append(index[getattr(path, column)])
+        columns[column] = np.concatenate(parts)
+        tables[column + "s"] = tuple(rows)
+    for column in ("kinds", "positions", "quaternions", "configurations", "external"):
+        columns[column] = np.concatenate([getattr(path, column) for path in paths])
+    columns.update(tables)
+    return replace(paths[0], name=name, **columns)
+
+
+def map_bodies(statement: Any, body: Any) -> Any:
+    """The statement with each body that it holds replaced by what `body` makes of it."""
+    match statement:
+        case p.If(branches, otherwise):
+            changed = tuple(replace(b, body=body(b.body)) for b in branches)
+            return replace(statement, branches=changed, otherwise=body(otherwise))
+        case p.While() | p.For():
+            return replace(statement, body=body(statement.body))
+        case p.Switch(_, cases, otherwise):
+            selected = tuple(replace(c, body=body(c.body)) for c in cases)
+            return replace(statement, cases=selected, otherwise=body(otherwise))
+    return statement
+
+
+def map_expressions(node: Any, change: Any) -> Any:
+    """A statement or expression with `change` made of every expression in it, inner ones first."""
+    if isinstance(node, Path | str | int | float) or node is None:
+        return node
+    if isinstance(node, tuple):
+        return tuple(map_expressions(item, change) for item in node)
+    if isinstance(node, e.TargetValue | e.JointValue | e.PoseValue):
+        return change(node)
+    if is_dataclass(node) and not isinstance(node, type):
+        if isinstance(node, p.Motion):
+            return node
+        changed = {}
+        for f in fields(node):
+            old = getattr(node, f.name)
+            new = map_expressions(old, change)
+            if new is not old and new != old:
+                changed[f.name] = new
+        node = replace(node, **changed) if changed else node
+        return change(node) if isinstance(node, e.Expression) else node
+    return node
+
+
+__all__ = ["Procedure", "join", "map_bodies", "map_expressions", "with_paths"]
