@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import cache
 from typing import Any, get_args
 
 import numpy as np
@@ -117,21 +118,25 @@ HOSTILE_TEXTS = (
 # ------------------------------------------------------------------------------ small things
 
 
+@cache
 def names() -> st.SearchStrategy[str]:
     """Identifiers, keywords among them."""
     plain = st.from_regex(r"[A-Za-z][A-Za-z0-9_]{0,8}", fullmatch=True)
     return plain | st.sampled_from(TRICKY_NAMES)
 
 
+@cache
 def texts() -> st.SearchStrategy[str]:
     """Any text at all, the hostile ones often."""
     return st.sampled_from(HOSTILE_TEXTS) | st.text(max_size=20)
 
 
+@cache
 def comment_texts() -> st.SearchStrategy[str]:
     return st.text(st.characters(categories=("L", "N", "P", "S")), max_size=20) | texts()
 
 
+@cache
 def lengths() -> st.SearchStrategy[float]:
     """Millimetres or degrees: measured values, and the edges of a float."""
     return st.one_of(
@@ -142,11 +147,13 @@ def lengths() -> st.SearchStrategy[float]:
     )
 
 
+@cache
 def amounts() -> st.SearchStrategy[float]:
     """Speeds, radii, masses: not negative."""
     return lengths().map(abs)
 
 
+@cache
 def quaternions() -> st.SearchStrategy[Quaternion]:
     """Unit quaternions: usual ones, random ones, and ones rounded to five decimals."""
     half = math.sqrt(0.5)
@@ -159,55 +166,66 @@ def quaternions() -> st.SearchStrategy[Quaternion]:
     return usual | exact | rounded  # type: ignore[return-value]
 
 
+@cache
 def vectors() -> st.SearchStrategy[tuple[float, float, float]]:
     return st.just((0.0, 0.0, 0.0)) | st.tuples(lengths(), lengths(), lengths())
 
 
+@cache
 def poses() -> st.SearchStrategy[Pose]:
     return st.builds(Pose, vectors(), quaternions())
 
 
+@cache
 def configurations() -> st.SearchStrategy[Configuration]:
     quadrant = st.integers(-4, 3) | st.sampled_from([-128, 127])
     flag = st.booleans()
     return st.builds(Configuration, flag, flag, flag, st.tuples(quadrant, quadrant, quadrant))
 
 
+@cache
 def externals() -> st.SearchStrategy[tuple[float, ...]]:
     axis = lengths() | st.just(math.nan) | st.just(math.inf)
     return st.just(NO_EXTERNAL) | st.tuples(*[axis] * 6)
 
 
+@cache
 def targets() -> st.SearchStrategy[Target]:
     return st.builds(Target, poses(), st.none() | configurations(), externals())
 
 
+@cache
 def joint_targets() -> st.SearchStrategy[JointTarget]:
     joints = st.lists(lengths() | st.just(math.nan), min_size=1, max_size=7).map(tuple)
     return st.builds(JointTarget, joints, externals())
 
 
+@cache
 def speeds() -> st.SearchStrategy[Speed]:
     usual = st.builds(Speed, amounts())
     whole = st.builds(Speed, amounts(), amounts(), amounts(), amounts(), st.none() | amounts())
     return usual | whole | st.just(MAXIMUM_SPEED)
 
 
+@cache
 def blends() -> st.SearchStrategy[Blend]:
     radius = st.none() | amounts() | st.just(math.inf)
     details = st.none() | st.tuples(*[amounts()] * 5)
     return st.sampled_from([FINE, FULL_BLEND]) | st.builds(Blend, radius, radius, details)
 
 
+@cache
 def tools() -> st.SearchStrategy[Tool]:
     load = st.builds(Load, amounts(), vectors(), quaternions(), vectors())
     return st.builds(Tool, poses(), st.none() | load, st.booleans())
 
 
+@cache
 def frames() -> st.SearchStrategy[Frame]:
     return st.builds(Frame, poses(), poses(), st.booleans(), st.just("") | names())
 
 
+@cache
 def motions() -> st.SearchStrategy[Motion]:
     named = names().map(Name)
     return st.builds(
@@ -222,6 +240,7 @@ def motions() -> st.SearchStrategy[Motion]:
 # ------------------------------------------------------------------------------- expressions
 
 
+@cache
 def expressions(most: int = 8) -> st.SearchStrategy[Expression]:
     """Expressions of every kind; `most` leaves."""
     numbers = st.one_of(
@@ -298,15 +317,18 @@ def paths(draw: st.DrawFn, most: int = 12) -> Path:
 # -------------------------------------------------------------------------------- statements
 
 
+@cache
 def statements(most: int = 4) -> st.SearchStrategy[Statement]:
     """Statements of every kind; those that hold others hold about `most` in all."""
     return st.recursive(_simple(), _holding, max_leaves=most)
 
 
+@cache
 def bodies(most: int = 4) -> st.SearchStrategy[tuple[Statement, ...]]:
     return st.lists(statements(), max_size=most).map(tuple)
 
 
+@cache
 def _simple() -> st.SearchStrategy[Statement]:
     value = expressions(4)
     maybe = st.none() | value
@@ -359,6 +381,7 @@ def _holding(part: st.SearchStrategy[Statement]) -> st.SearchStrategy[Statement]
 # ---------------------------------------------------------------------------------- programs
 
 
+@cache
 def programs(most: int = 4) -> st.SearchStrategy[Program]:
     """Whole programs of up to `most` procedures."""
     return st.builds(
@@ -401,6 +424,7 @@ def procedures(draw: st.DrawFn) -> Procedure:
     )
 
 
+@cache
 def signals() -> st.SearchStrategy[Signal]:
     return st.builds(
         Signal,
@@ -411,6 +435,7 @@ def signals() -> st.SearchStrategy[Signal]:
     )
 
 
+@cache
 def variables() -> st.SearchStrategy[Variable]:
     return st.builds(
         Variable,
@@ -422,6 +447,7 @@ def variables() -> st.SearchStrategy[Variable]:
     )
 
 
+@cache
 def _types() -> st.SearchStrategy[ValueType]:
     return st.sampled_from(get_args(ValueType))
 

@@ -1,0 +1,89 @@
+"""Poses, frames, targets and configurations."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from assistant.program import rotations
+from assistant.program.geometry import (
+    IDENTITY,
+    UNUSED_AXIS,
+    Configuration,
+    Frame,
+    JointTarget,
+    Pose,
+    Target,
+)
+
+HALF = math.sqrt(0.5)
+
+
+@st.composite
+def poses(draw: st.DrawFn) -> Pose:
+    q = np.array(draw(st.tuples(*[st.floats(-1, 1)] * 4)))
+    turn = rotations.canonical(q if np.linalg.norm(q) > 0.01 else [1.0, 0, 0, 0])
+    return Pose.of(np.array(draw(st.tuples(*[st.floats(-2000, 2000)] * 3))), turn)
+
+
+def matrix(pose: Pose) -> np.ndarray:
+    whole = np.eye(4)
+    whole[:3, :3] = rotations.to_matrix(pose.quaternion)
+    whole[:3, 3] = pose.position
+    return whole
+
+
+@given(poses(), poses())
+def test_composing_is_the_product_of_the_matrices(left: Pose, right: Pose) -> None:
+    np.testing.assert_allclose(matrix(left @ right), matrix(left) @ matrix(right), atol=1e-8)
+
+
+@given(poses())
+def test_a_pose_and_its_inverse_cancel(pose: Pose) -> None:
+    for nothing in (pose @ pose.inverse(), pose.inverse() @ pose):
+        np.testing.assert_allclose(matrix(nothing), np.eye(4), atol=1e-8)
+    np.testing.assert_allclose(matrix(pose @ IDENTITY), matrix(pose), atol=1e-9)
+
+
+def test_an_offset_goes_along_the_own_axes() -> None:
+    down = Pose((100.0, 0.0, 50.0), (0.0, 1.0, 0.0, 0.0))
+    assert down.offset(z=-10.0).position == pytest.approx((100.0, 0.0, 60.0))
+    assert down.offset(x=1.0, y=2.0).position == pytest.approx((101.0, -2.0, 50.0))
+
+
+def test_an_object_frame_stands_in_the_user_frame() -> None:
+    frame = Frame(Pose((100.0, 0.0, 0.0), (HALF, 0.0, 0.0, HALF)), Pose((10.0, 0.0, 5.0)))
+    assert frame.pose.position == pytest.approx((100.0, 10.0, 5.0))
+
+
+@pytest.mark.parametrize(
+    ("quadrant", "turn"),
+    [(-7, -2), (-6, -1), (-3, -1), (-2, 0), (-1, 0), (0, 0), (1, 0), (2, 1), (5, 1), (6, 2)],
+)
+def test_turns_count_from_minus_to_plus_180_degrees(quadrant: int, turn: int) -> None:
+    low, high = 90 * quadrant, 90 * quadrant + 90
+    assert -180 + 360 * turn <= low < high <= 180 + 360 * turn
+    assert Configuration(quadrants=(quadrant, 0, quadrant)).turns == (turn, 0, turn)
+
+
+def test_unused_axes_of_equal_targets_are_equal() -> None:
+    one = Target(Pose(), None, (1.0, *[UNUSED_AXIS] * 5))
+    other = Target(Pose(), None, (1.0, *[float("nan")] * 5))
+    assert one == other and hash(one) == hash(other)
+    assert one != Target(Pose(), None, (UNUSED_AXIS,) * 6)
+    assert one != Target(Pose(), Configuration(), one.external)
+    assert one != Target(Pose((0.0, 0.0, 1.0)), None, one.external)
+    assert one != "target"
+
+
+def test_joint_targets_know_missing_joints() -> None:
+    five = JointTarget((1.0, 2.0, 3.0, UNUSED_AXIS, 5.0, 6.0))
+    assert five == JointTarget((1.0, 2.0, 3.0, float("nan"), 5.0, 6.0))
+    assert hash(five) == hash(JointTarget((1.0, 2.0, 3.0, float("nan"), 5.0, 6.0)))
+    assert five != JointTarget((1.0, 2.0, 3.0, 4.0, 5.0, 6.0))
+    assert five != JointTarget((1.0, 2.0, 3.0))
+    assert five != 5
