@@ -278,6 +278,8 @@ def _other_quadrant(
             place=run.what(rows),
             robot=robot.title,
             where=run.label(row),
+            # A turn that does not fit can only be one beyond the limits.
+            severity=Severity.ERROR if robot.counts == "turns" else None,
             counts=robot.counts,
             stated=_counted(run.configurations[row], robot),
             found=_counted(found[row], robot),

@@ -509,3 +509,14 @@ def test_a_path_followed_twice_has_one_configuration() -> None:
     first, _, second = out.procedures[0].body
     assert first.path == second.path
     assert first.path.configurations[0, 0] != UNSTATED
+
+
+def test_a_stated_turn_beyond_the_limits_is_an_error() -> None:
+    robot = robots.get("rv-4frl")
+    stated = Configuration(quadrants=(4, 0, 0))
+    _, findings = robots.configure(
+        program(Move("joint", down(400, 10, 300, stated), MOTION)), robot
+    )
+    assert codes(findings) == ["RB108"]
+    assert findings[0].severity is Severity.ERROR
+    assert "turns 0 0 0, not 1 0 0" in findings[0].message
