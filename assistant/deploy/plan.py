@@ -13,6 +13,7 @@ from typing import Final
 from assistant import languages
 from assistant.controllers import Address, Controller
 from assistant.deploy import rules
+from assistant.languages import Tree
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.text import decode, read_bytes
 
@@ -78,7 +79,7 @@ def plan(files: Sequence[str | FilePath], controller: Controller) -> Plan:
     names = _names(ordered, controller)
     with controller:
         # Only a session knows which version of a language the controller takes.
-        notes = {path: _looked_at(path, data[path], controller) for path in ordered}
+        notes = _looked_at({path: data[path] for path in ordered}, controller)
         errors = [finding for found in notes.values() if has_errors(found) for finding in found]
         if errors:
             raise Refused(*errors)
@@ -121,21 +122,44 @@ def _names(paths: Sequence[str], controller: Controller) -> dict[str, str]:
     return names
 
 
-def _looked_at(path: str, data: bytes, controller: Controller) -> tuple[Diagnostic, ...]:
-    """The findings of a file's own language, or that it is not one of the controller's."""
-    taken = ", ".join(languages.get(name).title for name in controller.languages)
-    where = {"path": path, "address": controller.address, "taken": taken}
+def _looked_at(data: dict[str, bytes], controller: Controller) -> dict[str, tuple[Diagnostic, ...]]:
+    """The findings of each file: of its own language, or that it is not the controller's.
+
+    The language's rules see all files together, as the controller will.
+    """
+    notes: dict[str, tuple[Diagnostic, ...]] = {}
+    trees: dict[str, dict[str, Tree]] = {}
+    for path in data:
+        name = _language(path, data[path], controller)
+        if isinstance(name, Diagnostic):
+            notes[path] = (name,)
+        elif name is not None:
+            language = languages.get(name)
+            tree = language.parse(language.decode(data[path], path))
+            trees.setdefault(name, {})[path] = tree
+            notes[path] = tuple(finding.within(path) for finding in tree.findings)
+    for name, files in trees.items():
+        if not any(has_errors(notes[path]) for path in files):
+            first = next(iter(files))
+            for finding in languages.get(name).check(list(files.values())):
+                path = finding.path if finding.path in files else first
+                notes[path] = (*notes[path], finding)
+    return {path: tuple(dict.fromkeys(notes.get(path, ()))) for path in data}
+
+
+def _language(path: str, data: bytes, controller: Controller) -> str | Diagnostic | None:
+    """Name of the controller's language that a file is in, None for a list of modules."""
     if path.lower().endswith(PROGRAM_FILE) and "rapid" in controller.languages:
-        return ()
-    for name in controller.languages:  # the version that the controller speaks comes first
+        return None
+    for name in controller.languages:
         language = languages.get(name)
         if FilePath(path).suffix.lower() in language.suffixes and language.recognises(data):
-            tree = language.parse(language.decode(data, path))
-            return tuple(finding.within(path) for finding in tree.findings)
-    other = languages.of_file(path, data)
-    if other is not None:
-        return (rules.WRONG_LANGUAGE(**where, given=other.title),)  # type: ignore[arg-type]
-    return (rules.UNKNOWN_LANGUAGE(**where),)  # type: ignore[arg-type]
+            return name
+    taken = ", ".join(languages.get(name).title for name in controller.languages)
+    address, other = controller.address, languages.of_file(path, data)
+    if other is None:
+        return rules.UNKNOWN_LANGUAGE(path=path, address=address, taken=taken)
+    return rules.WRONG_LANGUAGE(path=path, address=address, taken=taken, given=other.title)
 
 
 def _planned(

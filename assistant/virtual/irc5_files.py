@@ -79,8 +79,7 @@ class Home(AbstractedFS):  # type: ignore[misc]
 
         leaving: a file that goes away by the same act.
         """
-        beside = frozenset(file.name for file in path.parent.iterdir()) - {leaving}
-        findings = look(path.name, data, beside)
+        findings = look(path.name, data, path.parent, leaving)
         errors = [finding for finding in findings if finding.severity is Severity.ERROR]
         if errors:
             self.report(f"refused {path.name}: {len(errors)} errors")

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from pathlib import Path as FilePath
 from pathlib import PurePosixPath
 from typing import Final
 from xml.etree import ElementTree
 
 from assistant import languages
-from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity
+from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, has_errors
 
 MODULE_SUFFIXES: Final = (".mod", ".sys", ".prg")
 PROGRAM_SUFFIX: Final = ".pgf"
@@ -54,19 +55,47 @@ def is_looked_at(file: str) -> bool:
     return file.lower().endswith((*MODULE_SUFFIXES, PROGRAM_SUFFIX))
 
 
-def look(file: str, data: bytes, beside: frozenset[str]) -> tuple[Diagnostic, ...]:
-    """The findings of a file of that name; beside: names of the files of its folder.
+def look(file: str, data: bytes, folder: FilePath, leaving: str = "") -> tuple[Diagnostic, ...]:
+    """The findings of a file that is to get that name in a folder; other kinds have none.
 
-    Files of other kinds have none.
+    leaving: a file of the folder that goes away by the same act.
     """
     lower = file.lower()
+    beside = [f for f in folder.iterdir() if f.name not in (file, leaving) and f.is_file()]
     if lower.endswith(PROGRAM_SUFFIX):
-        return _program_findings(file, data, beside)
-    return load(file, data).findings if lower.endswith(MODULE_SUFFIXES) else ()
+        return _program_findings(file, data, frozenset(f.name for f in beside))
+    if not lower.endswith(MODULE_SUFFIXES):
+        return ()
+    module = load(file, data)
+    if has_errors(module.findings):
+        return module.findings
+    loaded = [f for f in beside if f.suffix.lower() in MODULE_SUFFIXES]
+    return (*module.findings, *_rule_findings(file, data, module.name, loaded))
+
+
+def _rule_findings(
+    file: str, data: bytes, name: str, loaded: list[FilePath]
+) -> tuple[Diagnostic, ...]:
+    """What the language's rules say of a module, but what the others beside it put right.
+
+    HOME: keeps files of many programs, so that two of them may well declare one name.
+    """
+    rapid = languages.get("rapid")
+    trees = [rapid.parse(rapid.decode(data, file))]
+    alone = [finding for finding in rapid.check(trees) if finding not in trees[0].findings]
+    if not has_errors(alone):
+        return tuple(alone)
+    for other in loaded:
+        text = other.read_bytes()
+        module = load(other.name, text)
+        if module.name.lower() != name.lower() and not has_errors(module.findings):
+            trees.append(rapid.parse(rapid.decode(text, other.name)))
+    together = set(rapid.check(trees))
+    return tuple(finding for finding in alone if finding in together)
 
 
 def load(file: str, data: bytes) -> LoadedModule:
-    """A module file as the controller's load sees it."""
+    """A module file as the controller's load reads it."""
     rapid = languages.get("rapid")
     try:
         source = rapid.decode(data, file)

@@ -270,6 +270,23 @@ def test_a_broken_program_is_never_sent(site, files):
     assert on_controller(site) == before
 
 
+def test_rules_of_the_language_keep_a_program_back(tmp_path):
+    zone = tmp_path / "a.mod"
+    target = "[[1,2,3],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]"
+    text = MODULE.format("A", "main", 1).replace("WaitTime 1", f"MoveL {target}, v150, z3, tool0")
+    zone.write_text(text, newline="")
+    jump = tmp_path / "b.prg"
+    jump.write_text("10 GOTO *NOWHERE\r\n20 END\r\n", newline="")
+    with VirtualIrc5(tmp_path / "home") as irc5, VirtualCr() as cr:
+        for file, client in (
+            (zone, connect(irc5.address, password=irc5.password)),
+            (jump, connect(cr.address)),
+        ):
+            with pytest.raises(Refused) as refused:
+                plan([file], client)
+            assert any(f.path == str(file) and f.line for f in refused.value.findings)
+
+
 def test_files_that_cannot_be_read(site, files, tmp_path):
     with pytest.raises(Unreadable):
         plan([*files, tmp_path / "missing.mod"], site.client())

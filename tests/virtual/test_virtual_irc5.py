@@ -101,6 +101,25 @@ def test_the_refusal_names_line_and_code(controller, ftp):
     assert "seam.mod:3:" in str(refused.value) and " RA" in str(refused.value)
 
 
+TARGET = b"[[1,2,3],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]"
+ZONE = GOOD.replace(b"WaitTime 1;", b"MoveL " + TARGET + b", v150, z3, tool0;")
+
+
+def test_names_that_no_loaded_module_declares_are_refused(controller, ftp):
+    with pytest.raises(ftplib.error_perm, match="z3"):
+        store(ftp, "seam.mod", ZONE)
+    declared = b"CONST zonedata z3 := [FALSE,3,4,4,0.4,4,0.4];"
+    store(ftp, "zones.mod", b"MODULE Zones\r\n  " + declared + b"\r\nENDMODULE\r\n")
+    store(ftp, "seam.mod", ZONE)
+    assert retrieve(ftp, "seam.mod") == ZONE
+
+
+def test_files_of_two_programs_may_both_have_a_main(controller, ftp):
+    store(ftp, "a.mod", GOOD)
+    store(ftp, "b.mod", GOOD.replace(b"Seam", b"Other"))
+    assert sorted(ftp.nlst()) == ["a.mod", "b.mod"]
+
+
 def test_renaming_does_not_smuggle_a_broken_module_in(controller, ftp):
     store(ftp, "seam.mod", GOOD)
     store(ftp, "seam.txt", BROKEN)
