@@ -21,6 +21,9 @@ Floats = NDArray[np.float64]
 ARBITRARY_AXIS_BOUND: Final = 1.0 / 64.0
 """DXF reference, arbitrary axis algorithm: closer than this to z, x comes from the y axis."""
 
+LARGEST: Final = 1e20
+"""Of the numbers of an insert in the drawing's unit, be it the finest; squares stay finite."""
+
 EVEN: Final = 1e-6
 """Relative difference in scale, and cosine, below which a transform keeps angles."""
 
@@ -89,6 +92,16 @@ def cells(insert: Insert) -> Iterator[tuple[float, float]]:
     for row in range(max(rows, 1)):
         for column in range(max(columns, 1)):
             yield column * dxf.column_spacing, row * dxf.row_spacing
+
+
+def check_insert(insert: Insert) -> None:
+    """Raises ValueError for an insert whose numbers cannot be reckoned with."""
+    dxf = insert.dxf
+    numbers = [dxf.rotation, dxf.xscale, dxf.yscale, dxf.zscale, dxf.row_spacing]
+    numbers += [dxf.column_spacing, *dxf.insert.xyz, *dxf.extrusion.xyz]
+    if not all(abs(float(n)) < LARGEST for n in numbers):  # NaN fails as well
+        raise ValueError(f"a number is not finite or beyond {LARGEST:g}")
+    _scale(insert)
 
 
 def insert_axes(insert: Insert) -> Floats:

@@ -14,6 +14,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final, cast
 
+import numpy as np
+
 from assistant.program.diagnostics import Diagnostic, Refused, Rule
 from assistant.sources.drawing.attributes import Tags, texts_of
 from assistant.sources.drawing.document import library_errors
@@ -32,7 +34,7 @@ from assistant.sources.drawing.findings import (
     Tally,
     shown,
 )
-from assistant.sources.drawing.transforms import Floats, cells, insert_matrix
+from assistant.sources.drawing.transforms import Floats, cells, check_insert, insert_matrix
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
@@ -158,7 +160,7 @@ class Traversal:
         try:
             check_stated(insert)
             tags = [tag for tag, _ in texts_of(insert, self.document)]
-            insert_matrix(insert)
+            check_insert(insert)
         except library_errors() as error:
             self._say(BAD_ENTITY, place, kind="INSERT", reason=shown(str(error)))
             return
@@ -176,7 +178,8 @@ class Traversal:
             if block is None:
                 self.seen += 1
                 continue
-            inner = owner.matrix @ insert_matrix(insert, block.base_point.xyz, cell)
+            with np.errstate(all="ignore"):  # what overflows is found not to be finite
+                inner = owner.matrix @ insert_matrix(insert, block.base_point.xyz, cell)
             blocks = (*owner.blocks, block.name.lower())
             yield from self._walk(block, _Owner(inner, layer, f"{place} > ", blocks, symbol))
 

@@ -10,6 +10,8 @@ from pathlib import Path
 import ezdxf
 import pytest
 from ezdxf.document import Drawing
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from assistant.program.diagnostics import Refused, Severity, Unreadable
 from assistant.sources.curves import Line
@@ -17,6 +19,8 @@ from assistant.sources.drawing import read, read_contents
 from assistant.sources.process import NO_PROCESS
 
 Save = Callable[..., Path]
+
+SAMPLE = Path(__file__).parents[3] / "samples" / "plate.dxf"
 
 
 def codes(path: Path) -> list[str]:
@@ -146,3 +150,36 @@ def test_reader_does_not_write_to_the_terminal(
     read_contents(damaged_file, NO_PROCESS)
     out, err = capfd.readouterr()
     assert (out, err) == ("", "")
+
+
+@settings(
+    max_examples=60,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
+)
+@given(
+    changes=st.lists(
+        st.tuples(
+            st.floats(0, 1, exclude_max=True),
+            st.sampled_from(
+                ["", "0", "-1", "nan", "1e400", "abc", "ü", "INSERT", "ENDBLK", "SEQEND"]
+            ),
+        ),
+        min_size=1,
+        max_size=3,
+    )
+)
+def test_damaged_lines_never_escape(tmp_path: Path, changes: list[tuple[float, str]]) -> None:
+    """Any line of the sample's blocks and entities replaced: read, or refused with reasons."""
+    lines = SAMPLE.read_text("utf-8").split("\n")
+    first, last = lines.index("BLOCKS"), lines.index("OBJECTS")
+    for where, text in changes:
+        lines[first + int(where * (last - first))] = text
+    path = tmp_path / "damaged.dxf"
+    path.write_text("\n".join(lines), "utf-8")
+    try:
+        findings = read(path, NO_PROCESS).findings
+    except Refused as refused:
+        findings = refused.findings
+        assert any(f.severity is Severity.ERROR for f in findings)
+    assert all(f.message.isprintable() and f.where().isprintable() for f in findings)

@@ -284,9 +284,12 @@ def test_broken_splines(
 
 
 @pytest.mark.parametrize("value", ["nan", "inf", "1e300", "-1e12"])
-@pytest.mark.parametrize("kind", ["LINE", "CIRCLE", "LWPOLYLINE", "POINT", "ELLIPSE", "SPLINE"])
+@pytest.mark.parametrize(
+    "kind", ["LINE", "CIRCLE", "LWPOLYLINE", "POINT", "ELLIPSE", "SPLINE", "INSERT"]
+)
 def test_coordinates_that_are_no_place(save: Save, drawing: Drawing, kind: str, value: str) -> None:
     model = drawing.modelspace()
+    drawing.blocks.new("DOT").add_line((0, 0), (1, 0))
     {
         "LINE": lambda: model.add_line((0, 7.125), (1, 1)),
         "CIRCLE": lambda: model.add_circle((0, 7.125), 1),
@@ -294,6 +297,7 @@ def test_coordinates_that_are_no_place(save: Save, drawing: Drawing, kind: str, 
         "POINT": lambda: model.add_point((0, 7.125)),
         "ELLIPSE": lambda: model.add_ellipse((0, 7.125), (1, 0), 0.5),
         "SPLINE": lambda: model.add_spline([(0, 7.125), (1, 1), (2, 5)]),
+        "INSERT": lambda: model.add_blockref("DOT", (0, 7.125)),
     }[kind]()
     path = save(drawing)
     path.write_text(path.read_text().replace("7.125", value, 1))

@@ -55,7 +55,7 @@ def test_sample() -> None:
         "home", "above_pick", "pick", "leave_pick", "above_place", "place", "leave_place",
         "INSPECT_1", "INSPECT_2",
     ]  # fmt: skip
-    assert program.targets["pick"].pose.position == (235.0, -85.0, 150.0)
+    assert program.targets["pick"].pose.position == (235.0, -85.0, 260.0)
     assert program.targets["place"].pose.quaternion == pytest.approx(
         (0.0, np.sqrt(0.5), np.sqrt(0.5), 0.0), abs=1e-12
     )
@@ -64,8 +64,8 @@ def test_sample() -> None:
     assert kinds == {Kind.LINEAR, Kind.VIA, Kind.END}
     for follow in paths(program):
         low, high = follow.path.positions.min(axis=0), follow.path.positions.max(axis=0)
-        assert (low >= (220, -90, 120)).all()
-        assert (high <= (320, 90, 220)).all()
+        assert (low >= (220, -90, 240)).all()
+        assert (high <= (320, 90, 340)).all()
 
 
 def test_contours_follow_the_locations(save: Save, drawing: Drawing) -> None:
