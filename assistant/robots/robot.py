@@ -110,10 +110,13 @@ class Robot:
         wanted = tuple(range(self.branches)) if branches is None else branches
         room = five_axis if self.five_axis else six_axis
         angles, excess = room.ik(self.lengths, positions, quaternions, wanted)
-        joints = np.degrees(angles)
+        joints = np.degrees(angles, out=angles)
         joints -= self.zero[:, None, None]
-        middle = self.limits.mean(axis=1)[:, None, None]
-        joints -= 360.0 * np.round((joints - middle) / 360.0)
+        turns = joints - self.limits.mean(axis=1)[:, None, None]
+        turns *= 1.0 / 360.0
+        np.rint(turns, out=turns)
+        turns *= 360.0
+        joints -= turns
         return joints, excess
 
     def closes(self, joints: Floats, positions: Floats, quaternions: Floats) -> Truths:
