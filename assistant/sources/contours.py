@@ -135,8 +135,9 @@ def _chain_layer(curves: list[Curve], tolerance: float) -> tuple[list[Contour], 
     with np.errstate(invalid="ignore", over="ignore"):
         points = sample(curves, SAMPLES)  # what is no number comes out as none
     placed = np.all(np.abs(points) < FARTHEST, axis=(1, 2)).astype(bool)
-    findings += [NOT_A_PLACE(layer=layer, place=_place(curves[i])) for i in np.flatnonzero(~placed)]
     lengths = np.array([c.length if ok else 0.0 for c, ok in zip(curves, placed, strict=True)])
+    placed &= np.isfinite(lengths)
+    findings += [NOT_A_PLACE(layer=layer, place=_place(curves[i])) for i in np.flatnonzero(~placed)]
     long = lengths > EXACT
     if (empty := np.flatnonzero(placed & ~long)).size:
         findings.append(_counted(NO_LENGTH, layer, [curves[i] for i in empty]))

@@ -13,6 +13,7 @@ q - d t. The construction holds in space as in the plane.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -25,6 +26,8 @@ SAMPLES: Final = 33
 """Points of the curve that an interval is checked at, its ends included."""
 MOST_ROUNDS: Final = 26
 """Halvings of an interval before it is given up."""
+MOST_PIECES: Final = 20_000
+"""Intervals that do not fit, over which the curve is given up: it is noise, not a shape."""
 WIDEST: Final = np.radians(100.0)
 """Sweep of one arc of a biarc."""
 SHARPEST: Final = np.radians(20.0)
@@ -49,12 +52,15 @@ class Fit:
     """Lines and arcs, end to end, that follow a curve.
 
     deviation: mm, the largest distance of a checked point of the curve from them.
-    within: it is known to stay within the tolerance all along.
+    within: False, without any pieces, if the curve cannot be followed within the tolerance.
     """
 
     pieces: tuple[Line | Arc, ...]
     deviation: float
-    within: bool
+    within: bool = True
+
+
+NONE: Final = Fit((), math.inf, False)
 
 
 def fit(curve: FreeCurve, tolerance: float) -> Fit:
@@ -66,26 +72,26 @@ def fit(curve: FreeCurve, tolerance: float) -> Fit:
 def _fit(curve: FreeCurve, tolerance: float) -> Fit:
     todo = _first_intervals(curve.breaks)
     done: list[_Biarcs] = []
-    within = True
     for _ in range(MOST_ROUNDS):
         tried = _Biarcs.of(curve, todo, tolerance)
         if not tried.finite:
-            return Fit((), float("nan"), False)
+            return NONE
         done.append(tried.where(tried.fits))
         rest = todo[~tried.fits]
         if not len(rest):
             break
+        if len(rest) > MOST_PIECES:
+            return NONE
         middle = rest.mean(axis=1)
         todo = np.stack([np.c_[rest[:, 0], middle], np.c_[middle, rest[:, 1]]], 1).reshape(-1, 2)
     else:
-        within = False
-        done.append(_Biarcs.of(curve, todo, tolerance).as_lines())
+        return NONE
     fitted = _joined(curve, _Biarcs.concatenated(done), tolerance)
     deviation = float(fitted.deviation.max(initial=0.0))
     pieces = [replace(p, layer=curve.layer, handle=curve.handle) for p in fitted.pieces()]
     if pieces and curve.closed:
         pieces[-1] = replace(pieces[-1], end=pieces[0].start)
-    return Fit(tuple(_united(pieces, tolerance * STRAIGHT * 10)), deviation, within)
+    return Fit(tuple(_united(pieces, tolerance * STRAIGHT * 10)), deviation)
 
 
 def _first_intervals(breaks: tuple[float, ...]) -> Points:
@@ -164,9 +170,6 @@ class _Biarcs:
 
     def where(self, chosen: Flags) -> _Biarcs:
         return _Biarcs(*(column[chosen] for column in self._columns()))
-
-    def as_lines(self) -> _Biarcs:
-        return replace(self, line=np.ones(len(self.line), dtype=bool))
 
     @staticmethod
     def concatenated(parts: list[_Biarcs]) -> _Biarcs:

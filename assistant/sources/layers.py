@@ -120,7 +120,7 @@ def contour_program(
         if layer is None:
             findings.append(UNUSED(what=_count(group), layer=shown(group[0].layer)))
             continue
-        name = identifier(group[0].layer, taken)
+        name = _name(group[0].layer, taken)
         taken.add(name)
         followed.append((name, group, layer))
     # All procedures have their names before any path gets one.
@@ -130,6 +130,12 @@ def contour_program(
         findings += found
     findings += _without_contours(process.layers, [group[0].layer for group in layers.values()])
     return tuple(procedures), tuple(f.within(path) for f in findings)
+
+
+def _name(layer: str, taken: set[str]) -> str:
+    """Of the procedure; a signal is often called as its layer is, and needs the name more."""
+    name = identifier(layer)
+    return name if identifier(layer, taken) == name else identifier(f"{name}_contours", taken)
 
 
 def _count(curves: Sequence[Curve]) -> str:
@@ -177,7 +183,6 @@ def _procedure(
     deviation, fitted, count = 0.0, 0, 0
     for contour in order.contours:
         rows = moves(contour, process.tolerance, widest=widest)
-        deviation, fitted = max(deviation, rows.deviation), fitted + rows.fitted
         handle = next((c.handle for c in contour.curves if c.handle), "")
         place = f"entity {handle}" if handle else None
         if not rows.within:
@@ -186,6 +191,7 @@ def _procedure(
             findings.append(TOO_SMALL(place=place, layer=shown(name), tolerance=process.tolerance))
         else:
             count += 1
+            deviation, fitted = max(deviation, rows.deviation), fitted + rows.fitted
             kind: Literal["joint", "linear"] = "joint" if count == 1 else "linear"
             body += _follow(f"{stem}_{count}", rows, layer, placed, kind)
             taken.add(f"{stem}_{count}")

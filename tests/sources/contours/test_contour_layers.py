@@ -176,13 +176,20 @@ def test_splines_are_fitted_and_how_well_is_said():
 
 
 def test_a_curve_that_cannot_be_followed_is_an_error():
-    broken = FreeCurve(
-        lambda t: np.c_[t * 9, np.where(abs(t - 0.37) < 0.1, np.nan, t), 0 * t], False, "GLUE"
-    )
-    procedures, findings = contour_program([broken], process(GLUE=GLUE), taken=set())
+    noise = FreeCurve(lambda t: np.c_[t * 9, np.sin(1e7 * t), 0 * t], False, "GLUE")
+    procedures, findings = contour_program([noise], process(GLUE=GLUE), taken=set())
     assert procedures == ()
     assert codes(findings) == ["CT204"]
     assert findings[0].severity is Severity.ERROR
+
+
+def test_a_curve_that_is_no_number_somewhere_is_an_error():
+    broken = FreeCurve(
+        lambda t: np.c_[t, np.where(abs(t - 0.37) < 0.1, np.nan, t), t], layer="GLUE"
+    )
+    procedures, findings = contour_program([broken], process(GLUE=GLUE), taken=set())
+    assert procedures == ()
+    assert codes(findings) == ["CT101"]
 
 
 def test_travel_is_reported():
