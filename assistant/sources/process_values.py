@@ -172,7 +172,8 @@ def blend(value: Any) -> Blend:
         return FINE
     if isinstance(value, str):
         raise Wrong(f'is "{shown(value)}"', 'write "fine", or a number of mm without quotes')
-    return Blend(number("mm", least=0.0)(value))
+    radius: float = number("mm", least=0.0)(value)
+    return Blend(radius) if radius else FINE
 
 
 def tolerance(value: Any) -> float:
