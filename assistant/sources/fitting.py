@@ -298,9 +298,9 @@ def _united(pieces: list[Line | Arc], near: float) -> list[Line | Arc]:
 
 def _one_circle(a: Arc, b: Arc, near: float) -> bool:
     return (
-        bool(np.linalg.norm(np.subtract(a.centre, b.centre)) <= near)
+        math.dist(a.centre, b.centre) <= near
         and abs(a.radius - b.radius) <= near
-        and float(np.dot(a.normal, b.normal)) > 1.0 - 1e-9
+        and math.dist(a.normal, b.normal) <= 1e-4
         and a.sweep + b.sweep <= CONTROLLER_SWEEP
     )
 

@@ -307,11 +307,11 @@ def _path(name: str, rows: Moves, layer: Layer, direction: Vector) -> tuple[Pose
     """The start's pose, and the path of the rows; it stops at its end and where it turns."""
     if layer.tangential:
         first, axes, chosen = along(rows, direction)
+        begin, quaternions = facing(direction, first[None]), facing(direction, axes)
     else:
-        first = level(direction)
         chosen = np.arange(len(rows))
-        axes = np.broadcast_to(first, (len(rows), 3))
-    quaternions = facing(direction, axes)
+        begin = facing(direction, level(direction)[None])
+        quaternions = np.broadcast_to(begin, (len(rows), 4))
     stops = np.zeros(len(chosen), dtype=np.int32)
     again = np.flatnonzero(chosen[1:] == chosen[:-1])
     stops[again] = stops[again + 1] = stops[-1] = 1
@@ -329,5 +329,4 @@ def _path(name: str, rows: Moves, layer: Layer, direction: Vector) -> tuple[Pose
         tools=(motion.tool,),
         frames=(motion.frame,),
     )
-    start = Pose.of(rows.start, facing(direction, first[None])[0])
-    return start, path
+    return Pose.of(rows.start, begin[0]), path

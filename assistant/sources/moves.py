@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from assistant.program.geometry import Vector
 from assistant.program.path import Kind
 from assistant.sources.contours import Contour
-from assistant.sources.curves import Arc, FreeCurve, Line, Points, circle_through
+from assistant.sources.curves import Arc, FreeCurve, Line, Points, circle_through, cross
 from assistant.sources.fitting import fit
 
 LEAST_CHORD: Final = 0.1
@@ -126,9 +126,8 @@ def _distinct(arc: Arc, count: int) -> bool:
     """Whether via and end, as they stand, make out the circle."""
     if count > 1:
         return True
-    start, via, end = (np.asarray(p) for p in (arc.start, arc.via, arc.end))
-    chords = (start - via, via - end, end - start)
-    apart = min(float(np.linalg.norm(c)) for c in chords)
+    start, via, end = arc.start, arc.via, arc.end
+    apart = min(math.dist(start, via), math.dist(via, end), math.dist(end, start))
     return apart >= LEAST_CHORD and circle_through(start, via, end) is not None
 
 
@@ -171,9 +170,9 @@ def _columns(
         )
         kinds[end], kinds[via] = Kind.END, Kind.VIA
         positions[via] = middle
-        leaving[via] = _unit(np.cross(normal, starts[arcs] - centre))
-        leaving[end] = arriving[via] = _unit(np.cross(normal, middle - centre))
-        arriving[end] = _unit(np.cross(normal, ends[arcs] - centre))
+        leaving[via] = _unit(cross(normal, starts[arcs] - centre))
+        leaving[end] = arriving[via] = _unit(cross(normal, middle - centre))
+        arriving[end] = _unit(cross(normal, ends[arcs] - centre))
     return kinds, positions, leaving, arriving
 
 
