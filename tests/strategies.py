@@ -324,7 +324,7 @@ def statements(most: int = 4) -> st.SearchStrategy[Statement]:
 
 
 @cache
-def bodies(most: int = 4) -> st.SearchStrategy[tuple[Statement, ...]]:
+def bodies(most: int = 3) -> st.SearchStrategy[tuple[Statement, ...]]:
     return st.lists(statements(), max_size=most).map(tuple)
 
 
@@ -382,7 +382,7 @@ def _holding(part: st.SearchStrategy[Statement]) -> st.SearchStrategy[Statement]
 
 
 @cache
-def programs(most: int = 4) -> st.SearchStrategy[Program]:
+def programs(most: int = 3) -> st.SearchStrategy[Program]:
     """Whole programs of up to `most` procedures."""
     return st.builds(
         Program,

@@ -46,11 +46,15 @@ TOP_MAY_IMPORT = frozenset({"compiler", "languages", "robots"})
 
 @dataclass(frozen=True, slots=True)
 class Import:
-    """One import statement: the module that it stands in, the one that it names, its line."""
+    """One import: the module that it stands in, the one that it names, its line.
+
+    at_once: it runs when the module is loaded, not in a function, nor for types only.
+    """
 
     by: str
     of: str
     line: int
+    at_once: bool
 
     def __str__(self) -> str:
         return f"{self.by}:{self.line} imports {self.of}"
@@ -74,10 +78,11 @@ def imports(package: FilePath) -> Iterator[Import]:
     for name, file in known.items():
         tree = ast.parse(file.read_text(encoding="utf-8"), str(file))
         is_package = file.name == "__init__.py"
+        at_once = set(map(id, _at_import(tree.body)))
         for node in ast.walk(tree):
             for named in _named(node, name, is_package, known):
                 if named.split(".")[0] == package.name and named != name:
-                    yield Import(name, named, getattr(node, "lineno", 0))
+                    yield Import(name, named, getattr(node, "lineno", 0), id(node) in at_once)
 
 
 def _named(
@@ -101,11 +106,10 @@ def faults(package: FilePath, rooms: Mapping[str, frozenset[str]] = ROOMS) -> li
     """What breaks the order: an import upwards or sideways, an unknown room, a circle."""
     found = [f"`{name}` is no room" for name in _unknown_rooms(package, rooms)]
     graph: dict[str, set[str]] = {name: set() for name in modules(package)}
-    known = modules(package)
     for one in imports(package):
         if not _is_allowed(_room(one.by), _room(one.of), rooms):
             found.append(str(one))
-        if not _is_lazy(known[one.by], one):
+        if one.at_once:
             graph[one.by].add(one.of)
     try:
         TopologicalSorter(graph).prepare()
@@ -124,17 +128,6 @@ def _is_allowed(by: str, of: str, rooms: Mapping[str, frozenset[str]]) -> bool:
     if of in ("", *SHARED):  # `assistant` itself is asked for its version only
         return True
     return by == of or of in rooms.get(by, frozenset())
-
-
-def _is_lazy(file: FilePath, one: Import) -> bool:
-    """Whether a module is loaded only when a name of it is first used, or never, for types."""
-    tree = ast.parse(file.read_text(encoding="utf-8"))
-    at_once = {
-        node.lineno
-        for node in _at_import(tree.body)
-        if isinstance(node, ast.Import | ast.ImportFrom)
-    }
-    return one.line not in at_once
 
 
 def _at_import(body: list[ast.stmt]) -> Iterator[ast.stmt]:

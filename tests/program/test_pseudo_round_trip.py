@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from hypothesis import HealthCheck, given, settings
 
@@ -57,6 +59,17 @@ def test_statements_come_back(statement: Statement) -> None:
 @given(strategies.paths())
 def test_paths_come_back(path: Path) -> None:
     comes_back(holding(Follow(path)))
+
+
+@PATIENT
+@given(strategies.paths())
+def test_rows_of_unusual_layout_mean_the_same(path: Path) -> None:
+    """The short cut for usual rows and the grammar agree."""
+    text = print_program(holding(Follow(path))).text
+    spaced = re.sub(r"(?m)^( +(?:joint|linear|via|to)) \[", r"\1\t  [ ", text)
+    again = parse(spaced)
+    assert again == holding(Follow(path))
+    assert print_program(again).text == text
 
 
 @PATIENT
