@@ -1,0 +1,124 @@
+"""MELFA-BASIC IV, V and VI: the language of Mitsubishi Electric's industrial robots."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final
+
+from assistant.languages.language import Adapted, Language, Precision
+from assistant.languages.melfa_basic.dialects import DIALECTS
+from assistant.languages.melfa_basic.syntax import File
+from assistant.program.diagnostics import Diagnostic
+from assistant.program.program import Program
+from assistant.program.text import SourceText
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+
+__all__ = ["MelfaBasic", "language"]
+
+
+def language(name: str) -> MelfaBasic:
+    """The dialect of that name; raises KeyError if there is none."""
+    return MelfaBasic(name)
+
+
+_CODE: Final = re.compile(
+    rb"^[ \t]*[0-9]+[ \t]*(\*|'|[A-Za-z])|^[ \t]*(?:DEF[ \t]+POS[ \t]+)?[A-Za-z_][A-Za-z0-9_]*"
+    rb"(?:\([0-9, ]+\))?=\([^)]*\)(?:\([^)]*\))?[ \t]*\r?$"
+    rb"|^[ \t]*(\*[A-Za-z]|MOV |MVS |OVRD |SPD |DEF |DLY |IF |FUNCTION |OPEN |SERVO )",
+    re.IGNORECASE | re.MULTILINE,
+)
+_RAPID: Final = re.compile(
+    rb"^[ \t]*(%%%|MODULE[ \t]+[A-Za-z]|ENDMODULE|(LOCAL[ \t]+)?PROC[ \t]+[A-Za-z])",
+    re.IGNORECASE | re.MULTILINE,
+)
+_MARK: Final = re.compile(rb"' robot-assistant: (melfa-basic-[456])")
+
+
+class MelfaBasic(Language[File]):
+    """One dialect of MELFA-BASIC."""
+
+    suffixes = (".prg", ".mb4", ".mb5", ".mb6", ".pos")
+    encodings = ("ascii", "utf-8-sig", "utf-8", "cp932", "cp1252")
+    # half a unit of the second decimal; the angle is that of three Euler angles together
+    precision = Precision(position=0.00501, angle=0.0151)
+
+    def __init__(self, name: str) -> None:
+        self.dialect = DIALECTS[name]
+        self.name, self.title = name, self.dialect.title
+
+    def recognises(self, data: bytes) -> bool:
+        """Whether it looks like this dialect; a written file says which one it is in."""
+        if data.startswith(b"ROBPRG"):
+            return True
+        head = data[:200_000]
+        marked = _MARK.search(head)
+        if marked:
+            return marked.group(1).decode() == self.name
+        if _RAPID.search(head) or not _CODE.search(head):
+            return False
+        return self.dialect.level == _level(head)
+
+    def encode(self, tree: File) -> bytes:
+        """The rendered text in the encoding that it was read in; new text in UTF-8."""
+        text = self.render(tree)
+        return text.encode(tree.source.encoding if tree.source else "utf-8")
+
+    def parse(self, source: SourceText | str) -> File:
+        from assistant.languages.melfa_basic.parser import parse
+
+        return parse(source, self.name)
+
+    def render(self, tree: File) -> str:
+        from assistant.languages.melfa_basic.printer import render
+
+        return render(tree)
+
+    def format(self, tree: File) -> str:
+        from assistant.languages.melfa_basic.printer import layout
+
+        return layout(tree)
+
+    def lift(self, trees: File | Sequence[File], robot: Robot | None = None) -> Program:
+        from assistant.languages.melfa_basic.lift import lift
+
+        return lift([trees] if isinstance(trees, File) else trees, robot)
+
+    def adapt(
+        self, program: Program, robot: Robot | None = None, *, most_targets: int | None = None
+    ) -> Adapted:
+        from assistant.languages.melfa_basic.lower import adapt
+
+        return adapt(program, robot, self.name, most_targets)
+
+    def build(self, program: Program, robot: Robot | None = None, unit: str | None = None) -> File:
+        from assistant.languages.melfa_basic.lower import build
+
+        return build(program, robot, unit, self.name)
+
+    def file_name(self, program: Program, unit: str | None = None) -> str:
+        from assistant.languages.melfa_basic.names import naming
+
+        return naming(program, self.dialect).units[unit] + ".prg"
+
+    def check(self, trees: Sequence[File]) -> tuple[Diagnostic, ...]:
+        from assistant.languages.melfa_basic.checking import check
+
+        return check(trees)
+
+
+_SIX: Final = re.compile(rb"^[ \t]*[0-9]*[ \t]*(FUNCTION|#INCLUDE|STATIC)\b", re.I | re.M)
+_NUMBERED: Final = re.compile(rb"^[ \t]*[0-9]+[ \t]+([A-Za-z]+)", re.MULTILINE)
+
+
+def _level(head: bytes) -> int:
+    """The oldest version that a text may be: IV is numbered and in upper case throughout."""
+    if _SIX.search(head):
+        return 6
+    words = [m.group(1) for m in _NUMBERED.finditer(head)]
+    if words and all(word.isupper() for word in words):
+        return 4
+    positions_only = not words and b"=(" in head and not re.search(rb"(?i)\b(mov|mvs|if)\b", head)
+    return 4 if positions_only else 5

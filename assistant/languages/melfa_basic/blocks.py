@@ -1,0 +1,213 @@
+"""Where blocks and procedures begin and end in the code lines of a file."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.columnar import MoveRows
+
+Entry = s.Line | MoveRows
+
+_MIDDLE: Final = {"Else": "If", "Default": "Select"}
+_CLOSING: Final = {"EndIf": "If", "WEnd": "While", "End Select": "Select"}
+
+
+def is_command(item: Entry, keyword: str) -> bool:
+    """Whether a line is that word alone."""
+    return isinstance(item, s.Line) and item.label is None and item.statement == s.Command(keyword)
+
+
+def is_blank(item: Entry) -> bool:
+    return isinstance(item, s.Line) and not (item.statement or item.label or item.comment)
+
+
+def opened(statement: s.Statement | None) -> str | None:
+    """The kind of block that a statement opens."""
+    match statement:
+        case s.If(then=None):
+            return "If"
+        case s.For():
+            return "For"
+        case s.Select():
+            return "Select"
+        case s.Command(keyword="While"):
+            return "While"
+    return None
+
+
+def structure(code: Sequence[Entry]) -> dict[int, list[int]]:
+    """First line of each block → the places of all its keywords, the last one included.
+
+    A block that is not closed, or not in order, is not in it.
+    """
+    found: dict[int, list[int]] = {}
+    stack: list[tuple[str, list[int]]] = []
+    for at, item in enumerate(code):
+        if not isinstance(item, s.Line):
+            continue
+        statement = item.statement
+        kind = opened(statement)
+        if kind:
+            stack.append((kind, [at]))
+            continue
+        word = statement.keyword if isinstance(statement, s.Command) else ""
+        middle = _MIDDLE.get(word)
+        if isinstance(statement, s.ElseIf):
+            middle = "If"
+        elif isinstance(statement, s.Case):
+            middle = "Select"
+        elif isinstance(statement, s.Next):
+            _close(stack, "For", at, found, item.label is None and len(statement.variables) < 2)
+            continue
+        if middle and stack and stack[-1][0] == middle and item.label is None:
+            stack[-1][1].append(at)
+        elif word in _CLOSING:
+            _close(stack, _CLOSING[word], at, found, item.label is None)
+    return found | _jumping(code)
+
+
+def _close(
+    stack: list[tuple[str, list[int]]], kind: str, at: int, found: dict[int, list[int]], plain: bool
+) -> None:
+    if stack and stack[-1][0] == kind:
+        _, places = stack.pop()
+        if plain:
+            found[places[0]] = [*places, at]
+    else:
+        stack.clear()
+
+
+_THEN: Final = re.compile(r"(I[0-9]+)T1")
+
+
+def _jumping(code: Sequence[Entry]) -> dict[int, list[int]]:
+    """The same for an `If` that is written with jumps to labels `I1T1`, `I1N1` … `I1Z`.
+
+    Places: for each branch its `If`, the jump to the end, the label of the next; the end.
+    """
+    labels: dict[str, int] = {}
+    for at, item in enumerate(code):
+        if isinstance(item, s.Line) and item.label is not None:
+            if item.statement is not None or item.comment is not None:
+                continue
+            labels.setdefault(item.label.upper(), at)
+    found: dict[int, list[int]] = {}
+    for at, item in enumerate(code):
+        match item:
+            case s.Line(
+                label=None, comment=None, statement=s.If(then=s.Target(place=str() as name))
+            ):
+                first = _THEN.fullmatch(name)
+                places = _branches(code, labels, at, first.group(1)) if first else None
+                if places:
+                    found[at] = places
+    return found
+
+
+def _branches(
+    code: Sequence[Entry], labels: Mapping[str, int], at: int, name: str
+) -> list[int] | None:
+    places: list[int] = []
+    branch = 1
+    end = labels.get(name + "Z", -1)
+    while True:
+        then, following = f"{name}T{branch}", f"{name}N{branch}"
+        item = code[at]
+        test = item.statement if isinstance(item, s.Line) and item.label is None else None
+        if not isinstance(test, s.If) or (test.then, test.otherwise) != (
+            s.Target(then),
+            s.Target(following),
+        ):
+            return None
+        after = labels.get(following, -1)
+        if labels.get(then) != at + 1 or not at + 2 <= after - 1 < end:
+            return None
+        jump = code[after - 1]
+        leave = s.Jump("GoTo", s.Target(name + "Z"))
+        if not isinstance(jump, s.Line) or jump.statement != leave:
+            return None
+        places += [at, after - 1, after]
+        branch += 1
+        if labels.get(f"{name}T{branch}") != after + 2:
+            return [*places, end]
+        at = after + 1
+
+
+def labels_in(code: Sequence[Entry], low: int, high: int) -> set[str]:
+    """Labels of a range, in upper case."""
+    return {
+        item.label.upper()
+        for item in code[low:high]
+        if isinstance(item, s.Line) and item.label is not None
+    }
+
+
+def procedure_starts(
+    code: Sequence[Entry],
+    blocks: Mapping[int, list[int]],
+    named: Mapping[str, str],
+    own: bool,
+) -> list[tuple[int, str]]:
+    """Place and label (upper case) of each procedure after the first.
+
+    Own files name them in the heading. In others a procedure is what `GoSub` calls, if
+    nothing runs into it from above and what stands before the next one leaves for good.
+    """
+    depth = _depths(code, blocks)
+    wanted = set(named) if own else _called(code)
+    starts: list[tuple[int, str]] = []
+    for at, item in enumerate(code):
+        if not isinstance(item, s.Line) or item.label is None or depth[at]:
+            continue
+        label = item.label.upper()
+        if label not in wanted or item.statement is not None:
+            continue
+        if own or _leaves(code, at):
+            starts.append((at, label))
+            wanted.discard(label)
+    return starts
+
+
+def _depths(code: Sequence[Entry], blocks: Mapping[int, list[int]]) -> list[int]:
+    change = [0] * (len(code) + 1)
+    for first, places in blocks.items():
+        change[first] += 1
+        change[places[-1] + 1] -= 1
+    depth, at = [], 0
+    for step in change[:-1]:
+        at += step
+        depth.append(at)
+    return depth
+
+
+def _called(code: Sequence[Entry]) -> set[str]:
+    """Labels that `GoSub` statements name."""
+    found: set[str] = set()
+    for item in code:
+        statement = item.statement if isinstance(item, s.Line) else None
+        for node in (statement, *_branch_statements(statement)):
+            if isinstance(node, s.Jump) and node.keyword == "GoSub":
+                found.add(str(node.target.place).upper())
+    return found
+
+
+def _branch_statements(statement: s.Statement | None) -> tuple[object, ...]:
+    return (statement.then, statement.otherwise) if isinstance(statement, s.If) else ()
+
+
+def _leaves(code: Sequence[Entry], at: int) -> bool:
+    """Whether control never runs into the place from the line above it."""
+    at -= 1
+    while at >= 0:
+        item = code[at]
+        if isinstance(item, s.Line) and item.statement is None and item.label is None:
+            at -= 1
+            continue
+        statement = item.statement if isinstance(item, s.Line) else None
+        return statement in (s.Command("End"), s.Command("Return")) or (
+            isinstance(statement, s.Jump) and statement.keyword == "GoTo"
+        )
+    return False

@@ -1,0 +1,148 @@
+"""The comment lines above a written program: what the language cannot say otherwise.
+
+    ' robot-assistant: melfa-basic-4
+    ' program: seam_program
+    ' robot: rv-2aj
+    ' target: PHOME = home, PPARK = park
+    ' path: P1-P35 = seam
+    ' robot-assistant: end
+
+Whatever is malformed is left out: it is only a comment.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import Any, Final, cast
+
+from assistant.languages.melfa_basic.dialects import EMITTED_LINE
+from assistant.program.program import IDENTIFIER, Signal, ValueType
+
+MARK: Final = "robot-assistant: "
+END: Final = MARK + "end"
+
+NAME_KINDS: Final = (
+    "target", "joints", "tool", "frame", "loop", "procedure", "label", "unit", "first",
+)  # fmt: skip
+"""Kinds of `SHORT = original` entries. `first` is the procedure that a unit begins with."""
+
+
+@dataclass(slots=True)
+class Declared:
+    """A variable: original name, type, storage, procedure it belongs to, and marks."""
+
+    name: str
+    type: ValueType
+    storage: str
+    owner: str = ""
+    local: bool = False
+    initial: bool = False
+
+
+@dataclass(slots=True)
+class Header:
+    """program, entry, robot, unit: None where not stated. names: by kind, short → original.
+
+    paths: (first, last, name) ranges of P numbers. inline: position and joint variables
+    that stand for a value. signals in their order. variables: short → declaration.
+    """
+
+    program: str | None = None
+    robot: str | None = None
+    entry: str | None = None
+    unit: str | None = None
+    names: dict[str, dict[str, str]] = field(default_factory=lambda: {k: {} for k in NAME_KINDS})
+    paths: list[tuple[int, int, str]] = field(default_factory=list)
+    inline: dict[str, None] = field(default_factory=dict)
+    signals: dict[str, Signal] = field(default_factory=dict)
+    variables: dict[str, Declared] = field(default_factory=dict)
+
+
+def lines(header: Header, dialect: str) -> Iterator[str]:
+    """The comment texts, without their mark."""
+    yield MARK + dialect
+    for key in ("program", "robot", "entry", "unit"):
+        if (value := getattr(header, key)) is not None:
+            yield f"{key}: {value}"
+    for kind in NAME_KINDS:
+        yield from _packed(kind, (f"{s} = {o}" for s, o in header.names[kind].items()))
+    yield from _packed("path", (f"P{a}-P{b} = {n}" for a, b, n in header.paths))
+    yield from _packed("inline", header.inline)
+    for name, signal in header.signals.items():
+        number = "-" if signal.number is None else signal.number
+        yield f"signal: {signal.kind} {signal.direction} {number} {signal.bits} = {name}"
+    for short, v in header.variables.items():
+        words = [v.type, v.storage, *(["local"] if v.local else [])]
+        words += ["initial"] if v.initial else []
+        words += [f"of {v.owner}"] if v.owner else []
+        yield f"variable: {short} = {v.name} {' '.join(words)}"
+    yield END
+
+
+def _packed(kind: str, entries: Iterable[str]) -> Iterator[str]:
+    line = ""
+    for entry in entries:
+        if line and len(line) + 2 + len(entry) > EMITTED_LINE - 10:
+            yield line
+            line = ""
+        line = f"{line}, {entry}" if line else f"{kind}: {entry}"
+    if line:
+        yield line
+
+
+_PAIR: Final = re.compile(r"([A-Za-z0-9_-]+) = ([A-Za-z][A-Za-z0-9_]*)")
+_PATH: Final = re.compile(r"P([0-9]{1,9})-P([0-9]{1,9}) = ([A-Za-z][A-Za-z0-9_]*)")
+_SIGNAL: Final = re.compile(
+    r"(digital|analog|group) (input|output) (-|[0-9]{1,6}) ([0-9]{1,3}) = ([A-Za-z][A-Za-z0-9_]*)"
+)
+_VARIABLE: Final = re.compile(
+    r"([A-Z][A-Z0-9]*) = ([A-Za-z][A-Za-z0-9_]*) "
+    r"(number|integer|truth|text|position|pose|joints) (constant|variable|persistent)"
+    r"( local)?( initial)?(?: of ([A-Za-z][A-Za-z0-9_]*))?"
+)
+
+
+def read(texts: Iterable[str]) -> Header:
+    """The header that comment texts between the two marks hold."""
+    header = Header()
+    for text in texts:
+        key, _, value = text.partition(": ")
+        if key in ("program", "unit") and IDENTIFIER.fullmatch(value):
+            setattr(header, key, value)
+        elif key == "entry" and (value == "-" or IDENTIFIER.fullmatch(value)):
+            header.entry = value
+        elif key == "robot" and re.fullmatch(r"[A-Za-z0-9._/-]{1,64}", value):
+            header.robot = value
+        elif key in NAME_KINDS:
+            found = (_PAIR.fullmatch(entry) for entry in value.split(", "))
+            header.names[key].update({f.group(1): f.group(2) for f in found if f})
+        elif key == "path":
+            ranges = (_PATH.fullmatch(entry) for entry in value.split(", "))
+            header.paths += [
+                (int(f.group(1)), int(f.group(2)), f.group(3))
+                for f in ranges
+                if f and int(f.group(1)) <= int(f.group(2))
+            ]
+        elif key == "inline":
+            header.inline.update(dict.fromkeys(re.findall(r"[PJ][0-9]{1,9}", value)))
+        elif key == "signal" and (signal := _SIGNAL.fullmatch(value)):
+            kind, direction, number, bits, name = signal.groups()
+            header.signals[name] = Signal(
+                cast(Any, kind),
+                cast(Any, direction),
+                None if number == "-" else int(number),
+                int(bits),
+            )
+        elif key == "variable" and (v := _VARIABLE.fullmatch(value)):
+            short, name, kind, storage, local, initial, owner = v.groups()
+            header.variables[short] = Declared(
+                name,
+                cast(ValueType, kind),
+                storage,
+                owner or "",
+                bool(local),
+                bool(initial),
+            )
+    return header

@@ -1,0 +1,137 @@
+"""What each thing of a program is called in MELFA-BASIC: short, upper case, by type.
+
+A variable's first letter is its type: P positions, J joints, M numbers, C texts. Names
+share one space with the controller's own words; labels have a space of their own.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Final
+
+from assistant.languages.melfa_basic.dialects import PROGRAM_NAME, Dialect
+from assistant.languages.melfa_basic.tables import RESERVED
+from assistant.program.program import Procedure, Program, ValueType, walk
+from assistant.program.statements import For, Label
+
+ARC_START: Final = "PSTART"
+"""Holds the present position for an arc whose start is no known position."""
+
+LETTERS: Final[dict[ValueType, str]] = {
+    "number": "M", "integer": "M", "truth": "M", "text": "C",
+    "position": "P", "pose": "P", "joints": "J",
+}  # fmt: skip
+
+_MADE_LABEL: Final = re.compile(r"[IW][0-9]+([TN][0-9]+|Z)?")
+"""Labels that a lowered `If` and `Wait` make."""
+
+
+@dataclass(slots=True)
+class Names:
+    """MELFA-BASIC names by original name (lower case); variables also by procedure.
+
+    position: the first number that `P<number>` and `J<number>` may have.
+    """
+
+    targets: dict[str, str] = field(default_factory=dict)
+    joints: dict[str, str] = field(default_factory=dict)
+    tools: dict[str, str] = field(default_factory=dict)
+    frames: dict[str, str] = field(default_factory=dict)
+    variables: dict[tuple[str, str], str] = field(default_factory=dict)
+    loops: dict[tuple[str, str], str] = field(default_factory=dict)
+    procedures: dict[str, str] = field(default_factory=dict)
+    labels: dict[tuple[str, str], str] = field(default_factory=dict)
+    units: dict[str | None, str] = field(default_factory=dict)
+    original_labels: dict[str, str] = field(default_factory=dict)
+    original_loops: dict[str, str] = field(default_factory=dict)
+    position: int = 1
+
+
+def naming(program: Program, dialect: Dialect) -> Names:
+    """The names of a whole program; the same program always gets the same."""
+    names, taken = Names(), {ARC_START, *RESERVED}
+    for group, letter, given in (
+        (names.targets, "P", program.targets),
+        (names.joints, "J", program.joint_targets),
+        (names.tools, "P", program.tools),
+        (names.frames, "P", program.frames),
+    ):
+        for name in given:
+            group[name.lower()] = _variable(name, letter, dialect.names, taken)
+    for procedure, owner in _owners(program):
+        variables = program.variables if procedure is None else procedure.variables
+        for name, variable in variables.items():
+            letter = LETTERS[variable.type]
+            names.variables[owner, name.lower()] = _variable(name, letter, dialect.names, taken)
+        for name in _loop_variables(program, procedure):
+            short = _variable(name, "M", dialect.names, taken)
+            names.loops[owner, name.lower()] = short
+            names.original_loops[short] = name
+    labels: set[str] = set(RESERVED)
+    for entry in program.procedures:
+        names.procedures[entry.name.lower()] = _label(entry.name, dialect.labels, labels)
+    for entry in program.procedures:
+        for statement in walk(entry.body):
+            if isinstance(statement, Label):
+                key = (entry.name.lower(), statement.name.lower())
+                if key not in names.labels:
+                    short = _label(statement.name, dialect.labels, labels)
+                    names.labels[key] = short
+                    names.original_labels[short] = statement.name
+    files: set[str] = set()
+    names.units[None] = program_name(program.name, files)
+    for entry in program.procedures:
+        if entry.unit is not None and entry.unit not in names.units:
+            names.units[entry.unit] = program_name(entry.unit, files)
+    numbers = (re.fullmatch(r"[PJ]([0-9]{1,8})", name) for name in taken)
+    names.position = 1 + max((int(n.group(1)) for n in numbers if n), default=0)
+    return names
+
+
+def _owners(program: Program) -> Iterable[tuple[Procedure | None, str]]:
+    yield None, ""
+    for procedure in program.procedures:
+        yield procedure, procedure.name.lower()
+
+
+def _loop_variables(program: Program, procedure: Procedure | None) -> Iterable[str]:
+    """Loop variables that are declared nowhere, once each."""
+    if procedure is None:
+        return
+    declared = {v.lower() for v in (*program.variables, *procedure.variables)}
+    seen: set[str] = set()
+    for statement in walk(procedure.body):
+        if isinstance(statement, For) and (name := statement.variable.lower()) not in declared:
+            if name not in seen:
+                yield statement.variable
+            seen.add(name)
+
+
+def _variable(given: str, letter: str, most: int, taken: set[str]) -> str:
+    plain = re.sub(r"[^A-Z0-9]", "", given.upper().encode("ascii", "ignore").decode())
+    name = plain if plain.startswith(letter) and len(plain) > 1 else letter + plain
+    return _free(name, most, taken)
+
+
+def _label(given: str, most: int, taken: set[str]) -> str:
+    plain = re.sub(r"[^A-Z0-9]", "", given.upper().encode("ascii", "ignore").decode())
+    if not plain[:1].isalpha() or _MADE_LABEL.fullmatch(plain):
+        plain = "L" + plain
+    return _free(plain, most, taken)
+
+
+def program_name(given: str, taken: set[str]) -> str:
+    """A program name: upper-case letters and digits, at most twelve."""
+    plain = re.sub(r"[^A-Z0-9]", "", given.upper().encode("ascii", "ignore").decode())
+    return _free(plain or "MAIN", PROGRAM_NAME, taken)
+
+
+def _free(name: str, most: int, taken: set[str]) -> str:
+    free, count = name[:most], 2
+    while free in taken:
+        tail = f"Z{count}" if name[-1:].isdigit() else str(count)
+        free, count = name[: most - len(tail)] + tail, count + 1
+    taken.add(free)
+    return free

@@ -1,0 +1,95 @@
+"""Poses in columns to and from the X, Y, Z, A, B, C, L1, L2 and flags of MELFA-BASIC.
+
+Six axes: R = Rz(C)·Ry(B)·Rx(A). Five axes (RV-2AJ): B is the tilt of the tool axis and A
+the roll about it, C is 0 and the azimuth follows from the position (see robots.five_axis).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.program import rotations
+from assistant.program.geometry import Pose
+from assistant.robots.configurations import FLIP, from_flags, to_flags
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+PLACES: Final = 2
+"""Decimals of a position line."""
+
+FINE_PLACES: Final = 4
+"""Decimals of tools and frames: an angle of a frame acts over the distance to its targets."""
+
+
+def to_values(
+    positions: Floats, quaternions: Floats, external: Floats, robot: Robot | None
+) -> Floats:
+    """(n, 6 … 8) mm and degrees; L1 and L2 as far as any row uses them, 0 where one does not."""
+    if robot is not None and robot.five_axis:
+        from assistant.robots import five_axis
+
+        ab = five_axis.to_ab(positions, quaternions)
+        angles = np.column_stack([ab, np.zeros(len(ab))])
+    else:
+        angles = rotations.to_euler(quaternions, "ZYX")[..., ::-1]
+    used = ~np.isnan(external[:, :2])
+    count = 2 if used[:, 1].any() else 1 if used[:, 0].any() else 0
+    extra = np.nan_to_num(external[:, :count])
+    return np.round(np.column_stack([positions, angles, extra]), PLACES) + 0.0
+
+
+def from_values(values: Floats, robot: Robot | None) -> tuple[Floats, Floats, Floats]:
+    """Positions (n, 3), quaternions (n, 4) and external axes (n, 6) of (n, 6 … 8) values."""
+    values = np.nan_to_num(values) if values.shape[1] <= 6 else values
+    positions, angles = np.nan_to_num(values[:, :3]), np.nan_to_num(values[:, 3:6])
+    if robot is not None and robot.five_axis:
+        from assistant.robots import five_axis
+
+        quaternions = five_axis.from_ab(positions, angles[:, :2])
+    else:
+        quaternions = rotations.from_euler(angles[:, ::-1], "ZYX")
+    external = np.full((len(values), 6), np.nan)
+    external[:, : values.shape[1] - 6] = values[:, 6:8]
+    return positions, quaternions, external
+
+
+def flags_of(configurations: NDArray[np.int8], robot: Robot | None) -> Ints:
+    """(n, 2) FL1 and FL2; an arm without a wrist to flip always shows bit 0 as 0."""
+    flags = to_flags(configurations)
+    if robot is not None and robot.five_axis:
+        flags = flags & (~1, -1)
+    return flags
+
+
+def configurations_of(flags: Ints, robot: Robot | None) -> NDArray[np.int8]:
+    configurations = from_flags(flags)
+    if robot is not None and robot.five_axis:
+        configurations[:, FLIP] = 0
+    return configurations
+
+
+def rounded_configurations(
+    configurations: NDArray[np.int8], robot: Robot | None
+) -> NDArray[np.int8]:
+    """The configurations as they come back from their flags; unstated ones as (7,0)."""
+    return configurations_of(flags_of(configurations, robot), robot)
+
+
+def plain_values(pose: Pose) -> tuple[float, ...]:
+    """A tool or frame as six values."""
+    angles = rotations.to_euler(np.array(pose.quaternion), "ZYX")[::-1]
+    values = np.round(np.concatenate([pose.position, angles]), FINE_PLACES) + 0.0
+    return tuple(float(v) for v in values)
+
+
+def plain_pose(values: tuple[float | None, ...]) -> Pose:
+    """A tool or frame of six values."""
+    six = np.array([v or 0.0 for v in (*values, *(0.0,) * 6)[:6]])
+    return Pose.of(six[:3], rotations.from_euler(six[:2:-1], "ZYX"))

@@ -1,0 +1,143 @@
+"""The position variables of a file, found by name or, for thousands, by column."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.languages.melfa_basic import poses
+from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.columnar import PositionRows
+from assistant.languages.melfa_basic.gathering import split_name
+from assistant.program.geometry import UNUSED_AXIS, JointTarget, Pose, Target
+from assistant.program.path import UNSTATED, configuration_of
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+
+NO_FLAGS: Final = -1
+
+
+class Positions:
+    """Values (n, 8), NaN where undefined, and flags (n, 2), NO_FLAGS where absent.
+
+    names: constants that stand alone, by name in upper case, in their order.
+    """
+
+    def __init__(self, file: s.File) -> None:
+        self.names: dict[str, tuple[str, s.Constant]] = {}
+        self.tables: dict[str, list[PositionRows]] = {}
+        for item in file.items:
+            match item:
+                case PositionRows():
+                    self.tables.setdefault(item.stem.upper(), []).append(item)
+                case s.Data(variable=variable, value=s.Constant() as constant):
+                    undefined = constant.flags == (None, None) and not any(constant.values)
+                    if variable.arguments is None and not undefined:
+                        self.names.setdefault(variable.key, (variable.name, constant))
+        self.columns: dict[
+            str, tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]
+        ] = {stem: self._columns(stem) for stem in self._stems()}
+
+    def _stems(self) -> set[str]:
+        return set(self.tables) | {
+            n[0].upper() for key in self.names if (n := split_name(s.Variable(key))) is not None
+        }
+
+    def _columns(
+        self, stem: str
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]:
+        """Sorted numbers of a stem with their values and flags."""
+        numbers, values, flags = (
+            [np.empty(0, np.int64)],
+            [np.empty((0, 8))],
+            [np.empty((0, 2), np.int64)],
+        )
+        for rows in self.tables.get(stem, ()):
+            wide = np.full((len(rows), 8), np.nan)
+            wide[:, : rows.values.shape[1]] = rows.values
+            numbers.append(rows.numbers)
+            values.append(wide)
+            flags.append(rows.flags)
+        for key, (_, constant) in self.names.items():
+            name = split_name(s.Variable(key))
+            if name is not None and name[0].upper() == stem and stem[0] == "P":
+                one, two = _row(constant)
+                numbers.append(np.array([name[1]]))
+                values.append(one)
+                flags.append(two)
+        number = np.concatenate(numbers)
+        order = np.argsort(number, kind="stable")
+        return number[order], np.concatenate(values)[order], np.concatenate(flags)[order]
+
+    def find(
+        self, stem: str, numbers: NDArray[np.int64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.bool_]]:
+        """Values, flags and whether there are any, of the positions of these numbers."""
+        known, values, flags = self.columns.get(
+            stem.upper(), (np.empty(0, np.int64), np.empty((0, 8)), np.empty((0, 2), np.int64))
+        )
+        if not len(known):
+            n = len(numbers)
+            return np.full((n, 8), np.nan), np.zeros((n, 2), np.int64), np.zeros(n, bool)
+        at = np.minimum(np.searchsorted(known, numbers), len(known) - 1)
+        return values[at], flags[at], known[at] == numbers
+
+    def constant(self, name: str) -> s.Constant | None:
+        """The constant of one variable."""
+        if name.upper() in self.names:
+            return self.names[name.upper()][1]
+        split = split_name(s.Variable(name))
+        if split is None or split[0].upper() not in self.tables:
+            return None
+        values, flags, found = self.find(split[0], np.array([split[1]]))
+        if not found[0]:
+            return None
+        numbers = tuple(float(v) for v in values[0] if v == v)
+        return s.Constant(numbers, (int(flags[0, 0]), int(flags[0, 1])))
+
+    def all_names(self) -> Iterator[str]:
+        """Every name as written, tables expanded."""
+        for written, _ in self.names.values():
+            yield written
+        for tables in self.tables.values():
+            for rows in tables:
+                for number in rows.numbers.tolist():
+                    yield f"{rows.stem}{number}"
+
+
+def _row(constant: s.Constant) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    values = np.full((1, 8), np.nan)
+    for i, value in enumerate(constant.values[:8]):
+        values[0, i] = np.nan if value is None else value
+    one, two = constant.flags or (None, None)
+    if one is None:
+        return values, np.array([[NO_FLAGS, 0]])
+    return values, np.array([[one, two or 0]])
+
+
+def configurations(flags: NDArray[np.int64], robot: Robot | None) -> NDArray[np.int8]:
+    """(n, 6) neutral columns; UNSTATED where there are no flags."""
+    absent = flags[:, 0] == NO_FLAGS
+    columns = poses.configurations_of(np.where(absent[:, None], 7, flags), robot)
+    columns[absent] = (UNSTATED, 0, 0, 0, 0, 0)
+    return columns
+
+
+def target_of(constant: s.Constant, robot: Robot | None) -> Target:
+    values, flags = _row(constant)
+    position, quaternion, external = poses.from_values(values, robot)
+    configuration = configuration_of(configurations(flags, robot)[0])
+    pose = Pose.of(position[0], quaternion[0])
+    return Target(pose, configuration, tuple(float(v) for v in external[0]))
+
+
+def joints_of(constant: s.Constant, robot: Robot | None) -> JointTarget:
+    values = [0.0 if v is None else v for v in constant.values]
+    joints, more = values[:6], values[6:8]
+    if robot is not None and robot.five_axis and len(joints) == 6:
+        del joints[3]
+    return JointTarget(tuple(joints), tuple([*more, *[UNUSED_AXIS] * 6][:6]))

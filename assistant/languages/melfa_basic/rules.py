@@ -1,0 +1,146 @@
+"""Findings of the MELFA-BASIC room: one table, most with the number that a controller shows."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from assistant.program.diagnostics import Rule, Severity
+
+E, W, I = Severity.ERROR, Severity.WARNING, Severity.INFO  # noqa: E741
+
+# ----------------------------------------------------------------------------- reading
+TOKENISED = Rule(
+    "MB001", E, "this is a tokenised controller file (`ROBPRG`), not text",
+    "save the program as text (.prg) with the maker's tool, or read it line by line over the link",
+)  # fmt: skip
+SYNTAX = Rule(
+    "MB002", E, "the line {reason} (controller error 4220, syntax error)",
+    "write one statement a line; text after it needs a `'` before it",
+)  # fmt: skip
+QUOTES = Rule(
+    "MB003", E, "the line {reason}: a typographic quote mark (controller error 4310)",
+    "write the plain marks ' and \"",
+)  # fmt: skip
+
+# ---------------------------------------------------------------------------- checking
+NO_LABEL = Rule(
+    "MB101", E, "there is no label `*{name}` (controller error 3600)",
+    "add the label or correct the name",
+)  # fmt: skip
+NO_STEP = Rule(
+    "MB102", E, "there is no line {name} (controller error 4230)", "jump to a label instead"
+)
+TWO_LABELS = Rule(
+    "MB103", E, "the label `*{name}` stands twice (controller error 4440)", "rename one of them"
+)
+NO_POSITION = Rule(
+    "MB104", E, "the {kind} `{name}` has no value (controller error 3860)",
+    "add its line at the end of the program or assign it before it is used",
+)  # fmt: skip
+UNBALANCED = Rule(
+    "MB105", E, "`{word}` has no `{other}` (controller error {number})",
+    "close each block in the order it was opened",
+)  # fmt: skip
+LONG_NAME = Rule(
+    "MB106", E, "the name `{name}` is longer than {most} characters (controller error 4300)",
+    "shorten it",
+)  # fmt: skip
+LONG_LINE = Rule(
+    "MB107", E, "the step is {length} bytes long, more than {most} (controller error 4210)",
+    "split the statement or shorten its comment",
+)  # fmt: skip
+NOT_ASCENDING = Rule(
+    "MB108", E, "step {number} follows step {before}: steps are stored in ascending order",
+    "number the steps again",
+)  # fmt: skip
+STEP_RANGE = Rule(
+    "MB109", E, "step number {number} is not 1 to {most} (controller error 4420)",
+    "number the steps again in smaller steps or split the program",
+)  # fmt: skip
+NO_STEP_NUMBER = Rule(
+    "MB110", W, "the line has no step number but others have (controller error 4470)",
+    "number every line",
+)  # fmt: skip
+NOT_IN_DIALECT = Rule(
+    "MB111", E, "{title} has no `{word}` (controller error 4220)",
+    "compile for a newer version of the language",
+)  # fmt: skip
+TWO_POSITIONS = Rule(
+    "MB112", E, "`{name}` has two lines (controller error 4350)", "delete one of them"
+)
+
+# ---------------------------------------------------------------------------- adapting
+NO_NUMBER = Rule(
+    "MB201", E, "the signal `{name}` has no number, which MELFA-BASIC addresses signals by",
+    "give `number = …` for the signal in the process file",
+)  # fmt: skip
+NO_CONFIGURATION = Rule(
+    "MB202", W, "{count} targets state no arm configuration and get the flags (7,0)",
+    "name the robot, so that it is computed, or state it in the source",
+)  # fmt: skip
+SPEED_PARTS = Rule(
+    "MB203", W,
+    "a speed states {part}, which MELFA-BASIC cannot say; the controller's own limits apply",
+    "check that reorientations and external axes are slow enough",
+)  # fmt: skip
+JOINT_PERCENT = Rule(
+    "MB204", W, "a joint move states {tcp} mm/s but no percentage and gets JOVRD {percent:g}",
+    "state the percentage of joint speed in the source",
+)  # fmt: skip
+BLEND_PARTS = Rule(
+    "MB205", I, "a blend states zone sizes beside its distance, which MELFA-BASIC cannot say",
+    "the distance alone is used",
+)  # fmt: skip
+LOAD = Rule(
+    "MB206", W, "the load of the tool `{name}` is not written: the controller keeps it as HNDDAT",
+    "set the hand condition in the controller's parameters",
+)  # fmt: skip
+HELD = Rule(
+    "MB207", E, "`{name}` is a work piece that the robot holds or a tool that it does not hold",
+    "use a tool on the flange and a frame that stands still",
+)  # fmt: skip
+FRAME_JOINED = Rule(
+    "MB208", I, "user and object frame of `{name}` are written as one", "none is needed"
+)
+CANNOT_SAY = Rule("MB209", E, "MELFA-BASIC cannot say {what}", "{cure}")
+UNKNOWN = Rule("MB210", E, "{what} `{name}` is not declared", "declare it or correct the name")
+MESSAGE = Rule(
+    "MB211", W, "a message on the teach pendant becomes a comment: {text}",
+    "watch the program another way, MELFA-BASIC has no statement for it",
+)  # fmt: skip
+SPLIT = Rule(
+    "MB212", I, "the path `{name}` of {count} targets is split into {parts} programs",
+    "install all of them; the first calls the others",
+)  # fmt: skip
+UNREACHABLE = Rule(
+    "MB213", E, "the orientation of `{name}` is {angle:.2f} degrees from what five axes can reach",
+    "turn the tool axis into the vertical plane through the robot's first axis",
+)  # fmt: skip
+TO_BASE = Rule(
+    "MB214", W, "the targets of frame `{name}` are converted to the robot's base for a 5-axis arm",
+    "move the frame in the source, not on the controller",
+)  # fmt: skip
+FIVE_AXIS_TOOL = Rule(
+    "MB215", E, "the tip of tool `{name}` is not on the flange's axis of a 5-axis arm",
+    "use a tool whose tip has x = y = 0 and no rotation",
+)  # fmt: skip
+NAMED = Rule("MB216", I, "{count} named speeds and blends are written as numbers", "none is needed")
+ARC_AT_START = Rule(
+    "MB217", W, "an arc of `{name}` starts where the robot stands, which is read as it runs",
+    "let a straight move that stops (fine) in the same tool and frame stand before the arc",
+)  # fmt: skip
+NOT_FINITE = Rule(
+    "MB218", E, "{where} holds a number that is not finite or too large for a robot",
+    "correct the number in the source",
+)  # fmt: skip
+LOCAL_DATA = Rule(
+    "MB219", E, "`{name}` is used in several programs, whose variables are their own",
+    "keep the procedures that share it in one unit",
+)  # fmt: skip
+TOO_MANY_STEPS = Rule(
+    "MB220", E, "the program `{name}` needs {count} steps, more than {most}",
+    "split it into procedures in units of their own",
+)  # fmt: skip
+
+ALL: Final = tuple(value for value in list(globals().values()) if isinstance(value, Rule))
+"""Every rule of this room, for the docs."""
