@@ -18,6 +18,7 @@ PATIENT = settings(
     max_examples=200,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
 )
+BRIEF = settings(PATIENT, max_examples=100)
 THOROUGH = settings(PATIENT, max_examples=5000)
 
 
@@ -49,19 +50,19 @@ def test_thousands_of_programs_come_back(program: Program) -> None:
     comes_back(program, side_tables_above=4)
 
 
-@PATIENT
+@BRIEF
 @given(strategies.statements())
 def test_statements_come_back(statement: Statement) -> None:
     comes_back(holding(statement))
 
 
-@PATIENT
+@BRIEF
 @given(strategies.paths())
 def test_paths_come_back(path: Path) -> None:
     comes_back(holding(Follow(path)))
 
 
-@PATIENT
+@BRIEF
 @given(strategies.paths())
 def test_rows_of_unusual_layout_mean_the_same(path: Path) -> None:
     """The short cut for usual rows and the grammar agree."""
@@ -72,7 +73,7 @@ def test_rows_of_unusual_layout_mean_the_same(path: Path) -> None:
     assert print_program(again).text == text
 
 
-@PATIENT
+@BRIEF
 @given(strategies.paths())
 def test_paths_come_back_from_side_tables(path: Path) -> None:
     comes_back(holding(Follow(path), Follow(path)), side_tables_above=0)
