@@ -11,7 +11,7 @@ import numpy as np
 
 from assistant.cli.compiling import working
 from assistant.cli.presentation import print_findings, say
-from assistant.program.diagnostics import Refused
+from assistant.program.diagnostics import Refused, Severity
 from assistant.resources import resource
 
 if TYPE_CHECKING:
@@ -83,7 +83,8 @@ def _compiled(source: Path, robot: str) -> Compiled:
 
     with working(f"compiling {source.name} for {robot}"):
         compiled = compile(source, language=ROBOTS[robot], robot=robot)
-    print_findings(f.within(source.name) for f in compiled.findings)
+    asked = (f for f in compiled.findings if f.severity is not Severity.INFO)
+    print_findings(f.within(source.name) for f in asked)
     say(f"{source.name} for {robot}: {compiled.proof.line()}")
     if not compiled.ok:
         raise Refused(*compiled.findings)

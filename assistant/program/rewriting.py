@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass, replace
-from typing import Any, TypeVar
+from typing import Any, Final, TypeVar
 
 from assistant.program.path import Path
 
@@ -20,7 +20,12 @@ def rewrite(value: T, visit: Callable[[Any], Any]) -> T:
     return _rewritten(value, visit)  # type: ignore[no-any-return]
 
 
+_LEAVES: Final = (float, int, str, type(None))
+
+
 def _rewritten(value: Any, visit: Callable[[Any], Any]) -> Any:
+    if isinstance(value, _LEAVES):
+        return value
     if isinstance(value, tuple):
         items = [_rewritten(item, visit) for item in value]
         return value if all(a is b for a, b in zip(items, value, strict=True)) else tuple(items)

@@ -17,11 +17,18 @@ EulerOrder = Literal["ZYX", "XYZ", "ZYZ"]
 
 AXES: Final = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
 
+DUST: Final = 1e-14
+"""Quaternion parts below this are rounding: they stand for 1e-12 degrees."""
+
 
 def canonical(quaternions: ArrayLike) -> Floats:
-    """Unit length, and the first part that is not nearly zero made positive; (..., 4)."""
+    """Unit length, and the first part that is not nearly zero made positive; (..., 4).
+
+    Parts below `DUST` become 0: a half turn about x is (0, 1, 0, 0), whatever rounding left.
+    """
     q = np.asarray(quaternions, dtype=np.float64)
     q = q / np.linalg.norm(q, axis=-1, keepdims=True)
+    q = np.where(np.abs(q) < DUST, 0.0, q)
     significant = np.abs(q) > 1e-9
     first = np.take_along_axis(q, significant.argmax(axis=-1)[..., None], axis=-1)
     return np.asarray(np.where(first < 0, -q, q) + 0.0)
