@@ -25,7 +25,7 @@ TEMPORARY: Final = "~{name}"
 """Name of a file until it is whole; keeps the suffix, so that a server may look into it."""
 ASIDE: Final = "{name}~"
 """Where the old file waits while a server that never replaces gets the new one."""
-RATE: Final = 200_000.0
+RATE: Final = 50_000.0
 """Bytes a second that a server is granted for looking through a file before it answers."""
 
 

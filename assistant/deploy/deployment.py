@@ -54,12 +54,12 @@ class Deployment:
         states = list(self.states.values())
         unknown = [name for name, state in self.states.items() if state is FileState.UNKNOWN]
         if unknown:
-            return f"{self.address}: {', '.join(unknown)} is not in a known state; do not start it"
+            return f"{', '.join(unknown)} on {self.address}: not in a known state; do not start it"
         if not self.ok:
-            return f"{self.address}: every program is what it was before"
+            return f"every program on {self.address} is what it was before"
         installed = states.count(FileState.INSTALLED)
         same = states.count(FileState.SAME)
-        return f"{self.address}: {installed} installed and verified, {same} already there"
+        return f"{installed} installed and verified, {same} already there on {self.address}"
 
 
 Progress = Callable[[PlannedFile], None]

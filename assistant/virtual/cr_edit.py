@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import Final
 
 from assistant.virtual.cr_lines import check
@@ -57,9 +58,7 @@ def _put(session: CrSession, program: CrProgram, line: str) -> None:
 
 
 def clear(session: CrSession) -> str:
-    program = session.edit
-    program.steps.clear()
-    program.variables.clear()
+    session.edit.clear()
     return ""
 
 
@@ -109,15 +108,17 @@ def list_line(session: CrSession, argument: str) -> str:
 
 
 def list_position(session: CrSession, argument: str) -> str:
-    program = session.edit
-    positions = program.positions()
-    names = [line.partition("=")[0].upper() for line in positions]
-    at = _place(argument, session.next_position, names)
+    positions = session.edit.positions()
+    if argument in ("TOP", "END", "+1", "-1", ""):
+        at = _place(argument, session.next_position, range(len(positions)))
+    else:
+        names = [line.partition("=")[0].upper() for line in positions]
+        at = _place(argument, session.next_position, names)
     session.next_position = min(at + 1, len(positions))
     return positions[at] if at < len(positions) else ""
 
 
-def _place(argument: str, following: int, keys: list[int] | list[str]) -> int:
+def _place(argument: str, following: int, keys: Sequence[int] | Sequence[str]) -> int:
     """Index that TOP, END, +1, -1, or a key of a listing means; its length for none."""
     steps = {
         "TOP": 0,

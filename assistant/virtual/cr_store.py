@@ -44,6 +44,7 @@ class CrProgram:
     steps: dict[int, str] = field(default_factory=dict)
     variables: dict[str, str] = field(default_factory=dict)
     changed: datetime | None = None
+    _sorted: list[str] | None = field(default=None, compare=False, repr=False)
 
     def copy(self) -> CrProgram:
         return CrProgram(dict(self.steps), dict(self.variables), self.changed)
@@ -53,6 +54,7 @@ class CrProgram:
 
         Raises CrRefusal: 4420 for a number out of range, 4220 for what is neither kind of line.
         """
+        self._sorted = None
         if step := STEP.fullmatch(line):
             number = int(step[1][:6])
             if not 1 <= number <= LAST_LINE:
@@ -68,13 +70,20 @@ class CrProgram:
         else:
             raise CrRefusal(4220, 1)
 
+    def clear(self) -> None:
+        self.steps.clear()
+        self.variables.clear()
+        self._sorted = None
+
     def lines(self) -> list[str]:
         """The steps in order."""
         return [self.steps[number] for number in sorted(self.steps)]
 
     def positions(self) -> list[str]:
         """The variables in order of their names, P2 before P10."""
-        return [self.variables[name] for name in sorted(self.variables, key=_in_order)]
+        if self._sorted is None:  # a listing asks for one after the other
+            self._sorted = [self.variables[n] for n in sorted(self.variables, key=_in_order)]
+        return self._sorted
 
     def text(self) -> str:
         return "".join(f"{line}\r\n" for line in [*self.lines(), *self.positions()])

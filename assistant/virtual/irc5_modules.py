@@ -10,6 +10,7 @@ from typing import Final
 from xml.etree import ElementTree
 
 from assistant import languages
+from assistant.languages import Tree
 from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, has_errors
 
 MODULE_SUFFIXES: Final = (".mod", ".sys", ".prg")
@@ -66,48 +67,54 @@ def look(file: str, data: bytes, folder: FilePath, leaving: str = "") -> tuple[D
         return _program_findings(file, data, frozenset(f.name for f in beside))
     if not lower.endswith(MODULE_SUFFIXES):
         return ()
-    module = load(file, data)
-    if has_errors(module.findings):
+    module, tree = _read(file, data)
+    if tree is None or has_errors(module.findings):
         return module.findings
     loaded = [f for f in beside if f.suffix.lower() in MODULE_SUFFIXES]
-    return (*module.findings, *_rule_findings(file, data, module.name, loaded))
+    return (*module.findings, *_rule_findings(module, tree, loaded))
+
+
+def load(file: str, data: bytes) -> LoadedModule:
+    """A module file as the controller's load reads it."""
+    return _read(file, data)[0]
+
+
+def _read(file: str, data: bytes) -> tuple[LoadedModule, Tree | None]:
+    """The module with its tree, None for what is no text or no module."""
+    rapid = languages.get("rapid")
+    stem = PurePosixPath(file).stem
+    try:
+        source = rapid.decode(data, file)
+    except Refused as error:
+        return LoadedModule(stem, file, error.findings), None
+    tree = rapid.parse(source)
+    findings = tuple(finding.within(file) for finding in tree.findings)
+    named = HEADING.search(source.text)
+    if named is None:
+        return LoadedModule(stem, file, (*findings, NO_MODULE(path=file))), None
+    return LoadedModule(named[1], file, findings), tree
 
 
 def _rule_findings(
-    file: str, data: bytes, name: str, loaded: list[FilePath]
+    module: LoadedModule, tree: Tree, loaded: list[FilePath]
 ) -> tuple[Diagnostic, ...]:
     """What the language's rules say of a module, but what the others beside it put right.
 
     HOME: keeps files of many programs, so that two of them may well declare one name.
     """
     rapid = languages.get("rapid")
-    trees = [rapid.parse(rapid.decode(data, file))]
-    alone = [finding for finding in rapid.check(trees) if finding not in trees[0].findings]
+    alone = [finding for finding in rapid.check([tree]) if finding not in tree.findings]
     if not has_errors(alone):
         return tuple(alone)
-    for other in loaded:
-        text = other.read_bytes()
-        module = load(other.name, text)
-        if module.name.lower() != name.lower() and not has_errors(module.findings):
-            trees.append(rapid.parse(rapid.decode(text, other.name)))
+    trees = [tree]
+    for file in loaded:
+        other, other_tree = _read(file.name, file.read_bytes())
+        if other_tree is None or has_errors(other.findings):
+            continue
+        if other.name.lower() != module.name.lower():  # else it is this one's own old self
+            trees.append(other_tree)
     together = set(rapid.check(trees))
     return tuple(finding for finding in alone if finding in together)
-
-
-def load(file: str, data: bytes) -> LoadedModule:
-    """A module file as the controller's load reads it."""
-    rapid = languages.get("rapid")
-    try:
-        source = rapid.decode(data, file)
-    except Refused as error:
-        return LoadedModule(PurePosixPath(file).stem, file, error.findings)
-    findings = tuple(finding.within(file) for finding in rapid.parse(source).findings)
-    named = re.search(
-        r"^[ \t]*MODULE[ \t]+([A-Za-z]\w*)", source.text, re.IGNORECASE | re.MULTILINE
-    )
-    if named is None:
-        return LoadedModule(PurePosixPath(file).stem, file, (*findings, NO_MODULE(path=file)))
-    return LoadedModule(named[1], file, findings)
 
 
 def _program_findings(file: str, data: bytes, beside: frozenset[str]) -> tuple[Diagnostic, ...]:
