@@ -11,6 +11,7 @@ import numpy as np
 
 from assistant.languages.language import Adapted
 from assistant.languages.melfa_basic import poses, rules
+from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.adapt_expressions import plain_expression, plain_statement
 from assistant.languages.melfa_basic.adapt_paths import (
     MOST_TARGETS,
@@ -164,8 +165,10 @@ def adapt(
     names = naming(adapted, context.dialect)
     for unit in dict.fromkeys([None, *(q.unit for q in adapted.procedures)]):
         writing = Unit(adapted, robot, unit, context.dialect, names)
-        count = steps(writing.code())
+        code = writing.code()
+        count = steps(code)
         context.findings += writing.findings
+        context.findings += too_long(code, context.dialect)
         if count > LAST_STEP:
             name = names.units[unit]
             context.findings.append(
@@ -176,6 +179,19 @@ def adapt(
     if context.named:
         context.findings.append(rules.NAMED(count=context.named))
     return Adapted(adapted, fold(context.findings))
+
+
+def too_long(code: Iterable[s.Item], dialect: Dialect) -> Iterable[Diagnostic]:
+    """Lines that a step cannot hold, such as long conditions."""
+    from assistant.languages.melfa_basic import printer
+
+    most = dialect.line - len(f"{LAST_STEP} ")
+    for item in code:
+        if isinstance(item, s.Line) and (text := printer.line(item, dialect.upper)):
+            length = len(text.encode("utf-8"))
+            if length > most:
+                place = text[:40] + "..."
+                yield rules.LONG_LINE(length=length, most=most, place=place)
 
 
 def _find(table: dict[str, Any], name: str) -> Any:

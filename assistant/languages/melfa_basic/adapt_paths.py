@@ -74,6 +74,13 @@ def plain_path(context: Context, path: Path) -> Path:
         context.findings.append(rules.CANNOT_SAY(
             what=f"external axes beyond the second, of `{path.name}`", cure="leave them out"
         ))  # fmt: skip
+    after = np.append(path.kinds[1:], np.uint8(Kind.LINEAR))
+    torn = (path.kinds == Kind.VIA) != (after == Kind.END)
+    if torn.any() or path.kinds[0] == Kind.END:
+        context.findings.append(rules.CANNOT_SAY(
+            what=f"half an arc in `{path.name}`", cure="give each arc a via point and an end"
+        ))  # fmt: skip
+        return path
     path = _external(context, path)
     path = _arcs_as_one(path)
     context.unstated += int(np.count_nonzero(path.configurations[:, 0] == UNSTATED))
@@ -338,8 +345,8 @@ def _good_cut(path: Path, start: int, stop: int) -> int:
     straight = np.flatnonzero((kinds != Kind.VIA) & (kinds != Kind.END))
     if len(straight):
         return least + int(straight[-1])
-    whole = np.flatnonzero(kinds != Kind.END)
-    return least + int(whole[-1]) if len(whole) else stop
+    whole = np.flatnonzero(path.kinds[start + 1 : stop + 1] != Kind.END)
+    return start + 1 + int(whole[-1]) if len(whole) else stop
 
 
 def _steps(path: Path) -> NDArray[np.int64]:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import PurePath
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from assistant.languages.melfa_basic import header as headers
 from assistant.languages.melfa_basic import poses
@@ -111,10 +111,10 @@ class _Unit:
             entry=entry,
             signals=signals,
             variables=variables,
-            tools={**self._tools(reader), **program.tools} if not is_main else self._tools(reader),
-            frames={**program.frames, **self._frames(reader)},
-            targets={**program.targets, **self._targets(reader, targets, robot, own)},
-            joint_targets={**program.joint_targets, **self._joints(robot, own)},
+            tools=_with(program.tools, self._tools(reader)),
+            frames=_with(program.frames, self._frames(reader)),
+            targets=_with(program.targets, self._targets(reader, targets, robot, own)),
+            joint_targets=_with(program.joint_targets, self._joints(robot, own)),
         )
 
     def has_code(self) -> bool:
@@ -224,6 +224,14 @@ class _Unit:
                 continue
             made[names.get(written, given)] = joints_of(constant, robot)
         return made
+
+
+T = TypeVar("T")
+
+
+def _with(known: dict[str, T], more: dict[str, T]) -> dict[str, T]:
+    """Both; what the programs before have stays."""
+    return known | {name: value for name, value in more.items() if name not in known}
 
 
 def value_of(meanings: Meanings, node: s.Assign) -> Expression:

@@ -1,0 +1,131 @@
+"""Programs go to text and come back as they were adapted, in every dialect."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, Phase, assume, given, settings
+
+from assistant import languages
+from assistant.program import rotations
+from assistant.program import statements as p
+from assistant.program.diagnostics import Severity
+from assistant.program.geometry import Frame, Pose, Tool
+from assistant.program.motion import FINE, Speed
+from assistant.program.path import Kind, Path
+from assistant.program.program import Procedure, Program
+
+from .programs import differences, programs
+
+DIALECTS = ["melfa-basic-4", "melfa-basic-5", "melfa-basic-6"]
+
+
+def there_and_back(program: Program, name: str, robot=None, **options):  # type: ignore[no-untyped-def]
+    """The adapted program, what came back of it, and its texts."""
+    language = languages.get(name)
+    any_length = options.pop("any_length", False)
+    adapted = language.adapt(program, robot, **options)
+    errors = [f for f in adapted.findings if f.severity is Severity.ERROR]
+    if any_length:  # conditions of any length are made
+        assume(not any(f.code == "MB107" for f in errors))
+    assert not errors, errors
+    units = dict.fromkeys([None, *(q.unit for q in adapted.program.procedures)])
+    trees = [language.build(adapted.program, robot, unit) for unit in units]
+    texts = [language.render(tree) for tree in trees]
+    parsed = [language.parse(text) for text in texts]
+    for tree, again, text in zip(trees, parsed, texts, strict=True):
+        assert not again.findings
+        assert again.items == tree.items
+        assert language.render(again) == text
+        assert language.format(again) == text
+    assert not [f for f in language.check(parsed) if f.severity is Severity.ERROR]
+    return adapted.program, language.lift(parsed, robot), texts
+
+
+@pytest.mark.parametrize("name", DIALECTS)
+@given(program=programs)
+@settings(
+    max_examples=25,
+    deadline=None,
+    suppress_health_check=list(HealthCheck),
+    phases=[Phase.explicit, Phase.reuse, Phase.generate],
+)
+def test_random_programs_come_back(name: str, program: Program) -> None:
+    adapted, lifted, _ = there_and_back(program, name, any_length=True)
+    assert differences(lifted, adapted) == []
+    assert languages.get(name).adapt(adapted).program == adapted
+
+
+@pytest.mark.parametrize("name", DIALECTS)
+@pytest.mark.parametrize("most", [2, 7, 50])
+def test_long_paths_are_split(name: str, most: int) -> None:
+    rng = np.random.default_rng(3)
+    kinds = [k for k in rng.integers(0, 3, 60) for k in ([0], [1], [2, 3])[k]]
+    n = len(kinds)
+    path = Path.of(
+        "seam", rng.uniform(-500, 500, (n, 3)), rotations.canonical(rng.normal(size=(n, 4))),
+        kinds=kinds, speeds=[Speed(100.0, joint=10.0)], blends=[FINE],
+        configurations=np.zeros((n, 6)),
+    )  # fmt: skip
+    program = Program("job", (Procedure("main", (p.Comment("go"), p.Follow(path))),))
+    adapted, lifted, texts = there_and_back(program, name, most_targets=most)
+    assert differences(lifted, adapted) == []
+    parts = [s.path for q in adapted.procedures for s in q.body if isinstance(s, p.Follow)]
+    assert sum(len(part) for part in parts) == n
+    assert all(len(part) <= max(most, 3) for part in parts)
+    assert all(part.kinds[0] != Kind.END and part.kinds[-1] != Kind.VIA for part in parts)
+    assert np.array_equal(np.concatenate([part.positions for part in parts]), path.positions)
+    assert len(texts) == len(parts) + 1
+    again = languages.get(name).adapt(adapted, most_targets=most)
+    assert again.program == adapted
+
+
+@pytest.mark.parametrize("name", DIALECTS)
+def test_five_axes(name: str) -> None:
+    from assistant import robots
+    from assistant.robots import five_axis
+
+    robot = robots.get("rv-2aj")
+    rng = np.random.default_rng(5)
+    n = 40
+    azimuth, reach = rng.uniform(-120, 120, n), rng.uniform(250, 380, n)
+    position = np.column_stack([
+        reach * np.cos(np.radians(azimuth)), reach * np.sin(np.radians(azimuth)),
+        rng.uniform(250, 500, n),
+    ])  # fmt: skip
+    ab = np.column_stack([rng.uniform(-90, 90, n), rng.uniform(60, 180, n)])
+    in_base = five_axis.from_ab(position, ab)
+    table = Pose((200.0, 50.0, 10.0), tuple(rotations.about((0, 0, 1), 30.0)))  # type: ignore[arg-type]
+    back = table.inverse()
+    local = rotations.rotate(back.quaternion, position) + back.position
+    turned = rotations.multiply(back.quaternion, in_base)
+    path = Path.of(
+        "seam", local, turned, speeds=[Speed(100.0)], tools=["pen"], frames=["table"],
+        configurations=np.zeros((n, 6)),
+    )  # fmt: skip
+    program = Program(
+        "job", (Procedure("main", (p.Follow(path),)),),
+        tools={"pen": Tool(Pose((0.0, 0.0, 50.0)))}, frames={"table": Frame(table)},
+    )  # fmt: skip
+    adapted, lifted, texts = there_and_back(program, name, robot)
+    assert differences(lifted, adapted) == []
+    (follow,) = adapted.procedures[0].body
+    assert isinstance(follow, p.Follow)
+    assert follow.path.frames == ("base",)
+    assert np.allclose(follow.path.positions, position, atol=1e-9)
+    assert rotations.angle_between(follow.path.quaternions, in_base).max() < 1e-6
+    lines = [line for line in texts[0].splitlines() if line.startswith("P1=")]
+    assert lines[0].endswith(",+0.00)(6,0)")
+    alone = languages.get(name).lift(languages.get(name).parse(texts[0]))
+    assert differences(alone, adapted) == []
+
+
+def test_out_of_reach_of_five_axes() -> None:
+    from assistant import robots
+
+    path = Path.of("seam", [[300, 0, 300]], [rotations.about((1, 0, 0), 30.0)], speeds=[Speed(9.0)])
+    program = Program("job", (Procedure("main", (p.Follow(path),)),))
+    found = languages.get("melfa-basic-4").adapt(program, robots.get("rv-2aj")).findings
+    (finding,) = [f for f in found if f.severity is Severity.ERROR]
+    assert finding.code == "MB213"
+    assert "30.00 degrees" in finding.message
