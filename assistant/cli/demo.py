@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
@@ -32,7 +33,7 @@ def run_demo(output: Path) -> int:
     from assistant.report import page
 
     with ExitStack() as stack:
-        controllers = _controllers(output, stack)
+        controllers = _controllers(stack)
         sections = [
             _section(output, Path(str(resource("samples", name))), title, controllers)
             for name, title in SOURCES.items()
@@ -45,14 +46,15 @@ def run_demo(output: Path) -> int:
     return 0
 
 
-def _controllers(output: Path, stack: ExitStack) -> Mapping[str, Controller]:
-    """A client of a running virtual controller for each robot."""
+def _controllers(stack: ExitStack) -> Mapping[str, Controller]:
+    """A client of a running virtual controller for each robot; both are empty at first."""
     from assistant.controllers import connect
     from assistant.virtual.cr import VirtualCr
     from assistant.virtual.irc5 import VirtualIrc5
 
-    irc5 = stack.enter_context(VirtualIrc5(output / "virtual-irc5" / "HOME"))
-    cr = stack.enter_context(VirtualCr("rv-2aj", folder=output / "virtual-cr"))
+    home = stack.enter_context(tempfile.TemporaryDirectory(prefix="robot-assistant-home-"))
+    irc5 = stack.enter_context(VirtualIrc5(home))
+    cr = stack.enter_context(VirtualCr("rv-2aj"))
     return {
         "irb1200-7-0.7": connect(irc5.address, password=irc5.password),
         "rv-2aj": connect(cr.address),

@@ -28,13 +28,25 @@ class Polyline:
 
 
 @dataclass(frozen=True, slots=True)
+class Label:
+    """A name at a point; `anchor` keeps it inside the picture."""
+
+    x: float
+    y: float
+    text: str
+    anchor: str
+
+
+@dataclass(frozen=True, slots=True)
 class Picture:
     """A plan view: y upwards, as drawings have it; `box` is an SVG viewBox."""
 
     polylines: tuple[tuple[str, str], ...]
     """SVG point lists with their style classes."""
-    labels: tuple[tuple[float, float, str], ...]
+    labels: tuple[Label, ...]
     box: str
+    scale: float
+    """mm that stand for a hundredth of the picture's larger side."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,11 +93,23 @@ def plan_view(drawing: Sequence[NDArray[np.float64]], track: Track) -> Picture:
     low, high = everything.min(axis=0) - MARGIN, everything.max(axis=0) + MARGIN
     width, height = high - low
     box = f"{low[0]:.2f} {-high[1]:.2f} {width:.2f} {height:.2f}"
-    labels = tuple(
-        (float(track.positions[row, 0]), -float(track.positions[row, 1]), name)
-        for row, name in track.names.items()
+    lists = tuple((_svg(line.points), line.style) for line in lines)
+    middle = float(low[0] + high[0]) / 2.0
+    return Picture(lists, _labels(track, middle), box, float(max(width, height)) / 100.0)
+
+
+def _labels(track: Track, middle: float) -> tuple[Label, ...]:
+    """One label a place in the plane, with the names of all targets above each other."""
+    places: dict[tuple[float, float], list[str]] = {}
+    for row, name in track.names.items():
+        x, y = (round(float(v), 1) + 0.0 for v in track.positions[row, :2])
+        names = places.setdefault((x, y), [])
+        if name not in names:
+            names.append(name)
+    return tuple(
+        Label(x, -y, ", ".join(names), "end" if x > middle else "start")
+        for (x, y), names in places.items()
     )
-    return Picture(tuple((_svg(line.points), line.style) for line in lines), labels, box)
 
 
 def _runs(track: Track) -> list[Polyline]:

@@ -57,7 +57,8 @@ def adapt(program: Program, most_targets: int | None = None) -> Adapted:
     try:
         adapted = adapter.program()
         adapted = with_paths(adapted)
-        adapted = adapter.split(adapted, most_targets or MOST_TARGETS)
+        most = max(most_targets or MOST_TARGETS, LEAST_PIECE)
+        adapted = adapter.split(adapted, most)
         adapter.name_findings(adapted)
         if not has_errors(adapter.findings):
             adapter.sayable(adapted)
@@ -461,10 +462,17 @@ class _Adapter:
         return Program(program.name, (one,), procedure.name, signals=program.signals)
 
 
+LEAST_PIECE: Final = 5
+"""Targets of a piece at least, whatever is asked for: room to cut between arcs."""
+
+
 def _pieces(path: Path, most: int) -> list[Path]:
     pieces, start = [], 0
+    most = max(most, LEAST_PIECE)
     while start < len(path):
-        stop = min(start + max(most, 2), len(path))
+        stop = min(start + most, len(path))
+        if stop < len(path) and len(path) - stop < 2:
+            stop -= 2  # a piece of one target would be no path
         if stop < len(path) and path.kinds[stop] == Kind.END:
             stop -= 1
         pieces.append(path.rows(start, stop))
