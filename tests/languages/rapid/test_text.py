@@ -79,7 +79,7 @@ def tables(draw: st.DrawFn) -> str:
     return "MODULE m\n" + "\n".join(rows) + "\nENDMODULE\n"
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(tables())
 def test_columns_and_grammar_read_tables_alike(text: str) -> None:
     fast, slow = parse(text), parse(text, runs=False)
@@ -88,7 +88,7 @@ def test_columns_and_grammar_read_tables_alike(text: str) -> None:
     assert RAPID.parse(RAPID.format(fast)) == fast
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(tables(), DAMAGE, st.data())
 def test_columns_and_grammar_see_the_same_damage(
     text: str, damage: str, data: st.DataObject
