@@ -3,13 +3,13 @@
 import contextlib
 import socket
 import ssl
+import tempfile
 import threading
 from pathlib import Path
 
-from assistant.controllers import connect
+import trustme
 
-CERTIFICATE = Path(__file__).with_name("test_only_certificate.pem")
-"""Self-signed for 127.0.0.1, with its key: protects nothing."""
+from assistant.controllers import connect
 
 
 class FtpPeer:
@@ -25,18 +25,17 @@ class FtpPeer:
     ):  # fmt: skip
         self.files = dict(files)
         self.password = "correct horse"
-        self.certificate = CERTIFICATE
+        self.certificate = None
         self.encrypted = set()
         self._die_after, self._alter = die_after, alter or (lambda data: data)
         self._replaces, self._forbid = replaces, forbid or (lambda *_: False)
         self._listing, self._login = listing, login
         self._context = None
-        if tls:
-            self._context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
-            self._context.load_cert_chain(CERTIFICATE)
         self._tls = tls
 
     def __enter__(self):
+        if self._tls:
+            self._make_certificate()
         self._listener = socket.create_server(("127.0.0.1", 0))
         self._open = []
         self._thread = threading.Thread(target=self._accept)
@@ -51,6 +50,17 @@ class FtpPeer:
             with contextlib.suppress(OSError):
                 connection.shutdown(socket.SHUT_RDWR)
         self._thread.join()
+        if self._tls:
+            self._folder.cleanup()
+
+    def _make_certificate(self):
+        """A certificate for 127.0.0.1 of an authority that exists for this test only."""
+        authority = trustme.CA()
+        self._context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+        authority.issue_cert("127.0.0.1").configure_cert(self._context)
+        self._folder = tempfile.TemporaryDirectory()
+        self.certificate = Path(self._folder.name) / "authority.pem"
+        authority.cert_pem.write_to_path(self.certificate)
 
     def connect(self, **options):
         scheme = "ftps" if self._tls else "ftp"
