@@ -57,6 +57,7 @@ class Reader:
         self.labels: set[str] = set()
         self.first = True
         self.depth = 0
+        self.at_call: dict[str | None, tuple[Any, ...]] = {}
 
     def in_path(self, key: str) -> bool:
         return self.runs.holds(key)
@@ -73,6 +74,9 @@ class Reader:
         for i, (start, label) in enumerate(edges):
             stop = edges[i + 1][0] if i + 1 < len(edges) else len(self.code)
             self.first = label is None
+            if label in self.at_call:  # what held where it was first called from
+                held = self.at_call[label]
+                self.tcp, self.joint, self.blend, self.tool, self.frame = held
             low = start if label is None else start + 1
             self.labels = blocks.labels_in(self.code, low, stop)
             word = "End" if label is None else "Return"
@@ -466,6 +470,7 @@ class Reader:
             if place.upper() not in self.called:
                 raise Unliftable
             name = self.meanings.header.names["procedure"].get(place.upper()) or identifier(place)
+            self.at_call.setdefault(place.upper(), self.now())
             self.runs.forget()
             return [p.Call(name)]
         if place.upper() not in self.labels:

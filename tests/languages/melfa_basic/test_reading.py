@@ -1,0 +1,194 @@
+"""Programs as people write them: what they mean, and what is wrong with them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from assistant import languages
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.diagnostics import Severity
+from assistant.program.motion import FINE, Blend, Speed
+from assistant.program.path import Kind, Path
+from assistant.program.program import Procedure, Program, Signal
+
+FIVE = languages.get("melfa-basic-5")
+FOUR = languages.get("melfa-basic-4")
+
+WRITTEN = """\
+1 'pick and place
+2 Servo On
+3 Spd 100
+4 Tool PT
+5 *LOOP
+6 Mov PHOME
+7 If M_In(3)=1 Then
+8   GoSub *PICK
+9 EndIf
+10 Mvs P1
+11 Mvs P2
+12 Mvr P2,P3,P4
+13 Cnt 1,5,8
+14 Mvs P5
+15 M1 = M1 + 1
+16 If M1 > 10 Then *FIN Else *LOOP
+17 *FIN
+18 Hlt
+19 End
+20 *PICK 'get it
+21 HClose 1
+22 Mov P9,-50
+23 Mvs P9
+24 M_Out(17)=1 Dly 0.2
+25 Select M1
+26 Case 1
+27 Mov P9
+28 Break
+29 Case 2
+30 Dly 1
+31 End Select
+32 Return
+PT=(+0.00,+0.00,+100.00,+0.00,+0.00,+0.00)(0,0)
+PHOME=(+400.00,+0.00,+600.00,+180.00,+0.00,+180.00)(7,0)
+P1=(+10.00,+0.00,+600.00,+180.00,+0.00,+180.00)(7,0)
+P2=(+20.00,+0.00,+600.00,+180.00,+0.00,+180.00)(7,0)
+P3=(+30.00,+0.00,+600.00,+180.00,+0.00,+180.00)(3,1)
+P4=(+40.00,+0.00,+600.00,+180.00,+0.00,+180.00)(7,0)
+P5=(+50.00,+0.00,+600.00,+180.00,+0.00,+180.00)(7,0)
+P9=(+90.00,+0.00,+600.00,+180.00,+0.00,+180.00)(7,0)
+"""
+
+
+def test_written_program() -> None:
+    tree = FIVE.parse(WRITTEN)
+    assert FIVE.check([tree]) == ()
+    program = FIVE.lift(tree)
+    assert program.comments == ("pick and place",)
+    assert list(program.targets) == ["PHOME", "P9"]
+    assert program.tools["PT"].tip.position == (0.0, 0.0, 100.0)
+    assert program.signals["di_3"] == Signal("digital", "input", 3)
+    main, pick = program.procedures
+    servo, label, home, test, follow, count, again, fin, stop = main.body
+    assert servo == p.Opaque("melfa-basic-5", "Servo On")
+    assert label == p.Label("LOOP")
+    motion = p.Motion(Speed(100.0, joint=100.0), FINE, "PT")
+    assert home == p.Move("joint", e.Name("PHOME"), motion)
+    condition = e.Binary("=", e.Name("di_3"), e.Number(1))
+    assert test == p.If((p.Branch(condition, (p.Call("PICK"),)),))
+    assert isinstance(follow, p.Follow)
+    path = follow.path
+    assert path.kinds.tolist() == [Kind.LINEAR, Kind.LINEAR, Kind.VIA, Kind.END, Kind.LINEAR]
+    assert path.positions[:, 0].tolist() == [10.0, 20.0, 30.0, 40.0, 50.0]
+    assert path.configurations[2].tolist() == [1, 0, 0, 4, 0, 0]
+    assert [path.blends[i] for i in path.blend] == [FINE] * 4 + [Blend(5.0, 8.0)]
+    assert isinstance(count, p.Assign)
+    assert isinstance(again, p.If)
+    assert again.branches[0].body == (p.Goto("FIN"),)
+    assert again.otherwise == (p.Goto("LOOP"),)
+    assert (fin, stop) == (p.Label("FIN"), p.Stop())
+    assert pick.name == "PICK"
+    hand, back, down, glue, switch = pick.body
+    assert hand == p.Gripper("close", 1)
+    relative = e.Apply("relative", (e.Name("P9"), e.Number(0), e.Number(0), e.Number(-50)))
+    assert back == p.Move("joint", relative, motion)
+    assert isinstance(down, p.Move)
+    assert glue == p.SetSignal("do_17", e.Number(1), e.Number(0.2))
+    assert switch == p.Switch(
+        e.Name("M1"),
+        (
+            p.Case((e.Number(1),), (p.Move("joint", e.Name("P9"), motion),)),
+            p.Case((e.Number(2),), (p.Wait(e.Number(1)),)),
+        ),
+    )
+
+
+def test_written_program_goes_to_another_version() -> None:
+    program = FIVE.lift(FIVE.parse(WRITTEN.replace("2 Servo On\n", "")))
+    adapted = FOUR.adapt(program)
+    assert not [f for f in adapted.findings if f.severity is Severity.ERROR]
+    text = FOUR.render(FOUR.build(adapted.program))
+    assert FOUR.lift(FOUR.parse(text)).procedures == adapted.program.procedures
+
+
+@pytest.mark.parametrize(
+    ("lines", "code"),
+    [
+        ("10 GOTO *X", "MB101"),
+        ("10 IF M1=1 THEN 200", "MB102"),
+        ("10 *A\n20 *A", "MB103"),
+        ("10 MOV P1", "MB104"),
+        ("10 MOV J7", "MB104"),
+        ("10 MOV P1\n20 MOV P2\nP1=(1,2,3,0,0,0)(7,0)", "MB104"),
+        ("10 FOR M1=1 TO 3", "MB105"),
+        ("10 WEND", "MB105"),
+        ("10 WHILE M1=1\n20 NEXT\n30 WEND", "MB105"),
+        ("10 MVERYLONG=1", "MB106"),
+        ("10 *LONGLABEL", "MB106"),
+        ("10 ' " + "x" * 130, "MB107"),
+        ("20 END\n10 END", "MB108"),
+        ("32768 END", "MB109"),
+        ("10 HLT\nEND", "MB110"),
+        ("10 IF M1=1 THEN\n20 HLT", "MB111"),
+        ("10 END\nP1=(1,2,3,0,0,0)(7,0)\nP1=(1,2,3,0,0,0)(7,0)", "MB112"),
+    ],
+)
+def test_checks(lines: str, code: str) -> None:
+    tree = FOUR.parse(lines + "\n")
+    assert not tree.findings
+    found = FOUR.check([tree])
+    assert code in {f.code for f in found}
+    assert all(f.cure for f in found)
+
+
+@pytest.mark.parametrize(
+    ("statement", "code"),
+    [
+        (p.SetSignal("bare", e.Number(1)), "MB201"),
+        (p.WaitSignal("bare", e.Number(1)), "MB201"),
+        (p.SetSignal("level", e.Number(1)), "MB209"),
+        (p.WaitSignal("ok", e.Number(1), e.Number(5)), "MB209"),
+        (p.Call("nowhere"), "MB209"),
+        (p.Goto("nowhere"), "MB209"),
+        (p.Opaque("rapid", "TPErase;"), "MB209"),
+        (p.Move("joint", e.Name("nowhere"), p.Motion(Speed(9.0, joint=1.0), FINE)), "MB209"),
+        (p.Assign(e.Name("nowhere"), e.Number(1)), "MB209"),
+        (p.Wait(e.Number(float("nan"))), "MB209"),
+        (p.Gripper("open", 9), "MB209"),
+    ],
+)
+def test_what_cannot_be_said_is_an_error(statement: p.Statement, code: str) -> None:
+    program = Program(
+        "job",
+        (Procedure("main", (statement,)),),
+        signals={
+            "bare": Signal("digital", "output"),
+            "ok": Signal("digital", "input", 3),
+            "level": Signal("analog", "output", 4),
+        },
+    )
+    found = [f for f in FOUR.adapt(program).findings if f.severity is Severity.ERROR]
+    assert [f.code for f in found] == [code]
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, 9e9])
+def test_no_wild_number_is_written(value: float) -> None:
+    path = Path.of("seam", [[value, 0, 0]], [[1, 0, 0, 0]], speeds=[Speed(9.0)])
+    program = Program("job", (Procedure("main", (p.Follow(path),)),))
+    found = FOUR.adapt(program).findings
+    assert "MB218" in {f.code for f in found if f.severity is Severity.ERROR}
+
+
+def test_names_of_another_world_do_no_harm() -> None:
+    program = Program(
+        "Ünïcode-näme!",
+        (Procedure("main", (p.Comment("a\r\n20 END ' x\x00"), p.Comment("ロボット"))),),
+        comments=("one\ntwo",),
+    )
+    adapted = FOUR.adapt(program).program
+    text = FOUR.render(FOUR.build(adapted))
+    tree = FOUR.parse(text)
+    assert not tree.findings
+    assert text.count("\r\n") == len(tree.items) == len(text.splitlines())
+    assert FOUR.lift(tree).procedures == adapted.procedures
+    assert FOUR.file_name(adapted).isascii()
