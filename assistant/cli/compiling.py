@@ -144,7 +144,7 @@ def _checked(
     source: str, robot: str | None, process: Path | None, from_language: str | None
 ) -> tuple[Diagnostic, ...]:
     from assistant import languages, robots
-    from assistant.compiler.compile import robot_of
+    from assistant.compiler.compiling import robot_of
 
     try:
         loaded = _loaded(source, robot, process, from_language)
@@ -165,8 +165,8 @@ def _checked(
 def _loaded(
     source: str, robot: str | None, process: Path | None, from_language: str | None
 ) -> Loaded:
-    from assistant.compiler.compile import robot_of
-    from assistant.compiler.load import load
+    from assistant.compiler.compiling import robot_of
+    from assistant.compiler.loading import load
 
     given = _input(source, from_language, robot)
     return given or load(source, process=process, robot=robot_of(robot), language=from_language)
@@ -174,8 +174,8 @@ def _loaded(
 
 def _input(source: str, language: str | None, robot: str | None) -> Loaded | None:
     """The program on standard input if the source says so, or a file of a named language."""
-    from assistant.compiler.compile import robot_of
-    from assistant.compiler.load import PSEUDO_ENCODINGS, load, load_text
+    from assistant.compiler.compiling import robot_of
+    from assistant.compiler.loading import PSEUDO_ENCODINGS, load, load_text
     from assistant.languages import get
     from assistant.program.text import decode
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from assistant import languages
-from assistant.compiler.load import load
+from assistant.compiler.loading import load
 from assistant.compiler.proof import Proof, prove
 from assistant.program.diagnostics import (
     Diagnostic,
