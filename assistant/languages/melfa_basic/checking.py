@@ -257,15 +257,15 @@ class _File:
             if isinstance(item, PositionRows | MoveRows):
                 numbers = item.numbers if isinstance(item, PositionRows) else item.end
                 longest = f"{item.stem}{int(numbers.max())}"
-                yield from self.too_long(longest, self.dialect.names, item.span, seen)
+                yield from self.too_long(longest, self.dialect.longest, item.span, seen)
             elif isinstance(item, s.Line):
                 if item.label:
-                    yield from self.too_long(item.label, self.dialect.labels, item.span, seen)
+                    yield from self.too_long(item.label, self.dialect.longest, item.span, seen)
                 for variable in _of_type(item.statement, s.Variable):
-                    yield from self.too_long(variable.name, self.dialect.names, item.span, seen)
+                    yield from self.too_long(variable.name, self.dialect.longest, item.span, seen)
             elif isinstance(item, s.Data):
                 name = item.variable.name
-                yield from self.too_long(name, self.dialect.names, item.span, seen)
+                yield from self.too_long(name, self.dialect.longest, item.span, seen)
 
     def too_long(
         self, name: str, most: int, span: Span | None, seen: set[str]

@@ -13,7 +13,8 @@ class Dialect:
 
     level: a program of a lower one is accepted by a higher one as it stands.
     upper: keywords are written in upper case. step: between step numbers that are written.
-    names, labels: most characters of a variable name and a label.
+    names, labels: most characters of a variable name and a label that is written.
+    longest: most characters that are accepted in what others wrote.
     line: most bytes of a step without its line end.
     blocks: `If … Then` may stand alone, up to `EndIf`. breaks: `Break` exists.
     wide_wait: `Wait` takes any condition, not only `variable = constant`.
@@ -29,6 +30,7 @@ class Dialect:
     step: int
     names: int
     labels: int
+    longest: int
     line: int
     blocks: bool
     breaks: bool
@@ -55,15 +57,15 @@ DIALECTS: Final = {
     d.name: d
     for d in (
         Dialect(
-            "melfa-basic-4", "MELFA-BASIC IV", 4, True, 10, 8, 8, 127,
+            "melfa-basic-4", "MELFA-BASIC IV", 4, True, 10, 8, 8, 8, 127,
             False, False, False, False, False, False, _OLD,
         ),
         Dialect(
-            "melfa-basic-5", "MELFA-BASIC V", 5, False, 1, 16, 16, 240,
+            "melfa-basic-5", "MELFA-BASIC V", 5, False, 1, 16, 16, 40, 240,
             True, True, True, True, False, True, _NEW,
         ),
         Dialect(
-            "melfa-basic-6", "MELFA-BASIC VI", 6, False, 1, 16, 16, 240,
+            "melfa-basic-6", "MELFA-BASIC VI", 6, False, 1, 16, 16, 40, 240,
             True, True, True, True, True, True, _NEW,
         ),
     )
