@@ -85,52 +85,42 @@ def from_euler(angles: ArrayLike, order: EulerOrder = "ZYX") -> Floats:
     return canonical(multiply(multiply(first, second), third))
 
 
+LOCKED: Final = 1e-9
+"""Sine or cosine of the middle angle below which the outer two are one rotation."""
+
+
 def to_euler(quaternions: ArrayLike, order: EulerOrder = "ZYX") -> Floats:
     """Intrinsic Euler angles (..., 3), in the order of the letters, in (-180, 180].
 
-    Where the middle angle makes the outer two one rotation, the first of them is 0
-    for ZYX and XYZ (a controller shows C = 0 there), and the last is 0 for ZYZ.
+    Where the middle angle makes the outer two one rotation, the first of them is 0 (a
+    controller shows C = 0 there). The last angle is taken from what remains once the first
+    is turned back, so that nothing is lost near that place.
     """
     m = to_matrix(quaternions)
+    x, y, z = (m[..., row, :] for row in range(3))
     if order == "ZYX":
-        flat = np.hypot(m[..., 0, 0], m[..., 1, 0])
-        angles = [
-            np.arctan2(m[..., 1, 0], m[..., 0, 0]),
-            np.arctan2(-m[..., 2, 0], flat),
-            np.arctan2(m[..., 2, 1], m[..., 2, 2]),
-        ]
-        locked = [
-            np.zeros_like(flat),
-            angles[1],
-            np.arctan2(-m[..., 1, 2], m[..., 1, 1]),
-        ]
+        flat = np.hypot(x[..., 0], y[..., 0])
+        s, c, first = _first(y[..., 0], x[..., 0], flat)
+        middle = np.arctan2(-z[..., 0], c * x[..., 0] + s * y[..., 0])
+        last = np.arctan2(s * x[..., 2] - c * y[..., 2], c * y[..., 1] - s * x[..., 1])
     elif order == "XYZ":
-        flat = np.hypot(m[..., 0, 0], m[..., 0, 1])
-        angles = [
-            np.arctan2(-m[..., 1, 2], m[..., 2, 2]),
-            np.arctan2(m[..., 0, 2], flat),
-            np.arctan2(-m[..., 0, 1], m[..., 0, 0]),
-        ]
-        locked = [
-            np.zeros_like(flat),
-            angles[1],
-            np.arctan2(m[..., 1, 0], m[..., 1, 1]),
-        ]
+        flat = np.hypot(y[..., 2], z[..., 2])
+        s, c, first = _first(-y[..., 2], z[..., 2], flat)
+        middle = np.arctan2(x[..., 2], c * z[..., 2] - s * y[..., 2])
+        last = np.arctan2(c * y[..., 0] + s * z[..., 0], c * y[..., 1] + s * z[..., 1])
     else:
-        flat = np.hypot(m[..., 0, 2], m[..., 1, 2])
-        angles = [
-            np.arctan2(m[..., 1, 2], m[..., 0, 2]),
-            np.arctan2(flat, m[..., 2, 2]),
-            np.arctan2(m[..., 2, 1], -m[..., 2, 0]),
-        ]
-        locked = [
-            np.arctan2(m[..., 1, 0] * np.sign(m[..., 2, 2] + 0.0), m[..., 1, 1]),
-            angles[1],
-            np.zeros_like(flat),
-        ]
-    chosen = np.where((flat < 1e-9)[..., None], np.stack(locked, -1), np.stack(angles, -1))
-    degrees = np.degrees(chosen)
-    return np.where(degrees <= -180.0, degrees + 360.0, degrees) + 0.0
+        flat = np.hypot(x[..., 2], y[..., 2])
+        s, c, first = _first(y[..., 2], x[..., 2], flat)
+        middle = np.arctan2(c * x[..., 2] + s * y[..., 2], z[..., 2])
+        last = np.arctan2(c * y[..., 0] - s * x[..., 0], c * y[..., 1] - s * x[..., 1])
+    degrees = np.degrees(np.stack([first, middle, last], axis=-1))
+    return np.asarray(np.where(degrees <= -180.0, degrees + 360.0, degrees) + 0.0)
+
+
+def _first(y: Floats, x: Floats, flat: Floats) -> tuple[Floats, Floats, Floats]:
+    """Sine, cosine and value of the first angle, 0 where it is locked to the last."""
+    angle = np.where(flat < LOCKED, 0.0, np.arctan2(y, x))
+    return np.sin(angle), np.cos(angle), angle
 
 
 def to_matrix(quaternions: ArrayLike) -> Floats:

@@ -51,7 +51,7 @@ def test_euler_angles_come_back_as_the_same_rotation(
     back = rotations.to_euler(q, order)
     assert np.all((back > -180.0) & (back <= 180.0))
     # just beside the lock each outer angle is known to seven digits only
-    assert rotations.angle_between(q, rotations.from_euler(back, order)) < 5e-5
+    assert rotations.angle_between(q, rotations.from_euler(back, order)) < 2e-8
 
 
 @given(st.tuples(st.floats(-179, 179), st.floats(-89, 89), st.floats(-179, 179)))
@@ -68,9 +68,9 @@ def test_in_the_lock_the_last_turn_of_a_controller_is_zero(middle: float) -> Non
     assert (c, b) == (0.0, pytest.approx(middle))
 
 
-def test_a_lock_of_zyz_leaves_its_last_angle_zero() -> None:
+def test_a_lock_of_zyz_leaves_its_first_angle_zero() -> None:
     np.testing.assert_allclose(
-        rotations.to_euler(rotations.from_euler((30.0, 0.0, 10.0), "ZYZ"), "ZYZ"), [40.0, 0.0, 0.0]
+        rotations.to_euler(rotations.from_euler((30.0, 0.0, 10.0), "ZYZ"), "ZYZ"), [0.0, 0.0, 40.0]
     )
 
 
