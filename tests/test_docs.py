@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from assistant.program import pseudo
+from assistant.program.diagnostics import Severity
 from assistant.sources.process_file import read_process
 from docs import findings
 
@@ -72,7 +73,7 @@ def test_the_commands_of_a_page_work(page, tmp_path):
     finally:
         for server in servers:
             server.send_signal(signal.SIGINT)
-            server.wait(timeout=10)
+            server.communicate(timeout=10)
 
 
 def _server(command: str, folder: Path, environment: dict[str, str]) -> subprocess.Popen[bytes]:
@@ -113,4 +114,6 @@ def test_the_findings_page_is_what_the_rules_say():
 
 
 def test_every_finding_says_what_to_do():
-    assert [rule.code for rule in findings.rules().values() if not rule.cure.strip()] == []
+    """An info may be just that."""
+    asking = [rule for rule in findings.rules().values() if rule.severity is not Severity.INFO]
+    assert [rule.code for rule in asking if not rule.cure.strip()] == []
