@@ -515,13 +515,12 @@ def _bit(value: e.Expression) -> e.Expression:
     return e.Number(int(value.value)) if isinstance(value, e.Truth) else value
 
 
-def _set_signal(a: _Adapter, x: p.SetSignal) -> Changed:
+def _set_signal(_: _Adapter, x: p.SetSignal) -> Changed:
     from assistant.languages.rapid.lift import gripper
 
     value = _bit(x.value)
     hand = gripper(x.signal, value) if x.pulse is None else None
-    declared = x.signal.lower() in {n.lower() for n in a.given.signals}
-    if hand is not None and not declared:
+    if hand is not None:
         return [replace(hand, span=x.span)]
     return [replace(x, value=value)]
 

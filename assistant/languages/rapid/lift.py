@@ -159,7 +159,7 @@ class _Lift:
         )
         signals = dict(self.signals)
         signals |= {n: v for n, v in self.noted.items() if not self.declared(n)}
-        return with_paths(replace(program, signals=_inferred(program, signals)))
+        return with_paths(replace(program, signals=_inferred(program, signals)), self.original)
 
     # Routines
 
@@ -470,7 +470,7 @@ def _set(kind: Any) -> Any:
         if plain is None or len(plain) != 2 or not isinstance(plain[0], s.NameRef):
             return None
         name, value = a.original(plain[0].name), a.expression(plain[1])
-        if kind == "digital" and (hand := gripper(name, value)) and not a.declared(name):
+        if kind == "digital" and (hand := gripper(name, value)):
             return hand
         a.note(name, Signal(kind, "output"))
         return p.SetSignal(name, value)
@@ -484,8 +484,7 @@ def _set_to(value: int) -> Any:
         if plain is None or len(plain) != 1 or not isinstance(plain[0], s.NameRef):
             return None
         name = a.original(plain[0].name)
-        hand = None if a.declared(name) else gripper(name, e.Number(value))
-        return hand or p.SetSignal(name, e.Number(value))
+        return gripper(name, e.Number(value)) or p.SetSignal(name, e.Number(value))
 
     return lifted
 

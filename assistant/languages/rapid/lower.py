@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any, Final
+from weakref import ReferenceType, ref
 
 import numpy as np
 
@@ -67,7 +68,17 @@ def module_name(program: Program, unit: str | None = None) -> str:
     return program_naming(program).get("modules", unit or program.name)
 
 
+_latest: list[tuple[ReferenceType[Program], Naming]] = []
+"""The program that was named last: every unit of a long one asks for the same names."""
+
+
 def program_naming(program: Program) -> Naming:
+    if not _latest or _latest[0][0]() is not program:
+        _latest[:] = [(ref(program), _named(program))]
+    return _latest[0][1]
+
+
+def _named(program: Program) -> Naming:
     fixed: list[str] = []
     for declaration in program.declarations:
         if declaration.language == "rapid":

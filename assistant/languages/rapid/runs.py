@@ -168,6 +168,8 @@ def targets_text(run: TargetRun, scope: str, indent: str, newline: str) -> str:
 
 def _number(values: NDArray[np.float64]) -> list[Piece]:
     """A column in the fewest decimals that give it back; odd values as Python writes them."""
+    if len(values) > 1 and (values == values[0]).all():
+        return [rows_text(_number(values[:1]), 1)]
     for places in (0, POSITION_PLACES, QUATERNION_PLACES):
         if (np.abs(values) < MOST_DECIMALS).all() and (np.round(values, places) == values).all():
             return [Decimal(values, places, strip=True)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields, is_dataclass, replace
 from typing import Any, Final
 
@@ -20,8 +20,11 @@ _ROW: Final = re.compile(r"(.*)_([1-9][0-9]{0,14})", re.DOTALL)
 _WORD: Final = re.compile(r"[A-Za-z]\w*")
 
 
-def with_paths(program: Program) -> Program:
-    """Moves through `seam_1`, `seam_2` … that nothing else uses, two at least, become `seam`."""
+def with_paths(program: Program, original: Callable[[str], str] = str) -> Program:
+    """Moves through `seam_1`, `seam_2` … that nothing else uses, two at least, become `seam`.
+
+    original: gives the name of a path back that was written under another.
+    """
     uses: Counter[str] = Counter()
     for procedure in program.procedures:
         uses.update(n.lower() for n in _names(procedure))
@@ -30,7 +33,7 @@ def with_paths(program: Program) -> Program:
     once = {n.lower(): (n, t) for n, t in program.targets.items() if uses[n.lower()] == 1}
     if not once:
         return program
-    gatherer = _Gatherer(once)
+    gatherer = _Gatherer(once, original)
     procedures = tuple(replace(q, body=gatherer.body(q.body)) for q in program.procedures)
     left = {n: t for n, t in program.targets.items() if n.lower() not in gatherer.gone}
     return replace(program, procedures=procedures, targets=left)
@@ -56,8 +59,10 @@ def _names(node: Any) -> Iterator[str]:
 
 
 class _Gatherer:
-    def __init__(self, once: Mapping[str, tuple[str, Target]]) -> None:
-        self.once = once
+    def __init__(
+        self, once: Mapping[str, tuple[str, Target]], original: Callable[[str], str]
+    ) -> None:
+        self.once, self.original = once, original
         self.gone: set[str] = set()
 
     def body(self, body: tuple[p.Statement, ...]) -> tuple[p.Statement, ...]:
@@ -126,7 +131,7 @@ class _Gatherer:
         self.gone.update(n.lower() for n in names)
         first = self.once[names[0].lower()][0]
         return Path.of(
-            first.rsplit("_", 1)[0],
+            self.original(first.rsplit("_", 1)[0]),
             [t.pose.position for t in targets],
             [t.pose.quaternion for t in targets],
             kinds=np.array(kinds),

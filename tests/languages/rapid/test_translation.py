@@ -348,7 +348,7 @@ EXPRESSIONS = st.recursive(
         st.builds(e.Name, NAMES),
     ),
     compound,
-    max_leaves=8,
+    max_leaves=4,
 )
 MOTIONS = st.builds(
     p.Motion,
@@ -406,12 +406,12 @@ STATEMENTS = st.recursive(
         st.just(p.Opaque("rapid", "WaitTime 1;")),
     ),
     blocks,
-    max_leaves=12,
+    max_leaves=5,
 )
 
 
 @settings(max_examples=25, deadline=None)
-@given(st.lists(STATEMENTS, max_size=8), st.lists(COMMENTS, max_size=3))
+@given(st.lists(STATEMENTS, max_size=6), st.lists(COMMENTS, max_size=3))
 def test_random_programs_come_back(body: list[p.Statement], comments: list[str]) -> None:
     points = {
         n: Target(Pose((float(i), 2.0, 3.0)))
