@@ -11,7 +11,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,11 +72,13 @@ def row_chunks(pieces: Sequence[Piece], n: int) -> Iterator[bytes]:
     merged = _merged(pieces)
     for start in range(0, n, CHUNK):
         rows = slice(start, min(start + CHUNK, n))
-        count = rows.stop - rows.start
-        blocks = [_block(piece, rows, count) for piece in merged]
-        matrix = np.concatenate([b for b, _ in blocks], axis=1)
-        keep = np.concatenate([k for _, k in blocks], axis=1)
-        yield matrix[keep].tobytes()
+        fields = [_field(piece, rows) for piece in merged]
+        edges = np.cumsum([0, *(field.width for field in fields)])
+        text = np.empty((rows.stop - rows.start, edges[-1]), dtype=np.uint8)
+        keep = np.ones(text.shape, dtype=bool)
+        for field, left, right in zip(fields, edges, edges[1:], strict=False):
+            field.write(text[:, left:right], keep[:, left:right])
+        yield text[keep].tobytes()
 
 
 def _merged(pieces: Sequence[Piece]) -> list[Piece]:
@@ -89,30 +91,60 @@ def _merged(pieces: Sequence[Piece]) -> list[Piece]:
     return merged
 
 
-def _block(piece: Piece, rows: slice, n: int) -> tuple[Bytes, Mask]:
+class _Field(Protocol):
+    """A piece of some rows: how wide it is at most, and how it is written."""
+
+    @property
+    def width(self) -> int: ...
+
+    def write(self, text: Bytes, keep: Mask) -> None:
+        """Fills the columns of all rows, and clears `keep` for the bytes that do not count."""
+
+
+def _field(piece: Piece, rows: slice) -> _Field:
     match piece:
         case bytes():
-            text = np.frombuffer(piece, dtype=np.uint8)
-            return np.broadcast_to(text, (n, len(text))), np.ones((n, len(text)), dtype=bool)
+            return _Constant(piece)
         case Chosen():
-            return _chosen(np.asarray(piece.index[rows]), piece.table)
+            return _Choice(np.asarray(piece.index[rows]), piece.table)
         case Integer():
             values = np.asarray(piece.values[rows], dtype=np.int64)
-            return _digits(np.abs(values), values < 0, places=0, plus=False, strip=False)
+            return _Digits(np.abs(values), values < 0)
         case Decimal():
             return _decimal(piece, np.asarray(piece.values[rows], dtype=np.float64))
 
 
-def _chosen(index: NDArray[np.integer], table: Sequence[bytes]) -> tuple[Bytes, Mask]:
-    width = max((len(text) for text in table), default=0)
-    texts = np.zeros((max(len(table), 1), width), dtype=np.uint8)
-    lengths = np.array([len(text) for text in table] or [0])
-    for row, text in enumerate(table):
-        texts[row, : len(text)] = np.frombuffer(text, dtype=np.uint8)
-    return texts[index], np.arange(width) < lengths[index][:, None]
+@dataclass(frozen=True, slots=True)
+class _Constant:
+    content: bytes
+
+    @property
+    def width(self) -> int:
+        return len(self.content)
+
+    def write(self, text: Bytes, keep: Mask) -> None:  # noqa: ARG002  all of it counts
+        text[:] = np.frombuffer(self.content, dtype=np.uint8)
 
 
-def _decimal(piece: Decimal, values: NDArray[np.float64]) -> tuple[Bytes, Mask]:
+@dataclass(frozen=True, slots=True)
+class _Choice:
+    index: NDArray[np.integer]
+    table: Sequence[bytes]
+
+    @property
+    def width(self) -> int:
+        return max((len(entry) for entry in self.table), default=0)
+
+    def write(self, text: Bytes, keep: Mask) -> None:
+        entries = np.zeros((max(len(self.table), 1), self.width), dtype=np.uint8)
+        lengths = np.array([len(entry) for entry in self.table] or [0])
+        for row, entry in enumerate(self.table):
+            entries[row, : len(entry)] = np.frombuffer(entry, dtype=np.uint8)
+        text[:] = entries[self.index]
+        keep[:] = np.arange(self.width) < lengths[self.index][:, None]
+
+
+def _decimal(piece: Decimal, values: NDArray[np.float64]) -> _Field:
     absent = np.isnan(values)
     if absent.any() and piece.missing is None:
         raise ValueError("not a number")
@@ -121,53 +153,80 @@ def _decimal(piece: Decimal, values: NDArray[np.float64]) -> tuple[Bytes, Mask]:
         raise ValueError("a number has more digits than can be written")
     whole = scaled.astype(np.int64)
     negative = (values < 0) & (whole > 0)  # never "-0.00"
-    matrix, keep = _digits(whole, negative, piece.places, plus=piece.plus, strip=piece.strip)
+    digits = _Digits(whole, negative, piece.places, plus=piece.plus, strip=piece.strip)
     if piece.missing is None or not absent.any():
-        return matrix, keep
-    other, kept = _chosen(absent.astype(np.int64), (b"", piece.missing))
-    return np.concatenate([matrix, other], axis=1), np.concatenate(
-        [keep & ~absent[:, None], kept], axis=1
-    )
+        return digits
+    return _Gaps(digits, _Choice(absent.astype(np.int64), (b"", piece.missing)), absent)
+
+
+@dataclass(frozen=True, slots=True)
+class _Gaps:
+    """Numbers, and what stands for those that are absent."""
+
+    numbers: _Digits
+    instead: _Choice
+    absent: Mask
+
+    @property
+    def width(self) -> int:
+        return self.numbers.width + self.instead.width
+
+    def write(self, text: Bytes, keep: Mask) -> None:
+        edge = self.numbers.width
+        self.numbers.write(text[:, :edge], keep[:, :edge])
+        keep[self.absent, :edge] = False
+        self.instead.write(text[:, edge:], keep[:, edge:])
 
 
 _FOUR: Final = np.frombuffer(b"".join(b"%04d" % i for i in range(10000)), np.uint8).reshape(-1, 4)
 _ZERO, _POINT, _PLUS, _MINUS = b"0.+-"
 
 
-def _digits(
-    whole: NDArray[np.int64], negative: Mask, places: int, *, plus: bool, strip: bool
-) -> tuple[Bytes, Mask]:
-    """Sign, integer part, point and fraction of whole / 10**places, with the bytes that count."""
-    n = len(whole)
-    most = int(whole.max(initial=0))
-    digits = max(len(str(most)), places + 1)
-    groups = -(-digits // 4)
-    number = np.empty((n, 4 * groups), dtype=np.uint8)
-    rest = whole
-    for group in reversed(range(groups)):
-        rest, low = np.divmod(rest, 10000) if group else (rest, rest)
-        number[:, 4 * group : 4 * group + 4] = _FOUR[low]
-    number = number[:, 4 * groups - digits :]
-    before = digits - places
-    shown = np.ones(number.shape, dtype=bool)
-    if before > 1:  # leading zeros, except the one before the point
-        np.logical_or.accumulate(
-            number[:, : before - 1] != _ZERO, axis=1, out=shown[:, : before - 1]
-        )
-    if strip and places:
-        tail = np.logical_or.accumulate(number[:, : before - 1 : -1] != _ZERO, axis=1)
-        shown[:, before:] = tail[:, ::-1]
-    sign = np.where(negative, _MINUS, _PLUS).astype(np.uint8)[:, None]
-    signed = (negative | plus)[:, None]
-    if not places:
-        return np.concatenate([sign, number], axis=1), np.concatenate([signed, shown], axis=1)
-    point = np.full((n, 1), _POINT, dtype=np.uint8)
-    return (
-        np.concatenate([sign, number[:, :before], point, number[:, before:]], axis=1),
-        np.concatenate(
-            [signed, shown[:, :before], shown[:, before : before + 1], shown[:, before:]], axis=1
-        ),
-    )
+@dataclass(frozen=True, slots=True)
+class _Digits:
+    """whole / 10**places with its sign where `negative`."""
+
+    whole: NDArray[np.int64]
+    negative: Mask
+    places: int = 0
+    plus: bool = False
+    strip: bool = False
+
+    @property
+    def before(self) -> int:
+        """Digits before the point, of the largest."""
+        return max(len(str(int(self.whole.max(initial=0)))) - self.places, 1)
+
+    @property
+    def width(self) -> int:
+        return 1 + self.before + (1 + self.places if self.places else 0)
+
+    def write(self, text: Bytes, keep: Mask) -> None:
+        before, places = self.before, self.places
+        text[:, 0] = np.where(self.negative, _MINUS, _PLUS)
+        keep[:, 0] = self.negative | self.plus
+        whole, fraction = np.divmod(self.whole, 10**places) if places else (self.whole, None)
+        self._number(whole, text[:, 1 : 1 + before])
+        for column in range(before - 1):  # leading zeros, except the one before the point
+            keep[:, 1 + column] = whole >= 10 ** (before - 1 - column)
+        if fraction is None:
+            return
+        after = slice(2 + before, None)
+        text[:, 1 + before] = _POINT
+        self._number(fraction, text[:, after])
+        if self.strip:
+            tail = np.logical_or.accumulate(text[:, : 1 + before : -1] != _ZERO, axis=1)
+            keep[:, after] = tail[:, ::-1]
+            keep[:, 1 + before] = tail[:, -1]
+
+    def _number(self, values: NDArray[np.int64], text: Bytes) -> None:
+        """The last digits of each value, as many as there are columns."""
+        right = text.shape[1]
+        while right > 4:
+            values, low = np.divmod(values, 10000)
+            text[:, right - 4 : right] = _FOUR[low]
+            right -= 4
+        text[:, :right] = _FOUR[values % 10000, 4 - right :]
 
 
 _SEPARATORS: Final = bytes.maketrans(b"[](),;\r\n\t", b"         ")

@@ -200,12 +200,11 @@ class _Walk:
         )
         self._rows(np.flatnonzero(~close.all(axis=1)), "external axes", place)
         for column in ("speed", "blend", "tool", "frame"):
-            table = column + "s"
-            pairs = np.unique(
-                np.stack([getattr(mine, column), getattr(theirs, column)], axis=1), axis=0
-            )
-            for a, b in pairs:
-                self.value(getattr(mine, table)[a], getattr(theirs, table)[b], f"{place} {column}")
+            table, other = getattr(mine, column + "s"), getattr(theirs, column + "s")
+            paired = getattr(mine, column) * len(other) + getattr(theirs, column)
+            for pair in np.flatnonzero(np.bincount(paired)):
+                first, second = divmod(int(pair), len(other))
+                self.value(table[first], other[second], f"{place} {column}")
 
     def _rows(self, rows: np.ndarray[Any, np.dtype[np.intp]], column: str, place: str) -> None:
         if len(rows):

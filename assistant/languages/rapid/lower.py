@@ -73,9 +73,12 @@ _latest: list[tuple[ReferenceType[Program], Naming]] = []
 
 
 def program_naming(program: Program) -> Naming:
-    if not _latest or _latest[0][0]() is not program:
-        _latest[:] = [(ref(program), _named(program))]
-    return _latest[0][1]
+    for known, names in _latest:
+        if known() is program:
+            return names
+    names = _named(program)
+    _latest[:] = [(ref(program), names)]
+    return names
 
 
 def _named(program: Program) -> Naming:
