@@ -11,11 +11,10 @@ from assistant import languages, sources
 from assistant.program import pseudo
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.program import Program
-from assistant.program.statements import Call
 from assistant.program.text import SourceText, decode, read_bytes
 
 if TYPE_CHECKING:
-    from assistant.languages import Language
+    from assistant.languages import Language, Tree
     from assistant.robots import Robot
 
 PSEUDO_ENCODINGS: Final = ("utf-8-sig", "utf-8")
@@ -75,26 +74,29 @@ def lift(
 ) -> Loaded:
     """The pseudo-program of vendor texts; raises Refused if one of them is broken."""
     trees = [language.parse(text) for text in texts]
+    if beside is not None:
+        trees += _called(language, trees, [text.path for text in texts], beside)
     findings = [finding for tree in trees for finding in tree.findings]
     if has_errors(findings):
         raise Refused(*findings)
-    program = language.lift(trees, robot)
-    if beside is not None:
-        more = _missing_units(language, program, beside)
-        if more:
-            return lift(language, [*texts, *more], robot)
-    return Loaded(program, language.name, tuple(findings))
+    return Loaded(language.lift(trees, robot), language.name, tuple(findings))
 
 
-def _missing_units(language: Language[Any], program: Program, folder: FilePath) -> list[SourceText]:
-    present = {procedure.unit for procedure in program.procedures}
-    called = dict.fromkeys(
-        statement.unit
-        for statement in program.statements()
-        if isinstance(statement, Call) and statement.unit and statement.unit not in present
-    )
-    files = [folder / language.file_name(program, unit) for unit in called]
-    return [language.read(file) for file in files if file.is_file()]
+def _called(
+    language: Language[Any], trees: Sequence[Tree], paths: Sequence[str | None], folder: FilePath
+) -> list[Tree]:
+    """The trees of the files in the folder that trees call, and of those that these call."""
+    there = {file.name.lower(): file for file in folder.iterdir() if file.is_file()}
+    known = {FilePath(path).name.lower() for path in paths if path}
+    found: list[Tree] = []
+    pending = list(trees)
+    while pending:
+        for name in language.called_files(pending.pop(0)):
+            if name.lower() in there and name.lower() not in known:
+                known.add(name.lower())
+                found.append(language.parse(language.read(there[name.lower()])))
+                pending.append(found[-1])
+    return found
 
 
 def _spoken(source: FilePath, data: bytes | None, named: str | None) -> Language[Any] | None:

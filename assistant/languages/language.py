@@ -112,6 +112,10 @@ class Language(abc.ABC, Generic[T]):
         """Name of the file that holds a unit of an adapted program."""
 
     @abc.abstractmethod
+    def called_files(self, tree: T) -> tuple[str, ...]:
+        """Names of the files that a tree loads or calls, each once."""
+
+    @abc.abstractmethod
     def check(self, trees: Sequence[T]) -> tuple[Diagnostic, ...]:
         """Findings of the language's own rules over the trees of one program."""
 

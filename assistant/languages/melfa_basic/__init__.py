@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from assistant.languages.language import Adapted, Language, Precision
 from assistant.languages.melfa_basic.dialects import DIALECTS
-from assistant.languages.melfa_basic.syntax import File
+from assistant.languages.melfa_basic.syntax import CallP, File, Line, String
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.program import Program
 from assistant.program.text import SourceText
@@ -102,6 +102,13 @@ class MelfaBasic(Language[File]):
         from assistant.languages.melfa_basic.names import naming
 
         return naming(program, self.dialect).units[unit] + ".prg"
+
+    def called_files(self, tree: File) -> tuple[str, ...]:
+        """A call that works out the program's name is left aside."""
+        statements = [item.statement for item in tree.items if isinstance(item, Line)]
+        named = [s.program for s in statements if isinstance(s, CallP)]
+        called = [program.value for program in named if isinstance(program, String)]
+        return tuple(f"{name}.prg" for name in dict.fromkeys(called))
 
     def check(self, trees: Sequence[File]) -> tuple[Diagnostic, ...]:
         from assistant.languages.melfa_basic.checking import check

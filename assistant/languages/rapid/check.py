@@ -93,6 +93,18 @@ def nodes(root: Any) -> Iterator[Any]:
                 pending += [getattr(item, f.name) for f in fields(item)]
 
 
+def loaded_files(root: s.File) -> tuple[str, ...]:
+    """Names of the files that `Load` instructions with a literal path name."""
+    files = [
+        first.value.value.replace(":", "/").rsplit("/", 1)[-1]
+        for call in nodes(root.modules)
+        if isinstance(call, s.ProcedureCall) and str(call.name).lower() == "load"
+        for first in call.arguments
+        if isinstance(first, s.Positional) and isinstance(first.value, s.StringLiteral)
+    ]
+    return tuple(sorted(set(files)))
+
+
 Found = Iterator[Diagnostic]
 
 
