@@ -11,8 +11,9 @@ import numpy as np
 
 from assistant.languages.language import Adapted
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.lift_expressions import aggregate, negative
+from assistant.languages.rapid.lift_expressions import aggregate, negative, unsaid
 from assistant.languages.rapid.lower import (
+    SIZES_PLACES,
     build,
     is_text,
     program_naming,
@@ -20,6 +21,7 @@ from assistant.languages.rapid.lower import (
 )
 from assistant.languages.rapid.motions import sayable_blend, sayable_speed, speed_name, zone_name
 from assistant.languages.rapid.naming import units
+from assistant.languages.rapid.runs import JOINT_PLACES, POSITION_PLACES, QUATERNION_PLACES
 from assistant.languages.rapid.sequences import map_bodies, map_expressions, with_paths
 from assistant.languages.rapid.tables import (
     LEAST_ACCELERATION,
@@ -29,6 +31,7 @@ from assistant.languages.rapid.tables import (
     LONGEST_STRING,
     MOST_TARGETS,
     SPEEDS,
+    UNUSED,
     ZONES,
 )
 from assistant.program import expressions as e
@@ -150,7 +153,7 @@ class _Adapter:
                 name,
             )
             load = replace(load, centre=LEAST_CENTRE)
-        return replace(tool, tip=self.pose(tool.tip), load=load)
+        return replace(tool, tip=self.pose(tool.tip), load=_printed(load))
 
     def frame(self, frame: Frame) -> Frame:
         return replace(frame, user=self.pose(frame.user), object=self.pose(frame.object))
@@ -160,8 +163,7 @@ class _Adapter:
         if configuration is None:
             self.findings.append(rules.NO_CONFIGURATION(place=place))
             configuration = Configuration()
-        external = tuple(float("nan") if v >= 9e9 else v for v in target.external)
-        return Target(self.pose(target.pose), configuration, external)
+        return Target(self.pose(target.pose), configuration, _axes(target.external))
 
     def joints(self, target: JointTarget, place: str) -> JointTarget:
         joints = target.joints
@@ -170,7 +172,8 @@ class _Adapter:
         if len(joints) < 6 or any(j != j for j in joints):
             self.changed("a joint that is not stated", "0 degrees", "state every joint", place)
             joints = tuple(0.0 if j != j else j for j in joints) + (0.0,) * (6 - len(joints))
-        return JointTarget(joints, target.external)
+        joints = tuple(round(j, JOINT_PLACES) + 0.0 for j in joints)
+        return JointTarget(joints, _axes(target.external))
 
     def variable(self, variable: Variable, name: str) -> Variable:
         if variable.type == "integer":
@@ -271,11 +274,14 @@ class _Adapter:
             configurations = np.where(unstated[:, None], np.int8(0), configurations)
         rows = np.arange(len(path)) + via  # an arc has the motion of its end
         rows = np.minimum(rows, len(path) - 1)
+        external = np.array(path.external)
+        np.round(external, JOINT_PLACES, out=external)
+        external[external >= UNUSED] = np.nan
         return replace(
             path,
             quaternions=rotations.canonical(path.quaternions),
             configurations=configurations,
-            external=np.where(path.external >= 9e9, np.nan, path.external),
+            external=external,
             speed=path.speed[rows],
             blend=path.blend[rows],
             tool=path.tool[rows],
@@ -480,6 +486,19 @@ def _pieces(path: Path, most: int) -> list[Path]:
     return pieces
 
 
+def _axes(values: tuple[float, ...]) -> tuple[float, ...]:
+    """External axes as they are printed, NaN for an unused one."""
+    return tuple(float("nan") if v >= UNUSED else round(v, JOINT_PLACES) + 0.0 for v in values)
+
+
+def _printed(load: Load) -> Load:
+    """A load as it is printed."""
+    x, y, z = (round(v, POSITION_PLACES) + 0.0 for v in load.centre)
+    a, b, c, d = (round(v, QUATERNION_PLACES) + 0.0 for v in load.axes)
+    i, j, k = (round(v, SIZES_PLACES) + 0.0 for v in load.inertia)
+    return Load(round(load.mass, SIZES_PLACES), (x, y, z), (a, b, c, d), (i, j, k))
+
+
 Changed = list[p.Statement]
 
 
@@ -550,7 +569,7 @@ def _comment(a: _Adapter, x: p.Comment) -> Changed:
 def _message(a: _Adapter, x: p.Message) -> Changed:
     """As many messages as it takes for 80 characters each."""
     flat = [y for part in x.parts for y in _flat(a, part)] or [e.Text("")]
-    flat = [y.arguments[0] if isinstance(y, e.Apply) and _said(y) else y for y in flat]
+    flat = [unsaid(y) for y in flat]
     rows: list[list[e.Expression]] = [[]]
     room = LONGEST_STRING
     for part in flat:

@@ -11,7 +11,7 @@ from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.gather import literal_number, plain_move
 from assistant.languages.rapid.header import Header, read_header
 from assistant.languages.rapid.lift_data import DataLift, is_module_data
-from assistant.languages.rapid.lift_expressions import LANGUAGE
+from assistant.languages.rapid.lift_expressions import LANGUAGE, unsaid
 from assistant.languages.rapid.lift_expressions import lift as lift_expression
 from assistant.languages.rapid.lift_paths import PathLift
 from assistant.languages.rapid.motions import speed_name, zone_name
@@ -529,9 +529,7 @@ def _message(a: _Lift, node: s.ProcedureCall) -> p.Statement | None:
         if isinstance(part, s.Infix) and part.operator == "+":
             pending += [part.right, part.left]
             continue
-        lifted = a.expression(part)
-        shown = isinstance(lifted, e.Apply) and lifted.function == "text"
-        parts.append(lifted.arguments[0] if isinstance(lifted, e.Apply) and shown else lifted)
+        parts.append(unsaid(a.expression(part)))
     value = _option(node, "num")
     return p.Message((*parts, *(() if value is None else (a.expression(value),))))
 

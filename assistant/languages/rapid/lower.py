@@ -28,6 +28,7 @@ from assistant.languages.rapid.lower_expressions import (
 from assistant.languages.rapid.motions import speed_name, speed_values, zone_name, zone_values
 from assistant.languages.rapid.naming import Naming, naming
 from assistant.languages.rapid.runs import (
+    JOINT_PLACES,
     POSITION_PLACES,
     QUATERNION_PLACES,
     MotionNames,
@@ -467,7 +468,7 @@ def path_run(path: Path, stem: str) -> TargetRun:
     np.round(path.quaternions, QUATERNION_PLACES, out=values[:, 3:7])
     values[:, 7:11] = to_confdata(path.configurations)
     external = np.where(np.isnan(path.external), UNUSED, path.external)
-    np.round(external, POSITION_PLACES, out=values[:, 11:17])
+    np.round(external, JOINT_PLACES, out=values[:, 11:17])
     return TargetRun(Names.numbered(f"{stem}_", len(path)), values + 0.0)
 
 

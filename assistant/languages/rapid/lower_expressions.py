@@ -10,7 +10,7 @@ import numpy as np
 
 from assistant.languages.rapid import rules
 from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid.runs import PARTS, POSITION_PLACES, QUATERNION_PLACES
+from assistant.languages.rapid.runs import JOINT_PLACES, PARTS, POSITION_PLACES, QUATERNION_PLACES
 from assistant.languages.rapid.tables import COMPONENTS, FUNCTIONS, LONGEST_STRING
 from assistant.program import expressions as e
 from assistant.program.diagnostics import Refused, Rule
@@ -205,7 +205,7 @@ def target_values(target: Target) -> list[float]:
         *np.round(target.pose.position, POSITION_PLACES),
         *np.round(target.pose.quaternion, QUATERNION_PLACES),
         *to_confdata([configuration_row(target.configuration)])[0],
-        *np.round([9e9 if v != v else v for v in target.external], POSITION_PLACES),
+        *np.round([9e9 if v != v else v for v in target.external], JOINT_PLACES),
     ]
     finite([float(v) for v in numbers], "a target")
     return [float(v) + 0.0 for v in numbers]
@@ -231,8 +231,8 @@ def joints_node(target: JointTarget) -> s.AggregateNode:
     finite(list(target.joints), "a joint target")
     return s.AggregateNode(
         (
-            numbers_node(list(target.joints), POSITION_PLACES),
-            numbers_node(list(target.external), POSITION_PLACES),
+            numbers_node(list(target.joints), JOINT_PLACES),
+            numbers_node(list(target.external), JOINT_PLACES),
         )
     )
 

@@ -26,6 +26,8 @@ MOST: Final = 8192
 
 POSITION_PLACES: Final = 4
 QUATERNION_PLACES: Final = 9
+JOINT_PLACES: Final = 6
+"""Of joints and external axes, degrees or mm."""
 MOST_DECIMALS: Final = 1e6
 """mm; smaller values have nine exact decimals in a double."""
 PARTS: Final = ((0, 3), (3, 7), (7, 11), (11, 17))

@@ -110,7 +110,7 @@ def full() -> Program:
         "irb1200-7-0.7",
         ("first line", "robot: said someone", ": odd"),
         {"part": Frame(Pose((500.0, 0.0, 0.0)), Pose((1.0, 2.0, 3.0), (0.0, 1.0, 0.0, 0.0)))},
-        {"GRIPPER": Tool(Pose((0.0, 0.0, 120.5)), Load(1.5, (0.0, 0.0, 40.0)))},
+        {"GRIPPER": Tool(Pose((0.0, 0.0, 120.5)), Load(1.23456789, (0.0, 1e-7, 40.123456)))},
         {"slow": Speed(33.0, 100.0)},
         {"round": Blend(7.0)},
         {
@@ -121,7 +121,7 @@ def full() -> Program:
             "nozzle": Signal("group", "output", None, 8),
         },
         {"above": target},
-        {"home": JointTarget((0.0, 0.0, 0.0, 0.0, 30.0, 0.0))},
+        {"home": JointTarget((0.0, 8.00527e-05, -2.14434321, 0.0, 30.0, 0.0))},
         {
             "x": Variable("number", number(0)),
             "flag": Variable("truth", e.Truth(False), (), "persistent"),
