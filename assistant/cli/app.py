@@ -187,11 +187,12 @@ def virtual_cr(
     port: Annotated[
         int, typer.Option(help="Controller-link port on this computer; 0 takes a free one.")
     ] = 10001,
+    log: Annotated[bool, typer.Option("--log", help="Print each command and answer.")] = False,
 ) -> None:
     """A virtual CR controller: controller link over TCP."""
     from assistant.cli.virtual import run_cr
 
-    run_cr(robot, port)
+    run_cr(robot, port, log)
 
 
 @app.command()

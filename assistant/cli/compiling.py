@@ -136,7 +136,7 @@ def run_check(
         print_json({"findings": [finding_record(f) for f in folded]})
     else:
         print_findings(folded)
-        say(f"{len(sources)} checked, {len(findings)} findings")
+        say(f"{len(sources)} checked, {len(findings)} finding{'s' * (len(findings) != 1)}")
     return 1 if worst(folded) in (Severity.ERROR, Severity.WARNING) else 0
 
 

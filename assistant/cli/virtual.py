@@ -32,7 +32,7 @@ def run_irc5(folder: Path, port: int, user: str) -> None:
     _run(controller, f"HOME: is {controller.folder}", None if given else controller.password)
 
 
-def run_cr(robot: str, port: int) -> None:
+def run_cr(robot: str, port: int, log: bool) -> None:
     from assistant.compiler.compiling import robot_of
     from assistant.languages import get
     from assistant.virtual.cr import VirtualCr
@@ -40,7 +40,7 @@ def run_cr(robot: str, port: int) -> None:
     arm = robot_of(robot)
     assert arm is not None
     try:
-        controller = VirtualCr(arm.name, port=port, report=_report)
+        controller = VirtualCr(arm.name, port=port, report=_report if log else None)
     except ValueError as error:
         raise Refused(NOT_STARTED(place=robot, reason=error), exit_status=2) from None
     _run(controller, f"{arm.title}, {get(controller.state.language).title}", None)

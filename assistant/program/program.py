@@ -23,7 +23,7 @@ IDENTIFIER: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 MANGLED = Rule(
     "NM001",
-    Severity.WARNING,
+    Severity.INFO,
     "the name {given!r} is written `{name}`",
     "use letters, digits and `_`, a letter first",
 )

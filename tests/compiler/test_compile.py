@@ -112,7 +112,7 @@ def test_a_printer_that_lies_is_found_out(monkeypatch):
     assert compiled.files == {}
     (finding,) = [f for f in compiled.findings if f.code == "CO102"]
     assert finding.severity is Severity.ERROR
-    assert "row 17" in finding.place
+    assert "row 18" in finding.place
     assert "1 mm" in finding.message
     assert compiled.proof.line() == "not proven"
 

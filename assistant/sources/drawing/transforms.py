@@ -163,9 +163,11 @@ def _turned_axes(insert: Insert) -> Floats:
 
 
 def _scale(insert: Insert) -> Floats:
-    scale = np.array([insert.dxf.xscale, insert.dxf.yscale, insert.dxf.zscale], dtype=np.float64)
+    x, y, z = (float(s) for s in (insert.dxf.xscale, insert.dxf.yscale, insert.dxf.zscale))
+    # Writers of flat drawings put 0 for z, where nothing stands that it could scale.
+    scale = np.array([x, y, z or abs(x)], dtype=np.float64)
     if not scale.all():
-        raise ValueError("a scale of the insert is 0")
+        raise ValueError("a scale of the insert in x or y is 0")
     return scale
 
 

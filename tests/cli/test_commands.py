@@ -1,0 +1,231 @@
+"""The commands as people and pipelines use them: answers, exit statuses, nothing half done."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from assistant import __version__
+from assistant.cli import main
+from assistant.program import pseudo
+from assistant.virtual.cr import VirtualCr
+from assistant.virtual.irc5 import VirtualIrc5
+
+SAMPLES = Path(__file__).parents[2] / "samples"
+POSITIONING = str(SAMPLES / "positioning.csv")
+IRB = ("--language", "rapid", "--robot", "irb1200-7-0.7")
+
+
+def run(capsys, *arguments: object) -> tuple[int, str, str]:
+    """Exit status, standard output and standard error of a command."""
+    with pytest.raises(SystemExit) as ended:
+        main([str(a) for a in arguments])
+    said = capsys.readouterr()
+    assert "Traceback" not in said.err + said.out
+    assert "CL900" not in said.err
+    return int(ended.value.code or 0), said.out, said.err
+
+
+def test_version_and_help(capsys):
+    assert run(capsys, "--version")[1] == f"robot-assistant {__version__}\n"
+    status, out, _ = run(capsys, "--help")
+    assert status == 0
+    for command in ("compile", "show", "check", "deploy", "virtual", "demo"):
+        assert f"\n  {command} " in out
+
+
+@pytest.mark.parametrize("arguments", [["compile"], ["nonsense"], ["compile", "x", "--frob"], []])
+def test_wrong_usage_is_exit_status_2(capsys, arguments):
+    assert run(capsys, *arguments)[0] == 2
+
+
+def test_compile_prints_the_proof_and_what_it_wrote(capsys, tmp_path):
+    status, out, _ = run(capsys, "compile", POSITIONING, *IRB, "-o", tmp_path)
+    assert status == 0
+    assert "proven: 36 statements and 36 targets read back, largest deviation 0.0000" in out
+    assert f"wrote {tmp_path / 'positioning.mod'}" in out
+    assert os.listdir(tmp_path) == ["positioning.mod"]
+
+
+def test_compile_answers_in_json(capsys, tmp_path):
+    status, out, _ = run(capsys, "compile", POSITIONING, *IRB, "-o", tmp_path, "--format", "json")
+    answer = json.loads(out)
+    assert (status, answer["ok"]) == (0, True)
+    assert answer["sources"][0]["proof"]["holds"] is True
+    assert answer["sources"][0]["proof"]["targets"] == 36
+    assert answer["written"] == [str(tmp_path / "positioning.mod")]
+
+
+def test_findings_in_json_name_code_and_place(capsys, tmp_path):
+    arguments = ("--language", "melfa-basic-4", "--robot", "rv-2aj", "-o", tmp_path)
+    source = SAMPLES / "taught.toml"
+    status, out, _ = run(capsys, "compile", source, *arguments, "--format", "json")
+    answer = json.loads(out)
+    assert (status, answer["ok"], answer["written"]) == (1, False, [])
+    errors = [f for f in answer["findings"] if f["severity"] == "error"]
+    assert {f["code"] for f in errors} == {"RB102"}
+    assert all(f["cure"] and f["path"] == str(source) for f in errors)
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_single_file_goes_to_standard_output(tmp_path):
+    command = [sys.executable, "-m", "assistant", "compile", POSITIONING, *IRB, "-o", "-"]
+    done = subprocess.run(command, capture_output=True, check=True, cwd=tmp_path)
+    assert done.stdout.startswith(b"MODULE positioning\r\n")
+    assert os.listdir(tmp_path) == []
+
+
+def test_show_can_be_piped_into_compile(tmp_path):
+    show = [sys.executable, "-m", "assistant", "show", POSITIONING]
+    text = subprocess.run(show, capture_output=True, check=True).stdout
+    command = [sys.executable, "-m", "assistant", "compile", "-", *IRB, "-o", "-"]
+    done = subprocess.run(command, input=text, capture_output=True, check=True)
+    direct = [sys.executable, "-m", "assistant", "compile", POSITIONING, *IRB, "-o", "-"]
+    assert done.stdout == subprocess.run(direct, capture_output=True, check=True).stdout
+
+
+def test_show_writes_long_paths_into_tables_beside(capsys, tmp_path):
+    rows = "\n".join(f"{300 + i / 100:.2f},0,300,0,1,0,0" for i in range(1500))
+    source = tmp_path / "scan.csv"
+    source.write_text("x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z\n" + rows, encoding="utf-8")
+    status, _, _ = run(capsys, "show", source, "-o", tmp_path / "out" / "scan.pseudo")
+    assert status == 0
+    assert len((tmp_path / "out" / "scan.pseudo").read_text("utf-8")) < 1000
+    back = pseudo.read(tmp_path / "out" / "scan.pseudo")
+    assert len(next(back.statements()).path) == 1500
+
+
+def test_two_sources_never_write_one_file(capsys, tmp_path):
+    (tmp_path / "a").mkdir()
+    other = tmp_path / "a" / "Positioning.csv"
+    other.write_bytes(Path(POSITIONING).read_bytes())
+    (tmp_path / "a" / "Positioning.process.toml").write_bytes(
+        (SAMPLES / "positioning.process.toml").read_bytes()
+    )
+    status, _, err = run(capsys, "compile", POSITIONING, other, *IRB, "-o", tmp_path / "out")
+    assert status == 1
+    assert "CL001" in err
+    assert not (tmp_path / "out").exists()
+
+
+def test_check_is_clean_or_says_what_is_wrong(capsys, tmp_path):
+    status, out, _ = run(capsys, "check", POSITIONING, "--robot", "irb1200-7-0.7")
+    assert (status, out) == (0, "1 checked, 0 findings\n")
+    broken = tmp_path / "broken.mod"
+    broken.write_text(
+        "MODULE broken\n  PROC main()\n    MoveL p1, v25, fine tool0;\n  ENDPROC\nENDMODULE\n",
+        encoding="ascii",
+    )
+    status, _, err = run(capsys, "check", broken)
+    assert status == 1
+    assert f"{broken}:3:" in err
+    assert "^" in err
+    status, out, _ = run(capsys, "check", broken, "--format", "json")
+    assert (status, json.loads(out)["findings"][0]["line"]) == (1, 3)
+
+
+BAD = {
+    "missing.csv": (None, 2, "IN001"),
+    "empty.csv": (b"", 2, "IN005"),
+    "empty.dxf": (b"", 2, "IN005"),
+    "picture.dxf": (b"\x89PNG\r\n\x1a\n", 2, "DX"),
+    "comma.csv": (b"x_mm;y_mm;z_mm;q_w;q_x;q_y;q_z\n1,5;2;3;1;0;0;0\n", 1, "TB"),
+    "nan.csv": (b"x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z\nnan,2,3,1,0,0,0\n", 1, "TB"),
+    "columns.csv": (b"x_mm,y_mm,q_w,q_x,q_y,q_z\n1,2,1,0,0,0\n", 1, "TB104"),
+    "long.csv": (b"x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z\n1,2,3,1,0.5,0,0\n", 1, "TB"),
+    "unknown.xyz": (b"anything", 2, "SR001"),
+    "odd.pseudo": (b"program p\nprocedure main\n  move sideways p1\nend\n", 1, "PS"),
+    "odd.mod": (b"MODULE m\nPROC main()\n", 1, "RA"),
+    "tokens.mb5": (b"ROBPRG\x00\x01\x02", 1, "MB"),
+    "bad.toml": (b"[[targets]\n", 2, "CT301"),
+    "bad.json": (b"{", 2, "TB421"),
+    "bad.npy": (b"\x93NUMPY\x01\x00", 2, "TB"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+@pytest.mark.parametrize("command", ["compile", "show", "check"])
+def test_bad_input_is_one_finding_and_an_exit_status(capsys, tmp_path, name, command):
+    content, expected, code = BAD[name]
+    source = tmp_path / name
+    if content is not None:
+        source.write_bytes(content)
+    options = [*IRB, "-o", tmp_path / "out"] if command == "compile" else []
+    status, _, err = run(capsys, command, source, *options)
+    assert status in ({expected} if command != "check" else {1, 2})
+    assert code in err
+    assert name in err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_folder_is_no_source(capsys, tmp_path):
+    folder = tmp_path / "folder.csv"
+    folder.mkdir()
+    status, _, err = run(capsys, "show", folder)
+    assert (status, "IN002" in err) == (2, True)
+
+
+def test_findings_do_not_steer_the_terminal(capsys, tmp_path):
+    source = tmp_path / "x.csv"
+    source.write_bytes(b"x_mm,\x1b[31mred\n1,2\n")
+    _, _, err = run(capsys, "show", source)
+    assert "\x1b" not in err
+
+
+def test_deploy_shows_installs_and_finds_it_there(capsys, tmp_path, monkeypatch):
+    run(capsys, "compile", POSITIONING, *IRB, "-o", tmp_path)
+    program = tmp_path / "positioning.mod"
+    with VirtualIrc5(tmp_path / "home") as controller:
+        monkeypatch.setenv("ROBOT_ASSISTANT_PASSWORD", controller.password)
+        to = ("--to", controller.address, "--backup", tmp_path / "backup")
+        status, out, _ = run(capsys, "deploy", program, *to, "--dry-run")
+        assert (status, "nothing has been changed" in out) == (0, True)
+        assert not list((tmp_path / "home").iterdir())
+        status, out, err = run(capsys, "deploy", program, *to)
+        assert (status, "1 installed and verified" in out) == (0, True)
+        assert controller.password not in out + err
+        assert (tmp_path / "home" / "positioning.mod").read_bytes() == program.read_bytes()
+        status, out, _ = run(capsys, "deploy", program, *to, "--format", "json")
+        assert json.loads(out)["files"][0]["state"] == "same"
+
+
+def test_deploy_to_a_cr_controller(capsys, tmp_path):
+    arguments = ("--language", "melfa-basic-4", "--robot", "rv-2aj", "-o", tmp_path)
+    run(capsys, "compile", POSITIONING, *arguments)
+    with VirtualCr("rv-2aj") as controller:
+        to = ("--to", controller.address, "--backup", tmp_path / "backup")
+        status, out, _ = run(capsys, "deploy", tmp_path / "POSITIONING.prg", *to)
+        assert (status, "1 installed and verified" in out) == (0, True)
+        assert controller.names()
+
+
+def test_deploying_to_nobody_is_no_success(capsys, tmp_path):
+    run(capsys, "compile", POSITIONING, *IRB, "-o", tmp_path)
+    with VirtualIrc5(tmp_path / "home") as controller:
+        address = controller.address
+    environment = {**os.environ, "ROBOT_ASSISTANT_PASSWORD": "x"}
+    command = [sys.executable, "-m", "assistant", "deploy", "positioning.mod", "--to", address]
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert done.returncode in (1, 2)
+    assert "installed" not in done.stdout
+    assert "CN" in done.stderr
+
+
+def test_the_demo_leaves_programs_plots_and_a_report(capsys, tmp_path):
+    status, out, _ = run(capsys, "demo", "-o", tmp_path)
+    assert status == 0
+    assert out.count("proven: ") == 4
+    assert out.count("1 installed and verified") == 4
+    for name in ("positioning.mod", "POSITIONING.prg", "plate.mod", "PLATE.prg"):
+        assert (tmp_path / name).stat().st_size > 1000
+    for name in ("positioning.png", "plate.png"):
+        assert (tmp_path / name).read_bytes().startswith(b"\x89PNG")
+    page = (tmp_path / "report.html").read_text("utf-8")
+    assert page.count("<polyline") > 10
+    assert "MoveL positioning_1,v150,z100,GRIPPER" in page
+    assert 'src="http' not in page
