@@ -15,6 +15,7 @@ import assistant
 from assistant.program.diagnostics import Rule
 
 FAMILIES = {
+    "CK": "Checks of programs",
     "CL": "Command line",
     "CN": "Controllers",
     "CO": "Compiling and proving",

@@ -14,6 +14,12 @@ INTERNAL = Rule(
     "robot-assistant itself failed: {kind}: {error}",
     "nothing was written; set ROBOT_ASSISTANT_TRACEBACK=1 for the details of a report",
 )
+NOT_PRINTED = Rule(
+    "CL901",
+    Severity.ERROR,
+    "the system refuses: {reason}",
+    "make room, or name another place; what was printed may be cut off",
+)
 INTERRUPTED: Final = 130
 """What shells expect of a program that Ctrl-C ended."""
 
@@ -31,11 +37,19 @@ def main(arguments: list[str] | None = None) -> None:
     except KeyboardInterrupt:
         sys.exit(INTERRUPTED)
     except BrokenPipeError:
-        # The reader of our output went away, as `head` does; its end is not our error.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _discard_output()  # the reader went away, as `head` does; its end is not our error
         sys.exit(0)
+    except OSError as error:
+        print_findings([NOT_PRINTED(reason=error.strerror or error)])
+        _discard_output()
+        sys.exit(2)
     except Exception as error:
         if os.environ.get("ROBOT_ASSISTANT_TRACEBACK"):
             raise
         print_findings([INTERNAL(kind=type(error).__name__, error=error)])
         sys.exit(2)
+
+
+def _discard_output() -> None:
+    """What is still buffered must not fail again when the interpreter ends."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -40,6 +40,10 @@ NOT_ONE_FILE = Rule(
     "there are {count} files to print",
     "name a folder with --output",
 )
+NO_FILE_NAME = Rule(
+    "CL003", Severity.ERROR, "`{name}` is no name of a file", "name the file to write"
+)
+TWICE = Rule("CL004", Severity.ERROR, "standard input can be read only once", "name `-` only once")
 STANDARD: Final = "-"
 SIDE_TABLES_ABOVE: Final = 1000
 """Rows of a path that a `.pseudo` file on disk still holds in its text."""
@@ -59,6 +63,8 @@ def run_compile(
 ) -> int:
     from assistant.compiler import compile
 
+    if list(sources).count(STANDARD) > 1:
+        raise Refused(TWICE(), exit_status=2)
     done: list[tuple[str, Compiled]] = []
     for source in sources:
         with working(f"compiling {source}"):
@@ -114,6 +120,8 @@ def run_show(
     from assistant.compiler.output import write_files
 
     printed = pseudo.print_program(loaded.program, side_tables_above=SIDE_TABLES_ABOVE)
+    if not output.name or output.name in (".", ".."):
+        raise Refused(NO_FILE_NAME(path=str(output), name=output), exit_status=2)
     name = output.with_suffix(pseudo.SUFFIX).name
     for path in write_files({name: printed.text.encode(), **printed.tables}, output.parent):
         say(f"wrote {path}")
@@ -143,7 +151,7 @@ def run_check(
 def _checked(
     source: str, robot: str | None, process: Path | None, from_language: str | None
 ) -> tuple[Diagnostic, ...]:
-    from assistant import languages, robots
+    from assistant import checks, languages, robots
     from assistant.compiler.compiling import robot_of
 
     try:
@@ -152,7 +160,7 @@ def _checked(
         if refused.exit_status == 2:
             raise
         return refused.findings
-    found = list(loaded.findings)
+    found = [*loaded.findings, *checks.check(loaded.program)]
     if loaded.language and source != STANDARD:
         spoken = languages.get(loaded.language)
         found += spoken.check([spoken.parse(spoken.read(source))])
@@ -175,14 +183,13 @@ def _loaded(
 def _input(source: str, language: str | None, robot: str | None) -> Loaded | None:
     """The program on standard input if the source says so, or a file of a named language."""
     from assistant.compiler.compiling import robot_of
-    from assistant.compiler.loading import PSEUDO_ENCODINGS, load, load_text
-    from assistant.languages import get
+    from assistant.compiler.loading import PSEUDO_ENCODINGS, language_of, load, load_text
     from assistant.program.text import decode
 
     if source != STANDARD:
         return load(source, robot=robot_of(robot), language=language) if language else None
     data = sys.stdin.buffer.read()
-    encodings = get(language).encodings if language else PSEUDO_ENCODINGS
+    encodings = language_of(language).encodings if language else PSEUDO_ENCODINGS
     text = decode(data, "standard input", encodings)
     return load_text(text, robot=robot_of(robot), language=language)
 

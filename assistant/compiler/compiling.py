@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from assistant import languages
-from assistant.compiler.loading import load
+from assistant.checks import check
+from assistant.compiler.loading import language_of, load
 from assistant.compiler.proof import Proof, prove
 from assistant.program.diagnostics import (
     Diagnostic,
@@ -27,9 +27,6 @@ from assistant.program.rewriting import rewrite
 if TYPE_CHECKING:
     from assistant.robots import Robot
 
-UNKNOWN_LANGUAGE = Rule(
-    "CO001", Severity.ERROR, "there is no language `{name}`", "choose one of {names}"
-)
 UNKNOWN_ROBOT = Rule("CO002", Severity.ERROR, "there is no robot `{name}`", "choose one of {names}")
 OTHER_MAKER = Rule(
     "CO003",
@@ -82,7 +79,7 @@ def compile(
     vendor program was written for. most_targets: of one unit, for controllers that take less.
     Raises Unreadable or Refused for input that cannot be used at all.
     """
-    target = _language(language)
+    target = language_of(language)
     if most_targets is not None and most_targets < LEAST_TARGETS:
         raise Refused(TOO_FEW(most=most_targets, least=LEAST_TARGETS), exit_status=2)
     findings: list[Diagnostic] = []
@@ -92,6 +89,7 @@ def compile(
         loaded = load(source, process=process, robot=robot_of(from_robot))
         program, findings = loaded.program, list(loaded.findings)
         findings = [f.within(str(source)) for f in findings]
+    findings += check(program)
     arm = robot_of(robot or program.robot)
     if arm is not None:
         if program.robot not in (None, arm.name):
@@ -144,14 +142,6 @@ def robot_of(robot: str | Robot | None) -> Robot | None:
         return robots.get(robot)
     except KeyError:
         finding = UNKNOWN_ROBOT(name=robot, names=", ".join(robots.names()))
-        raise Refused(finding, exit_status=2) from None
-
-
-def _language(name: str) -> languages.Language[languages.Tree]:
-    try:
-        return languages.get(name)
-    except KeyError:
-        finding = UNKNOWN_LANGUAGE(name=name, names=", ".join(languages.names()))
         raise Refused(finding, exit_status=2) from None
 
 

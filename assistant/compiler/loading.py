@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant import languages, sources
 from assistant.program import pseudo
-from assistant.program.diagnostics import Diagnostic, Refused, has_errors
+from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, has_errors
 from assistant.program.program import Program
 from assistant.program.text import SourceText, decode, read_bytes
 
@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 PSEUDO_ENCODINGS: Final = ("utf-8-sig", "utf-8")
-STANDARD_INPUT: Final = "-"
+UNKNOWN_LANGUAGE = Rule(
+    "CO001", Severity.ERROR, "there is no language `{name}`", "choose one of {names}"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +64,16 @@ def load_text(
     """The same for a text that is no file: a robot language's if named, else pseudo text."""
     if language is None:
         return Loaded(pseudo.parse(text))
-    return lift(languages.get(language), [text], robot)
+    return lift(language_of(language), [text], robot)
+
+
+def language_of(name: str) -> Language[Any]:
+    """A language by name; raises Refused if there is none."""
+    try:
+        return languages.get(name)
+    except KeyError:
+        finding = UNKNOWN_LANGUAGE(name=name, names=", ".join(languages.names()))
+        raise Refused(finding, exit_status=2) from None
 
 
 def lift(
@@ -101,5 +112,5 @@ def _called(
 
 def _spoken(source: FilePath, data: bytes | None, named: str | None) -> Language[Any] | None:
     if named is not None:
-        return languages.get(named)
+        return language_of(named)
     return None if data is None else languages.of_file(source, data)

@@ -152,8 +152,8 @@ def test_a_printer_that_writes_no_program_is_found_out(monkeypatch):
 
 def long_program(n: int) -> Program:
     """n rows on a spiral, every fourth move an arc."""
-    turn = np.linspace(0.0, 60.0, n)
-    positions = np.stack([300 + turn * np.cos(turn), turn * np.sin(turn), 300 + turn], axis=1)
+    turn, wide = 0.06 * np.arange(n), np.linspace(20.0, 80.0, n)
+    positions = np.stack([300 + wide * np.cos(turn), wide * np.sin(turn), 280 + wide], axis=1)
     kinds = np.resize([Kind.LINEAR, Kind.LINEAR, Kind.VIA, Kind.END], n)
     kinds[n - n % 4 :] = Kind.LINEAR
     quaternions = np.broadcast_to([0.0, 1.0, 0.0, 0.0], (n, 4))

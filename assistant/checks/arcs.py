@@ -1,0 +1,95 @@
+"""Arcs that no controller can run: points that coincide, or that lie on one line."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from assistant.program.expressions import Expression, Name, TargetValue
+from assistant.program.path import Kind, Path
+from assistant.program.program import Program, bodies
+from assistant.program.statements import Follow, Move, MoveCircular, Statement
+
+Floats = NDArray[np.float64]
+_Place = Callable[[int], str]
+"""Row of an arc → where it is."""
+
+LEAST_APART: Final = 0.1
+"""mm between start, via and end below which an IRC5 refuses an arc (RAPID manual, MoveC)."""
+LEAST_HEIGHT: Final = 0.001
+"""mm of the via point beside the chord below which an arc has no certain plane."""
+
+TOO_CLOSE = Rule(
+    "CK101",
+    Severity.ERROR,
+    "two points of an arc are the same or less than 0.1 mm apart",
+    "move them apart, use a linear move, or split a full circle into two arcs",
+)
+STRAIGHT = Rule(
+    "CK102",
+    Severity.ERROR,
+    "the three points of an arc lie on one line",
+    "use a linear move, or put the via point beside the line",
+)
+
+
+def arcs(program: Program) -> Iterator[Diagnostic]:
+    for procedure in program.procedures:
+        yield from _body(program, procedure.body, f"procedure {procedure.name}")
+
+
+def _body(program: Program, body: tuple[Statement, ...], place: str) -> Iterator[Diagnostic]:
+    """Follows the position through straight code; where it is not known only the rest counts."""
+    here: Floats | None = None
+    for statement in body:
+        match statement:
+            case Follow(path=path):
+                yield from _path(path, here)
+                here = path.positions[-1] if len(path) else here
+            case Move(target=target):
+                here = _position(program, target)
+            case MoveCircular(via=via, target=target):
+                points = [here, _position(program, via), _position(program, target)]
+                row = np.array([p if p is not None else np.full(3, np.nan) for p in points])
+                yield from _found(row[None], lambda _: place)
+                here = points[2]
+            case _:
+                here = None if bodies(statement) else here
+        for inner in bodies(statement):
+            yield from _body(program, inner, place)
+
+
+def _path(path: Path, before: Floats | None) -> Iterator[Diagnostic]:
+    vias = np.flatnonzero(path.kinds == Kind.VIA)
+    vias = vias[vias + 1 < len(path)]
+    if not len(vias):
+        return
+    starts = path.positions[np.maximum(vias - 1, 0)].copy()
+    if vias[0] == 0:
+        starts[0] = before if before is not None else np.nan
+    points = np.stack([starts, path.positions[vias], path.positions[vias + 1]], axis=1)
+    yield from _found(points, lambda row: f"path {path.name} row {vias[row] + 1}")
+
+
+def _found(points: Floats, place: _Place) -> Iterator[Diagnostic]:
+    """points: (n, 3, 3) start, via and end; NaN for a point that is not known."""
+    start, via, end = (points[:, i] for i in range(3))
+    sides = np.stack([via - start, end - via, end - start], axis=1)
+    lengths = np.linalg.norm(sides, axis=2)
+    close = (lengths < LEAST_APART).any(axis=1)  # NaN is no length, so it never is
+    height = np.linalg.norm(np.cross(sides[:, 0], sides[:, 2]), axis=1)
+    straight = ~close & (height < LEAST_HEIGHT * lengths[:, 2])
+    for rule, rows in ((TOO_CLOSE, close), (STRAIGHT, straight)):
+        for row in np.flatnonzero(rows):
+            yield rule(place=place(int(row)))
+
+
+def _position(program: Program, expression: Expression) -> Floats | None:
+    if isinstance(expression, TargetValue):
+        return np.array(expression.target.pose.position)
+    target = program.targets.get(expression.name) if isinstance(expression, Name) else None
+    return None if target is None else np.array(target.pose.position)
