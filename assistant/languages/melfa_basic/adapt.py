@@ -127,11 +127,14 @@ class Context:
         return replace(target, configuration=configuration)
 
     def _in_reach(self, name: str, target: Target) -> Target:
-        from assistant.languages.melfa_basic.adapt_paths import MISS, SAME
+        from assistant.languages.melfa_basic.adapt_paths import MISS, SAME, over_the_back
         from assistant.robots import five_axis
 
         position = np.array([target.pose.position])
         quaternion = np.array([target.pose.quaternion])
+        row = np.array([configuration_row(target.configuration)], dtype=np.int8)
+        if over_the_back(position, quaternion, row)[0]:
+            self.findings.append(rules.OVER_THE_BACK(name=name, place=name))
         miss = float(five_axis.miss(position, quaternion)[0])
         if miss > MISS:
             self.findings.append(rules.UNREACHABLE(name=name, angle=miss, place=name))

@@ -19,6 +19,7 @@ from assistant.program.geometry import BASE, Pose, Target
 from assistant.program.motion import MAXIMUM_SPEED, Speed
 from assistant.program.path import UNSTATED, Kind, Path
 from assistant.program.program import Procedure, Program, identifier, walk
+from assistant.robots.configurations import BACK
 
 if TYPE_CHECKING:
     from assistant.languages.melfa_basic.adapt import Context
@@ -37,6 +38,8 @@ MISS: Final = 0.05
 """degrees by which an orientation may leave what five axes reach."""
 SAME: Final = 1e-6
 """degrees below which it is reached as it is."""
+VERTICAL: Final = 1e-4
+"""Sine of the tool's tilt below which it counts as straight up or down."""
 
 
 def plain_speed(speed: Speed) -> tuple[Speed, list[str]]:
@@ -117,6 +120,11 @@ def _arcs_as_one(path: Path) -> Path:
 def _in_reach(context: Context, path: Path) -> Path:
     from assistant.robots import five_axis
 
+    behind = over_the_back(path.positions, path.quaternions, path.configurations)
+    if behind.any():
+        first = int(behind.argmax())
+        place = f"{int(behind.sum())} targets of {path.name}"
+        context.findings.append(rules.OVER_THE_BACK(name=f"{path.name}_{first + 1}", place=place))
     miss = five_axis.miss(path.positions, path.quaternions)
     far = np.flatnonzero(miss > MISS)
     if len(far):
@@ -134,6 +142,23 @@ def _in_reach(context: Context, path: Path) -> Path:
     ab = five_axis.to_ab(path.positions[off], path.quaternions[off])
     quaternions[off] = five_axis.from_ab(path.positions[off], ab)
     return replace(path, quaternions=quaternions)
+
+
+def over_the_back(
+    positions: NDArray[np.float64],
+    quaternions: NDArray[np.float64],
+    configurations: NDArray[np.int8],
+) -> NDArray[np.bool_]:
+    """Which poses a five-axis arm takes over its back with a tool that is not vertical (n,).
+
+    Their A and B depend on axis 1, which no source says of this branch; straight down both
+    branches show the same.
+    """
+    from assistant.robots import five_axis
+
+    tilt = five_axis.to_ab(positions, quaternions)[:, 1]
+    tilted = np.abs(np.sin(np.radians(tilt))) > VERTICAL
+    return np.asarray((configurations[:, BACK] == 1) & tilted)
 
 
 def _with_tables(context: Context, path: Path) -> Path:

@@ -141,6 +141,10 @@ TOO_MANY_STEPS = Rule(
     "MB220", E, "the program `{name}` needs {count} steps, more than {most}",
     "split it into procedures in units of their own",
 )  # fmt: skip
+OVER_THE_BACK = Rule(
+    "MB221", E, "`{name}` reaches over the arm's back with a tilted tool: A and B are uncertain",
+    "turn the cell so that the arm reaches forward, or point the tool straight down",
+)  # fmt: skip
 
 ALL: Final = tuple(value for value in list(globals().values()) if isinstance(value, Rule))
 """Every rule of this room, for the docs."""
