@@ -12,6 +12,7 @@ import numpy as np
 from assistant.languages.language import Adapted
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift_expressions import aggregate, negative, unsaid
+from assistant.languages.rapid.loops import counted
 from assistant.languages.rapid.lower import (
     SIZES_PLACES,
     build,
@@ -58,7 +59,8 @@ def adapt(program: Program, most_targets: int | None = None) -> Adapted:
     """most_targets: of one module, None for MOST_TARGETS."""
     adapter = _Adapter(program)
     try:
-        adapted = adapter.program()
+        adapted, loops = counted(adapter.program())
+        adapter.findings += loops
         adapted = with_paths(adapted)
         most = max(most_targets or MOST_TARGETS, LEAST_PIECE)
         adapted = adapter.split(adapted, most)

@@ -11,6 +11,7 @@ import numpy as np
 
 from assistant.languages.rapid import rules
 from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.declared import Declared, undeclared
 from assistant.languages.rapid.gather import literal_number, literal_target
 from assistant.languages.rapid.runs import MOVES, MoveRun, Names
 from assistant.languages.rapid.tables import (
@@ -46,6 +47,7 @@ class _Scope:
         self.types: dict[str, str] = {}
         self.counts: Counter[str] = Counter()
         self.runs: list[Names] = []
+        self.declared = Declared([m for f in files for m in f.modules])
         for item in (i for f in files for m in f.modules for i in m.items):
             if isinstance(item, s.TargetRunNode):
                 if not item.scope:
@@ -269,6 +271,11 @@ def _declarations_first(look: _Look, body: Sequence[s.StatementNode]) -> Found:
             stated = True
 
 
+def _undeclared(look: _Look) -> Found:
+    for name in undeclared(look.module, look.scope.declared):
+        yield look.finding(rules.UNDECLARED, name, name=name.name)
+
+
 RANKS: Final[tuple[tuple[Any, int, str], ...]] = (
     (s.Record | s.Alias, 0, "a record"),
     (s.Data | s.TargetRunNode, 1, "data"),
@@ -284,6 +291,7 @@ RULES: Final[tuple[Callable[[_Look], Found], ...]] = (
     _quaternions,
     _persistents,
     _order,
+    _undeclared,
 )
 
 __all__ = ["PREDEFINED", "MoveRun", "check", "literal", "nearest", "nodes"]

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
+from assistant.languages.rapid import syntax as s
 from assistant.program.program import Program, Signal
 
 _NAME = r"[A-Za-z][A-Za-z0-9_]*"
@@ -95,3 +96,13 @@ def read_header(comments: Sequence[str]) -> Header:
         else:
             header.names[match["short"].lower()] = match["original"]
     return header
+
+
+def opening(module: s.Module) -> Header:
+    """What the comments say that a module begins with."""
+    lines = []
+    for item in module.items:
+        if not isinstance(item, s.CommentLine) or item.trailing:
+            break
+        lines.append(item.text)
+    return read_header(lines)

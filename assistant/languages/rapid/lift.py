@@ -9,11 +9,12 @@ from typing import Any, Final
 
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.gather import literal_number, plain_move
-from assistant.languages.rapid.header import Header, read_header
+from assistant.languages.rapid.header import Header, opening
 from assistant.languages.rapid.lift_data import DataLift, is_module_data
 from assistant.languages.rapid.lift_expressions import LANGUAGE, unsaid
 from assistant.languages.rapid.lift_expressions import lift as lift_expression
 from assistant.languages.rapid.lift_paths import PathLift
+from assistant.languages.rapid.loops import apart
 from assistant.languages.rapid.motions import speed_name, zone_name
 from assistant.languages.rapid.printer import print_items, print_statements
 from assistant.languages.rapid.sequences import with_paths
@@ -75,7 +76,7 @@ def gripper(signal: str, value: e.Expression) -> p.Gripper | None:
 class _Lift:
     def __init__(self, modules: list[s.Module]) -> None:
         self.modules = modules
-        self.headers = [_header(m) for m in modules]
+        self.headers = [opening(m) for m in modules]
         main = next((i for i, h in enumerate(self.headers) if not h.unit), 0)
         self.main = main
         self.names: dict[str, str] = {}
@@ -159,7 +160,8 @@ class _Lift:
         )
         signals = dict(self.signals)
         signals |= {n: v for n, v in self.noted.items() if not self.declared(n)}
-        return with_paths(replace(program, signals=_inferred(program, signals)), self.original)
+        program = apart(replace(program, signals=_inferred(program, signals)))
+        return with_paths(program, self.original)
 
     # Routines
 
@@ -358,15 +360,6 @@ class _Lift:
         named = frame.name if isinstance(frame, s.NameRef) else ""
         motion = self.motion(names[0], names[1], names[2], named)
         return [self.expression(n) for n in plain[:points]], motion
-
-
-def _header(module: s.Module) -> Header:
-    lines = []
-    for item in module.items:
-        if not isinstance(item, s.CommentLine) or item.trailing:
-            break
-        lines.append(item.text)
-    return read_header(lines)
 
 
 def own_items(header: Header) -> int:

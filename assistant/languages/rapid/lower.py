@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any, Final
 from weakref import ReferenceType, ref
@@ -195,13 +195,16 @@ class _Unit:
     # Routines
 
     def routine(self, procedure: Procedure) -> s.Routine:
-        inner = self.names.inner[procedure.name.lower()]
+        key = procedure.name.lower()
+        inner, counters = self.names.inner[key], self.names.counters[key]
+        counting: list[str] = []
 
         def known(name: str) -> str:
-            short = inner.get(name.lower(), name)
-            return name if short.lower() == name.lower() else short
+            return spelt(inner, name)
 
         def value(name: str) -> str:
+            if name.lower() in counting:
+                return spelt(counters, name)
             if name.lower() in inner:
                 return known(name)
             return self.names.get("values", self.names.get("signals", name))
@@ -212,7 +215,7 @@ class _Unit:
             lambda n: self.names.get("tools", n),
             lambda n: self.names.get("frames", n),
         )
-        body = _Body(self.program, self.names, self.unit, expressions, known, procedure)
+        body = _Body(self.program, self.names, expressions, counting, procedure)
         variables = [
             self.variable(known(n), v, expressions) for n, v in procedure.variables.items()
         ]
@@ -237,18 +240,27 @@ class _Unit:
         )
 
 
+def spelt(names: Mapping[str, str], name: str) -> str:
+    """RAPID's name of something; its own case where only that differs."""
+    short = names.get(name.lower(), name)
+    return name if short.lower() == name.lower() else short
+
+
 class _Body:
+    """counting: lower-case names that the loops around a statement count; filled as it goes."""
+
     def __init__(
         self,
         program: Program,
         names: Naming,
-        unit: str | None,
         expressions: Expressions,
-        known: Callable[[str], str],
+        counting: list[str],
         procedure: Procedure,
     ) -> None:
-        self.program, self.names, self.unit = program, names, unit
-        self.lower, self.known = expressions.lower, known
+        self.program, self.names, self.lower = program, names, expressions.lower
+        self.counting = counting
+        self.counters = names.counters[procedure.name.lower()]
+        self.labels = names.labels[procedure.name.lower()]
         self.texts = text_names(program, procedure)
         self.kinds = {n.lower(): g.kind for n, g in program.signals.items()}
 
@@ -377,7 +389,10 @@ def _while(b: _Body, x: p.While) -> Lowered:
 def _for(b: _Body, x: p.For) -> Lowered:
     step = None if x.step == p.ONE else b.lower(x.step)
     first, last = b.lower(x.first), b.lower(x.last)
-    yield s.ForLoop(b.known(x.variable), first, last, step, b.block(x.body))
+    b.counting.append(x.variable.lower())
+    body = b.block(x.body)
+    b.counting.pop()
+    yield s.ForLoop(spelt(b.counters, x.variable), first, last, step, body)
 
 
 def _switch(b: _Body, x: p.Switch) -> Lowered:
@@ -398,11 +413,11 @@ def _comment(_: _Body, x: p.Comment) -> Lowered:
 
 
 def _label(b: _Body, x: p.Label) -> Lowered:
-    yield s.LabelMark(b.known(x.name))
+    yield s.LabelMark(spelt(b.labels, x.name))
 
 
 def _goto(b: _Body, x: p.Goto) -> Lowered:
-    yield s.GotoLabel(b.known(x.label))
+    yield s.GotoLabel(spelt(b.labels, x.label))
 
 
 def _message(b: _Body, x: p.Message) -> Lowered:

@@ -19,19 +19,25 @@ _ROW: Final = re.compile(r"(.+)_([1-9][0-9]*)")
 
 KINDS: Final = ("signals", "procedures", "tools", "frames", "speeds", "blends", "values", "modules")
 
+HIDDEN: Final = ("values", "signals")
+"""Kinds whose names a loop's variable may have: it hides them in the loop."""
+
 
 @dataclass(slots=True)
 class Naming:
     """RAPID's name of everything in a program.
 
     of: by kind and lower-case original. rows: stem of the targets of a Follow, by its id.
-    inner: by procedure and lower-case original, its parameters, variables, counters, labels.
+    inner, counters, labels: by procedure and lower-case original, its parameters and variables,
+    the variables of its loops, its labels.
     changed: (kind, short, original).
     """
 
     of: dict[str, dict[str, str]] = field(default_factory=lambda: {k: {} for k in KINDS})
     rows: dict[int, str] = field(default_factory=dict)
     inner: dict[str, dict[str, str]] = field(default_factory=dict)
+    counters: dict[str, dict[str, str]] = field(default_factory=dict)
+    labels: dict[str, dict[str, str]] = field(default_factory=dict)
     changed: list[tuple[str, str]] = field(default_factory=list)
     _taken: set[str] = field(default_factory=lambda: set(PREDEFINED | RESERVED))
     _numbered: dict[str, list[int]] = field(default_factory=dict)
@@ -52,18 +58,35 @@ class Naming:
         self.take(short)
         self._note(short, name)
 
-    def declare_inner(self, procedure: str, names: Iterable[str]) -> None:
-        known = self.inner.setdefault(procedure.lower(), {})
+    def declare_inner(self, procedure: Procedure) -> None:
+        key = procedure.name.lower()
         own: set[str] = set()
-        for name in names:
-            if name.lower() in known:
-                continue
-            short = self._free(name, own)
-            known[name.lower()] = short
-            own.add(short.lower())
-            if short != name:
-                self.take(short)
-            self._note(short, name)
+        inner = self.inner[key] = {}
+        for name in (*(q.name for q in procedure.parameters), *procedure.variables):
+            self._declare_own(inner, name, own)
+        counters = self.counters[key] = {}
+        labels = self.labels[key] = {}
+        for statement in walk(procedure.body):
+            if isinstance(statement, Label):
+                self._declare_own(labels, statement.name, own)
+            elif isinstance(statement, For):
+                name = statement.variable.lower()
+                hidden = next(
+                    (t for t in (inner, *map(self.of.get, HIDDEN)) if t and name in t), None
+                )
+                if hidden is not None:
+                    counters[name] = hidden[name]
+                else:
+                    self._declare_own(counters, statement.variable, own)
+
+    def _declare_own(self, known: dict[str, str], name: str, own: set[str]) -> None:
+        if name.lower() in known:
+            return
+        short = known[name.lower()] = self._free(name, own)
+        own.add(short.lower())
+        if short != name:
+            self.take(short)
+        self._note(short, name)
 
     def declare_rows(self, follow: Follow) -> None:
         count = len(follow.path)
@@ -117,7 +140,7 @@ def naming(program: Program, fixed: Iterable[str] = ()) -> Naming:
     for name in (program.name, *units(program)):
         names.declare("modules", name)
     for procedure in program.procedures:
-        names.declare_inner(procedure.name, _inner(procedure))
+        names.declare_inner(procedure)
     for procedure in program.procedures:
         for statement in walk(procedure.body):
             if isinstance(statement, Follow):
@@ -128,13 +151,3 @@ def naming(program: Program, fixed: Iterable[str] = ()) -> Naming:
 def units(program: Program) -> tuple[str, ...]:
     """The units that are loaded when called, in order of their first procedure."""
     return tuple(dict.fromkeys(p.unit for p in program.procedures if p.unit is not None))
-
-
-def _inner(procedure: Procedure) -> list[str]:
-    names = [p.name for p in procedure.parameters] + list(procedure.variables)
-    for statement in walk(procedure.body):
-        if isinstance(statement, For):
-            names.append(statement.variable)
-        elif isinstance(statement, Label):
-            names.append(statement.name)
-    return names

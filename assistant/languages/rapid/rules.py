@@ -54,6 +54,9 @@ OUT_OF_ORDER: Final = Rule(
 RESERVED_NAME: Final = Rule(
     "RA210", ERROR, "`{name}` is predefined and cannot be declared", "choose another name"
 )
+UNDECLARED: Final = Rule(
+    "RA211", ERROR, "nothing declares `{name}`", "declare it, or write the name that is meant"
+)
 
 SHORTENED: Final = Rule(
     "RA301",
@@ -90,4 +93,10 @@ SPLIT: Final = Rule(
     INFO,
     "path `{name}` of {count} targets is spread over {parts} modules",
     "they are loaded one after the other while the program runs",
+)
+COUNTER: Final = Rule(
+    "RA310",
+    ERROR,
+    "the variable `{name}` of a `for` {why}; a loop of RAPID has a variable of its own",
+    "use another name for the loop, or copy the value to a declared variable inside it",
 )

@@ -27,7 +27,7 @@ def with_paths(program: Program, original: Callable[[str], str] = str) -> Progra
     """
     uses: Counter[str] = Counter()
     for procedure in program.procedures:
-        uses.update(n.lower() for n in _names(procedure))
+        uses.update(n.lower() for n in mentioned(procedure))
     for declaration in program.declarations:
         uses.update(w.lower() for w in _WORD.findall(declaration.text))
     once = {n.lower(): (n, t) for n, t in program.targets.items() if uses[n.lower()] == 1}
@@ -39,7 +39,7 @@ def with_paths(program: Program, original: Callable[[str], str] = str) -> Progra
     return replace(program, procedures=procedures, targets=left)
 
 
-def _names(node: Any) -> Iterator[str]:
+def mentioned(node: Any) -> Iterator[str]:
     """Every name in an expression or statement; the words of what is verbatim."""
     if isinstance(node, e.Name):
         yield node.name
@@ -49,13 +49,13 @@ def _names(node: Any) -> Iterator[str]:
         return
     elif isinstance(node, tuple):
         for item in node:
-            yield from _names(item)
+            yield from mentioned(item)
     elif isinstance(node, dict):
         for value in node.values():
-            yield from _names(value)
+            yield from mentioned(value)
     elif is_dataclass(node):
         for f in fields(node):
-            yield from _names(getattr(node, f.name))
+            yield from mentioned(getattr(node, f.name))
 
 
 class _Gatherer:
@@ -199,4 +199,4 @@ def map_expressions(node: Any, change: Any) -> Any:
     return node
 
 
-__all__ = ["Procedure", "join", "map_bodies", "map_expressions", "with_paths"]
+__all__ = ["Procedure", "join", "map_bodies", "map_expressions", "mentioned", "with_paths"]

@@ -175,7 +175,7 @@ def test_what_cannot_be_said_is_an_error(bad: Program) -> None:
 
 
 def test_a_long_message_is_several() -> None:
-    program = proved(main(p.Message((e.Text("x" * 200), e.Name("n")))))
+    program = proved(main(p.Message((e.Text("x" * 200), e.Number(3)))))
     (procedure,) = program.procedures
     assert [type(x) for x in procedure.body] == [p.Message] * 3
 
@@ -302,7 +302,8 @@ def test_the_nearest_zones_are_named() -> None:
 
 # Random programs
 
-NAMES = st.sampled_from(["a", "b", "Count", "seam_1", "x_9", "loop", "p" * 34, "set"])
+VARIABLES = ("a", "b", "Count", "x_9", "loop", "p" * 34, "set")
+NAMES = st.sampled_from([*VARIABLES, "seam_1"])
 NUMBERS = st.integers(-1000, 1000) | st.floats(-1e6, 1e6, allow_nan=False, width=32)
 TEXTS = st.text(st.characters(max_codepoint=255), max_size=30)
 BINARY = st.sampled_from(
@@ -368,7 +369,14 @@ def blocks(inner: st.SearchStrategy[p.Statement]) -> st.SearchStrategy[p.Stateme
     return st.one_of(
         st.builds(p.If, st.lists(branch, min_size=1, max_size=2).map(tuple), body),
         st.builds(p.While, EXPRESSIONS, body),
-        st.builds(p.For, NAMES, EXPRESSIONS, EXPRESSIONS, body, EXPRESSIONS),
+        st.builds(
+            p.For,
+            st.sampled_from(VARIABLES),
+            EXPRESSIONS,
+            st.builds(e.Number, NUMBERS),
+            body,
+            st.builds(e.Number, NUMBERS.filter(bool)),
+        ),
         st.builds(p.Switch, EXPRESSIONS, st.lists(case, max_size=2).map(tuple), body),
     )
 
@@ -422,7 +430,7 @@ def test_random_programs_come_back(body: list[p.Statement], comments: list[str])
         comments=tuple(comments),
         targets=points,
         tools={"torch": Tool()},
-        variables={"Count": Variable("number", e.Number(1))},
+        variables={n: Variable("number", e.Number(1)) for n in VARIABLES},
         signals={"ao1": Signal("analog", "output"), "go1": Signal("group", "input", 4, 8)},
     )
     proved(program)
