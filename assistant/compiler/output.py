@@ -25,6 +25,9 @@ BAD_NAME: Final = Rule(
     "rename the program",
 )
 
+HOLDING: Final = ".robot-assistant-"
+"""How the folder begins that holds files until all of them are there."""
+
 
 def write_files(files: Mapping[str, bytes], folder: str | FilePath) -> tuple[FilePath, ...]:
     """Writes every file under a temporary name first, then puts all in place.
@@ -38,10 +41,11 @@ def write_files(files: Mapping[str, bytes], folder: str | FilePath) -> tuple[Fil
             raise Refused(BAD_NAME(path=str(into), name=name), exit_status=2)
     try:
         into.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=".robot-assistant-", dir=into) as holding:
+        with tempfile.TemporaryDirectory(prefix=HOLDING, dir=into) as holding:
             return _put_in_place(files, into, FilePath(holding))
     except OSError as error:
-        name = str(error.filename or into)
+        named = str(error.filename or into)
+        name = str(into) if HOLDING in named else named  # nobody knows the folder of ours
         reason = error.strerror or str(error)
         raise Refused(
             NOT_WRITTEN(path=str(into), name=name, reason=reason), exit_status=2
