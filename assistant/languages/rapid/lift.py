@@ -14,7 +14,7 @@ from assistant.languages.rapid.lift_data import DataLift, is_module_data
 from assistant.languages.rapid.lift_expressions import LANGUAGE, unsaid
 from assistant.languages.rapid.lift_expressions import lift as lift_expression
 from assistant.languages.rapid.lift_paths import PathLift
-from assistant.languages.rapid.loops import apart
+from assistant.languages.rapid.loops import apart, ascends
 from assistant.languages.rapid.motions import speed_name, zone_name
 from assistant.languages.rapid.printer import print_items, print_statements
 from assistant.languages.rapid.sequences import with_paths
@@ -286,14 +286,10 @@ class _Lift:
                 body = tuple(self.statement(inner))
                 yield p.If((p.Branch(self.expression(condition), body),), span=span)
             case s.ForLoop(variable, first, last, step, inner):
-                yield p.For(
-                    self.original(variable),
-                    self.expression(first),
-                    self.expression(last),
-                    self.block(inner),
-                    p.ONE if step is None else self.expression(step),
-                    span=span,
-                )
+                bounds = self.expression(first), self.expression(last)
+                usual = e.Number(-1) if ascends(*bounds) is False else p.ONE
+                by = usual if step is None else self.expression(step)
+                yield p.For(self.original(variable), *bounds, self.block(inner), by, span=span)
             case s.WhileLoop(condition, inner):
                 yield p.While(self.expression(condition), self.block(inner), span=span)
             case s.TestOf(subject, cases, otherwise) if all(c.values for c in cases):

@@ -13,6 +13,7 @@ from assistant.languages.rapid import rules
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.gather import gathered, literal_target, names_of
 from assistant.languages.rapid.header import header_lines
+from assistant.languages.rapid.loops import ascends
 from assistant.languages.rapid.lower_expressions import (
     OR,
     SUM,
@@ -387,7 +388,9 @@ def _while(b: _Body, x: p.While) -> Lowered:
 
 
 def _for(b: _Body, x: p.For) -> Lowered:
-    step = None if x.step == p.ONE else b.lower(x.step)
+    # Without STEP a loop counts downwards where its bounds do (RAPID kernel manual, FOR).
+    upwards = x.step == p.ONE and ascends(x.first, x.last)
+    step = None if upwards else b.lower(x.step)
     first, last = b.lower(x.first), b.lower(x.last)
     b.counting.append(x.variable.lower())
     body = b.block(x.body)

@@ -6,6 +6,7 @@ import pytest
 
 from assistant import languages
 from assistant.program import expressions as e
+from assistant.program import pseudo
 from assistant.program import statements as p
 from assistant.program.diagnostics import Severity
 from assistant.program.program import Parameter, Procedure, Program, Variable
@@ -130,3 +131,30 @@ def test_a_name_that_nothing_declares_is_an_error_in_what_was_compiled(line: str
 def test_a_signal_of_the_header_is_declared() -> None:
     header = "MODULE m\n! program: m\n! signal: ready digital input 3\n"
     assert not RAPID.check([RAPID.parse(header + BODY.format(line="WaitUntil ready=1;"))])
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "written"),
+    [
+        ("1", "3", "FROM 1 TO 3 DO"),
+        ("5", "1", "FROM 5 TO 1 STEP 1 DO"),
+        ("1", "count", "FROM 1 TO count STEP 1 DO"),
+    ],
+)
+def test_a_loop_upwards_never_turns_round(first: str, last: str, written: str) -> None:
+    """RAPID counts downwards by itself where the last value is below the first."""
+    source = (
+        "program p\n\nvariable count number = 0\n\nprocedure main\n"
+        f"  for i from {first} to {last}\n    wait 1 s\n  end\nend\n"
+    )
+    program = pseudo.parse(source)
+    shown = RAPID.render(RAPID.lower(program))
+    assert written in shown
+    assert RAPID.lift(RAPID.parse(shown)).procedures == RAPID.adapt(program).program.procedures
+
+
+def test_a_loop_that_counts_down_by_itself_is_read_so() -> None:
+    text = "MODULE m\nPROC main()\nFOR i FROM 3 TO 1 DO\nWaitTime 1;\nENDFOR\nENDPROC\nENDMODULE\n"
+    (loop,) = RAPID.lift(RAPID.parse(text)).procedures[0].body
+    assert isinstance(loop, p.For)
+    assert loop.step == e.Number(-1)
