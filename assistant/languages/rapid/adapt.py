@@ -10,7 +10,7 @@ from typing import Any, Final, Literal, TypeVar
 import numpy as np
 
 from assistant.languages.language import Adapted
-from assistant.languages.rapid import rules
+from assistant.languages.rapid import rules, verbatim
 from assistant.languages.rapid.lift_expressions import aggregate, negative, unsaid
 from assistant.languages.rapid.loops import counted
 from assistant.languages.rapid.lower import (
@@ -330,14 +330,12 @@ class _Adapter:
         return x
 
     def verbatim(self, text: str) -> e.Expression:
-        from assistant.languages.rapid import syntax as s
         from assistant.languages.rapid.lift_expressions import lift
-        from assistant.languages.rapid.parser import parse_statements
 
-        read = parse_statements(f"x:={text}\n;")
-        if isinstance(read, tuple) and len(read) == 1 and isinstance(read[0], s.Assignment):
-            return lift(read[0].value, lambda name: name)
-        return e.Verbatim("rapid", text)
+        try:
+            return lift(verbatim.expression(text), lambda name: name)
+        except Refused:
+            return e.Verbatim("rapid", text)  # a finding when it is built
 
     # Statements
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any, Final
 
 from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid import verbatim
 from assistant.languages.rapid.gather import literal_number, plain_move
 from assistant.languages.rapid.header import Header, opening
 from assistant.languages.rapid.lift_data import DataLift, is_module_data
@@ -16,7 +17,6 @@ from assistant.languages.rapid.lift_expressions import lift as lift_expression
 from assistant.languages.rapid.lift_paths import PathLift
 from assistant.languages.rapid.loops import apart, ascends
 from assistant.languages.rapid.motions import speed_name, zone_name
-from assistant.languages.rapid.printer import print_items, print_statements
 from assistant.languages.rapid.sequences import with_paths
 from assistant.languages.rapid.standard import INSTRUCTIONS, OF_OPTIONS
 from assistant.languages.rapid.tables import (
@@ -30,7 +30,7 @@ from assistant.languages.rapid.tables import (
 )
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Span
+from assistant.program.diagnostics import Refused, Span
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.motion import Blend, Speed
 from assistant.program.program import (
@@ -55,10 +55,11 @@ def lift(files: Sequence[s.File]) -> Program:
 
 def statements_of(text: str, program: Program) -> tuple[p.Statement, ...]:
     """Statements of RAPID in a program; an Opaque that is no RAPID comes back as it is."""
-    from assistant.languages.rapid.parser import parse_statements
-
-    read = parse_statements(text)
-    if not isinstance(read, tuple) or any(isinstance(n, s.Data | s.TargetRunNode) for n in read):
+    try:
+        read = verbatim.statements(text)
+    except Refused:
+        return (p.Opaque(LANGUAGE, text),)  # a finding when it is built
+    if any(isinstance(n, s.Data | s.TargetRunNode) for n in read):
         return (p.Opaque(LANGUAGE, text),)
     inner = _Lift([])
     inner.procedures = {q.name.lower() for q in program.procedures}
@@ -133,7 +134,7 @@ class _Lift:
                     case s.TargetRunNode():
                         pass
                     case _:
-                        declarations.append(Declaration(LANGUAGE, print_items([item])))
+                        declarations.append(Declaration(LANGUAGE, verbatim.of_item(item)))
                 comments += pending
                 pending = []
             comments += pending
@@ -201,7 +202,7 @@ class _Lift:
             else:
                 rest.append(inner)
         if not sayable:
-            return Declaration(LANGUAGE, print_items([node]))
+            return Declaration(LANGUAGE, verbatim.of_item(node))
         return Procedure(
             self.original(node.name),
             (*(p.Comment(n) for n in notes), *self.body(rest)),
@@ -303,7 +304,7 @@ class _Lift:
                 yield self.opaque(node)
 
     def opaque(self, node: s.StatementNode) -> p.Opaque:
-        return p.Opaque(LANGUAGE, print_statements([node]), span=node.span)
+        return p.Opaque(LANGUAGE, verbatim.of_statement(node), span=node.span)
 
     # Instructions
 

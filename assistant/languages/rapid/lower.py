@@ -9,7 +9,7 @@ from weakref import ReferenceType, ref
 
 import numpy as np
 
-from assistant.languages.rapid import rules
+from assistant.languages.rapid import rules, verbatim
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.gather import gathered, literal_target, names_of
 from assistant.languages.rapid.header import header_lines
@@ -87,18 +87,8 @@ def _named(program: Program) -> Naming:
     fixed: list[str] = []
     for declaration in program.declarations:
         if declaration.language == "rapid":
-            fixed += [i.name for i in declared_items(declaration.text) if hasattr(i, "name")]
+            fixed += [i.name for i in verbatim.items(declaration.text) if hasattr(i, "name")]
     return naming(program, fixed)
-
-
-def declared_items(text: str) -> tuple[s.Item, ...]:
-    """The declarations that a verbatim text holds; raises Refused if it is no RAPID."""
-    from assistant.languages.rapid.parser import parse_items
-
-    read = parse_items(text)
-    if not isinstance(read, tuple):
-        raise refuse(rules.NOT_RAPID, text=text[:60], why=read.message)
-    return read
 
 
 class _Unit:
@@ -127,7 +117,7 @@ class _Unit:
                         language=declaration.language,
                         text=declaration.text[:60],
                     )
-                declared += declared_items(declaration.text)
+                declared += verbatim.items(declaration.text)
         items += [i for i in declared if isinstance(i, s.Record | s.Alias)]
         if self.unit is None:
             items += self.data()
@@ -436,14 +426,9 @@ def _message(b: _Body, x: p.Message) -> Lowered:
 
 
 def _opaque(_: _Body, x: p.Opaque) -> Lowered:
-    from assistant.languages.rapid.parser import parse_statements
-
-    if x.language != "rapid":
+    if x.language != verbatim.LANGUAGE:
         raise refuse(rules.OTHER_LANGUAGE, language=x.language, text=x.text[:60])
-    read = parse_statements(x.text)
-    if not isinstance(read, tuple):
-        raise refuse(rules.NOT_RAPID, text=x.text[:60], why=read.message)
-    yield from read
+    yield from verbatim.statements(x.text)
 
 
 STATEMENTS: Final[dict[type, Callable[[_Body, Any], Lowered]]] = {

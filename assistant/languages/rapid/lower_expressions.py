@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from assistant.languages.rapid import rules
+from assistant.languages.rapid import rules, verbatim
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.runs import JOINT_PLACES, PARTS, POSITION_PLACES, QUATERNION_PLACES
 from assistant.languages.rapid.tables import COMPONENTS, FUNCTIONS, LONGEST_STRING
@@ -137,32 +137,10 @@ class Expressions:
         return self._call(self._function(function), given)
 
     def _verbatim(self, language: str, given: str) -> tuple[s.Expression, int]:
-        from assistant.languages.rapid.parser import parse_statements
-
-        if language != "rapid":
+        if language != verbatim.LANGUAGE:
             raise refuse(rules.OTHER_LANGUAGE, language=language, text=given)
-        read = parse_statements(f"x:={given}\n;")
-        if (
-            isinstance(read, tuple)
-            and len(read) == 1
-            and isinstance(assignment := read[0], s.Assignment)
-        ):
-            node = assignment.value
-            plain = isinstance(
-                node,
-                s.NumberLiteral
-                | s.StringLiteral
-                | s.BoolLiteral
-                | s.NameRef
-                | s.Component
-                | s.Element
-                | s.AggregateNode
-                | s.Group
-                | s.FunctionCall,
-            )
-            return node, PRIMARY if plain else OR
-        why = read.message if not isinstance(read, tuple) else "no expression"
-        raise refuse(rules.NOT_RAPID, text=given, why=why)
+        node = verbatim.expression(given)
+        return node, OR if isinstance(node, s.Prefix | s.Infix) else PRIMARY
 
 
 def number(value: float) -> tuple[s.Expression, int]:

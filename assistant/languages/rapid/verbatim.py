@@ -1,0 +1,68 @@
+"""Text of RAPID that a pseudo-program keeps as it is, and the nodes that it says."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+from assistant.languages.rapid import rules
+from assistant.languages.rapid import syntax as s
+from assistant.program.diagnostics import Refused
+
+LANGUAGE: Final = "rapid"
+_MOST: Final = 1 << 14
+_known: dict[tuple[str, str], tuple[Any, ...]] = {}
+"""What texts say: lifting, adapting, naming and building each ask for the same ones."""
+
+
+def items(text: str) -> tuple[s.Item, ...]:
+    """The declarations of a text; raises Refused if it is no RAPID."""
+    from assistant.languages.rapid.parser import parse_items
+
+    return _read(text, "items", parse_items)
+
+
+def statements(text: str) -> tuple[s.StatementNode, ...]:
+    """The statements of a text; raises Refused if it is no RAPID."""
+    from assistant.languages.rapid.parser import parse_statements
+
+    return _read(text, "statements", parse_statements)
+
+
+def expression(text: str) -> s.Expression:
+    """The expression of a text; raises Refused if it is none of RAPID."""
+    read = statements(f"x:={text}\n;")
+    if len(read) == 1 and isinstance(read[0], s.Assignment):
+        return read[0].value
+    raise Refused(rules.NOT_RAPID(text=text[:60], why="no expression"))
+
+
+def of_item(node: s.Item) -> str:
+    """The text that says a declaration."""
+    from assistant.languages.rapid.printer import print_items
+
+    return _remember("items", print_items([node]), (node,))
+
+
+def of_statement(node: s.StatementNode) -> str:
+    """The text that says a statement."""
+    from assistant.languages.rapid.printer import print_statements
+
+    return _remember("statements", print_statements([node]), (node,))
+
+
+def _remember(kind: str, text: str, nodes: tuple[Any, ...]) -> str:
+    if len(_known) >= _MOST:
+        _known.clear()
+    _known[kind, text] = nodes
+    return text
+
+
+def _read(text: str, kind: str, parse: Any) -> Any:
+    known = _known.get((kind, text))
+    if known is not None:
+        return known
+    read = parse(text)
+    if not isinstance(read, tuple):
+        raise Refused(rules.NOT_RAPID(text=text[:60], why=read.message))
+    _remember(kind, text, read)
+    return read
