@@ -102,11 +102,11 @@ class Rapid(Language[File]):
         return module_name(program, unit) + ".mod"
 
     def called_files(self, tree: File) -> tuple[str, ...]:
-        from assistant.languages.rapid.check import loaded_files
+        from assistant.languages.rapid.checks import loaded_files
 
         return loaded_files(tree)
 
     def check(self, trees: Sequence[File]) -> tuple[Diagnostic, ...]:
-        from assistant.languages.rapid.check import check
+        from assistant.languages.rapid.checks import check
 
         return check(trees)

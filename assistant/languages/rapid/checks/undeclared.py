@@ -7,18 +7,18 @@ that was compiled has everything in it, its signals in the header.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import fields
 from typing import Any, Final
 
-import numpy as np
-
+from assistant.languages.rapid import rules
 from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid.gather import split
+from assistant.languages.rapid.checks.scope import Look, Task
 from assistant.languages.rapid.header import opening
-from assistant.languages.rapid.runs import MOVES, Names
+from assistant.languages.rapid.runs import MOVES
 from assistant.languages.rapid.standard import INSTRUCTIONS, OF_OPTIONS
 from assistant.languages.rapid.tables import GRIPPER_SIGNAL, PREDEFINED
+from assistant.program.diagnostics import Diagnostic
 
 WRITTEN: Final = frozenset(
     """
@@ -33,56 +33,33 @@ _OF_MOTION: Final = 3
 _HAND: Final = re.compile(GRIPPER_SIGNAL.format(hand="[1-9][0-9]?"), re.IGNORECASE)
 
 
-class Declared:
-    """What the modules of a program declare together."""
-
-    def __init__(self, modules: Sequence[s.Module]) -> None:
-        self.names = set(PREDEFINED)
-        self.runs: list[Names] = []
-        for module in modules:
-            header = opening(module)
-            for name in header.signals:
-                self.names.add(name.lower())
-            signals = {n.lower() for n in header.signals}
-            self.names |= {n for n, o in header.names.items() if o.lower() in signals}
-            for item in module.items:
-                if isinstance(item, s.TargetRunNode):
-                    self.runs.append(item.run.names)
-                elif isinstance(item, s.Data | s.Routine | s.Record | s.Alias):
-                    self.names.add(item.name.lower())
-
-    def __contains__(self, name: str) -> bool:
-        low = name.lower()
-        if low in self.names or _HAND.fullmatch(name):
-            return True
-        found = low.isascii() and any(_holds(run, low) for run in self.runs)
-        if found:
-            self.names.add(low)
-        return found
-
-
-def _holds(names: Names, name: str) -> bool:
-    stem, number = split(name)
-    rows = [i for i, text in enumerate(names.stems) if text.lower() == stem]
-    return bool((np.isin(names.stem, rows) & (names.number == number)).any()) if rows else False
-
-
-def undeclared(module: s.Module, declared: Declared) -> Iterator[s.NameRef]:
+def names(look: Look) -> Iterator[Diagnostic]:
     """The first use of each name that nothing declares; none in a module that people wrote."""
-    header = opening(module)
+    header = opening(look.module)
     if not (header.program or header.unit):
         return
+    signals = _signals(look.task)
     seen: set[str] = set()
-    for item in module.items:
-        own: frozenset[str] = frozenset()
-        if isinstance(item, s.Routine):
-            given = (q for g in item.parameters for q in g.alternatives)
-            own = frozenset(q.name.lower() for q in given if isinstance(q, s.ParameterNode))
-            own |= {d.name.lower() for d in item.body if isinstance(d, s.Data)}
-        for name in _used(item, own):
-            if name.name not in declared and name.name.lower() not in seen:
-                seen.add(name.name.lower())
-                yield name
+    for item in look.module.items:
+        own = frozenset(look.frame(item)) if isinstance(item, s.Routine) else frozenset()
+        for used in _used(item, own):
+            low = used.name.lower()
+            if low in seen or low in PREDEFINED or low in signals or _HAND.fullmatch(low):
+                continue
+            seen.add(low)
+            if look.find(low) is None:
+                yield look.finding(rules.UNDECLARED, used, name=used.name)
+
+
+def _signals(task: Task) -> set[str]:
+    """Signals that the headers of a task's modules name, and the names they are written as."""
+    found: set[str] = set()
+    for module in task.modules:
+        header = opening(module)
+        signals = {name.lower() for name in header.signals}
+        found |= signals
+        found |= {n for n, original in header.names.items() if original.lower() in signals}
+    return found
 
 
 def _used(node: Any, own: frozenset[str]) -> Iterator[s.NameRef]:

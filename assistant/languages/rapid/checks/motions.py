@@ -1,0 +1,77 @@
+"""Rules of motion instructions: speeds, zones, tools and work objects that they name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any, Final
+
+from assistant.languages.rapid import rules
+from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.checks.scope import Look
+from assistant.languages.rapid.runs import MOVES
+from assistant.languages.rapid.tables import SPEEDS, ZONES
+from assistant.program.diagnostics import Diagnostic
+
+WORDS: Final = frozenset(word.lower() for word in (*MOVES, "MoveAbsJ"))
+
+Found = Iterator[Diagnostic]
+
+
+def arguments(look: Look) -> Found:
+    named = {d.name.lower() for d in look.all(s.Data)}
+    named |= {p.name.lower() for p in look.all(s.ParameterNode)}
+    for run in look.all(s.MoveRunNode):
+        for motion in run.run.motions:
+            given = (motion.speed, motion.zone, motion.tool, motion.frame)
+            yield from _motion(look, named, run, *given)
+    for call in look.all(s.ProcedureCall):
+        if str(call.name).lower() in WORDS:
+            yield from _call(look, named, call)
+
+
+def _call(look: Look, named: set[str], node: s.ProcedureCall) -> Found:
+    given = [a.value for a in node.arguments if isinstance(a, s.Positional)]
+    frame = next(
+        (
+            a.value.name
+            for a in node.arguments
+            if isinstance(a, s.Option)
+            and a.name.lower() == "wobj"
+            and isinstance(a.value, s.NameRef)
+        ),
+        "",
+    )
+    names = [v.name if isinstance(v, s.NameRef) else "" for v in given[-3:]]
+    if len(given) >= 4:
+        speed, zone, tool = names
+        yield from _motion(look, named, node, speed, zone, tool, frame)
+
+
+def _motion(
+    look: Look, named: set[str], node: s.Node, speed: str, zone: str, tool: str, frame: str
+) -> Found:
+    for name, table, rule in (
+        (speed, SPEEDS, rules.UNKNOWN_SPEED),
+        (zone, ZONES, rules.UNKNOWN_ZONE),
+    ):
+        if not name or name.lower() in table or name.lower() in named or look.find(name):
+            continue
+        near = nearest(name, table)
+        if near:
+            yield look.finding(rule, node, name=name, near=near)
+    for name, role, own in ((tool, "tool", "tool0"), (frame, "work object", "wobj0")):
+        found = look.find(name) if name and name.lower() != own else None
+        if found is not None and found.kind in ("VAR", "CONST"):
+            yield look.finding(rules.NOT_PERSISTENT, node, name=name, role=role)
+
+
+def nearest(name: str, table: Mapping[str, Any]) -> str:
+    """The predefined names around one that looks like them, empty for any other name."""
+    letter = "v" if table is SPEEDS else "z"
+    if name[:1].lower() != letter or not name[1:].isdigit():
+        return ""
+    value = int(name[1:])
+    sizes = sorted(int(n[1:]) for n in table if n[1:].isdigit())
+    below = [n for n in sizes if n < value][-1:]
+    above = [n for n in sizes if n > value][:1]
+    return " or ".join(f"{letter}{n}" for n in below + above)

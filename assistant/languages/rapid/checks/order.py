@@ -1,0 +1,44 @@
+"""Rules of where declarations and handlers may stand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any, Final
+
+from assistant.languages.rapid import rules
+from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.checks.scope import Look
+from assistant.program.diagnostics import Diagnostic
+
+RANKS: Final[tuple[tuple[Any, int, str], ...]] = (
+    (s.Record | s.Alias, 0, "a record"),
+    (s.Data | s.TargetRunNode, 1, "data"),
+    (s.Routine, 2, "a routine"),
+)
+AFTER: Final = {1: "data", 2: "a routine"}
+
+Found = Iterator[Diagnostic]
+
+
+def declarations(look: Look) -> Found:
+    """Records, data, routines in a module; declarations, then statements in a routine."""
+    seen = 0
+    for item in look.module.items:
+        rank, what = next(((r, w) for kind, r, w in RANKS if isinstance(item, kind)), (seen, ""))
+        if rank < seen:
+            yield look.finding(rules.OUT_OF_ORDER, item, what=what, after=AFTER[seen])
+        seen = max(seen, rank)
+    for routine in look.routines:
+        yield from _declarations_first(look, routine.body)
+
+
+def _declarations_first(look: Look, body: Sequence[s.StatementNode]) -> Found:
+    stated = False
+    for node in body:
+        if isinstance(node, s.Data | s.TargetRunNode):
+            if stated:
+                yield look.finding(
+                    rules.OUT_OF_ORDER, node, what="a declaration", after="a statement"
+                )
+        elif not isinstance(node, s.CommentLine | s.Placeholder):
+            stated = True

@@ -1,0 +1,159 @@
+"""What the modules of a task declare together, and one of them as its rules see it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Final, TypeVar
+
+import numpy as np
+
+from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.checks.walk import nodes
+from assistant.languages.rapid.gather import split
+from assistant.languages.rapid.runs import Names
+from assistant.program.diagnostics import Diagnostic, Rule
+
+N = TypeVar("N", bound=s.Node)
+ROUTINES: Final = frozenset({"PROC", "FUNC", "TRAP"})
+STORED: Final = frozenset({"VAR", "PERS", "CONST"})
+
+
+@dataclass(frozen=True, slots=True)
+class Declaration:
+    """One declared name.
+
+    kind: `VAR`, `PERS`, `CONST`, `PROC`, `FUNC`, `TRAP`, `RECORD` or `ALIAS`; of parameters
+    `IN`, `VAR`, `PERS` or `INOUT`; `FOR` for the variable of a loop.
+    type: of data, functions, parameters and aliases, as written; else empty.
+    node: None for a row of a long run of robtargets.
+    """
+
+    name: str
+    kind: str
+    type: str = ""
+    local: bool = False
+    node: s.Node | None = None
+    module: s.Module | None = None
+
+
+class Task:
+    """What all modules of a task declare: names that are global, and those of each module."""
+
+    def __init__(self, files: Sequence[s.File]) -> None:
+        self.files = tuple(files)
+        self.modules = tuple(module for file in files for module in file.modules)
+        self.shared: dict[str, list[Declaration]] = {}
+        """Global declarations by lower-case name; rows of runs are in `runs`."""
+        self.own: dict[int, dict[str, Declaration]] = {}
+        """LOCAL ones by lower-case name, by the `id` of their module."""
+        self.runs: list[tuple[s.Module, s.TargetRunNode]] = []
+        for module in self.modules:
+            own = self.own.setdefault(id(module), {})
+            for item in module.items:
+                if isinstance(item, s.TargetRunNode):
+                    self.runs.append((module, item))
+                elif (declared := declaration(item, module)) is not None:
+                    name = declared.name.lower()
+                    if declared.local:
+                        own.setdefault(name, declared)
+                    else:
+                        self.shared.setdefault(name, []).append(declared)
+
+    def find(self, name: str, module: s.Module | None = None) -> Declaration | None:
+        """What a name means at the level of a module: its own LOCAL one, else the global one."""
+        low = name.lower()
+        found = self.own.get(id(module), {}).get(low)
+        if found is None:
+            found = next(iter(self.shared.get(low, ())), None)
+        return found or self._row(name, low, module)
+
+    def _row(self, name: str, low: str, module: s.Module | None) -> Declaration | None:
+        if not low.isascii():
+            return None
+        for of, item in self.runs:
+            local = item.scope == "LOCAL"
+            if (not local or of is module) and row_of(item.run.names, low) is not None:
+                return Declaration(name, "CONST", "robtarget", local, None, of)
+        return None
+
+
+def row_of(names: Names, name: str) -> int | None:
+    """The first row of a name in columns of names, None if it is not among them."""
+    stem, number = split(name)
+    stems = [i for i, text in enumerate(names.stems) if text.lower() == stem.lower()]
+    if not stems:
+        return None
+    rows = np.flatnonzero(np.isin(names.stem, stems) & (names.number == number))
+    return int(rows[0]) if len(rows) else None
+
+
+def declaration(item: Any, module: s.Module | None = None) -> Declaration | None:
+    """What an item of a module or of a routine's body declares, None if it declares nothing."""
+    match item:
+        case s.Data(scope, storage, type, name):
+            return Declaration(name, storage, type, scope == "LOCAL", item, module)
+        case s.Routine(kind, local, name, _, type):
+            return Declaration(name, kind, type, local, item, module)
+        case s.Record(local, name):
+            return Declaration(name, "RECORD", "", local, item, module)
+        case s.Alias(local, type, name):
+            return Declaration(name, "ALIAS", type, local, item, module)
+        case s.ParameterNode(mode, type, name):
+            return Declaration(name, mode or "IN", type, True, item, module)
+    return None
+
+
+def parameters(routine: s.Routine) -> Iterator[s.ParameterNode]:
+    for group in routine.parameters:
+        for one in group.alternatives:
+            if isinstance(one, s.ParameterNode):
+                yield one
+
+
+class Look:
+    """One module, as a rule sees it."""
+
+    def __init__(self, file: s.File, module: s.Module, task: Task) -> None:
+        self.file, self.module, self.task = file, module, task
+
+    def find(self, name: str, routine: s.Routine | None = None) -> Declaration | None:
+        """What a name means in this module, inside one of its routines if that is given."""
+        if routine is not None and (inner := self.frame(routine).get(name.lower())) is not None:
+            return inner
+        return self.task.find(name, self.module)
+
+    def frame(self, routine: s.Routine) -> dict[str, Declaration]:
+        """Parameters and data of a routine by lower-case name."""
+        frame = self._frames.get(id(routine))
+        if frame is None:
+            frame = self._frames[id(routine)] = {}
+            for item in (*parameters(routine), *routine.body):
+                if (declared := declaration(item, self.module)) is not None:
+                    frame.setdefault(declared.name.lower(), declared)
+        return frame
+
+    @cached_property
+    def _frames(self) -> dict[int, dict[str, Declaration]]:
+        return {}
+
+    @cached_property
+    def routines(self) -> tuple[s.Routine, ...]:
+        return tuple(item for item in self.module.items if isinstance(item, s.Routine))
+
+    @cached_property
+    def _by_type(self) -> dict[type, list[Any]]:
+        found: dict[type, list[Any]] = {}
+        for node in nodes(self.module):
+            found.setdefault(type(node), []).append(node)
+        return found
+
+    def all(self, kind: type[N]) -> Sequence[N]:
+        """Every node of one class, as they stand in the text."""
+        return self._by_type.get(kind, ())
+
+    def finding(self, rule: Rule, node: s.Node, **given: Any) -> Diagnostic:
+        if self.file.origin is not None and node.span is not None:
+            return self.file.origin.source.finding(rule, node.span, **given)
+        return rule(path=self.file.path, place=self.module.name, **given)
