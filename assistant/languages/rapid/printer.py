@@ -28,17 +28,17 @@ def print_file(file: s.File, newline: str = NEWLINE) -> str:
 def print_part(part: s.Module | s.CommentLine, newline: str = NEWLINE) -> str:
     if isinstance(part, s.CommentLine):
         return comment(part) + newline
-    return "".join(_Printer(newline).module(part))
+    return "".join(Printer(newline).module(part))
 
 
 def print_items(items: Iterable[s.Item], newline: str = "\n") -> str:
     """Declarations as text of their own, without a last line end."""
-    return "".join(_Printer(newline).items(tuple(items), "")).strip("\r\n")
+    return "".join(Printer(newline).items(tuple(items), "")).strip("\r\n")
 
 
 def print_statements(body: Iterable[s.StatementNode], newline: str = "\n") -> str:
     """Statements as text of their own, without a last line end."""
-    return "".join(_Printer(newline).body(tuple(body), "")).strip("\r\n")
+    return "".join(Printer(newline).body(tuple(body), "")).strip("\r\n")
 
 
 def comment(node: s.CommentLine) -> str:
@@ -48,7 +48,9 @@ def comment(node: s.CommentLine) -> str:
     return f"! {text}" if text else "!"
 
 
-class _Printer:
+class Printer:
+    """Lines of the canonical layout; `body` and `items` give what stands in a block."""
+
     def __init__(self, newline: str) -> None:
         self.newline = newline
 
