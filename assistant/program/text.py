@@ -10,7 +10,7 @@ from functools import cached_property
 from pathlib import Path as FilePath
 from typing import Any
 
-from assistant.program.diagnostics import Diagnostic, Rule, Severity, Span, Unreadable
+from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, Span, Unreadable
 
 NOT_FOUND = Rule("IN001", Severity.ERROR, "there is no file `{name}`", "check the name and folder")
 IS_FOLDER = Rule("IN002", Severity.ERROR, "`{name}` is a folder", "name a file inside it")
@@ -24,6 +24,12 @@ UNDECODABLE = Rule(
     Severity.ERROR,
     "`{name}` is not text in any of the encodings {encodings}",
     "save it as plain text",
+)
+UNWRITABLE = Rule(
+    "IN007",
+    Severity.ERROR,
+    "`{character}` cannot be written in the file's encoding, {encoding}",
+    "write it in other characters, or save the file as UTF-8 before the change",
 )
 
 
@@ -62,12 +68,15 @@ class SourceText:
     def finding(self, rule: Rule, span: Span, **fields: Any) -> Diagnostic:
         """The rule's finding at a span of this text, with line, column and excerpt."""
         line, column = self.line_column(span.start)
+        end_line, end_column = self.line_column(span.end)
         return rule(
             path=self.path,
             span=span,
             line=line,
             column=column,
             excerpt=self.line_text(line),
+            end_line=end_line,
+            end_column=end_column,
             **fields,
         )
 
@@ -111,3 +120,14 @@ def decode(data: bytes, path: str | None, encodings: Sequence[str]) -> SourceTex
             continue
     name = path or "input"
     raise Unreadable(UNDECODABLE(path=path, name=name, encodings=", ".join(encodings)))
+
+
+def encode(source: SourceText) -> bytes:
+    """The bytes of a text; raises Refused where it has a character that the encoding lacks."""
+    try:
+        return source.text.encode(source.encoding)
+    except UnicodeEncodeError as error:
+        character, span = source.text[error.start], Span(error.start, error.start + 1)
+        raise Refused(
+            source.finding(UNWRITABLE, span, character=character, encoding=source.encoding)
+        ) from None

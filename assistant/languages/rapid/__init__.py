@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from assistant.languages.language import Adapted, Language, Precision
 from assistant.languages.rapid.syntax import File
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.program import Program
-from assistant.program.text import SourceText
+from assistant.program.text import SourceText, encode
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
@@ -43,8 +44,12 @@ class Rapid(Language[File]):
         return _MODULE.search(data[:_LOOKED_AT]) is not None
 
     def encode(self, tree: File) -> bytes:
-        encoding = tree.origin.source.encoding if tree.origin else "ascii"
-        return self.render(tree).encode(encoding)
+        """The rendered tree in the encoding that it was read in, ASCII for a new one.
+
+        Raises Refused where a character is not in that encoding.
+        """
+        source = tree.origin.source if tree.origin else SourceText("")
+        return encode(replace(source, text=self.render(tree)))
 
     def parse(self, source: SourceText | str) -> File:
         from assistant.languages.rapid.parser import parse
@@ -52,14 +57,13 @@ class Rapid(Language[File]):
         return parse(source)
 
     def render(self, tree: File) -> str:
-        from assistant.languages.rapid.printer import print_file
+        if tree.origin is None:
+            from assistant.languages.rapid.printer import print_file
 
-        origin = tree.origin
-        if origin is None:
             return print_file(tree)
-        if tree.parts is origin.parts:
-            return origin.source.text
-        return print_file(tree, origin.source.newline)
+        from assistant.languages.rapid.rendering import render
+
+        return render(tree, tree.origin)
 
     def format(self, tree: File) -> str:
         from assistant.languages.rapid.printer import print_file

@@ -49,7 +49,7 @@ def test_an_unchanged_module_beside_a_changed_one_keeps_its_text() -> None:
     tree = RAPID.parse(text)
     first, second = tree.modules
     changed = replace(tree, parts=(first, replace(second, name="c")))
-    assert RAPID.render(changed) == "MODULE  a   ENDMODULE\nMODULE c\nENDMODULE\n"
+    assert RAPID.render(changed) == "MODULE  a   ENDMODULE\nMODULE  c  ENDMODULE\n"
 
 
 NUMBER = st.one_of(
