@@ -27,11 +27,12 @@ ROOMS: dict[str, frozenset[str]] = {
             *("virtual", "controllers", "deploy"),
         }
     ),
+    "findings": frozenset({"program", "sources", "robots", "languages", "compiler"}),
     "report": frozenset({"program", "sources", "robots", "compiler"}),
     "cli": frozenset(
         {
             *("program", "sources", "robots", "languages", "checks"),
-            *("virtual", "controllers", "deploy", "compiler", "report"),
+            *("virtual", "controllers", "deploy", "compiler", "findings", "report"),
         }
     ),
 }

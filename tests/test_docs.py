@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from assistant.findings import rulebook
 from assistant.program import pseudo
 from assistant.program.diagnostics import Severity
 from assistant.sources.process_file import read_process
@@ -115,5 +116,5 @@ def test_the_findings_page_is_what_the_rules_say():
 
 def test_every_finding_says_what_to_do():
     """An info may be just that."""
-    asking = [rule for rule in findings.rules().values() if rule.severity is not Severity.INFO]
+    asking = [rule for rule in rulebook.rules().values() if rule.severity is not Severity.INFO]
     assert [rule.code for rule in asking if not rule.cure.strip()] == []

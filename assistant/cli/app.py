@@ -8,7 +8,7 @@ from typing import Annotated, Final
 import typer
 
 from assistant import __version__
-from assistant.cli.presentation import Format
+from assistant.cli.presentation import FindingFormat, Format
 
 DEMO: Final = Path("out/demo")
 
@@ -63,6 +63,10 @@ ProcessOption = Annotated[
     Path | None,
     typer.Option("--process", "-p", help="Process file; default NAME.process.toml beside it."),
 ]
+FindingFormatOption = Annotated[
+    FindingFormat,
+    typer.Option("--format", help="For people, programs, code scanning or pull requests."),
+]
 FormatOption = Annotated[Format, typer.Option("--format", help="For people or for programs.")]
 
 
@@ -97,7 +101,7 @@ def compile(
     ] = None,
     from_language: FromLanguage = None,
     from_robot: FromRobot = None,
-    format: FormatOption = Format.TEXT,
+    format: FindingFormatOption = FindingFormat.TEXT,
 ) -> None:
     """Write sources in a robot language, read back and compared before anything is written."""
     from assistant.cli.compiling import run_compile
@@ -136,16 +140,47 @@ def show(
 
 @app.command()
 def check(
-    sources: Sources,
+    sources: Annotated[
+        list[str], typer.Argument(help="Files, or folders with programs; - for input.")
+    ],
     robot: RobotOption = None,
     process: ProcessOption = None,
     from_language: FromLanguage = None,
-    format: FormatOption = Format.TEXT,
+    format: FindingFormatOption = FindingFormat.TEXT,
 ) -> None:
     """Check sources and robot programs; with a robot also reach, limits and configurations."""
-    from assistant.cli.compiling import run_check
+    from assistant.cli.checking import run_check
 
     raise typer.Exit(run_check(sources, robot, process, from_language, format))
+
+
+@app.command()
+def explain(
+    codes: Annotated[list[str], typer.Argument(help="Codes of findings, such as RA204.")],
+) -> None:
+    """Print what a finding means, what to do, and an example."""
+    from assistant.cli.checking import run_explain
+
+    raise typer.Exit(run_explain(codes))
+
+
+@app.command()
+def fmt(
+    files: Annotated[
+        list[str], typer.Argument(help="Robot programs, or folders with them; - for input.")
+    ],
+    check: Annotated[
+        bool, typer.Option("--check", help="Write nothing; exit 1 if a file would change.")
+    ] = False,
+    diff: Annotated[
+        bool, typer.Option("--diff", help="Write nothing; print what would change.")
+    ] = False,
+    from_language: FromLanguage = None,
+) -> None:
+    """Lay robot programs out: indentation, blanks, case of keywords. What they say stays."""
+    from assistant.cli.formatting import run_fmt
+
+    raise typer.Exit(run_fmt(files, check, diff, from_language))
 
 
 @app.command()

@@ -1,4 +1,4 @@
-"""`compile`, `show` and `check`: from arguments to the compiler and back to people."""
+"""`compile` and `show`: from arguments to the compiler and back to people."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.cli.presentation import (
-    Format,
+    FindingFormat,
     console,
-    finding_record,
     print_findings,
+    print_for_programs,
     print_json,
     say,
 )
@@ -22,11 +22,12 @@ from assistant.program.diagnostics import (
     Rule,
     Severity,
     fold,
-    worst,
+    has_errors,
 )
 
 if TYPE_CHECKING:
     from assistant.compiler import Compiled, Loaded
+    from assistant.program.text import SourceText
 
 SAME_FILE = Rule(
     "CL001",
@@ -59,9 +60,10 @@ def run_compile(
     most_targets: int | None,
     from_language: str | None,
     from_robot: str | None,
-    format: Format,
+    format: FindingFormat,
 ) -> int:
     from assistant.compiler import compile
+    from assistant.findings.settling import settle
 
     if list(sources).count(STANDARD) > 1:
         raise Refused(TWICE(), exit_status=2)
@@ -80,8 +82,8 @@ def run_compile(
         done.append((source, compiled))
     files, clash = _together(done)
     findings = [f.within(source) for source, compiled in done for f in compiled.findings]
-    findings += clash
-    ok = not clash and all(compiled.ok for _, compiled in done)
+    findings = list(settle([*findings, *clash]).left)
+    ok = all(compiled.ok for _, compiled in done) and not has_errors(findings)
     written: list[str] = []
     if ok and output == STANDARD:
         if len(files) != 1:
@@ -91,8 +93,10 @@ def run_compile(
         from assistant.compiler.output import write_files
 
         written = [str(path) for path in write_files(files, output)]
-    if format is Format.JSON:
+    if format is FindingFormat.JSON:
         print_json(_answer(done, findings, written, ok))
+    elif format is not FindingFormat.TEXT:
+        print_for_programs(findings, (), format)
     else:
         print_findings(findings)
         if output != STANDARD:
@@ -128,48 +132,6 @@ def run_show(
     return 0
 
 
-def run_check(
-    sources: Sequence[str],
-    robot: str | None,
-    process: Path | None,
-    from_language: str | None,
-    format: Format,
-) -> int:
-    findings: list[Diagnostic] = []
-    for source in sources:
-        with working(f"checking {source}"):
-            findings += [f.within(source) for f in _checked(source, robot, process, from_language)]
-    folded = fold(findings)
-    if format is Format.JSON:
-        print_json({"findings": [finding_record(f) for f in folded]})
-    else:
-        print_findings(folded)
-        say(f"{len(sources)} checked, {len(findings)} finding{'s' * (len(findings) != 1)}")
-    return 1 if worst(folded) in (Severity.ERROR, Severity.WARNING) else 0
-
-
-def _checked(
-    source: str, robot: str | None, process: Path | None, from_language: str | None
-) -> tuple[Diagnostic, ...]:
-    from assistant import checks, languages, robots
-    from assistant.compiler.compiling import robot_of
-
-    try:
-        loaded = _loaded(source, robot, process, from_language)
-    except Refused as refused:
-        if refused.exit_status == 2:
-            raise
-        return refused.findings
-    found = [*loaded.findings, *checks.check(loaded.program)]
-    if loaded.language and source != STANDARD:
-        spoken = languages.get(loaded.language)
-        found += spoken.check([spoken.parse(spoken.read(source))])
-    arm = robot_of(robot or loaded.program.robot)
-    if arm is not None:
-        found += robots.configure(loaded.program, arm)[1]
-    return tuple(found)
-
-
 def _loaded(
     source: str, robot: str | None, process: Path | None, from_language: str | None
 ) -> Loaded:
@@ -183,15 +145,21 @@ def _loaded(
 def _input(source: str, language: str | None, robot: str | None) -> Loaded | None:
     """The program on standard input if the source says so, or a file of a named language."""
     from assistant.compiler.compiling import robot_of
-    from assistant.compiler.loading import PSEUDO_ENCODINGS, language_of, load, load_text
-    from assistant.program.text import decode
+    from assistant.compiler.loading import load, load_text
 
     if source != STANDARD:
         return load(source, robot=robot_of(robot), language=language) if language else None
+    return load_text(standard_input(language), robot=robot_of(robot), language=language)
+
+
+def standard_input(language: str | None) -> SourceText:
+    """The text on standard input, decoded as files of the language are, else as pseudo text."""
+    from assistant.compiler.loading import PSEUDO_ENCODINGS, language_of
+    from assistant.program.text import decode
+
     data = sys.stdin.buffer.read()
     encodings = language_of(language).encodings if language else PSEUDO_ENCODINGS
-    text = decode(data, "standard input", encodings)
-    return load_text(text, robot=robot_of(robot), language=language)
+    return decode(data, "standard input", encodings)
 
 
 def _together(done: Sequence[tuple[str, Compiled]]) -> tuple[dict[str, bytes], list[Diagnostic]]:
@@ -214,6 +182,8 @@ def _answer(
     written: Sequence[str],
     ok: bool,
 ) -> dict[str, Any]:
+    from assistant.findings.formats import finding_record
+
     return {
         "ok": ok,
         "sources": [

@@ -8,8 +8,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from assistant.cli.compiling import working
-from assistant.cli.presentation import Format, finding_record, print_findings, print_json, say
+from assistant.cli.presentation import Format, print_findings, print_json, say
 from assistant.deploy import Deployment, Plan
+from assistant.findings.formats import finding_record
 from assistant.program.diagnostics import worst
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import enum
 import json
 import sys
-from collections.abc import Iterable
-from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
 
 from assistant.program.diagnostics import Diagnostic, Severity
 
@@ -22,6 +22,17 @@ class Format(enum.StrEnum):
     JSON = "json"
 
 
+class FindingFormat(enum.StrEnum):
+    """How a command that finds things answers."""
+
+    TEXT = "text"
+    JSON = "json"
+    SARIF = "sarif"
+    GITHUB = "github"
+
+
+MOST_EXPLAINED: Final = 8
+"""Codes that the last line below findings names."""
 STYLES = {Severity.ERROR: "bold red", Severity.WARNING: "yellow", Severity.INFO: "cyan"}
 
 
@@ -32,13 +43,18 @@ def console() -> Console:
     return Console(stderr=True, highlight=False, soft_wrap=True, emoji=False, markup=False)
 
 
-def print_findings(findings: Iterable[Diagnostic]) -> None:
-    """Each finding on standard error: code, place, sentence, source line with a caret, cure."""
+def print_findings(findings: Iterable[Diagnostic], *, explained: bool = False) -> None:
+    """Each finding on standard error: code, place, sentence, source line with a caret, cure.
+
+    explained: a last line tells where more is said about them.
+    """
     from rich.text import Text
 
     screen = None
+    codes: set[str] = set()
     for finding in findings:
         screen = screen or console()
+        codes.add(finding.code)
         head = Text(finding.code, style=STYLES[finding.severity])
         head.append(f" {finding.severity}", style=STYLES[finding.severity])
         if where := finding.where():
@@ -52,6 +68,12 @@ def print_findings(findings: Iterable[Diagnostic]) -> None:
                 screen.print(" " * (len(number) + finding.column - 1) + "^" * _width(finding))
         if finding.cure:
             screen.print(Text(f"       = {_visible(finding.cure)}", style="green"))
+    if screen and explained:
+        some = sorted(codes)[:MOST_EXPLAINED]
+        screen.print(
+            f"more about them: robot-assistant explain {' '.join(some)}, or docs/findings.md#"
+            f"{some[0].lower()}"
+        )
 
 
 def _width(finding: Diagnostic) -> int:
@@ -66,9 +88,22 @@ def _visible(text: str) -> str:
     return "".join(c if c.isprintable() or c == " " else "�" for c in text.replace("\t", " "))
 
 
-def finding_record(finding: Diagnostic) -> dict[str, Any]:
-    """A finding as plain data, without the fields that it does not have."""
-    return {key: value for key, value in asdict(finding).items() if value is not None}
+def print_for_programs(
+    findings: Sequence[Diagnostic], ignored: Sequence[Diagnostic], format: FindingFormat
+) -> None:
+    """Findings on standard output: JSON, a SARIF log, or annotations of a pull request.
+
+    ignored: those that a comment ignores; only a SARIF log tells them.
+    """
+    from assistant.findings.formats import finding_record, github_line, sarif
+
+    if format is FindingFormat.GITHUB:
+        for finding in findings:
+            say(github_line(finding))
+    elif format is FindingFormat.SARIF:
+        print_json(sarif(findings, ignored, Path.cwd()))
+    else:
+        print_json({"findings": [finding_record(finding) for finding in findings]})
 
 
 def print_json(answer: object) -> None:

@@ -21,7 +21,7 @@ from assistant.program.diagnostics import (
 )
 from assistant.program.geometry import Target
 from assistant.program.path import Path, configuration_row
-from assistant.program.program import Program
+from assistant.program.program import Origin, Program
 from assistant.program.rewriting import rewrite
 
 if TYPE_CHECKING:
@@ -89,6 +89,7 @@ def compile(
         loaded = load(source, process=process, robot=robot_of(from_robot))
         program, findings = loaded.program, list(loaded.findings)
         findings = [f.within(str(source)) for f in findings]
+    written = program.origin
     findings += check(program)
     arm = robot_of(robot or program.robot)
     if arm is not None:
@@ -116,7 +117,7 @@ def compile(
         for unit in units
     }
     proof = prove(target, program, files, arm)
-    findings += proof.findings
+    findings += proof.findings if proof.holds else _own_faults(written) or proof.findings
     kept = files if proof.holds else {}
     return Compiled(program, target.name, proof, kept, fold(findings))
 
@@ -143,6 +144,14 @@ def robot_of(robot: str | Robot | None) -> Robot | None:
     except KeyError:
         finding = UNKNOWN_ROBOT(name=robot, names=", ".join(robots.names()))
         raise Refused(finding, exit_status=2) from None
+
+
+def _own_faults(written: Origin | None) -> tuple[Diagnostic, ...]:
+    """Errors that the source had before it was compiled: they tell why it cannot be proven."""
+    if written is None:
+        return ()
+    found = language_of(written.language).check(written.trees)
+    return tuple(f for f in found if f.severity is Severity.ERROR)
 
 
 def _without_configurations(program: Program) -> Program:

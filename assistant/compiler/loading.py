@@ -48,8 +48,7 @@ def load(
     """
     source = FilePath(path)
     if source.suffix.lower() == pseudo.SUFFIX:
-        text = decode(read_bytes(source), str(path), PSEUDO_ENCODINGS)
-        return Loaded(pseudo.parse(text, side_tables=source.parent))
+        return Loaded(pseudo.parse(read_pseudo(path), side_tables=source.parent))
     data = None if source.suffix.lower() in sources.READERS else read_bytes(source)
     spoken = _spoken(source, data, language)
     if spoken is None:
@@ -65,6 +64,10 @@ def load_text(
     if language is None:
         return Loaded(pseudo.parse(text))
     return lift(language_of(language), [text], robot)
+
+
+def read_pseudo(path: str | FilePath) -> SourceText:
+    return decode(read_bytes(path), str(path), PSEUDO_ENCODINGS)
 
 
 def language_of(name: str) -> Language[Any]:
@@ -84,13 +87,21 @@ def lift(
     beside: FilePath | None = None,
 ) -> Loaded:
     """The pseudo-program of vendor texts; raises Refused if one of them is broken."""
-    trees = [language.parse(text) for text in texts]
-    if beside is not None:
-        trees += _called(language, trees, [text.path for text in texts], beside)
+    trees = read_trees(language, texts, beside=beside)
     findings = [finding for tree in trees for finding in tree.findings]
     if has_errors(findings):
         raise Refused(*findings)
     return Loaded(language.lift(trees, robot), language.name, tuple(findings))
+
+
+def read_trees(
+    language: Language[Any], texts: Sequence[SourceText], *, beside: FilePath | None = None
+) -> list[Any]:
+    """The trees of texts, and of the files in the folder `beside` that they call."""
+    trees = [language.parse(text) for text in texts]
+    if beside is not None:
+        trees += _called(language, trees, [text.path for text in texts], beside)
+    return trees
 
 
 def _called(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -25,6 +25,13 @@ SAYS_OTHERWISE = Rule(
     Severity.ERROR,
     "the text that was emitted says something else: {message}",
     "nothing was written; report this with the input",
+)
+
+REFUSED_THERE = Rule(
+    "CO103",
+    Severity.ERROR,
+    "a controller would refuse the program: {reason}",
+    "correct the source ({cure}); nothing was written",
 )
 
 
@@ -63,16 +70,11 @@ def prove(
     """
     trees = [language.parse(language.decode(data, name)) for name, data in files.items()]
     findings = [finding for tree in trees for finding in tree.findings]
+    if has_errors(findings):
+        return Proof(None, (*_reasons(NOT_READ_BACK, findings), *findings))
     findings += language.check(trees)
     if has_errors(findings):
-        reasons = [
-            NOT_READ_BACK(
-                path=f.path, line=f.line, column=f.column, reason=f.message, place=f.place
-            )
-            for f in findings
-            if f.severity is Severity.ERROR
-        ]
-        return Proof(None, (*reasons, *findings))
+        return Proof(None, (*_reasons(REFUSED_THERE, findings), *findings))
     try:
         lifted = language.lift(trees, robot)
     except Refused as refused:
@@ -83,3 +85,14 @@ def prove(
     comparison = compare(program, lifted, tolerance)
     otherwise = [SAYS_OTHERWISE(message=m.message, place=m.place) for m in comparison.mismatches]
     return Proof(comparison, (*otherwise, *findings))
+
+
+def _reasons(rule: Rule, findings: Sequence[Diagnostic]) -> list[Diagnostic]:
+    """Why nothing is written, for each error in the text that was emitted."""
+    return [
+        rule(
+            path=f.path, line=f.line, column=f.column, reason=f.message, cure=f.cure, place=f.place
+        )
+        for f in findings
+        if f.severity is Severity.ERROR
+    ]

@@ -10,6 +10,7 @@ what to do. Calling it fills in the fields and gives a `Diagnostic`:
 from __future__ import annotations
 
 import enum
+import string
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any, Final
@@ -38,7 +39,8 @@ class Diagnostic:
     code: stable identifier, two letters for the family and three digits.
     message: one sentence of what is wrong. cure: one sentence of what to do.
     path: the file, as the user named it. span: offsets in its text.
-    line, column: counted from 1, None where the input has no lines.
+    line, column: counted from 1, None where the input has no lines. end_line, end_column:
+    just behind the last character, None where only the start is known.
     place: the entity, row, target or field, for input that has no lines.
     excerpt: the source line that `column` points into.
     """
@@ -53,6 +55,8 @@ class Diagnostic:
     column: int | None = None
     place: str | None = None
     excerpt: str | None = None
+    end_line: int | None = None
+    end_column: int | None = None
 
     def where(self) -> str:
         """`file:line:column place`, as far as each is known."""
@@ -83,6 +87,8 @@ class Rule:
         column: int | None = None,
         place: str | None = None,
         excerpt: str | None = None,
+        end_line: int | None = None,
+        end_column: int | None = None,
         severity: Severity | None = None,
         **fields: Any,
     ) -> Diagnostic:
@@ -97,7 +103,14 @@ class Rule:
             column,
             place,
             excerpt,
+            end_line,
+            end_column,
         )
+
+    def sentence(self, template: str) -> str:
+        """The message or the cure with its fields in capitals, to be read without a finding."""
+        parts = string.Formatter().parse(template)
+        return "".join(text + (field or "").upper() for text, field, _, _ in parts)
 
 
 class Refused(ValueError):

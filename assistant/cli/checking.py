@@ -1,0 +1,66 @@
+"""`check` and `explain`: findings as people, pipelines and pull requests want them."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from assistant.cli.compiling import STANDARD, TWICE, standard_input, working
+from assistant.cli.presentation import FindingFormat, print_findings, print_for_programs, say
+from assistant.program.diagnostics import Refused, Severity, fold, worst
+
+if TYPE_CHECKING:
+    from assistant.compiler.checking import Checked
+
+
+def run_check(
+    sources: Sequence[str],
+    robot: str | None,
+    process: Path | None,
+    from_language: str | None,
+    format: FindingFormat,
+) -> int:
+    from assistant.findings.settling import settle
+
+    with working(f"checking {', '.join(sources)}"):
+        checked = _checked(sources, robot, process, from_language)
+        settled = settle(checked.findings, checked.texts)
+    if format is not FindingFormat.TEXT:
+        print_for_programs(settled.left, settled.ignored, format)
+    else:
+        print_findings(fold(settled.left), explained=True)
+        count = len(settled.left)
+        ignored = f", {len(settled.ignored)} ignored" if settled.ignored else ""
+        say(f"{checked.files} checked, {count} finding{'s' * (count != 1)}{ignored}")
+    if checked.unreadable:
+        return 2
+    return 1 if worst(settled.left) in (Severity.ERROR, Severity.WARNING) else 0
+
+
+def run_explain(codes: Sequence[str]) -> int:
+    from assistant.findings.rulebook import explain
+
+    sys.stdout.write(explain(codes))
+    return 0
+
+
+def _checked(
+    sources: Sequence[str], robot: str | None, process: Path | None, language: str | None
+) -> Checked:
+    from assistant.compiler.checking import Checked, check_files, check_text
+
+    checked = Checked()
+    if STANDARD in sources:
+        if list(sources).count(STANDARD) > 1:
+            raise Refused(TWICE(), exit_status=2)
+        checked = check_text(standard_input(language), robot=robot, language=language)
+    files = [source for source in sources if source != STANDARD]
+    more = check_files(files, robot=robot, process=process, language=language)
+    return Checked(
+        [*checked.findings, *more.findings],
+        checked.files + more.files,
+        {**checked.texts, **more.texts},
+        checked.unreadable or more.unreadable,
+    )

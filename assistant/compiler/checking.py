@@ -1,0 +1,225 @@
+"""Checking: the findings of sources and robot programs, programs of several files together."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant import checks, languages, sources
+from assistant.compiler.compiling import robot_of
+from assistant.compiler.loading import language_of, load, read_pseudo, read_trees
+from assistant.program import pseudo
+from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, has_errors
+from assistant.program.program import Program
+from assistant.program.text import SourceText, read_bytes
+
+if TYPE_CHECKING:
+    from assistant.languages import Language
+    from assistant.robots import Robot
+
+NOTHING_THERE: Final = Rule(
+    "CO301",
+    Severity.ERROR,
+    "the folder holds nothing that is checked",
+    "name the files: in a folder, {kinds} are looked for, tables of targets are not",
+)
+LEFT_OUT: Final = Rule(
+    "CO302",
+    Severity.INFO,
+    "the file is left out: it does not look like a robot program",
+    "name it with --from LANGUAGE if it is one",
+)
+PSEUDO_MARK: Final = "#"
+IN_FOLDERS: Final = (pseudo.SUFFIX, ".dxf")
+"""What is looked for in a folder beside programs; any folder may hold tables of other things."""
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """A text that was checked.
+
+    mark: begins a comment in it. complete: all that can be found was looked for, which is not
+    so where something could not be read.
+    """
+
+    source: SourceText
+    mark: str
+    complete: bool
+
+
+@dataclass(slots=True)
+class Checked:
+    """What was found.
+
+    findings: in the order of the sources, those of rows and targets one by one. files: how many
+    were looked at. texts: of programs, by path. unreadable: something could not be read at all.
+    """
+
+    findings: list[Diagnostic] = field(default_factory=list)
+    files: int = 0
+    texts: dict[str, Text] = field(default_factory=dict)
+    unreadable: bool = False
+
+
+def check_files(
+    paths: Sequence[str | FilePath],
+    *,
+    robot: str | None = None,
+    process: str | FilePath | None = None,
+    language: str | None = None,
+) -> Checked:
+    """Checks files, and what is in folders: robot programs, pseudo-programs and drawings.
+
+    Modules that a controller loads together, as those of a folder in RAPID, are one program.
+    robot: reach, limits and configurations are checked for it. process: process file of
+    drawings and tables. language: of robot programs, where neither suffix nor text tell.
+    Raises Refused if there is no such robot or language.
+    """
+    arm, named = robot_of(robot), None if language is None else language_of(language)
+    checked = Checked()
+    programs: dict[tuple[Language[Any] | None, FilePath], list[str]] = {}
+    for path in dict.fromkeys(map(str, paths)):
+        for file in _files(path, named, checked):
+            checked.files += 1
+            with _collecting(checked, file):
+                spoken = _spoken(file, named)
+                part = FilePath(file).absolute()
+                part = spoken.program_of(part) if spoken else part
+                programs.setdefault((spoken, part), []).append(file)
+    for (spoken, _), files in programs.items():
+        where = files[0] if len(files) == 1 else os.path.commonpath(files) or "."
+        with _collecting(checked, where):
+            if spoken is not None:
+                found = _check_program(spoken, files, arm, checked)
+            else:
+                found = _check_source(files[0], process, arm, checked)
+            checked.findings += [f.within(where) for f in dict.fromkeys(found)]
+    return checked
+
+
+def check_text(
+    text: SourceText, *, robot: str | None = None, language: str | None = None
+) -> Checked:
+    """The same for a text that is no file: a robot language's if named, else pseudo text."""
+    arm, checked = robot_of(robot), Checked(files=1)
+    with _collecting(checked, text.path):
+        if language is None:
+            found = _check_pseudo(text, None, arm, checked)
+        else:
+            found = _check_texts(language_of(language), [text], None, arm, checked)
+        checked.findings += [f.within(text.path) for f in dict.fromkeys(found)]
+    return checked
+
+
+@dataclass(slots=True)
+class _collecting:  # noqa: N801 (used as a `with` word)
+    """What is refused inside becomes findings."""
+
+    checked: Checked
+    path: str | None = None
+
+    def __enter__(self) -> None: ...
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> bool:
+        if not isinstance(error, Refused):
+            return False
+        self.checked.findings += [f.within(self.path) for f in error.findings]
+        self.checked.unreadable |= error.exit_status == 2
+        return True
+
+
+def _files(path: str, named: Language[Any] | None, checked: Checked) -> Iterator[str]:
+    """The file itself, or what a folder holds; hidden folders are left aside."""
+    if not FilePath(path).is_dir() or FilePath(path).suffix.lower() in sources.READERS:
+        yield path
+        return
+    spoken = [named] if named else [languages.get(name) for name in languages.names()]
+    suffixes = {suffix for language in spoken for suffix in language.suffixes}
+    there = False
+    for folder, inner, names in os.walk(path):
+        inner[:] = sorted(name for name in inner if not name.startswith("."))
+        for name in sorted(names):
+            file = os.path.join(folder, name)  # noqa: PTH118 (keeps it as the user wrote it)
+            suffix = FilePath(name).suffix.lower()
+            if suffix not in suffixes and suffix not in IN_FOLDERS:
+                continue
+            there = True
+            with _collecting(checked, file):
+                if suffix in IN_FOLDERS or _spoken(file, named) is not None:
+                    yield file
+                else:
+                    checked.findings.append(LEFT_OUT(path=file))
+    if not there:
+        kinds = " ".join(sorted({*suffixes, *IN_FOLDERS}))
+        checked.findings.append(NOTHING_THERE(path=path, kinds=kinds))
+        checked.unreadable = True
+
+
+def _spoken(file: str, named: Language[Any] | None) -> Language[Any] | None:
+    """The language of a file, None if it is no robot program."""
+    suffix = FilePath(file).suffix.lower()
+    if suffix == pseudo.SUFFIX or suffix in sources.READERS:
+        return None
+    return named or languages.of_file(file, read_bytes(file))
+
+
+def _check_source(
+    file: str, process: str | FilePath | None, arm: Robot | None, checked: Checked
+) -> list[Diagnostic]:
+    """Findings of a drawing, a table, or a `.pseudo` text."""
+    path = FilePath(file)
+    if path.suffix.lower() == pseudo.SUFFIX:
+        return _check_pseudo(read_pseudo(path), path.parent, arm, checked)
+    loaded = load(file, process=process, robot=arm)
+    return [*loaded.findings, *_check_meaning(loaded.program, arm)]
+
+
+def _check_pseudo(
+    text: SourceText, tables: FilePath | None, arm: Robot | None, checked: Checked
+) -> list[Diagnostic]:
+    name = text.path or ""
+    checked.texts[name] = Text(text, PSEUDO_MARK, complete=False)
+    program = pseudo.parse(text, side_tables=tables)
+    checked.texts[name] = Text(text, PSEUDO_MARK, complete=True)
+    return list(_check_meaning(program, arm))
+
+
+def _check_program(
+    language: Language[Any], files: Sequence[str], arm: Robot | None, checked: Checked
+) -> list[Diagnostic]:
+    texts = [language.read(file) for file in files]
+    return _check_texts(language, texts, FilePath(files[0]).parent, arm, checked)
+
+
+def _check_texts(
+    language: Language[Any],
+    texts: Sequence[SourceText],
+    beside: FilePath | None,
+    arm: Robot | None,
+    checked: Checked,
+) -> list[Diagnostic]:
+    """Findings of a program; of a broken one only why it cannot be read."""
+    trees = read_trees(language, texts, beside=beside)
+    found = [finding for tree in trees for finding in tree.findings]
+    complete = not has_errors(found)
+    for text in texts:
+        checked.texts[text.path or ""] = Text(text, language.comment_mark, complete)
+    if not complete:
+        return found
+    found += language.check(trees)
+    try:
+        program = language.lift(trees, arm)
+    except Refused as refused:
+        return [*found, *refused.findings]
+    return [*found, *_check_meaning(program, arm)]
+
+
+def _check_meaning(program: Program, arm: Robot | None) -> tuple[Diagnostic, ...]:
+    from assistant import robots
+
+    found = checks.check(program)
+    arm = arm or robot_of(program.robot)
+    return found if arm is None else (*found, *robots.configure(program, arm)[1])

@@ -1,0 +1,149 @@
+"""Formatting: robot programs in the one layout of their language, proven to say the same."""
+
+from __future__ import annotations
+
+import os
+import re
+import stat
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path as FilePath
+from typing import Any, Final
+
+from assistant import languages
+from assistant.compiler.loading import language_of
+from assistant.compiler.output import write_files
+from assistant.languages import Language
+from assistant.program.diagnostics import (
+    Diagnostic,
+    Refused,
+    Rule,
+    Severity,
+    Unreadable,
+    has_errors,
+)
+from assistant.program.text import SourceText, encode, read_bytes
+
+NOT_THE_SAME: Final = Rule(
+    "CO401",
+    Severity.ERROR,
+    "laid out anew, the program would not be the same; it stays as it was",
+    "report it with the file: the formatter is wrong, not the file",
+)
+NO_LANGUAGE: Final = Rule(
+    "CO402",
+    Severity.ERROR,
+    "`{name}` does not look like a robot program",
+    "name its language with --from",
+)
+NO_PROGRAMS: Final = Rule(
+    "CO403",
+    Severity.ERROR,
+    "the folder `{name}` holds no robot programs",
+    "name the files, and their language with --from",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Formatted:
+    """What was read, and its text in the layout of its language.
+
+    text: that of the source if it cannot be laid out; an error among the findings says why.
+    """
+
+    source: SourceText
+    text: str
+    findings: tuple[Diagnostic, ...] = ()
+
+    @property
+    def changed(self) -> bool:
+        return self.text != self.source.text
+
+    def encoded(self) -> bytes:
+        """The text's bytes, in the encoding that was read."""
+        return encode(replace(self.source, text=self.text))
+
+
+def format_text(source: SourceText, language: Language[Any]) -> Formatted:
+    """A text laid out, read back and compared: the same tree, with the same comments."""
+    tree = language.parse(source)
+    if has_errors(tree.findings):
+        return Formatted(source, source.text, tree.findings)
+    text = language.format(tree)
+    if text != source.text:
+        again = language.parse(replace(source, text=text))
+        mark = language.comment_mark
+        same = tree == again and _comments(source.text, mark) == _comments(text, mark)
+        if not same or has_errors(again.findings):
+            return Formatted(source, source.text, (NOT_THE_SAME(path=source.path),))
+    return Formatted(source, text, tree.findings)
+
+
+def format_file(path: str | FilePath, language: str | None = None) -> Formatted:
+    """A file laid out; nothing is written. language: if neither suffix nor text tell.
+
+    Raises Unreadable, or Refused if the file is in no known language.
+    """
+    data = read_bytes(path)
+    spoken = language_of(language) if language else languages.of_file(path, data)
+    if spoken is None:
+        raise Refused(NO_LANGUAGE(path=str(path), name=path), exit_status=2)
+    return format_text(spoken.decode(data, str(path)), spoken)
+
+
+def format_bytes(data: bytes, name: str, language: str | None = None) -> Formatted:
+    """The same for bytes that are no file."""
+    named = [language_of(language)] if language else map(languages.get, languages.names())
+    spoken = next((one for one in named if language or one.recognises(data)), None)
+    if spoken is None:
+        raise Refused(NO_LANGUAGE(path=name, name=name), exit_status=2)
+    return format_text(spoken.decode(data, name), spoken)
+
+
+def rewrite(formatted: Formatted) -> None:
+    """Puts the text in place of the file that was read, whole or not at all.
+
+    A link stays one, permissions stay. Raises Refused (exit status 2) if it cannot be written.
+    """
+    assert formatted.source.path is not None
+    file = FilePath(formatted.source.path).resolve()
+    mode = stat.S_IMODE(file.stat().st_mode)
+    (written,) = write_files({file.name: formatted.encoded()}, file.parent)
+    written.chmod(mode)
+
+
+def programs_in(path: str, language: str | None = None) -> Iterator[str]:
+    """The file itself, or the robot programs of a folder and the folders in it.
+
+    Hidden folders are left aside, and files that do not look like a program. Raises Refused if
+    there is none.
+    """
+    if not FilePath(path).is_dir():
+        yield path
+        return
+    spoken = [language_of(language)] if language else list(map(languages.get, languages.names()))
+    suffixes = {suffix for one in spoken for suffix in one.suffixes}
+    there = False
+    for folder, inner, names in os.walk(path):
+        inner[:] = sorted(name for name in inner if not name.startswith("."))
+        for name in sorted(names):
+            file = os.path.join(folder, name)  # noqa: PTH118 (keeps it as the user wrote it)
+            known = FilePath(name).suffix.lower() in suffixes
+            if known and (language or _looks_like_program(file)):
+                there = True
+                yield file
+    if not there:
+        raise Refused(NO_PROGRAMS(path=path, name=path), exit_status=2)
+
+
+def _looks_like_program(file: str) -> bool:
+    try:
+        return languages.of_file(file, read_bytes(file, allow_empty=True)) is not None
+    except Unreadable:
+        return True  # to be said when it is read
+
+
+def _comments(text: str, mark: str) -> list[str]:
+    """The comments of a text, wherever they stand, without outer blanks."""
+    found = re.finditer(rf'"(?:[^"\r\n]|"")*+(?:"|$)|{mark}([^\r\n]*)', text, re.MULTILINE)
+    return [match[1].strip() for match in found if match[1] is not None]

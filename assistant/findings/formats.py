@@ -1,0 +1,139 @@
+"""Findings for programs: plain records, SARIF 2.1.0, and annotations of a pull request."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path as FilePath
+from typing import Any, Final
+from urllib.parse import quote
+
+from assistant import __version__
+from assistant.findings.rulebook import Page, page_address, pages, rules
+from assistant.program.diagnostics import Diagnostic, Rule, Severity
+
+SARIF_SCHEMA: Final = (
+    "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
+)
+SARIF_LEVELS: Final = {
+    Severity.ERROR: "error",
+    Severity.WARNING: "warning",
+    Severity.INFO: "note",
+}
+GITHUB_LEVELS: Final = {
+    Severity.ERROR: "error",
+    Severity.WARNING: "warning",
+    Severity.INFO: "notice",
+}
+BASE: Final = "ROOT"
+"""What addresses of files in a SARIF log are relative to."""
+
+
+def finding_record(finding: Diagnostic) -> dict[str, Any]:
+    """A finding as plain data, without the fields that it does not have."""
+    return {key: value for key, value in asdict(finding).items() if value is not None}
+
+
+def github_line(finding: Diagnostic) -> str:
+    """A workflow command that shows the finding beside the line in a pull request."""
+    where = {
+        "file": finding.path,
+        "line": finding.line,
+        "col": finding.column,
+        "endLine": finding.end_line,
+        "endColumn": finding.end_column if finding.end_line == finding.line else None,
+        "title": finding.code,
+    }
+    given = ",".join(f"{k}={_escaped(v, ':,')}" for k, v in where.items() if v is not None)
+    text = " ".join(part for part in (finding.place, finding.message) if part)
+    said = f"{text}\n{finding.cure}" if finding.cure else text
+    return f"::{GITHUB_LEVELS[finding.severity]} {given}::{_escaped(said)}"
+
+
+def sarif(
+    findings: Sequence[Diagnostic], ignored: Sequence[Diagnostic], root: FilePath
+) -> dict[str, Any]:
+    """A SARIF 2.1.0 log of one run.
+
+    ignored: findings that a comment ignores, marked as suppressed. root: an absolute folder;
+    files inside it are named relative to it.
+    """
+    book = rules()
+    codes = sorted({f.code for f in (*findings, *ignored)})
+    index = {code: number for number, code in enumerate(codes)}
+    results = [_result(f, index, root) for f in findings]
+    results += [
+        {**_result(f, index, root), "suppressions": [{"kind": "inSource"}]} for f in ignored
+    ]
+    return {
+        "$schema": SARIF_SCHEMA,
+        "version": "2.1.0",
+        "runs": [
+            {
+                "tool": {
+                    "driver": {
+                        "name": "robot-assistant",
+                        "version": __version__,
+                        "informationUri": page_address("").rstrip("#"),
+                        "rules": [_rule(book[code]) for code in codes],
+                    }
+                },
+                "originalUriBaseIds": {BASE: {"uri": root.as_uri().rstrip("/") + "/"}},
+                "columnKind": "unicodeCodePoints",
+                "results": results,
+            }
+        ],
+    }
+
+
+def _rule(rule: Rule) -> dict[str, Any]:
+    said = {
+        "id": rule.code,
+        "shortDescription": {"text": rule.sentence(rule.message)},
+        "help": {"text": rule.sentence(rule.cure) or "Nothing needs to be done."},
+        "helpUri": page_address(rule.code),
+        "defaultConfiguration": {"level": SARIF_LEVELS[rule.severity]},
+    }
+    if why := pages().get(rule.code, Page()).why:
+        said["fullDescription"] = {"text": why.strip()}
+    return said
+
+
+def _result(finding: Diagnostic, index: dict[str, int], root: FilePath) -> dict[str, Any]:
+    text = f"{finding.message}\n{finding.cure}" if finding.cure else finding.message
+    said: dict[str, Any] = {
+        "ruleId": finding.code,
+        "ruleIndex": index[finding.code],
+        "level": SARIF_LEVELS[finding.severity],
+        "message": {"text": text},
+    }
+    location: dict[str, Any] = {}
+    if finding.path:
+        location["physicalLocation"] = {"artifactLocation": _artifact(finding.path, root)}
+        if finding.line is not None:
+            location["physicalLocation"]["region"] = _region(finding)
+    if finding.place:
+        location["logicalLocations"] = [{"fullyQualifiedName": finding.place}]
+    return {**said, "locations": [location]} if location else said
+
+
+def _artifact(path: str, root: FilePath) -> dict[str, str]:
+    file = root / path
+    if file.is_relative_to(root) and ".." not in file.parts:
+        return {"uri": quote(file.relative_to(root).as_posix()), "uriBaseId": BASE}
+    return {"uri": FilePath(file).resolve().as_uri()}
+
+
+def _region(finding: Diagnostic) -> dict[str, int]:
+    parts = {
+        "startLine": finding.line,
+        "startColumn": finding.column,
+        "endLine": finding.end_line,
+        "endColumn": finding.end_column,
+    }
+    return {name: value for name, value in parts.items() if value is not None}
+
+
+def _escaped(text: object, more: str = "") -> str:
+    """Text of a workflow command: what would end it or a property of it is written in hex."""
+    return "".join(f"%{ord(c):02X}" if c in "%\r\n" + more else c for c in str(text))

@@ -1,0 +1,153 @@
+"""Every rule of the package by its code, and the page about each."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.resources
+import pkgutil
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, Final
+
+import assistant
+from assistant import languages
+from assistant.languages import Language
+from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity
+
+FAMILIES: Final = {
+    "CK": "Checks of programs",
+    "CL": "Command line",
+    "CN": "Controllers",
+    "CO": "Compiling and proving",
+    "CT": "Contours and process files",
+    "DP": "Deployment",
+    "DX": "Drawings",
+    "FN": "Severities and ignored findings",
+    "IN": "Reading files",
+    "MB": "MELFA-BASIC",
+    "NM": "Names",
+    "PS": "Pseudo-program text",
+    "RA": "RAPID",
+    "RB": "Robots",
+    "SR": "Sources",
+    "TB": "Tables and waypoints",
+    "VC": "Virtual controllers",
+}
+"""The letters that codes begin with → what the family is about."""
+
+PAGES: Final = "https://github.com/robot-assistant/robot-assistant/blob/main/docs/findings.md"
+NO_RULE: Final = Rule(
+    "FN001",
+    Severity.ERROR,
+    "there is no finding `{code}`",
+    "write a code as findings show it, such as RA204; docs/findings.md lists all",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """What is said about a rule beside its own row.
+
+    why: what a controller does about it, where a limit is from. example: the text of a small
+    file that has the finding. better: the same without it.
+    """
+
+    why: str = ""
+    example: str = ""
+    better: str = ""
+
+
+@cache
+def pages() -> Mapping[str, Page]:
+    """What is said about rules, by code: a file of `pages/` for each family that has one."""
+    folder = importlib.resources.files("assistant.findings") / "pages"
+    files = sorted(folder.iterdir(), key=lambda file: file.name)
+    tables = [tomllib.loads(file.read_text(encoding="utf-8")) for file in files]
+    return {code: Page(**page) for table in tables for code, page in table.items()}
+
+
+@cache
+def rules() -> Mapping[str, Rule]:
+    """Every rule by code; raises ValueError if two rules share one. Imports all of the package."""
+    found: dict[str, Rule] = {}
+    for rule in _all_rules():
+        if found.setdefault(rule.code, rule) != rule:
+            raise ValueError(f"two rules have the code {rule.code}")
+    return dict(sorted(found.items()))
+
+
+def page_address(code: str) -> str:
+    """Where the page about a code is, as an address."""
+    return f"{PAGES}#{code.lower()}"
+
+
+def explain(codes: Sequence[str]) -> str:
+    """The pages of the rules with these codes; raises Refused for a code that is none."""
+    book = rules()
+    unknown = [code for code in codes if code.upper() not in book]
+    if unknown:
+        raise Refused(*(NO_RULE(code=code) for code in unknown), exit_status=2)
+    return "\n".join(section(book[code.upper()]) for code in codes)
+
+
+def section(rule: Rule) -> str:
+    """The page about a rule, in Markdown: what is wrong, what to do, why, and an example."""
+    page = pages().get(rule.code, Page())
+    lines = [f"### {rule.code}", "", f"**{rule.severity}**: {rule.sentence(rule.message)}", ""]
+    if rule.cure:
+        lines += [f"What to do: {rule.sentence(rule.cure)}", ""]
+    if page.why:
+        lines += [page.why.strip(), ""]
+    for title, text in (("For example", page.example), ("Better", page.better)):
+        if text:
+            lines += [f"{title}:", "", "```text", text.strip("\n"), "```", ""]
+    return "\n".join(lines)
+
+
+def adjustable(rule: Rule) -> bool:
+    """Whether a project may give the rule a lower severity, or ignore it.
+
+    Warnings and infos may always be. Errors only if a language's own check of a program says
+    them: no others, as they tell what cannot be read, or why nothing is written.
+    """
+    return rule.severity is not Severity.ERROR or _is_check(rule.code)
+
+
+def is_adjustable(finding: Diagnostic) -> bool:
+    """The same for a finding, which may be worse than its rule usually is."""
+    return finding.severity is not Severity.ERROR or _is_check(finding.code)
+
+
+def language_of(code: str) -> Language[Any] | None:
+    """The first language whose family a code is of."""
+    spoken = map(languages.get, languages.names())
+    return next((language for language in spoken if code.startswith(language.family)), None)
+
+
+def _is_check(code: str) -> bool:
+    language = language_of(code)
+    return language is not None and not code.startswith(language.fixed)
+
+
+def _all_rules() -> Iterator[Rule]:
+    for module in pkgutil.walk_packages(assistant.__path__, "assistant."):
+        if not module.name.endswith("__main__"):
+            try:
+                members = vars(importlib.import_module(module.name))
+            except ModuleNotFoundError as error:
+                if (error.name or "").startswith("assistant"):
+                    raise
+                continue  # a module that needs an optional package has no say without it
+            for value in members.values():
+                yield from _in(value)
+
+
+def _in(value: Any) -> Iterator[Rule]:
+    if isinstance(value, Rule):
+        yield value
+    elif isinstance(value, dict):
+        yield from (item for item in value.values() if isinstance(item, Rule))
+    elif isinstance(value, tuple | list):
+        yield from (item for item in value if isinstance(item, Rule))

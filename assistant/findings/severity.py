@@ -1,0 +1,157 @@
+"""A project's own severities: `[severity]` of assistant.toml or pyproject.toml.
+
+[tool.robot-assistant.severity]     # in pyproject.toml; `[severity]` in assistant.toml
+RA211 = "warning"                   # one finding
+RA4 = "off"                         # all whose code begins so
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path as FilePath
+from typing import Any, Final
+
+from assistant.findings import rulebook
+from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, Span, has_errors
+from assistant.program.text import SourceText, decode, read_bytes
+
+FILES: Final[Mapping[str, tuple[str, ...]]] = {
+    "assistant.toml": (),
+    "pyproject.toml": ("tool", "robot-assistant"),
+}
+"""Name of a file → the table in it that is ours; the first that is there counts."""
+TABLE: Final = "severity"
+OFF: Final = "off"
+LEVELS: Final = (OFF, *(str(s) for s in reversed(Severity)))
+
+UNKNOWN_KEY: Final = Rule(
+    "FN101", Severity.WARNING, "`{key}` is no setting", "write a table `{table}`"
+)
+NO_SUCH_CODE: Final = Rule(
+    "FN102",
+    Severity.WARNING,
+    "no finding has a code that begins with `{code}`",
+    "write a code as findings show it, such as RA204, or how several begin, such as RA2",
+)
+NOT_LOWERED: Final = Rule(
+    "FN103",
+    Severity.WARNING,
+    "`{code}` stays an error: it tells what cannot be read, or why nothing is written",
+    "correct what it finds; errors of a language's own check of a program can be turned down",
+)
+NO_LEVEL: Final = Rule("FN104", Severity.ERROR, "`{value}` is no severity", "write one of {levels}")
+NO_TABLE: Final = Rule(
+    "FN105", Severity.ERROR, "`{key}` is no table", 'write lines such as RA204 = "warning" in it'
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Severities:
+    """What a project wants findings to be.
+
+    levels: severity by code or by how codes begin, None for off. findings: what is odd about
+    the settings, once.
+    """
+
+    levels: Mapping[str, Severity | None] = field(default_factory=dict)
+    findings: tuple[Diagnostic, ...] = ()
+
+    def of(self, finding: Diagnostic) -> Diagnostic | None:
+        """The finding as the project wants it, None if it is off."""
+        beginnings = (finding.code[:n] for n in range(len(finding.code), 0, -1))
+        chosen = next((b for b in beginnings if b in self.levels), None)
+        if chosen is None:
+            return finding
+        level = self.levels[chosen]
+        if is_lower(level, finding.severity) and not rulebook.is_adjustable(finding):
+            return finding
+        return None if level is None else replace(finding, severity=level)
+
+
+AS_THEY_ARE: Final = Severities()
+
+
+def is_lower(level: Severity | None, than: Severity) -> bool:
+    order = list(Severity)
+    return level is None or order.index(level) > order.index(than)
+
+
+def severities_for(folder: FilePath) -> Severities:
+    """The settings of a folder: those of the nearest file there or above it.
+
+    Raises Unreadable or Refused, both of exit status 2, if that file is broken.
+    """
+    for here in (folder, *folder.parents):
+        for name, table in FILES.items():
+            file = here / name
+            if file.is_file() and (found := read_severities(file, table)) is not None:
+                return found
+    return AS_THEY_ARE
+
+
+def read_severities(file: FilePath, table: tuple[str, ...]) -> Severities | None:
+    """The settings in a file, None if our table is not in it; raises Unreadable or Refused."""
+    from assistant.sources.process_file import read_toml
+    from assistant.sources.process_lines import key_spans
+
+    source = decode(read_bytes(file, allow_empty=True), str(file), ("utf-8-sig", "utf-8"))
+    content: Any = read_toml(source).content
+    for key in table:
+        content = content.get(key) if isinstance(content, Mapping) else None
+    if content is None:
+        return None
+    page = _Page(source, key_spans(source.text), table)
+    found = page.severities(content)
+    if has_errors(found.findings):
+        raise Refused(*found.findings, exit_status=2)
+    return found
+
+
+@dataclass(slots=True)
+class _Page:
+    source: SourceText
+    spans: Mapping[tuple[str, ...], Span]
+    table: tuple[str, ...]
+    findings: list[Diagnostic] = field(default_factory=list)
+
+    def severities(self, content: object) -> Severities:
+        levels: dict[str, Severity | None] = {}
+        if not isinstance(content, Mapping):
+            self.say(NO_TABLE, (), key=".".join(self.table))
+            return Severities(findings=tuple(self.findings))
+        wanted = content.get(TABLE, {})
+        for key in content.keys() - {TABLE}:
+            self.say(UNKNOWN_KEY, (key,), key=key, table=".".join((*self.table, TABLE)))
+        if not isinstance(wanted, Mapping):
+            self.say(NO_TABLE, (TABLE,), key=".".join((*self.table, TABLE)))
+            wanted = {}
+        for code, value in wanted.items():
+            if value not in LEVELS:
+                self.say(NO_LEVEL, (TABLE, code), value=value, levels=", ".join(LEVELS))
+                continue
+            levels[code.upper()] = None if value == OFF else Severity(value)
+        self.look_up(levels, {code.upper(): code for code in wanted})
+        self.findings.sort(key=lambda f: f.line or 0)
+        return Severities(levels, tuple(self.findings))
+
+    def look_up(self, levels: Mapping[str, Severity | None], written: Mapping[str, str]) -> None:
+        """Says which codes there are not, and which cannot be turned down."""
+        book = rulebook.rules() if levels else {}
+        for code, level in levels.items():
+            at = (TABLE, written[code])
+            if not code or not any(known.startswith(code) for known in book):
+                self.say(NO_SUCH_CODE, at, code=written[code])
+            elif (rule := book.get(code)) and is_lower(level, rule.severity):
+                if not rulebook.adjustable(rule):
+                    self.say(NOT_LOWERED, at, code=code)
+
+    def say(self, rule: Rule, at: tuple[str, ...], /, **fields: object) -> None:
+        span = self.spans.get((*self.table, *at), Span(0, 0))
+        self.findings.append(self.source.finding(rule, span, **fields))
+
+
+def adjusted(findings: Iterable[Diagnostic], severities: Severities) -> list[Diagnostic]:
+    """The findings as the project wants them, without those that are off."""
+    wanted = (severities.of(finding) for finding in findings)
+    return [finding for finding in wanted if finding is not None]

@@ -1,0 +1,97 @@
+"""The book of rules: every code once, and pages whose examples have what they tell of."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from assistant.compiler import check_files
+from assistant.findings.rulebook import (
+    FAMILIES,
+    adjustable,
+    explain,
+    page_address,
+    pages,
+    rules,
+    section,
+)
+from assistant.program.diagnostics import Refused, Rule, Severity
+
+SUFFIXES = {"RA": ".mod", "MB": ".prg", "CK": ".pseudo", "PS": ".pseudo"}
+
+
+def found(folder: Path, code: str, text: str) -> set[str]:
+    """Codes of what is found in a text of the language that a code is about."""
+    file = folder / f"example{SUFFIXES[code[:2]]}"
+    file.write_text(text, encoding="utf-8")
+    return {finding.code for finding in check_files([file]).findings}
+
+
+def test_every_rule_is_of_a_known_family() -> None:
+    assert {code[:2] for code in rules()} == set(FAMILIES)
+
+
+def test_there_are_pages_for_rules_only() -> None:
+    assert pages()
+    assert set(pages()) <= set(rules())
+
+
+@pytest.mark.parametrize("code", sorted(code for code, page in pages().items() if page.example))
+def test_an_example_has_its_finding_and_what_is_better_has_not(code: str, tmp_path: Path) -> None:
+    page = pages()[code]
+    assert code in found(tmp_path, code, page.example)
+    assert code not in found(tmp_path, code, page.better)
+    assert page.better
+
+
+def test_what_is_better_has_no_error(tmp_path: Path) -> None:
+    bad = {code: found(tmp_path, code, page.better) for code, page in pages().items()}
+    errors = {
+        code: left
+        for code, codes in bad.items()
+        if (left := {c for c in codes if rules()[c].severity is Severity.ERROR})
+    }
+    assert errors == {}
+
+
+def test_a_page_tells_severity_cure_and_example() -> None:
+    page = section(rules()["RA204"])
+    assert page.startswith("### RA204\n\n**error**: unknown speed `NAME`\n")
+    assert "What to do: write NEAR" in page
+    assert "MoveL p1, v25, fine, tool0;" in page
+    assert page_address("RA204").endswith("docs/findings.md#ra204")
+    assert explain(["ra204"]) == page
+
+
+def test_a_code_that_is_none_is_refused() -> None:
+    with pytest.raises(Refused) as refused:
+        explain(["RA204", "RA000", "x"])
+    assert [f.code for f in refused.value.findings] == ["FN001", "FN001"]
+    assert refused.value.exit_status == 2
+
+
+@pytest.mark.parametrize(
+    ("code", "may"),
+    [
+        ("RA204", True),  # a check of a program that somebody wrote
+        ("MB101", True),
+        ("RA101", False),  # it cannot be read
+        ("MB002", False),
+        ("PS101", False),
+        ("RA305", False),  # it cannot be said
+        ("CK101", False),  # nothing is written
+        ("CO101", False),
+        ("RB101", False),
+        ("IN001", False),
+        ("RA302", True),  # a warning
+        ("CO302", True),  # an info
+    ],
+)
+def test_which_findings_a_project_may_turn_down(code: str, may: bool) -> None:
+    assert adjustable(rules()[code]) is may
+
+
+def test_fields_are_shown_in_capitals() -> None:
+    rule = Rule("XX001", Severity.INFO, "`{name}` is {off:.2f} {{away}}")
+    assert rule.sentence(rule.message) == "`NAME` is OFF {away}"
