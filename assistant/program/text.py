@@ -68,12 +68,15 @@ class SourceText:
     def finding(self, rule: Rule, span: Span, **fields: Any) -> Diagnostic:
         """The rule's finding at a span of this text, with line, column and excerpt."""
         line, column = self.line_column(span.start)
+        end_line, end_column = self.line_column(span.end)
         return rule(
             path=self.path,
             span=span,
             line=line,
             column=column,
             excerpt=self.line_text(line),
+            end_line=end_line,
+            end_column=end_column,
             **fields,
         )
 
