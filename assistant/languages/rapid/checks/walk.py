@@ -18,14 +18,38 @@ def nodes(root: Any) -> Iterator[Any]:
             pending.extend(reversed(item))
         elif isinstance(item, s.Node):
             yield item
-            pending.extend([getattr(item, name) for name in _inside(type(item))])
+            pending.extend([getattr(item, name) for name in inside(type(item))])
 
 
 _FIELDS: Final[dict[type, tuple[str, ...]]] = {}
 
 
-def _inside(kind: type[s.Node]) -> tuple[str, ...]:
+def inside(kind: type[s.Node]) -> tuple[str, ...]:
     """Fields that may hold nodes, the last one first."""
     if kind not in _FIELDS:
         _FIELDS[kind] = tuple(f.name for f in reversed(fields(kind)) if f.name != "span")
     return _FIELDS[kind]
+
+
+def blocks(statement: Any) -> tuple[tuple[s.StatementNode, ...], ...]:
+    """The lists of statements directly inside one."""
+    match statement:
+        case s.IfThen(branches, otherwise):
+            return (*(b.body for b in branches), *(() if otherwise is None else (otherwise,)))
+        case s.TestOf(_, cases, otherwise):
+            return (*(c.body for c in cases), *(() if otherwise is None else (otherwise,)))
+        case s.ForLoop(body=body) | s.WhileLoop(body=body):
+            return (body,)
+        case s.CompactIf(statement=inner):
+            return ((inner,),)
+    return ()
+
+
+def lists(routine: s.Routine) -> Iterator[tuple[s.StatementNode, ...]]:
+    """Every list of statements of a routine: its body, its handlers, and the blocks in them."""
+    pending = [routine.body, *(h.body for h in routine.handlers)]
+    while pending:
+        body = pending.pop()
+        yield body
+        for statement in body:
+            pending.extend(blocks(statement))

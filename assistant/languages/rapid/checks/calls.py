@@ -1,0 +1,162 @@
+"""Rules of calls: whether there is such a routine, and whether its arguments fit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, Final
+
+from assistant.languages.rapid import predefined, signatures
+from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.checks import names_used
+from assistant.languages.rapid.checks import use_rules as rules
+from assistant.languages.rapid.checks.arguments import Bound, bind, signature_of
+from assistant.languages.rapid.checks.kinds import Scope
+from assistant.languages.rapid.checks.motions import WORDS, nearest
+from assistant.languages.rapid.checks.spelling import misspelt
+from assistant.languages.rapid.checks.values import shaped
+from assistant.languages.rapid.signatures import Parameter, Signature, signature
+from assistant.languages.rapid.tables import SPEEDS, ZONES
+from assistant.program.diagnostics import Diagnostic, Severity
+
+Found = Iterator[Diagnostic]
+
+ROUTINES: Final = ("PROC", "FUNC")
+_READ: Final = frozenset({"num", "dnum", "bool"})
+"""Types of values that may be the state of a signal."""
+
+
+def procedure(node: s.ProcedureCall, scope: Scope) -> Found:
+    if isinstance(node.name, str):
+        yield from _call(node, node.name, "PROC", scope)
+
+
+def function(node: s.FunctionCall, scope: Scope) -> Found:
+    yield from _call(node, node.name, "FUNC", scope)
+
+
+def _call(node: s.ProcedureCall | s.FunctionCall, name: str, kind: str, scope: Scope) -> Found:
+    found = scope.find(name)
+    if found is None:
+        routine = signature(name)
+        if routine is None:
+            yield from _unknown(node, name, kind, scope)
+            return
+    elif scope.doubtful(found):
+        return
+    elif found.kind in ROUTINES and isinstance(found.node, s.Routine):
+        routine = signature_of(found.node)
+    else:
+        yield scope.look.finding(rules.NOT_A_ROUTINE, node, name=name, what=found.kind)
+        return
+    if routine.kind != kind:
+        rule = rules.FUNCTION_ALONE if kind == "PROC" else rules.NO_FUNCTION
+        yield scope.look.finding(rule, node, name=routine.name)
+        return
+    yield from bind(node, routine, scope)
+    for bound in Bound.of(node.arguments, routine):
+        yield from _argument(bound, routine, scope)
+
+
+def _unknown(node: s.ProcedureCall | s.FunctionCall, name: str, kind: str, scope: Scope) -> Found:
+    if not scope.types.first("routine", name):
+        return
+    task = scope.look.task.shared.values()
+    own = [one.name for several in task for one in several if one.kind == kind]
+    standard = [n for n, (line, _) in signatures.rows().items() if line.startswith(kind)]
+    near = misspelt(name, [*own, *standard])
+    if near:
+        known = signature(near)
+        yield scope.look.finding(
+            rules.MISSPELT_ROUTINE, node, name=name, near=known.name if known else near
+        )
+    else:
+        severity = names_used.doubt(scope, Severity.WARNING)
+        yield scope.look.finding(rules.UNKNOWN_ROUTINE, node, name=name, severity=severity)
+
+
+def _argument(bound: Bound, routine: Signature, scope: Scope) -> Found:
+    value, parameters = bound.value, bound.parameters
+    if isinstance(value, s.Placeholder) or any(one.mode == "REF" for one in parameters):
+        return
+    if isinstance(value, s.NameRef) and scope.find(value.name) is None:
+        if all(_data(one, scope) for one in parameters) and not _other_rule(value, parameters):
+            yield from names_used.data(value, scope)
+    if isinstance(value, s.AggregateNode) and not any(one.mode for one in parameters):
+        base = scope.types.base(parameters[0].type)
+        if len(parameters) == 1 and base and not parameters[0].dimensions:
+            yield from shaped(value, base, (), scope)
+        return
+    fit = scope.suiting(value, parameters)
+    if not fit:
+        yield scope.look.finding(
+            rules.WRONG_ARGUMENT,
+            value,
+            routine=routine.name,
+            parameter=parameters[0].name,
+            given=scope.kind(value),
+            wanted=" or ".join(str(scope.wanted(one)) for one in parameters),
+        )
+    elif all(one.mode for one in fit):
+        yield from _reference(value, fit[0], routine, scope)
+
+
+def _data(parameter: Parameter, scope: Scope) -> bool:
+    """Whether a name that stands for a parameter is data for sure, not a signal or a unit."""
+    base = scope.types.base(parameter.type) or ""
+    return not scope.types.device(base) and (bool(parameter.mode) or base not in _READ)
+
+
+def _other_rule(value: s.NameRef, parameters: tuple[Parameter, ...]) -> bool:
+    """Whether an unknown speed or zone has a rule of its own."""
+    table = {"speeddata": SPEEDS, "zonedata": ZONES}.get(parameters[0].type)
+    return table is not None and bool(nearest(value.name, table))
+
+
+def _reference(
+    value: s.Expression, parameter: Parameter, routine: Signature, scope: Scope
+) -> Found:
+    """What is handed over to be changed must be data that can be."""
+    root = _root(value)
+    given: dict[str, Any] = {
+        "routine": routine.name,
+        "parameter": parameter.name,
+        "mode": parameter.mode,
+    }
+    if root is None:
+        what = "a value that is calculated or written out"
+        yield scope.look.finding(rules.NO_REFERENCE, value, what=what, **given)
+        return
+    storage = _storage(root, scope)
+    what = f"`{root.name}`, which is {STORAGES.get(storage, storage)}"
+    moved = routine.name.lower() in WORDS and parameter.type in ("tooldata", "wobjdata")
+    if parameter.mode == "PERS" and storage in ("VAR", "CONST", "IN", "FOR"):
+        if not (moved and storage in ("VAR", "CONST")):
+            yield scope.look.finding(rules.NO_PERSISTENT, value, what=what, **given)
+    elif storage in ("CONST", "FOR"):
+        yield scope.look.finding(rules.NO_REFERENCE, value, what=what, **given)
+    elif parameter.mode == "VAR" and storage == "PERS":
+        yield scope.look.finding(rules.NO_VARIABLE, value, what=what, **given)
+
+
+STORAGES: Final = {
+    "VAR": "a VAR",
+    "CONST": "a CONST",
+    "PERS": "a PERS",
+    "IN": "a parameter that holds a copy",
+    "FOR": "the variable of a loop",
+}
+
+
+def _root(value: s.Expression | s.Variable) -> s.NameRef | None:
+    """The data that a reference is to, or to a part of; None for an expression."""
+    while isinstance(value, s.Component | s.Element):
+        value = value.value
+    return value if isinstance(value, s.NameRef) else None
+
+
+def _storage(root: s.NameRef, scope: Scope) -> str:
+    found = scope.find(root.name)
+    if found is not None:
+        return "" if scope.doubtful(found) else found.kind
+    standard = predefined.data().get(root.name.lower())
+    return standard.storage if standard else ""

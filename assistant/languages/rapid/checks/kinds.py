@@ -1,0 +1,289 @@
+"""Types of names and expressions, as far as the given modules and the standard tables tell.
+
+What is not known for sure has no kind, and a rule says nothing about it: it may be a signal, or
+data of a module that was not given.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final, cast
+
+from assistant.languages.rapid import predefined
+from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.checks.scope import Declaration, Look
+from assistant.languages.rapid.header import opening
+from assistant.languages.rapid.signatures import Parameter, Slot, signature
+
+NUMBER: Final = "number"
+"""Type of a numeric literal, which is a num or a dnum as the place wants it."""
+NUMERIC: Final = frozenset({"num", "dnum", NUMBER})
+LOGICAL: Final = frozenset({"OR", "XOR", "AND"})
+RELATIONS: Final = frozenset({"<", "<=", "=", ">", ">=", "<>"})
+MOST_ALIASES: Final = 8
+"""Aliases behind each other that are followed; RAPID forbids two."""
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """type: lower case, of an alias what it stands for. dimensions: -1 of an array of any."""
+
+    type: str
+    dimensions: int = 0
+
+    def __str__(self) -> str:
+        return f"array of {self.type}" if self.dimensions else self.type
+
+
+Joined = Mapping[tuple[str, str, str], str]
+_NUM: Final = {("num", "num"): "num", ("dnum", "dnum"): "dnum", (NUMBER, NUMBER): NUMBER}
+_MIXED: Final = {
+    **_NUM,
+    **{pair: kind for kind in ("num", "dnum") for pair in ((kind, NUMBER), (NUMBER, kind))},
+}
+OPERATIONS: Final[Joined] = {
+    **{
+        (o, *pair): kind
+        for o in ("+", "-", "*", "/", "DIV", "MOD")
+        for pair, kind in _MIXED.items()
+    },
+    ("+", "string", "string"): "string",
+    **{(o, "pos", "pos"): "pos" for o in "+-*"},
+    **{(o, "pos", n): "pos" for o in "*/" for n in ("num", NUMBER)},
+    **{("*", n, "pos"): "pos" for n in ("num", NUMBER)},
+    ("*", "orient", "orient"): "orient",
+}
+"""What an operator makes of two types."""
+
+
+class Types:
+    """Types that a module sees: its own, those of its task, predefined ones."""
+
+    def __init__(self, look: Look) -> None:
+        self.look = look
+        self._bases: dict[str, str | None] = {}
+        self.told: set[tuple[str, str]] = set()
+        """What has been said of a name once and need not be said again."""
+
+    @cached_property
+    def compiled(self) -> bool:
+        """Whether the module says that it is whole: its names have a rule of their own."""
+        header = opening(self.look.module)
+        return bool(header.program or header.unit)
+
+    def first(self, what: str, name: str) -> bool:
+        """Whether this is the first time that this is said of a name."""
+        key = (what, name.lower())
+        known = key in self.told
+        self.told.add(key)
+        return not known
+
+    def base(self, name: str) -> str | None:
+        """The type itself, of an alias what it stands for; None if nothing declares it."""
+        low = name.lower()
+        if low not in self._bases:
+            self._bases[low] = self._base(low)
+        return self._bases[low]
+
+    def _base(self, low: str) -> str | None:
+        for _ in range(MOST_ALIASES):
+            found = self.find(low)
+            if found is not None and found.kind == "ALIAS":
+                low = found.type.lower()
+            elif found is not None:
+                return low
+            elif (standard := predefined.types().get(low)) is not None:
+                if not standard.of:
+                    return low
+                low = standard.of
+            else:
+                return None
+        return None
+
+    def find(self, name: str) -> Declaration | None:
+        """The record or alias of that name, None if no module declares one."""
+        found = self.look.find(name)
+        return found if found is not None and found.kind in ("RECORD", "ALIAS") else None
+
+    def components(self, base: str) -> Mapping[str, str] | None:
+        """Components of a record in order, type by name; None if they are not known."""
+        found = self.find(base)
+        if found is not None:
+            several = not found.local and len(self.look.task.shared.get(base, ())) > 1
+            record = cast(s.Record, found.node)
+            return None if several else {name: type for type, name in record.components}
+        standard = predefined.types().get(base)
+        return standard.components if standard else None
+
+    def atomic(self, base: str) -> bool:
+        """Whether a type surely has no components."""
+        standard = predefined.types().get(base)
+        return self.find(base) is None and standard is not None and standard.kind == "VALUE"
+
+    def device(self, base: str) -> bool:
+        """Whether the configuration of the controller may name objects of a type."""
+        standard = predefined.types().get(base)
+        return base == "" or (standard is not None and standard.kind in ("DEVICE", "OTHER"))
+
+    def known(self) -> Iterable[str]:
+        """Names of types as they are declared."""
+        for task in (self.look.task.shared, self.look.task.own.get(id(self.look.module), {})):
+            for found in task.values():
+                one = found[0] if isinstance(found, list) else found
+                if one.kind in ("RECORD", "ALIAS"):
+                    yield one.name
+        for standard in predefined.types().values():
+            yield standard.name
+
+
+class Scope:
+    """What names mean at one place: in a module, in a routine, in loops inside it."""
+
+    def __init__(
+        self,
+        types: Types,
+        routine: s.Routine | None = None,
+        loops: frozenset[str] = frozenset(),
+    ) -> None:
+        self.types, self.look = types, types.look
+        self.routine, self.loops = routine, loops
+
+    def inside(self, loop: s.ForLoop) -> Scope:
+        return Scope(self.types, self.routine, self.loops | {loop.variable.lower()})
+
+    @cached_property
+    def _found(self) -> dict[str, Declaration | None]:
+        return {}
+
+    def find(self, name: str) -> Declaration | None:
+        """The declaration that a name means, None if no given module has one."""
+        low = name.lower()
+        if low not in self._found:
+            if low in self.loops:
+                self._found[low] = Declaration(name, "FOR", "num", True)
+            else:
+                self._found[low] = self.look.find(name, self.routine)
+        return self._found[low]
+
+    def doubtful(self, found: Declaration) -> bool:
+        """Whether several modules declare the name, so that it is not clear which is meant."""
+        return not found.local and len(self.look.task.shared.get(found.name.lower(), ())) > 1
+
+    def kind(self, node: s.Expression | s.Variable | None) -> Kind | None:
+        """Type of an expression, None if it is not known for sure."""
+        match node:
+            case s.NumberLiteral():
+                return Kind(NUMBER)
+            case s.StringLiteral():
+                return Kind("string")
+            case s.BoolLiteral():
+                return Kind("bool")
+            case s.NameRef(name):
+                return self._name(name)
+            case s.Component(value, name):
+                return self._component(value, name)
+            case s.Element(value, indices):
+                return self._element(value, indices)
+            case s.Group(inner):
+                return self.kind(inner)
+            case s.FunctionCall(name):
+                return self._result(name)
+            case s.Prefix(operator, operand):
+                return Kind("bool") if operator == "NOT" else self.kind(operand)
+            case s.Infix(operator, left, right):
+                return self._infix(operator, left, right)
+        return None
+
+    def of(self, type: str, dimensions: int = 0) -> Kind | None:
+        """Kind of a declared type, None if the type is not known or no value has it."""
+        base = self.types.base(type)
+        return None if base is None or base in ("switch", "anytype") else Kind(base, dimensions)
+
+    def wanted(self, parameter: Parameter) -> Kind | None:
+        """Kind of a parameter, None if it takes any."""
+        return self.of(parameter.type, parameter.dimensions) if parameter.type else None
+
+    def suiting(self, value: s.Expression, parameters: Iterable[Parameter]) -> list[Parameter]:
+        """Those of some parameters that a value may be for."""
+        given = self.kind(value)
+        return [p for p in parameters if fits(given, self.wanted(p), read=not p.mode)]
+
+    def suits(self, value: s.Expression, slot: Slot) -> bool:
+        return bool(self.suiting(value, slot.alternatives))
+
+    def _name(self, name: str) -> Kind | None:
+        found = self.find(name)
+        if found is None:
+            standard = predefined.data().get(name.lower())
+            return self.of(standard.type) if standard else None
+        if self.doubtful(found) or not found.type or found.kind in ("FUNC", "ALIAS"):
+            return None
+        match found.node:
+            case s.Data(dimensions=dimensions):
+                return self.of(found.type, len(dimensions))
+            case s.ParameterNode(dimensions=dimensions):
+                return self.of(found.type, dimensions)
+            case None:
+                # A loop counts in dnum if its bounds do.
+                return Kind(NUMBER) if found.kind == "FOR" else self.of(found.type)
+        return None
+
+    def _component(self, value: s.Variable, name: str) -> Kind | None:
+        kind = self.kind(value)
+        if kind is None or kind.dimensions:
+            return None
+        components = self.types.components(kind.type) or {}
+        found = next((t for n, t in components.items() if n.lower() == name.lower()), None)
+        return self.of(found) if found else None
+
+    def _element(
+        self, value: s.Variable, indices: tuple[s.Expression | s.Whole, ...]
+    ) -> Kind | None:
+        kind = self.kind(value)
+        if kind is None or kind.dimensions not in (-1, len(indices)):
+            return None
+        return Kind(kind.type, sum(isinstance(index, s.Whole) for index in indices))
+
+    def _result(self, name: str) -> Kind | None:
+        found = self.find(name)
+        if found is not None:
+            sure = found.kind == "FUNC" and not self.doubtful(found)
+            return self.of(found.type) if sure else None
+        standard = signature(name)
+        return self.of(standard.result) if standard and standard.result else None
+
+    def _infix(self, operator: str, left: s.Expression, right: s.Expression) -> Kind | None:
+        if operator in LOGICAL or operator in RELATIONS:
+            return Kind("bool")
+        one, other = self.read(left), self.read(right)
+        if one is None or other is None or one.dimensions or other.dimensions:
+            return None
+        made = OPERATIONS.get((operator, one.type, other.type))
+        return Kind(made) if made else None
+
+    def read(self, node: s.Expression) -> Kind | None:
+        """Kind of a value that is read: of a signal the number that it has."""
+        kind = self.kind(node)
+        if kind is not None and kind.type.startswith("signal"):
+            return None if kind.type.startswith("signalg") else Kind("num")
+        return kind
+
+
+def fits(given: Kind | None, wanted: Kind | None, *, read: bool = True) -> bool:
+    """Whether a value may stand where a kind is wanted; yes if either is not known.
+
+    read: the value is copied, so that a signal gives its number.
+    """
+    if given is None or wanted is None or wanted.type in ("", "anytype"):
+        return True
+    if bool(given.dimensions) != bool(wanted.dimensions):
+        return False
+    if -1 not in (given.dimensions, wanted.dimensions) and given.dimensions != wanted.dimensions:
+        return False
+    if given.type == wanted.type or (given.type == NUMBER and wanted.type in NUMERIC):
+        return True
+    if wanted.type == NUMBER:
+        return given.type in NUMERIC
+    return read and given.type.startswith("signal") and wanted.type in ("num", "dnum")

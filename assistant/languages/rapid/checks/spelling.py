@@ -1,0 +1,56 @@
+"""Names that look like a slip of another one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Final
+
+SHORTEST: Final = 4
+"""Characters of a name that can be told from another short name at all."""
+LONG: Final = 8
+"""Characters of a name in which two slips may happen."""
+
+ENDING: Final = "data"
+
+
+def misspelt(name: str, known: Iterable[str]) -> str:
+    """The known name that one or two slips of typing turn into this one; empty if there is none.
+
+    Digits do not count as slips: `p10` is not `p20` by mistake. Neither does what the many types
+    that end alike have in common: `caldata` may well be one beside `capdata`.
+    """
+    low = name.lower()
+    if low.endswith(ENDING):
+        low = low.removesuffix(ENDING)
+        stems = [one[: -len(ENDING)] for one in known if one.lower().endswith(ENDING)]
+        stem = misspelt(low, stems)
+        return stem + ENDING if stem else ""
+    most = 2 if len(low) >= LONG else 1
+    if len(low) < SHORTEST:
+        return ""
+    near = (
+        (slips(low, other.lower(), most), other)
+        for other in known
+        if abs(len(other) - len(low)) <= most and digits(other) == digits(low)
+    )
+    return min((found for found in near if found[0] <= most), default=(0, ""))[1]
+
+
+def digits(name: str) -> str:
+    return "".join(c for c in name if c.isdigit())
+
+
+def slips(one: str, other: str, most: int) -> int:
+    """Letters to add, leave out, change or swap with the next; `most + 1` for any more."""
+    before: list[int] = []
+    row = list(range(len(other) + 1))
+    for i, a in enumerate(one, 1):
+        before, last, row = row, before, [i]
+        for j, b in enumerate(other, 1):
+            cost = min(before[j] + 1, row[j - 1] + 1, before[j - 1] + (a != b))
+            if i > 1 and j > 1 and a == other[j - 2] and one[i - 2] == b:
+                cost = min(cost, last[j - 2] + 1)
+            row.append(cost)
+        if min(row) > most:
+            return most + 1
+    return row[-1]

@@ -1,0 +1,153 @@
+"""Rules of values: aggregates, initial values, assignments, operands, conditions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.checks import use_rules as rules
+from assistant.languages.rapid.checks.kinds import (
+    LOGICAL,
+    NUMERIC,
+    OPERATIONS,
+    RELATIONS,
+    Kind,
+    Scope,
+    fits,
+)
+from assistant.languages.rapid.gather import literal_number
+from assistant.program.diagnostics import Diagnostic
+
+Found = Iterator[Diagnostic]
+Sizes = tuple[int | None, ...]
+"""Elements of each dimension of an array, None where that is not known; empty for one value."""
+
+
+def initial(node: s.Data, scope: Scope) -> Found:
+    kind = scope.of(node.type)
+    if node.value is not None and kind is not None:
+        sizes = tuple(_size(size, scope) for size in node.dimensions)
+        yield from shaped(node.value, kind.type, sizes, scope)
+
+
+def assignment(node: s.Assignment, scope: Scope) -> Found:
+    kind = scope.kind(node.target)
+    if kind is not None:
+        yield from _given(node.value, kind, scope)
+
+
+def returned(node: s.ReturnFrom, scope: Scope) -> Found:
+    routine = scope.routine
+    if routine is not None and routine.kind == "FUNC" and node.value is not None:
+        kind = scope.of(routine.type)
+        if kind is not None:
+            yield from _given(node.value, kind, scope)
+
+
+def _given(value: s.Expression, kind: Kind, scope: Scope) -> Found:
+    if kind.dimensions >= 0:
+        yield from shaped(value, kind.type, (None,) * kind.dimensions, scope)
+
+
+def shaped(value: s.Expression, type: str, sizes: Sizes, scope: Scope) -> Found:
+    """What is wrong with a value where one of a type, or an array of it, is wanted."""
+    if not isinstance(value, s.AggregateNode):
+        given = scope.kind(value)
+        wanted = Kind(type, len(sizes))
+        if not fits(given, wanted):
+            yield scope.look.finding(rules.WRONG_VALUE, value, given=given, wanted=wanted)
+    elif sizes:
+        if sizes[0] is not None and len(value.items) != sizes[0]:
+            yield scope.look.finding(
+                rules.ELEMENT_COUNT, value, given=len(value.items), count=sizes[0]
+            )
+        for item in value.items:
+            yield from shaped(item, type, sizes[1:], scope)
+    else:
+        yield from _record(value, type, scope)
+
+
+def _record(value: s.AggregateNode, type: str, scope: Scope) -> Found:
+    components = scope.types.components(type)
+    if components is None:
+        if scope.types.atomic(type):
+            yield scope.look.finding(rules.WRONG_VALUE, value, given="list", wanted=type)
+        return
+    if len(value.items) != len(components):
+        yield scope.look.finding(
+            rules.COMPONENT_COUNT,
+            value,
+            type=type,
+            given=len(value.items),
+            count=len(components),
+            names=", ".join(components),
+        )
+        return
+    for item, of in zip(value.items, components.values(), strict=True):
+        base = scope.types.base(of)
+        if base is not None:
+            yield from shaped(item, base, (), scope)
+
+
+def _size(size: s.Expression, scope: Scope) -> int | None:
+    """A dimension that is a literal or a declared constant, None for any other."""
+    if isinstance(size, s.NameRef):
+        found = scope.find(size.name)
+        if found is None or found.kind != "CONST" or scope.doubtful(found):
+            return None
+        value = found.node.value if isinstance(found.node, s.Data) else None
+        return None if value is None or isinstance(value, s.NameRef) else _size(value, scope)
+    number = literal_number(size)
+    return None if number is None else int(number)
+
+
+def condition(node: s.IfBranch | s.CompactIf | s.WhileLoop, scope: Scope) -> Found:
+    if node.condition is not None:
+        yield from _truth(node.condition, scope)
+
+
+def _truth(value: s.Expression, scope: Scope) -> Found:
+    kind = scope.kind(value)
+    if kind is not None and kind.type != "bool" and not kind.type.startswith("signal"):
+        yield scope.look.finding(rules.NO_TRUTH, value, given=kind)
+
+
+def negated(node: s.Prefix, scope: Scope) -> Found:
+    if node.operator == "NOT":
+        yield from _truth(node.operand, scope)
+
+
+def operands(node: s.Infix, scope: Scope) -> Found:
+    if node.operator in LOGICAL:
+        yield from _truth(node.left, scope)
+        yield from _truth(node.right, scope)
+        return
+    one, other = scope.read(node.left), scope.read(node.right)
+    if one is not None and other is not None and not _joins(node.operator, one, other):
+        cure = "turn the other into text with `ValToStr` or `NumToStr`"
+        text = node.operator == "+" and "string" in (one.type, other.type)
+        yield scope.look.finding(
+            rules.OPERANDS,
+            node,
+            operator=node.operator,
+            left=one,
+            right=other,
+            hint=cure if text else "bring both to one type",
+        )
+
+
+def _joins(operator: str, one: Kind, other: Kind) -> bool:
+    if operator not in RELATIONS:
+        plain = not (one.dimensions or other.dimensions)
+        return plain and (operator, one.type, other.type) in OPERATIONS
+    if operator in ("=", "<>"):
+        return fits(one, other) or fits(other, one)
+    return {one.type, other.type} <= NUMERIC and (fits(one, other) or fits(other, one))
+
+
+def cases(node: s.TestOf, scope: Scope) -> Found:
+    subject = scope.read(node.subject)
+    for value in (value for case in node.cases for value in case.values):
+        given = scope.read(value)
+        if subject is not None and not (fits(given, subject) or fits(subject, given)):
+            yield scope.look.finding(rules.WRONG_VALUE, value, given=given, wanted=subject)
