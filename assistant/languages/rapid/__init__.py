@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 from assistant.languages.language import Adapted, Language, Precision
 from assistant.languages.rapid.syntax import File
-from assistant.program.diagnostics import Diagnostic
+from assistant.program.diagnostics import Diagnostic, has_errors
 from assistant.program.program import Program
 from assistant.program.text import SourceText, encode
 
@@ -66,13 +66,13 @@ class Rapid(Language[File]):
         return render(tree, tree.origin)
 
     def format(self, tree: File) -> str:
-        from assistant.languages.rapid.printer import print_file
+        """The tree's text in the one layout; the text of a broken file as it is."""
+        text = self.render(tree)
+        if tree.origin is None or has_errors(tree.findings):
+            return text
+        from assistant.languages.rapid.layout import lay_out
 
-        if tree.origin is None:
-            return print_file(tree)
-        if tree.findings and not tree.parts:
-            return tree.origin.source.text  # nothing is known of what could not be read
-        return print_file(File(tree.parts, tree.header), newline=tree.origin.source.newline)
+        return lay_out(text)
 
     def lift(self, trees: File | Sequence[File], robot: Robot | None = None) -> Program:  # noqa: ARG002
         from assistant.languages.rapid.lift import lift
