@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 from typing import Final
 
@@ -13,39 +14,42 @@ NEWLINE: Final = "\r\n"
 
 
 def print_file(file: s.File, newline: str = NEWLINE) -> str:
-    """The whole file; an unchanged module of a file that was read as it stood there."""
-    known = file.origin.parts if file.origin else ()
-    pieces = [] if file.header is None else [f"%%%{file.header}%%%{newline}"]
-    for part in file.parts:
-        if any(part is old for old in known) and part.span and file.origin:
-            text = file.origin.source.text[part.span.start : part.span.end]
-            pieces.append(text.rstrip() + newline)
-        else:
-            pieces.append(print_part(part, newline))
-    return "".join(pieces)
-
-
-def print_part(part: s.Module | s.CommentLine, newline: str = NEWLINE) -> str:
-    if isinstance(part, s.CommentLine):
-        return comment(part) + newline
-    return "".join(Printer(newline).module(part))
+    """The whole file."""
+    return _glued(Printer(newline).file(file), newline)
 
 
 def print_items(items: Iterable[s.Item], newline: str = "\n") -> str:
     """Declarations as text of their own, without a last line end."""
-    return "".join(Printer(newline).items(tuple(items), "")).strip("\r\n")
+    return _glued(Printer(newline).items(tuple(items), ""), newline).strip("\r\n")
 
 
 def print_statements(body: Iterable[s.StatementNode], newline: str = "\n") -> str:
     """Statements as text of their own, without a last line end."""
-    return "".join(Printer(newline).body(tuple(body), "")).strip("\r\n")
+    return _glued(Printer(newline).body(tuple(body), ""), newline).strip("\r\n")
 
 
 def comment(node: s.CommentLine) -> str:
-    r"""The comment on one line; whatever could end the line becomes a blank."""
-    text = " ".join(node.text.split("\n")).replace("\r", " ").strip()
-    text = "".join(c if c.isprintable() else " " for c in text).strip()
+    r"""The comment; a line end in it becomes a blank."""
+    text = re.sub(r"[\r\n]+", " ", node.text).strip()
     return f"! {text}" if text else "!"
+
+
+_TRAILS: Final = "\0"
+"""Begins a text that belongs on the line before it."""
+
+
+def _glued(texts: Iterable[str], newline: str) -> str:
+    out = ""
+    lines: list[str] = []
+    for text in texts:
+        if not text.startswith(_TRAILS):
+            lines.append(out)
+            out = text
+        elif out:
+            out = f"{out.removesuffix(newline)} {text[1:]}"
+        else:
+            out = text[1:]
+    return "".join((*lines, out))
 
 
 class Printer:
@@ -57,6 +61,15 @@ class Printer:
     def line(self, indent: str, text: str) -> str:
         return indent + text + self.newline
 
+    def file(self, file: s.File) -> Iterator[str]:
+        if file.header is not None:
+            yield f"%%%{file.header}%%%{self.newline}"
+        for part in file.parts:
+            if isinstance(part, s.Module):
+                yield from self.module(part)
+            else:
+                yield self.comment(part, "")
+
     def module(self, module: s.Module) -> Iterator[str]:
         attributes = f"({','.join(module.attributes)})" if module.attributes else ""
         yield self.line("", f"MODULE {module.name}{attributes}")
@@ -64,30 +77,14 @@ class Printer:
         yield self.line("", "ENDMODULE")
 
     def items(self, items: tuple[s.Item, ...], indent: str) -> Iterator[str]:
-        blank = False
-        for text in self._with_trailing(items, indent):
-            routine = text.startswith("\0")
-            if routine and blank:
+        for at, item in enumerate(items):
+            if isinstance(item, s.Routine) and at:
                 yield self.newline
-            blank = True
-            yield text.removeprefix("\0")
-
-    def _with_trailing(self, items: tuple[s.Item, ...], indent: str) -> Iterator[str]:
-        held = ""
-        for item in items:
-            if isinstance(item, s.CommentLine) and item.trailing and held:
-                held = held.removesuffix(self.newline) + self.line(" ", comment(item))
-                continue
-            if held:
-                yield held
-            held = "".join(self.item(item, indent))
-        if held:
-            yield held
+            yield from self.item(item, indent)
 
     def item(self, item: s.Item, indent: str) -> Iterator[str]:
         match item:
             case s.Routine():
-                yield "\0"
                 yield from self.routine(item, indent)
             case s.Record():
                 local = "LOCAL " if item.local else ""
@@ -131,16 +128,11 @@ class Printer:
         return f"{mode}{p.type} {p.name}{array if p.dimensions else ''}"
 
     def body(self, body: tuple[s.StatementNode, ...], indent: str) -> Iterator[str]:
-        held = ""
         for node in body:
-            if isinstance(node, s.CommentLine) and node.trailing and held:
-                held = held.removesuffix(self.newline) + self.line(" ", comment(node))
-                continue
-            if held:
-                yield held
-            held = "".join(self.statement(node, indent))
-        if held:
-            yield held
+            yield from self.statement(node, indent)
+
+    def comment(self, node: s.CommentLine, indent: str) -> str:
+        return self.line(_TRAILS if node.trailing else indent, comment(node))
 
     def statement(self, node: s.StatementNode | s.Item, indent: str) -> Iterator[str]:
         match node:
@@ -184,7 +176,7 @@ class Printer:
             case s.LabelMark():
                 yield self.line(indent[:-2], f"{node.name}:")
             case s.CommentLine():
-                yield self.line(indent, comment(node))
+                yield self.comment(node, indent)
             case s.CompactIf():
                 inner = "".join(self.statement(node.statement, ""))
                 yield self.line(indent, f"IF {expression(node.condition)} " + inner.rstrip("\r\n"))
@@ -278,18 +270,16 @@ def expression(node: s.Expression | s.Whole) -> str:
 
 
 def string(value: str) -> str:
-    """A literal of ASCII only: other characters of Latin-1 as two hex digits.
+    """A literal; other characters of Latin-1 than ASCII as two hex digits.
 
-    Raises ValueError for a character that is not in Latin-1.
+    What only UTF-8 can say, which RobotWare 7 reads, stays as it is.
     """
     pieces = []
     for c in value:
         if c in '"\\':
             pieces.append(c * 2)
-        elif " " <= c <= "~":
+        elif " " <= c <= "~" or ord(c) > 0xFF:
             pieces.append(c)
-        elif ord(c) < 256:
-            pieces.append(f"\\{ord(c):02X}")
         else:
-            raise ValueError(f"{c!r} is not in Latin-1")
+            pieces.append(f"\\{ord(c):02X}")
     return '"' + "".join(pieces) + '"'

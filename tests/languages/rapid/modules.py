@@ -7,6 +7,8 @@ failing one is small.
 from __future__ import annotations
 
 import string
+from collections.abc import Iterable
+from itertools import chain, pairwise
 from typing import Any, Final, TypeVar
 
 from hypothesis import strategies as st
@@ -67,9 +69,11 @@ STRINGS: Final = st.one_of(
     st.text(st.characters(max_codepoint=0xFF), max_size=12),
     st.text(st.characters(exclude_categories=["Cs"]), max_size=4),
 )
+NEVER: Final = "\r\n\x02\x03\x04\x05"
+"""Ends of lines and the characters that the parser keeps for itself."""
 COMMENTS: Final = st.one_of(
     st.sampled_from(("", "!", "note", "a:=1;", 'it"s', "tab\tinside", "ENDPROC", "%%%", "Größe")),
-    st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\r\n"), max_size=12),
+    st.text(st.characters(exclude_categories=["Cs"], exclude_characters=NEVER), max_size=12),
 ).map(str.strip)
 HEADERS: Final = st.one_of(
     st.sampled_from(
@@ -207,7 +211,7 @@ def _signed(text: str, sign: str) -> s.Expression:
 def _pose(values: list[tuple[str, str]]) -> s.AggregateNode:
     signed = [_signed(*value) for value in values]
     cuts = (0, 3, 7, 11, 17)
-    parts = [tuple(signed[a:b]) for a, b in zip(cuts, cuts[1:], strict=False)]
+    parts = [tuple(signed[a:b]) for a, b in pairwise(cuts)]
     return s.AggregateNode(tuple(map(s.AggregateNode, parts)))
 
 
@@ -310,13 +314,13 @@ def _compound(draw: st.DrawFn, block: st.SearchStrategy[Any]) -> s.StatementNode
             return s.TestOf(draw(VALUES), draw(some(case, most=2)), draw(otherwise))
 
 
-def _noted(nodes: list[Any], follows: bool) -> tuple[Any, ...]:
+def _noted(parts: Iterable[Iterable[Any]], follows: bool) -> tuple[Any, ...]:
     """A block that can be read: a comment trails only what is none.
 
     follows: something stands in front of the first node on its line.
     """
     out: list[Any] = []
-    for node in nodes:
+    for node in chain.from_iterable(parts):
         if isinstance(node, s.CommentLine) and node.trailing:
             behind = not isinstance(out[-1], s.CommentLine) if out else follows
             out.append(s.CommentLine(node.text, behind))
@@ -336,7 +340,7 @@ def _block(statement: st.SearchStrategy[Any], most: int) -> st.SearchStrategy[tu
         st.one_of(DATA, st.sampled_from((SMT, DDN))).map(lambda node: [node]),
         st.one_of(move_rows(), TARGET_ROWS),
     )
-    return st.lists(one, max_size=most).map(lambda parts: _noted(sum(parts, []), True))
+    return st.lists(one, max_size=most).map(lambda parts: _noted(parts, True))
 
 
 LABELS: Final = NAMES.map(s.LabelMark)
@@ -398,7 +402,7 @@ def items() -> st.SearchStrategy[tuple[s.Item, ...]]:
         COMMENT,
     )
     one = st.one_of(single.map(lambda node: [node]), TARGET_ROWS)
-    return st.lists(one, max_size=5).map(lambda parts: _noted(sum(parts, []), True))
+    return st.lists(one, max_size=5).map(lambda parts: _noted(parts, True))
 
 
 ATTRIBUTES: Final = st.sampled_from(("SYSMODULE", "NOVIEW", "NOSTEPIN", "VIEWONLY", "READONLY"))
@@ -412,6 +416,6 @@ def modules() -> st.SearchStrategy[s.Module]:
 def files(draw: st.DrawFn) -> s.File:
     """Whole files: a module with comments around it, seldom several, seldom a header."""
     header = draw(or_none(HEADERS))
-    parts = draw(st.lists(COMMENT, max_size=1)) + [draw(modules())]
-    parts += draw(st.lists(st.one_of(COMMENT, COMMENT, modules()), max_size=2))
-    return s.File(_noted(parts, header is not None), header)
+    first = draw(st.lists(COMMENT, max_size=1))
+    rest = draw(st.lists(st.one_of(COMMENT, COMMENT, modules()), max_size=2))
+    return s.File(_noted((first, [draw(modules())], rest), header is not None), header)
