@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from assistant.languages import lossless
 from assistant.languages.lossless import Block, Extent, Sketch, Spread
@@ -49,7 +50,16 @@ def render(file: s.File, origin: s.Origin) -> str:
     header = begin[1] if begin and origin.parts else None
     if file.parts is origin.parts and file.header == header:
         return origin.source.text
-    return lossless.render(origin.source, s.File(origin.parts, header), file, Layout())
+    old = s.File(origin.parts, header)
+    text = lossless.render(origin.source, old, replace(file, header=header), Layout())
+    if file.header == header:
+        return text
+    newline = origin.source.newline
+    new = "" if file.header is None else f"%%%{file.header}%%%"
+    if begin is None:
+        return new + newline + text
+    rest = text[begin.end() :]
+    return new + rest if new else re.sub(r"^[ \t]*\r?\n", "", rest)
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,10 +196,10 @@ class Layout(lossless.Layout):
             if i1 > at:
                 olds.append(rows := _Rows())
                 news.append(rows)
-                extents.append(Extent(places[at][0], places[i1 - 1][1]))
+                extents.append(Extent(int(places[at, 0]), int(places[i1 - 1, 1])))
             olds += [_Row(line, line) for line in had[i1:i2]]
             news += [_Row(line, line) for line in has[j1:j2]]
-            extents += [Extent(*places[k]) for k in range(i1, i2)]
+            extents += [Extent(*map(int, places[k])) for k in range(i1, i2)]
             at = i2
         return Spread(olds, extents, news)
 
@@ -213,7 +223,7 @@ class Layout(lossless.Layout):
             places = self._row_places(text, node, len(lines))
             if places is None:
                 return None
-            for line, (start, end) in zip(lines, places, strict=True):
+            for line, (start, end) in zip(lines, places.tolist(), strict=True):
                 olds.append(_Row(_key(text[start:end] if spelled else line), line))
                 extents.append(Extent(start, end))
         for node in new:
@@ -226,21 +236,20 @@ class Layout(lossless.Layout):
     def _lines(self, node: Any) -> list[str]:
         return "".join(str(part) for part in self.sketch(node)).splitlines()
 
-    def _row_places(self, text: str, node: Any, rows: int) -> list[tuple[int, int]] | None:
-        """Offsets of each row, None where they cannot be told apart at a glance."""
+    def _row_places(self, text: str, node: Any, rows: int) -> NDArray[np.intp] | None:
+        """Offsets (n, 2) of each row, None where they cannot be told apart at a glance."""
         place = self._place(text, node)
         if rows == 1:
-            return [place]
+            return np.array([place])
         inner = text[place.start : place.end]
         if not inner.isascii() or "!" in inner or inner.count(";") != rows:
             return None
         data = np.frombuffer(inner.encode("ascii"), dtype=np.uint8)
         ends = np.flatnonzero(data == ord(";")) + 1
-        filled = np.flatnonzero(data > ord(" "))
-        starts = filled[np.searchsorted(filled, np.concatenate([[0], ends[:-1]]))]
-        return list(
-            zip((starts + place.start).tolist(), (ends + place.start).tolist(), strict=True)
-        )
+        starts = np.concatenate([[0], ends[:-1]])
+        while (blank := data[starts] <= ord(" ")).any():
+            starts += blank
+        return np.stack([starts, ends], axis=1) + place.start
 
 
 def _may_be_row(node: Any) -> bool:
