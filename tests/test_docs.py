@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from assistant.findings import rulebook
+from assistant.findings.severity import severities_for
 from assistant.program import pseudo
 from assistant.program.diagnostics import Severity
 from assistant.sources.process_file import read_process
@@ -102,11 +103,20 @@ def test_the_pseudo_programs_of_a_page_are_exact(page, text):
     assert pseudo.print_program(pseudo.parse(text)).text == text
 
 
+SETTINGS = {"[severity]": "assistant.toml", "[tool.": "pyproject.toml"}
+"""How the settings of a project begin, and the file that they are in."""
+
+
 @pytest.mark.parametrize(("page", "text"), examples("toml"))
-def test_the_process_files_of_a_page_are_read(page, text, tmp_path):
-    file = tmp_path / "x.process.toml"
+def test_the_files_of_a_page_are_read(page, text, tmp_path):
+    name = next((n for begin, n in SETTINGS.items() if text.startswith(begin)), "x.process.toml")
+    file = tmp_path / name
     file.write_text(text, encoding="utf-8")
-    assert read_process(file).layers
+    if name in SETTINGS.values():
+        settings = severities_for(tmp_path)
+        assert settings.levels and not settings.findings
+    else:
+        assert read_process(file).layers
 
 
 def test_the_findings_page_is_what_the_rules_say():
