@@ -211,6 +211,21 @@ class _Writer:
             at = piece.end
         return True
 
+    def _locate_blocks(self, before: list[_Piece], after: list[_Piece], extent: Extent) -> bool:
+        """Finds the blocks between words that are not understood, if only blocks have changed."""
+        if [_word(piece) for piece in before] != [_word(piece) for piece in after]:
+            return False
+        at = extent.start
+        for had, has in zip(before, after, strict=True):
+            had.start = had.end = at
+            if isinstance(had.what, Block) and isinstance(has.what, Block):
+                if had.what.children:
+                    had.start = self._extent(had.what.children[0]).start
+                    had.end = at = self._extent(had.what.children[-1]).end
+                elif has.what.children:
+                    return False
+        return True
+
     # A node that changed
 
     def changed(self, old: Any, new: Any, extent: Extent) -> str:
@@ -232,7 +247,8 @@ class _Writer:
 
     def _merged(self, before: list[_Piece], after: list[_Piece], extent: Extent) -> str | None:
         """The old text with the words and blocks that changed; None if that cannot be done."""
-        if not self._locate(before, extent):
+        located = self._locate(before, extent)
+        if not located and not self._locate_blocks(before, after, extent):
             return None
         _name_blocks(before, after)
         base, newline = self._line_indent(extent.start), self._newline(extent.start)
@@ -261,7 +277,7 @@ class _Writer:
             out += self._replaced(removed, inserted, Extent(at, stop), following, base, newline)
             at = stop
         out.append(self._text[at : extent.end])
-        return _joined(out) if self._says(out, after) else None
+        return _joined(out) if not located or self._says(out, after) else None
 
     def _replaced(
         self,
@@ -476,6 +492,10 @@ class _Entries:
         if put and ends == 2 and gap.count(LINE_END) < 2:
             gap = newline + gap
         return gap
+
+
+def _word(piece: _Piece) -> str | None:
+    return piece.what if isinstance(piece.what, str) else None
 
 
 def _joined(out: Sequence[str | _Piece]) -> str:

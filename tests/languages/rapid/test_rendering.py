@@ -301,3 +301,25 @@ def test_a_change_of_a_long_module_takes_one_line() -> None:
     assert rendered == text.replace(f"  a{{{at}}}", f"  Stop;\n  a{{{at}}}").replace(
         "  Stop ;", "  Halt ;"
     )
+
+
+@pytest.mark.parametrize("put", ["front", "end", "first", "last"])
+def test_what_is_not_understood_stays(put: str) -> None:
+    """A tree may hold less than its text, as one of a damaged file does."""
+    text = "MODULE m\n  PROC p( oops )\n    a ;\n    b ;\n  ENDPROC\nENDMODULE\n"
+    sound = parsed(text.replace("oops", "    "))
+    assert sound.origin is not None
+    source = replace(sound.origin.source, text=text)
+    tree = replace(sound, origin=replace(sound.origin, source=source))
+    module = tree.modules[0]
+    (routine,) = module.items
+    bodies = {
+        "front": (STOP, *routine.body),
+        "end": (*routine.body, STOP),
+        "first": routine.body[1:],
+        "last": routine.body[:1],
+    }
+    new = replace(module, items=(replace(routine, body=bodies[put]),))
+    rendered = RAPID.render(replace(tree, parts=(new,)))
+    assert "PROC p( oops )\n" in rendered
+    assert parsed(rendered.replace("oops", "")).modules == (new,)
