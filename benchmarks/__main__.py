@@ -11,6 +11,7 @@ import sys
 import time
 
 from benchmarks.emission import CASES
+from benchmarks.reading import READING, SIZES
 
 HELP_LIMIT = 0.3
 """Seconds in which `robot-assistant --help` has to answer."""
@@ -20,23 +21,50 @@ def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__)
     arguments.add_argument("--points", type=int, default=1_000_000)
     arguments.add_argument("--runs", type=int, default=3, help="of each case; the best counts")
-    arguments.add_argument("--case", choices=CASES, help="run one case here and print JSON")
+    arguments.add_argument("--reading", action="store_true", help="only what reads RAPID")
+    arguments.add_argument(
+        "--case", choices=[*CASES, *READING], help="run one case here and print JSON"
+    )
     chosen = arguments.parse_args()
     if chosen.case:
         print(json.dumps(_measured(chosen.case, chosen.points)))
         return
-    print(f"{chosen.points:,} random poses, best of {chosen.runs} runs, a process each\n")
-    print(f"{'case':<52}{'points/s':>12}{'seconds':>10}{'peak MiB':>10}")
-    for case in CASES:
-        runs = [_in_process(case, chosen.points) for _ in range(chosen.runs)]
-        best = min(runs, key=lambda run: run["seconds"])
-        rate = chosen.points / best["seconds"]
-        print(f"{case:<52}{rate:>12,.0f}{best['seconds']:>10.2f}{best['peak']:>10.0f}", flush=True)
+    if not chosen.reading:
+        _emission(chosen.points, chosen.runs)
+    _reading(chosen.runs)
     _startup()
 
 
+def _emission(points: int, runs: int) -> None:
+    print(f"{points:,} random poses, best of {runs} runs, a process each\n")
+    print(f"{'case':<52}{'points/s':>12}{'seconds':>10}{'peak MiB':>10}")
+    for case in CASES:
+        best = _best(case, points, runs)
+        rate = points / best["seconds"]
+        print(f"{case:<52}{rate:>12,.0f}{best['seconds']:>10.2f}{best['peak']:>10.0f}", flush=True)
+
+
+def _reading(runs: int) -> None:
+    """A line a case and size, with its time for a target beside that of the first line."""
+    print(f"\nRAPID modules of declared targets and moves, best of {runs} runs, a process each\n")
+    head = f"{'targets':>10}{'targets/s':>12}{'seconds':>10}{'peak MiB':>10}{'times':>8}"
+    print(f"{'case':<48}{head}")
+    fastest = 0.0
+    for case, sizes in SIZES.items():
+        for targets in sizes:
+            best = _best(case, targets, runs)
+            rate = targets / best["seconds"]
+            fastest = fastest or rate
+            numbers = f"{rate:>12,.0f}{best['seconds']:>10.2f}{best['peak']:>10.0f}"
+            print(f"{case:<48}{targets:>10,}{numbers}{fastest / rate:>8.1f}", flush=True)
+
+
+def _best(case: str, points: int, runs: int) -> dict[str, float]:
+    return min((_in_process(case, points) for _ in range(runs)), key=lambda run: run["seconds"])
+
+
 def _measured(case: str, points: int) -> dict[str, float]:
-    prepare, work = CASES[case]
+    prepare, work = (CASES | READING)[case]
     given = prepare(points)
     start = time.perf_counter()
     work(given)

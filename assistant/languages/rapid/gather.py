@@ -57,11 +57,13 @@ def _kind(node: Any) -> object:
     if isinstance(node, s.TargetRunNode):
         return "targets", node.scope
     if isinstance(node, s.MoveRunNode):
-        return "moves"
+        return "moves" if node.run.values is None else "inline moves"
     if isinstance(node, s.Data):
         return ("targets", node.scope) if target_values(node) is not None else None
     if isinstance(node, s.ProcedureCall):
-        return "moves" if plain_move(node) is not None else None
+        if plain_move(node) is not None:
+            return "moves"
+        return "inline moves" if inline_move(node) is not None else None
     return None
 
 
@@ -72,7 +74,7 @@ def _joined(stretch: Sequence[Any], kind: object) -> list[Any]:
         return list(stretch)
     spans = [n.span for n in (stretch[0], stretch[-1])]
     span = Span(spans[0].start, spans[1].end) if spans[0] and spans[1] else None
-    if kind == "moves":
+    if kind in ("moves", "inline moves"):
         return [s.MoveRunNode(join_moves([_as_moves(n) for n in stretch]), span=span)]
     scope = stretch[0].scope
     return [s.TargetRunNode(scope, concatenate([_as_targets(n) for n in stretch]), span=span)]
@@ -133,29 +135,42 @@ def plain_move(node: s.ProcedureCall) -> tuple[int, list[str], MotionNames] | No
     if node.name not in MOVES:
         return None
     kind = MOVES.index(str(node.name))
-    names: list[str] = []
+    taken = _motion(node, 2 if kind == CIRCULAR else 1)
+    if taken is None:
+        return None
+    points, motion = taken
+    names = [p.name for p in points if isinstance(p, s.NameRef) and _plain_name(p.name)]
+    return (kind, names, motion) if len(names) == len(points) else None
+
+
+def inline_move(node: s.ProcedureCall) -> tuple[int, list[float], MotionNames] | None:
+    r"""Kind, the 17 numbers of the target and motion of `MoveL [[…],…],v,z,t;`, else None."""
+    if node.name not in MOVES[:CIRCULAR]:
+        return None
+    taken = _motion(node, 1)
+    values = literal_target(taken[0][0]) if taken is not None else None
+    if taken is None or values is None:
+        return None
+    return MOVES.index(str(node.name)), values, taken[1]
+
+
+def _motion(
+    node: s.ProcedureCall, points: int
+) -> tuple[Sequence[s.Expression], MotionNames] | None:
+    """What a move goes through and the names behind it; None if there is more or less."""
+    given = node.arguments
     frame = ""
-    for at, argument in enumerate(node.arguments):
-        last = at == len(node.arguments) - 1
-        framed = isinstance(argument, s.Option) and last and argument.name == "WObj"
-        plain = isinstance(argument, s.Positional) and argument.name is None
-        if isinstance(argument, s.Conditional) or not (framed or plain):
-            return None
-        value = argument.value
+    if given and isinstance(given[-1], s.Option) and given[-1].name == "WObj":
+        value = given[-1].value
         if not isinstance(value, s.NameRef) or not _plain_name(value.name):
             return None
-        if framed:
-            frame = value.name
-        else:
-            names.append(value.name)
-    points = 2 if kind == CIRCULAR else 1
-    if len(names) != points + 3:
+        frame, given = value.name, given[:-1]
+    plain = [a.value for a in given if isinstance(a, s.Positional) and a.name is None]
+    words = [v.name for v in plain[points:] if isinstance(v, s.NameRef) and _plain_name(v.name)]
+    if len(plain) != len(given) or len(plain) != points + 3 or len(words) != 3:
         return None
-    return (
-        kind,
-        names[:points],
-        MotionNames(names[points], names[points + 1], names[points + 2], frame),
-    )
+    speed, zone, tool = words
+    return plain[:points], MotionNames(speed, zone, tool, frame)
 
 
 def split(name: str) -> tuple[bytes, int]:
@@ -191,15 +206,22 @@ def _as_targets(node: s.Data | s.TargetRunNode) -> TargetRun:
 def _as_moves(node: s.ProcedureCall | s.MoveRunNode) -> MoveRun:
     if isinstance(node, s.MoveRunNode):
         return node.run
-    plain = plain_move(node)
-    assert plain is not None
-    kind, names, motion = plain
+    values = None
+    if (inline := inline_move(node)) is not None:
+        kind, numbers, motion = inline
+        names: list[str] = []
+        values = np.array([numbers], dtype=np.float64)
+    else:
+        plain = plain_move(node)
+        assert plain is not None
+        kind, names, motion = plain
     return MoveRun(
         np.array([kind], dtype=np.uint8),
         names_of(names[-1:]),
         names_of(names[:-1]),
         np.zeros(1, dtype=np.int32),
         (motion,),
+        values,
     )
 
 
@@ -216,10 +238,12 @@ def join_names(parts: Sequence[Names]) -> Names:
 def join_moves(runs: Sequence[MoveRun]) -> MoveRun:
     table = {m: i for i, m in enumerate(dict.fromkeys(chain(*(r.motions for r in runs))))}
     motion = [np.array([table[m] for m in r.motions], dtype=np.int32)[r.motion] for r in runs]
+    values = [r.values for r in runs if r.values is not None]
     return MoveRun(
         np.concatenate([r.kinds for r in runs]),
         join_names([r.names for r in runs]),
         join_names([r.vias for r in runs]),
         np.concatenate(motion),
         tuple(table),
+        np.concatenate(values) if values else None,
     )

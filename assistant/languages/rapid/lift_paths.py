@@ -69,9 +69,15 @@ class PathLift:
     def statements(self, node: s.MoveRunNode, motion: Motions) -> Iterator[p.Statement]:
         run = node.run
         motions = [motion(m.speed, m.zone, m.tool, m.frame) for m in run.motions]
+        if run.values is not None:
+            for values, row, kind in zip(run.values.tolist(), run.motion, run.kinds, strict=True):
+                word: Any = _KIND[int(kind)]
+                yield p.Move(word, _written(values), motions[row], span=node.span)
+            return
         rows = _Rows(run)
         places = self._index.rows(rows.names)
-        alone = np.where(places >= 0, self.uses[np.maximum(places, 0)] == 1, False)
+        alone = np.zeros(len(places), dtype=bool)
+        alone[places >= 0] = self.uses[places[places >= 0]] == 1
         for first, last in rows.sequences(alone):
             path = None
             if first.number == 1:
@@ -146,10 +152,15 @@ class PathLift:
             if any(values[3:7]):
                 left[name] = target(values)
                 continue
-            parts = tuple(e.Aggregate(tuple(e.Number(v) for v in values[a:b])) for a, b in PARTS)
-            initial = e.Aggregate(parts)
-            self.data.variables[name] = Variable("position", initial, (), "constant")
+            self.data.variables[name] = Variable("position", _written(values), (), "constant")
         return left
+
+
+def _written(values: Sequence[float]) -> e.Expression:
+    """A robtarget as it stands in an expression; one without orientation is mere numbers."""
+    if any(values[3:7]):
+        return e.TargetValue(target(values))
+    return e.Aggregate(tuple(e.Aggregate(tuple(map(e.Number, values[a:b]))) for a, b in PARTS))
 
 
 def configurations(confdata: NDArray[np.float64]) -> NDArray[np.int8]:

@@ -38,7 +38,7 @@ EXPRESSION: Final = frozenset({"NUMBER", "STRING", "TRUE", "FALSE", "LSQB"})
 HOLES: Final = frozenset(
     "TDN DDN RDN PAR ALT DIM SMT VAR_HOLE EIT CSE EXP ARG".split()  # noqa: SIM905
 )
-SILENT: Final = frozenset({"NOTE", "COMMENT", "BLANK", "TARGETS", "MOVES"})
+SILENT: Final = frozenset({"NOTE", "COMMENT", "BLANK", "TARGETS", "MOVES", "TABLE"})
 STATEMENT: Final = frozenset({"_IF", "_WHILE", "_FOR", "_TEST"})
 
 

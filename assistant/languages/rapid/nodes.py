@@ -13,9 +13,11 @@ from lark.tree import Meta
 
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.gather import gathered
-from assistant.languages.rapid.runs import Found, TargetRun
+from assistant.languages.rapid.rows import Found
+from assistant.languages.rapid.runs import TargetRun
 from assistant.program.diagnostics import Span
 
+_PARTS: Final = re.compile(r"[\[\]]|([-+]?)([0-9.]+(?:[eE][-+]?[0-9]+)?)")
 _ESCAPE: Final = re.compile(r'""|\\\\|\\([0-9a-fA-F]{2})')
 
 
@@ -281,6 +283,30 @@ class Nodes(Transformer[Any, Any]):
 
     def aggregate(self, meta: Meta, c: list[Any]) -> s.AggregateNode:
         return s.AggregateNode(tuple(c), span=self._span(meta))
+
+    def table(self, meta: Meta, c: list[Any]) -> s.AggregateNode:
+        """Numbers in brackets as `aggregate` gives them."""
+        stack: list[list[Any]] = [[]]
+        begins: list[int] = []
+        for part in _PARTS.finditer(c[0]):
+            start, end = meta.start_pos + part.start(), meta.start_pos + part.end()
+            if part[0] == "[":
+                begins.append(start)
+                stack.append([])
+            elif part[0] == "]":
+                span = Span(self._offset(begins.pop()), self._offset(end))
+                items = tuple(stack.pop())
+                stack[-1].append(s.AggregateNode(items, span=span))
+            else:
+                last = self._offset(end)
+                value: Any = s.NumberLiteral(part[2], span=Span(last - len(part[2]), last))
+                if part[1]:
+                    span = Span(self._offset(start), last)
+                    value = s.Prefix("-" if part[1] == "-" else "+", value, span=span)
+                stack[-1].append(value)
+        (node,) = stack[0]
+        assert isinstance(node, s.AggregateNode)
+        return node
 
     def group(self, meta: Meta, c: list[Any]) -> s.Group:
         return s.Group(c[0], span=self._span(meta))

@@ -11,9 +11,11 @@ from itertools import accumulate
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.runs import Found, TargetRun, find_runs
+from assistant.languages.rapid.rows import Found, find_runs
+from assistant.languages.rapid.runs import TargetRun
 from assistant.languages.rapid.syntax import File, Item, Origin, StatementNode
 from assistant.languages.rapid.tables import MOST_NESTING
+from assistant.program.collecting import uncollected
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.text import SourceText
 from assistant.resources import read_grammar
@@ -31,7 +33,8 @@ def parse(source: SourceText | str, *, runs: bool = True) -> File:
     runs: False has the grammar read every line, which gives the same with a node a row.
     """
     text = source if isinstance(source, SourceText) else _source(source)
-    reading = _read(text, "start", runs=runs)
+    with uncollected():
+        reading = _read(text, "start", runs=runs)
     if isinstance(reading, Diagnostic):
         return File((), None, Origin(text, ()), (reading,))
     header, parts = reading
