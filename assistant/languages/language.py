@@ -57,6 +57,12 @@ class Language(abc.ABC, Generic[T]):
     suffixes: tuple[str, ...]
     encodings: tuple[str, ...]
     precision: Precision
+    comment_mark: str
+    """Begins a comment to the end of the line, outside of a string in double quotes."""
+    family: str
+    """The two letters that the codes of its findings begin with."""
+    fixed: tuple[str, ...]
+    """How codes begin whose errors no project may turn down: unreadable, or cannot be said."""
 
     def read(self, path: str | FilePath) -> SourceText:
         """A file decoded as this vendor's are; raises Unreadable."""
@@ -118,6 +124,13 @@ class Language(abc.ABC, Generic[T]):
     @abc.abstractmethod
     def check(self, trees: Sequence[T]) -> tuple[Diagnostic, ...]:
         """Findings of the language's own rules over the trees of one program."""
+
+    def program_of(self, path: FilePath) -> FilePath:
+        """What a file is a part of: files with the same answer are checked as one program.
+
+        A file is a program of its own unless the language loads several into one.
+        """
+        return path
 
     def lower(self, program: Program, robot: Robot | None = None) -> T:
         """The main unit's tree of any program, ready to render."""

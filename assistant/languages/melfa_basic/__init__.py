@@ -44,6 +44,9 @@ class MelfaBasic(Language[File]):
     encodings = ("ascii", "utf-8-sig", "utf-8", "cp932", "cp1252")
     # half a unit of the second decimal; the angle is that of three Euler angles together
     precision = Precision(position=0.00501, angle=0.0151)
+    comment_mark = "'"
+    family = "MB"
+    fixed = ("MB0", "MB2")
 
     def __init__(self, name: str) -> None:
         self.dialect = DIALECTS[name]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
 from assistant.languages.language import Adapted, Language, Precision
@@ -39,6 +40,9 @@ class Rapid(Language[File]):
     suffixes = (".mod", ".modx", ".sys", ".sysx", ".prg")
     encodings = ("utf-8-sig", "utf-8", "cp1252", "latin-1")
     precision = Precision(position=6e-5, angle=1e-6)
+    comment_mark = "!"
+    family = "RA"
+    fixed = ("RA1", "RA3")
 
     def recognises(self, data: bytes) -> bool:
         return _MODULE.search(data[:_LOOKED_AT]) is not None
@@ -114,3 +118,11 @@ class Rapid(Language[File]):
         from assistant.languages.rapid.checks import check
 
         return check(trees)
+
+    def program_of(self, path: FilePath) -> FilePath:
+        """The modules of a folder are one task; a backup keeps a task's in two folders."""
+        folder = path.parent
+        return folder.parent if folder.name.upper() in TASK_FOLDERS else folder
+
+
+TASK_FOLDERS: Final = frozenset(("PROGMOD", "SYSMOD"))
