@@ -369,7 +369,7 @@ def _holding(part: st.SearchStrategy[Statement]) -> st.SearchStrategy[Statement]
     branches = st.lists(st.builds(Branch, value, body), min_size=1, max_size=3).map(tuple)
     values = st.lists(value, max_size=3).map(tuple)
     cases = st.lists(st.builds(Case, values, body), max_size=3).map(tuple)
-    step = st.just(Number(1)) | value
+    step = st.just(Number(1)) | st.none() | value
     return st.one_of(
         st.builds(If, branches, body),
         st.builds(While, value, body),

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import abc
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
 from assistant.program.diagnostics import Diagnostic
-from assistant.program.program import Program
+from assistant.program.program import Origin, Program
 from assistant.program.text import SourceText, decode, read_bytes
 
 if TYPE_CHECKING:
@@ -91,13 +91,19 @@ class Language(abc.ABC, Generic[T]):
     def format(self, tree: T) -> str:
         """Canonical layout of the same tree."""
 
-    @abc.abstractmethod
     def lift(self, trees: T | Sequence[T], robot: Robot | None = None) -> Program:
         """The pseudo-program that the trees of one program say.
 
         robot: reads vendor configurations and orientations for that arm; without it the one
         that the program's own header names, else a plain six-axis arm.
         """
+        listed = tuple(trees) if isinstance(trees, Sequence) else (trees,)
+        program = self.lift_trees(listed, robot)
+        return replace(program, origin=Origin(self.name, listed))
+
+    @abc.abstractmethod
+    def lift_trees(self, trees: Sequence[T], robot: Robot | None) -> Program:
+        """What `lift` gives, without its origin."""
 
     @abc.abstractmethod
     def adapt(
@@ -133,5 +139,27 @@ class Language(abc.ABC, Generic[T]):
         return path
 
     def lower(self, program: Program, robot: Robot | None = None) -> T:
-        """The main unit's tree of any program, ready to render."""
+        """The main unit's tree of any program, ready to render; raises Refused.
+
+        Of a program that was lifted from one tree of this language, what was not changed since
+        is in the tree as it was: declarations and routines in their order, with their layout.
+        """
+        origin = program.origin
+        if origin is None or origin.language != self.name or len(origin.trees) != 1:
+            return self._built(program, robot)
+        (tree,) = origin.trees
+        lifted = self.lift_trees((tree,), robot)
+        if program == lifted:
+            unchanged: T = tree
+            return unchanged
+        return self.merge(tree, self._built(lifted, robot), self._built(program, robot))
+
+    def _built(self, program: Program, robot: Robot | None) -> T:
         return self.build(self.adapt(program, robot).program, robot)
+
+    def merge(self, tree: T, before: T, after: T) -> T:  # noqa: ARG002
+        """A tree with the changes made to it that lead from one built tree to another.
+
+        A language that cannot do that gives the built tree.
+        """
+        return after

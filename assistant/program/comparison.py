@@ -64,7 +64,7 @@ def compare(expected: Program, actual: Program, tolerance: Tolerance = EXACT) ->
     """
     walk = _Walk(tolerance)
     for part in fields(Program):
-        if part.name != "procedures":
+        if part.name != "procedures" and part.compare:
             walk.value(getattr(expected, part.name), getattr(actual, part.name), part.name)
     walk.value(_by_name(expected), _by_name(actual), "procedure")
     return Comparison(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 from assistant.program.diagnostics import Rule, Severity
 from assistant.program.expressions import Expression
@@ -111,6 +111,14 @@ class Declaration:
     text: str
 
 
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """The trees of a vendor language that a program was lifted from."""
+
+    language: str
+    trees: tuple[Any, ...]
+
+
 @dataclass(frozen=True, slots=True, weakref_slot=True)
 class Program:
     """A whole program.
@@ -119,6 +127,8 @@ class Program:
     entry: the procedure that runs first, None for a mere list of targets.
     speeds, blends: named ones that moves refer to by `Name`.
     comments: the lines above the program.
+    origin: lets its own language give back what was not changed as it stood; it is not part
+    of what the program says.
     Names of one kind are unique without regard to case.
     """
 
@@ -136,6 +146,7 @@ class Program:
     joint_targets: dict[str, JointTarget] = field(default_factory=dict)
     variables: dict[str, Variable] = field(default_factory=dict)
     declarations: tuple[Declaration, ...] = ()
+    origin: Origin | None = field(default=None, compare=False, repr=False)
 
     def procedure(self, name: str) -> Procedure | None:
         return next((p for p in self.procedures if p.name.lower() == name.lower()), None)

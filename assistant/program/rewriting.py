@@ -38,6 +38,8 @@ def _rewritten(value: Any, visit: Callable[[Any], Any]) -> Any:
         return visit(value)
     changed = {}
     for part in fields(value):
+        if not part.compare:  # where it came from, not what it says
+            continue
         before = getattr(value, part.name)
         after = _rewritten(before, visit)
         if after is not before:

@@ -162,13 +162,16 @@ ONE: Final = Number(1)
 
 @dataclass(frozen=True, slots=True)
 class For(Spanned):
-    """Counts `variable` from `first` to `last`, both included."""
+    """Counts `variable` from `first` to `last`, both included.
+
+    step: None for one towards `last`, downwards if that is less than `first`.
+    """
 
     variable: str
     first: Expression
     last: Expression
     body: tuple[Statement, ...]
-    step: Expression = ONE
+    step: Expression | None = ONE
 
 
 @dataclass(frozen=True, slots=True)

@@ -79,6 +79,7 @@ def test_a_line_prints_as_it_was_read(line: str) -> None:
         ("move linear p speed 5mm/s blend 1mm", "move linear p speed 5 mm/s blend 1 mm"),
         ("stop  ", "stop"),
         ("for i from 1 to 3 step 1\n  end", "for i from 1 to 3\n  end"),
+        ("for i from 1  towards  n\n  end", "for i from 1 towards n\n  end"),
         ("if a\n  else\n  end", "if a\n  end"),
     ],
 )  # fmt: skip

@@ -84,10 +84,10 @@ class MelfaBasic(Language[File]):
 
         return layout(tree)
 
-    def lift(self, trees: File | Sequence[File], robot: Robot | None = None) -> Program:
+    def lift_trees(self, trees: Sequence[File], robot: Robot | None) -> Program:
         from assistant.languages.melfa_basic.lift import lift
 
-        return lift([trees] if isinstance(trees, File) else trees, robot)
+        return lift(trees, robot)
 
     def adapt(
         self, program: Program, robot: Robot | None = None, *, most_targets: int | None = None

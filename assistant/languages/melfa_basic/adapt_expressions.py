@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.languages.melfa_basic import rules
 from assistant.program import expressions as e
 from assistant.program import statements as p
 
@@ -107,10 +108,21 @@ def plain_statement(context: Context, node: p.Statement) -> p.Statement:
             )
         case p.WaitSignal(signal=signal) | p.SetSignal(signal=signal):
             changed["signal"] = _declared(context, signal)
+        case p.For(step=None):
+            changed["step"] = _direction(context, node)
         case p.Opaque():
             return _plain_opaque(context, node)
     made: p.Statement = replace(node, **changed)
     return _waiting(context, made)
+
+
+def _direction(context: Context, node: p.For) -> e.Number:
+    """The step of a loop that counts towards its end, which MELFA-BASIC must be told."""
+    first, last = (plain_expression(context, x) for x in (node.first, node.last))
+    if isinstance(first, e.Number) and isinstance(last, e.Number):
+        return e.Number(1 if first.value <= last.value else -1)
+    context.findings.append(rules.UPWARDS(name=node.variable))
+    return e.Number(1)
 
 
 def _waiting(context: Context, node: p.Statement) -> p.Statement:

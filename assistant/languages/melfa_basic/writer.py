@@ -345,7 +345,7 @@ class Writer:
             raise Unsayable(f"the loop variable `{node.variable}`", "give it another name")
         variable = s.Variable(short)
         first, last = self.expressions.of(node.first), self.expressions.of(node.last)
-        step = None if node.step == p.ONE else self.expressions.of(node.step)
+        step = None if node.step is None or node.step == p.ONE else self.expressions.of(node.step)
         self.add(s.For(variable, first, last, step))
         self.forget()
         self.body(node.body)

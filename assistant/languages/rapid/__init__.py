@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from assistant.languages.language import Adapted, Language, Precision
 from assistant.languages.rapid.syntax import File
@@ -18,11 +17,6 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 __all__ = ["Rapid", "language"]
-
-_MODULE: Final = re.compile(
-    rb"^[ \t]*(?:MODULE[ \t]+[A-Za-z_\d]|%%%)", re.IGNORECASE | re.MULTILINE
-)
-_LOOKED_AT: Final = 1 << 16
 
 
 def language(name: str) -> Rapid:
@@ -37,7 +31,7 @@ class Rapid(Language[File]):
 
     name = "rapid"
     title = "ABB RAPID"
-    suffixes = (".mod", ".modx", ".sys", ".sysx", ".prg")
+    suffixes = (".mod", ".modx", ".sys", ".sysx", ".prg", ".pgf")
     encodings = ("utf-8-sig", "utf-8", "cp1252", "latin-1")
     precision = Precision(position=6e-5, angle=1e-6)
     comment_mark = "!"
@@ -45,7 +39,14 @@ class Rapid(Language[File]):
     fixed = ("RA1", "RA3")
 
     def recognises(self, data: bytes) -> bool:
-        return _MODULE.search(data[:_LOOKED_AT]) is not None
+        from assistant.languages.rapid.files import recognises
+
+        return recognises(data)
+
+    def decode(self, data: bytes, path: str | None = None) -> SourceText:
+        from assistant.languages.rapid.files import read_text
+
+        return read_text(data, path, self.encodings)
 
     def encode(self, tree: File) -> bytes:
         """The rendered tree in the encoding that it was read in, ASCII for a new one.
@@ -72,16 +73,21 @@ class Rapid(Language[File]):
     def format(self, tree: File) -> str:
         """The tree's text in the one layout; the text of a broken file as it is."""
         text = self.render(tree)
-        if tree.origin is None or has_errors(tree.findings):
+        if tree.origin is None or has_errors(tree.findings) or not tree.parts:
             return text
         from assistant.languages.rapid.layout import lay_out
 
         return lay_out(text)
 
-    def lift(self, trees: File | Sequence[File], robot: Robot | None = None) -> Program:  # noqa: ARG002
+    def lift_trees(self, trees: Sequence[File], robot: Robot | None) -> Program:  # noqa: ARG002
         from assistant.languages.rapid.lift import lift
 
-        return lift([trees] if isinstance(trees, File) else trees)
+        return lift(trees)
+
+    def merge(self, tree: File, before: File, after: File) -> File:
+        from assistant.languages.rapid.merging import merge
+
+        return merge(tree, before, after)
 
     def adapt(
         self,
@@ -111,8 +117,10 @@ class Rapid(Language[File]):
 
     def called_files(self, tree: File) -> tuple[str, ...]:
         from assistant.languages.rapid.checks import loaded_files
+        from assistant.languages.rapid.files import is_list, listed
 
-        return loaded_files(tree)
+        text = "" if tree.origin is None else tree.origin.source.text
+        return listed(text) if is_list(text) else loaded_files(tree)
 
     def check(self, trees: Sequence[File]) -> tuple[Diagnostic, ...]:
         from assistant.languages.rapid.checks import check

@@ -11,15 +11,14 @@ import numpy as np
 
 from assistant.languages.language import Adapted
 from assistant.languages.rapid import rules, verbatim
-from assistant.languages.rapid.lift_expressions import aggregate, negative, unsaid
+from assistant.languages.rapid.lift_expressions import aggregate, negative
 from assistant.languages.rapid.loops import counted
 from assistant.languages.rapid.lower import (
     SIZES_PLACES,
     build,
-    is_text,
     program_naming,
-    text_names,
 )
+from assistant.languages.rapid.messages import Kinds, kinds, parts
 from assistant.languages.rapid.motions import sayable_blend, sayable_speed, speed_name, zone_name
 from assistant.languages.rapid.naming import units
 from assistant.languages.rapid.runs import JOINT_PLACES, POSITION_PLACES, QUATERNION_PLACES
@@ -83,7 +82,7 @@ class _Adapter:
         self.speeds: dict[str, Speed] = {}
         self.blends: dict[str, Blend] = {}
         self.extra: dict[str, Target] = {}
-        self.texts: frozenset[str] = frozenset()
+        self.known: Kinds = {}
 
     def changed(self, what: str, instead: str, hint: str, place: str | None = None) -> None:
         self.findings.append(rules.CHANGED(what=what, instead=instead, hint=hint, place=place))
@@ -99,7 +98,7 @@ class _Adapter:
         joints = {n: self.joints(t, n) for n, t in given.joint_targets.items()}
         variables = {n: self.variable(v, n) for n, v in given.variables.items()}
         for name, variable in list(variables.items()):
-            fixed = variable.storage == "constant" and not variable.size
+            fixed = variable.storage == "constant" and not (variable.size or variable.local)
             if fixed and isinstance(variable.initial, e.TargetValue):
                 targets[name] = variable.initial.target
                 del variables[name]
@@ -298,7 +297,8 @@ class _Adapter:
 
     def line(self, text: str) -> str:
         """One line of ASCII."""
-        plain = unicodedata.normalize("NFKD", text).encode("ascii", "replace").decode("ascii")
+        letters = (c for c in unicodedata.normalize("NFKD", text) if not unicodedata.combining(c))
+        plain = "".join(letters).encode("ascii", "replace").decode("ascii")
         plain = "".join(c if c.isprintable() else " " for c in plain).strip()
         if plain != text.strip():
             self.changed("a comment", f"`{plain[:40]}`", "use one line of ASCII")
@@ -340,7 +340,7 @@ class _Adapter:
     # Statements
 
     def procedure(self, procedure: Procedure) -> Procedure:
-        self.texts = text_names(self.given, procedure)
+        self.known = kinds(self.given, procedure)
         variables = {n: self.variable(v, n) for n, v in procedure.variables.items()}
         for name, variable in variables.items():
             if variable.storage == "persistent":
@@ -568,8 +568,7 @@ def _comment(a: _Adapter, x: p.Comment) -> Changed:
 
 def _message(a: _Adapter, x: p.Message) -> Changed:
     """As many messages as it takes for 80 characters each."""
-    flat = [y for part in x.parts for y in _flat(a, part)] or [e.Text("")]
-    flat = [unsaid(y) for y in flat]
+    flat = parts(x, a.known) or (e.Text(""),)
     rows: list[list[e.Expression]] = [[]]
     room = LONGEST_STRING
     for part in flat:
@@ -590,18 +589,6 @@ def _message(a: _Adapter, x: p.Message) -> Changed:
             "a message of more than 80 characters", f"{len(rows)} messages", "write a shorter one"
         )
     return [p.Message(tuple(row), span=x.span) for row in rows]
-
-
-def _flat(a: _Adapter, x: e.Expression) -> list[e.Expression]:
-    if isinstance(x, e.Binary) and x.operator == "+":
-        parts = _flat(a, x.left) + _flat(a, x.right)
-        if any(is_text(y, a.texts) or _said(y) for y in parts):
-            return parts
-    return [x]
-
-
-def _said(x: e.Expression) -> bool:
-    return isinstance(x, e.Apply) and x.function == "text" and len(x.arguments) == 1
 
 
 def _opaque(a: _Adapter, x: p.Opaque) -> Changed:

@@ -12,10 +12,11 @@ from assistant.languages.rapid import verbatim
 from assistant.languages.rapid.gather import literal_number, plain_move
 from assistant.languages.rapid.header import Header, opening
 from assistant.languages.rapid.lift_data import DataLift, is_module_data
-from assistant.languages.rapid.lift_expressions import LANGUAGE, unsaid
+from assistant.languages.rapid.lift_expressions import LANGUAGE
 from assistant.languages.rapid.lift_expressions import lift as lift_expression
 from assistant.languages.rapid.lift_paths import PathLift
 from assistant.languages.rapid.loops import apart, ascends
+from assistant.languages.rapid.messages import with_values
 from assistant.languages.rapid.motions import speed_name, zone_name
 from assistant.languages.rapid.sequences import with_paths
 from assistant.languages.rapid.standard import INSTRUCTIONS, OF_OPTIONS
@@ -162,6 +163,7 @@ class _Lift:
         signals = dict(self.signals)
         signals |= {n: v for n, v in self.noted.items() if not self.declared(n)}
         program = apart(replace(program, signals=_inferred(program, signals)))
+        program = with_values(program)
         return with_paths(program, self.original)
 
     # Routines
@@ -288,8 +290,8 @@ class _Lift:
                 yield p.If((p.Branch(self.expression(condition), body),), span=span)
             case s.ForLoop(variable, first, last, step, inner):
                 bounds = self.expression(first), self.expression(last)
-                usual = e.Number(-1) if ascends(*bounds) is False else p.ONE
-                by = usual if step is None else self.expression(step)
+                upwards = {True: p.ONE, False: e.Number(-1), None: None}[ascends(*bounds)]
+                by = upwards if step is None else self.expression(step)
                 yield p.For(self.original(variable), *bounds, self.block(inner), by, span=span)
             case s.WhileLoop(condition, inner):
                 yield p.While(self.expression(condition), self.block(inner), span=span)
@@ -519,9 +521,11 @@ def _message(a: _Lift, node: s.ProcedureCall) -> p.Statement | None:
         if isinstance(part, s.Infix) and part.operator == "+":
             pending += [part.right, part.left]
             continue
-        parts.append(unsaid(a.expression(part)))
+        parts.append(a.expression(part))
     value = _option(node, "num")
-    return p.Message((*parts, *(() if value is None else (a.expression(value),))))
+    return p.Message(
+        (*parts, *(() if value is None else (e.Apply("text", (a.expression(value),)),)))
+    )
 
 
 INSTRUCTION: Final[dict[str, Any]] = {

@@ -79,7 +79,7 @@ class DataLift:
             variable = self.variable(item)
             if variable is None:
                 return False
-            fixed = variable.storage == "constant" and not variable.size
+            fixed = variable.storage == "constant" and not (variable.size or variable.local)
             if fixed and isinstance(variable.initial, e.TargetValue):
                 self.targets[name] = variable.initial.target
             elif fixed and isinstance(variable.initial, e.JointValue):
@@ -154,11 +154,15 @@ def _tool(value: Any) -> Tool | None:
     held, tip, load = value
     pose = _pose(tip)
     mass, centre, axes, *inertia = load
-    weight = Load(
-        float(mass),
-        tuple(float(v) for v in centre),  # type: ignore[arg-type]
-        tuple(float(v) for v in axes),  # type: ignore[arg-type]
-        tuple(float(v) for v in inertia),  # type: ignore[arg-type]
+    weight = (
+        None
+        if mass < 0
+        else Load(
+            float(mass),
+            tuple(float(v) for v in centre),  # type: ignore[arg-type]
+            tuple(float(v) for v in axes),  # type: ignore[arg-type]
+            tuple(float(v) for v in inertia),  # type: ignore[arg-type]
+        )
     )
     return None if pose is None else Tool(pose, weight, held)
 

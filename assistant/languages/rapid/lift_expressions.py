@@ -76,13 +76,6 @@ def negative(operand: e.Expression) -> e.Expression:
     return e.Unary("-", operand)
 
 
-def unsaid(part: e.Expression) -> e.Expression:
-    """What a part of a message shows: a message says everything as text anyway."""
-    while isinstance(part, e.Apply) and part.function == "text" and len(part.arguments) == 1:
-        part = part.arguments[0]
-    return part
-
-
 def aggregate(items: tuple[e.Expression, ...]) -> e.Expression:
     """Values in brackets: a target, joint target or pose if they have its form."""
     shape: list[int] = []

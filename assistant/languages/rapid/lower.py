@@ -26,6 +26,7 @@ from assistant.languages.rapid.lower_expressions import (
     refuse,
     target_node,
 )
+from assistant.languages.rapid.messages import is_value, kinds, parts
 from assistant.languages.rapid.motions import speed_name, speed_values, zone_name, zone_values
 from assistant.languages.rapid.naming import Naming, naming
 from assistant.languages.rapid.runs import (
@@ -252,7 +253,7 @@ class _Body:
         self.counting = counting
         self.counters = names.counters[procedure.name.lower()]
         self.labels = names.labels[procedure.name.lower()]
-        self.texts = text_names(program, procedure)
+        self.known = kinds(program, procedure)
         self.kinds = {n.lower(): g.kind for n, g in program.signals.items()}
 
     def block(self, body: tuple[p.Statement, ...]) -> tuple[Any, ...]:
@@ -380,7 +381,7 @@ def _while(b: _Body, x: p.While) -> Lowered:
 def _for(b: _Body, x: p.For) -> Lowered:
     # Without STEP a loop counts downwards where its bounds do (RAPID kernel manual, FOR).
     upwards = x.step == p.ONE and ascends(x.first, x.last)
-    step = None if upwards else b.lower(x.step)
+    step = None if upwards or x.step is None else b.lower(x.step)
     first, last = b.lower(x.first), b.lower(x.last)
     b.counting.append(x.variable.lower())
     body = b.block(x.body)
@@ -415,11 +416,11 @@ def _goto(b: _Body, x: p.Goto) -> Lowered:
 
 def _message(b: _Body, x: p.Message) -> Lowered:
     whole: s.Expression | None = None
-    for part in x.parts or (e.Text(""),):
-        if is_text(part, b.texts):
-            own = b.lower(part, TERM if whole is not None else SUM)
+    for part in parts(x, b.known) or (e.Text(""),):
+        if is_value(part, b.known):
+            own: s.Expression = s.FunctionCall("ValToStr", (s.Positional(b.lower(part, OR)),))
         else:
-            own = s.FunctionCall("ValToStr", (s.Positional(b.lower(part, OR)),))
+            own = b.lower(part, TERM if whole is not None else SUM)
         whole = own if whole is None else s.Infix("+", whole, own)
     assert whole is not None
     yield b.call("TPWrite", whole)
@@ -582,24 +583,6 @@ def frame_node(frame: Frame) -> s.AggregateNode:
             pose_node(frame.object),
         )
     )
-
-
-def text_names(program: Program, procedure: Procedure) -> frozenset[str]:
-    """Lower-case names of variables and parameters that hold text."""
-    tables = (program.variables, procedure.variables)
-    names = {n.lower() for table in tables for n, v in table.items() if v.type == "text"}
-    return frozenset(names | {q.name.lower() for q in procedure.parameters if q.type == "text"})
-
-
-def is_text(x: e.Expression, names: frozenset[str]) -> bool:
-    match x:
-        case e.Text():
-            return True
-        case e.Name(name):
-            return name.lower() in names
-        case e.Index(value):
-            return is_text(value, names)
-    return False
 
 
 __all__ = ["build", "literal_target", "module_name", "names_of", "replace"]

@@ -80,7 +80,13 @@ class Naming:
                     self._declare_own(counters, statement.variable, own)
 
     def _declare_own(self, known: dict[str, str], name: str, own: set[str]) -> None:
+        """Hides a value of the same name, as it does in the pseudo-program."""
         if name.lower() in known:
+            return
+        hidden = self.of["values"].get(name.lower(), "")
+        if hidden.lower() == name.lower() and hidden.lower() not in own:
+            known[name.lower()] = name
+            own.add(name.lower())
             return
         short = known[name.lower()] = self._free(name, own)
         own.add(short.lower())

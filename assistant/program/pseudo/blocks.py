@@ -143,10 +143,14 @@ class ForBlock(Block):
 
     def __init__(self, tree: Node, span: Span, line: int) -> None:
         super().__init__(span, line)
-        variable, first, last, step = cast("list[Any]", tree.children)
+        variable, first, *limit = cast("list[Any]", tree.children)
+        towards = isinstance(limit[0], Token)
+        last, step = (limit[1], None) if towards else limit
         self._variable = read_name(variable)
         self._first, self._last = read_expression(first), read_expression(last)
-        self._step = ONE if step is None else read_expression(step)
+        self._step: Expression | None = None if towards else ONE
+        if step is not None:
+            self._step = read_expression(step)
 
     def close(self, span: Span) -> Statement:
         body = tuple(self.body or ())

@@ -109,6 +109,7 @@ class _Reader:
         if self._findings:
             raise Refused(*sorted(self._findings, key=lambda f: (f.line or 0, f.column or 0)))
         assert self._header is not None
+        tables: dict[str, Any] = self._tables
         return Program(
             name=cast(str, self._header["name"]),
             procedures=tuple(self._procedures),
@@ -116,7 +117,7 @@ class _Reader:
             robot=self._header["robot"],
             comments=tuple(self._comments),
             declarations=tuple(self._declarations),
-            **self._tables,
+            **tables,
         )
 
     # ------------------------------------------------------------------------------ lines

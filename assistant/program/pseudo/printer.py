@@ -94,9 +94,10 @@ class _Printer:
 
     def _for(self, statement: For) -> Iterator[str]:
         first, last = expression_text(statement.first), expression_text(statement.last)
-        step = expression_text(statement.step)
+        step = "1" if statement.step is None else expression_text(statement.step)
         by = "" if step == "1" else f" step {step}"
-        yield f"for {name_text(statement.variable)} from {first} to {last}{by}"
+        to = "towards" if statement.step is None else "to"
+        yield f"for {name_text(statement.variable)} from {first} {to} {last}{by}"
         yield from self._body(statement.body)
         yield "end"
 
