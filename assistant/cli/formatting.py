@@ -1,0 +1,73 @@
+"""`fmt`: robot programs in the layout of their language, in place, checked or as a diff."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator, Sequence
+from difflib import unified_diff
+from typing import TYPE_CHECKING
+
+from assistant.cli.compiling import STANDARD, TWICE, working
+from assistant.cli.presentation import print_findings, say
+from assistant.program.diagnostics import Refused, has_errors
+
+if TYPE_CHECKING:
+    from assistant.compiler.formatting import Formatted
+
+
+def run_fmt(paths: Sequence[str], check: bool, diff: bool, language: str | None) -> int:
+    """0 if all is well, 1 if a file is broken or, with check, would change, 2 if unreadable."""
+    from assistant.compiler.formatting import format_bytes, format_file, rewrite
+
+    if list(paths).count(STANDARD) > 1:
+        raise Refused(TWICE(), exit_status=2)
+    status = files = changed = 0
+    for path in dict.fromkeys(paths):
+        for name in _files(path, language):
+            try:
+                if isinstance(name, Refused):
+                    raise name
+                with working(f"formatting {name}"):
+                    if name == STANDARD:
+                        done = format_bytes(sys.stdin.buffer.read(), "standard input", language)
+                    else:
+                        done = format_file(name, language)
+                if name == STANDARD and not (check or diff):
+                    sys.stdout.buffer.write(done.encoded())
+                elif done.changed and not (check or diff):
+                    rewrite(done)
+            except Refused as refused:
+                print_findings(f.within(str(path)) for f in refused.findings)
+                status = max(status, refused.exit_status)
+                continue
+            files, changed = files + 1, changed + done.changed
+            print_findings(f.within(name) for f in done.findings)
+            if has_errors(done.findings) or (check and done.changed):
+                status = max(status, 1)
+            if diff:
+                sys.stdout.writelines(_difference(done, name))
+            elif done.changed and name != STANDARD:
+                say(f"would format {name}" if check else f"formatted {name}")
+    if not diff and STANDARD not in paths:
+        say(f"{files} file{'s' * (files != 1)}, {changed} {'would change' if check else 'changed'}")
+    return status
+
+
+def _files(path: str, language: str | None) -> Iterator[str | Refused]:
+    """The files that a path stands for, and why there is none or no more."""
+    from assistant.compiler.formatting import programs_in
+
+    if path == STANDARD:
+        yield path
+        return
+    try:
+        yield from programs_in(path, language)
+    except Refused as refused:
+        yield refused
+
+
+def _difference(done: Formatted, name: str) -> Iterator[str]:
+    before, after = (text.splitlines(keepends=True) for text in (done.source.text, done.text))
+    for line in unified_diff(before, after, name, f"{name} (formatted)"):
+        ended = line.endswith(("\n", "\r"))
+        yield line if ended else f"{line}\n\\ No newline at end of file\n"

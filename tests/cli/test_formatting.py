@@ -1,0 +1,161 @@
+"""`fmt`: files rewritten in place, checked or shown as a diff, and never damaged."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from assistant import languages
+from assistant.compiler.formatting import NOT_THE_SAME, format_text
+from assistant.languages.rapid import Rapid
+from assistant.program.text import SourceText
+from tests.cli.test_commands import run
+
+UNTIDY = b"MODULE m\r\nvar num a := 1 ;\r\nENDMODULE"
+TIDY = b"MODULE m\r\n    VAR num a:=1;\r\nENDMODULE\r\n"
+BROKEN = b"MODULE m\nPROC p()\na:=1\nENDPROC\nENDMODULE\n"
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """Two untidy modules, a tidy one, a broken one, and what is none of them."""
+    files = {
+        "one.mod": UNTIDY,
+        "inner/two.sys": UNTIDY,
+        "tidy.modx": TIDY,
+        "inner/broken.mod": BROKEN,
+        "driver.sys": b"\x00\x01",
+        "notes.txt": UNTIDY,
+        ".hidden/three.mod": UNTIDY,
+    }
+    for name, data in files.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_bytes(data)
+    return tmp_path
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {
+        str(file.relative_to(folder)): file.read_bytes()
+        for file in folder.rglob("*")
+        if file.is_file()
+    }
+
+
+def test_files_are_rewritten_in_place(capsys, folder):
+    before = contents(folder)
+    status, out, err = run(capsys, "fmt", folder)
+    assert status == 1  # the broken one
+    assert "RA1" in err and "broken.mod:" in err
+    assert out == (
+        f"formatted {folder / 'one.mod'}\nformatted {folder / 'inner' / 'two.sys'}\n"
+        "4 files, 2 changed\n"
+    )
+    tidied = {"one.mod": TIDY, str(Path("inner", "two.sys")): TIDY}
+    assert contents(folder) == before | tidied
+    assert run(capsys, "fmt", folder / "one.mod", folder / "tidy.modx") == (
+        0,
+        "2 files, 0 changed\n",
+        "",
+    )
+
+
+def test_check_writes_nothing_and_tells(capsys, folder):
+    before = contents(folder)
+    status, out, _ = run(capsys, "fmt", "--check", folder / "one.mod", folder / "tidy.modx")
+    assert (status, out) == (1, f"would format {folder / 'one.mod'}\n2 files, 1 would change\n")
+    assert run(capsys, "fmt", "--check", folder / "tidy.modx")[0] == 0
+    assert contents(folder) == before
+
+
+def test_diff_writes_nothing_and_shows(capsys, folder):
+    before = contents(folder)
+    name = folder / "one.mod"
+    status, out, _ = run(capsys, "fmt", "--diff", name)
+    assert status == 0
+    assert out.replace("\r", "") == (
+        f"--- {name}\n+++ {name} (formatted)\n@@ -1,3 +1,3 @@\n MODULE m\n-var num a := 1 ;\n"
+        "-ENDMODULE\n\\ No newline at end of file\n+    VAR num a:=1;\n+ENDMODULE\n"
+    )
+    assert run(capsys, "fmt", "--diff", "--check", name)[0] == 1
+    assert run(capsys, "fmt", "--diff", folder / "tidy.modx") == (0, "", "")
+    assert contents(folder) == before
+
+
+def test_what_cannot_be_read_is_said_and_the_rest_is_done(capsys, folder):
+    nowhere, unknown, empty = folder / "nowhere.mod", folder / "driver.sys", folder / "empty"
+    empty.mkdir()
+    status, out, err = run(capsys, "fmt", nowhere, unknown, empty, folder / "one.mod")
+    assert status == 2
+    assert all(code in err for code in ("IN001", "CO402", "CO403"))
+    assert (folder / "one.mod").read_bytes() == TIDY
+    assert "1 file, 1 changed" in out
+    assert run(capsys, "fmt", "-", "-")[0] == 2
+
+
+def test_encoding_and_permissions_stay(capsys, folder):
+    file = folder / "latin.mod"
+    for encoding in ("utf-8-sig", "utf-8", "latin-1"):
+        file.write_bytes("MODULE m\n! größe\nVAR num a;\nENDMODULE\n".encode(encoding))
+        file.chmod(0o640)
+        assert run(capsys, "fmt", file)[0] == 0
+        wanted = "MODULE m\n    ! größe\n    VAR num a;\nENDMODULE\n"
+        assert file.read_bytes() == wanted.encode(encoding)
+        assert os.name == "nt" or file.stat().st_mode & 0o777 == 0o640
+
+
+@pytest.mark.skipif(os.name == "nt", reason="links need rights there")
+def test_a_link_stays_one(capsys, folder):
+    link = folder / "link.mod"
+    link.symlink_to(folder / "one.mod")
+    assert run(capsys, "fmt", link)[0] == 0
+    assert link.is_symlink()
+    assert (folder / "one.mod").read_bytes() == TIDY
+
+
+def test_standard_input_goes_to_standard_output():
+    command = [sys.executable, "-m", "assistant", "fmt", "-"]
+    done = subprocess.run(command, input=UNTIDY, capture_output=True)
+    assert (done.returncode, done.stdout) == (0, TIDY)
+    done = subprocess.run(command, input=BROKEN, capture_output=True)
+    assert (done.returncode, done.stdout) == (1, BROKEN)
+    assert b"standard input:" in done.stderr
+    assert subprocess.run([*command, "--check"], input=UNTIDY, capture_output=True).returncode == 1
+
+
+class Forgetful(Rapid):
+    """Formats by leaving something out."""
+
+    left_out = ""
+
+    def format(self, tree):
+        return super().format(tree).replace(self.left_out, "")
+
+
+@pytest.mark.parametrize("left_out", ["    VAR num b;\n", "! a note", ";"])
+def test_a_wrong_formatter_does_no_harm(left_out):
+    language = Forgetful()
+    language.left_out = left_out
+    text = "MODULE m\n VAR num a:= ! a note\n 1;\nVAR num b;\nENDMODULE\n"
+    formatted = format_text(SourceText(text, "m.mod"), language)
+    assert not formatted.changed
+    assert formatted.text == text
+    assert [f.code for f in formatted.findings] == [NOT_THE_SAME.code]
+
+
+@pytest.mark.parametrize("name", [name for name in languages.names() if name != "rapid"])
+def test_other_languages_are_formatted_or_left_alone(capsys, tmp_path, name):
+    source = Path(__file__).parents[2] / "samples" / "positioning.csv"
+    robot = "rv-2aj" if name == "melfa-basic-4" else "rv-4frl"
+    run(capsys, "compile", source, "-l", name, "-r", robot, "-o", tmp_path)
+    (file,) = tmp_path.glob("*.prg")
+    language = languages.get(name)
+    file.write_bytes(file.read_bytes().replace(b",", b" , "))
+    tree = language.parse(language.read(file))
+    assert not tree.findings
+    assert run(capsys, "fmt", "--from", name, file)[0] in (0, 1)
+    assert language.parse(language.read(file)) == tree
