@@ -9,100 +9,39 @@ What is new is printed. A vendor language says how in a `Layout`.
 
 from __future__ import annotations
 
-import abc
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields, is_dataclass
-from difflib import SequenceMatcher
-from typing import Any, Final, NamedTuple
+from dataclasses import fields, is_dataclass
+from typing import Any, Final
 
 from assistant.languages.alignment import aligned, common_ends, same
+from assistant.languages.sketch import (
+    MOST_WORDS,
+    Block,
+    Extent,
+    Layout,
+    Piece,
+    Sketch,
+    Spread,
+    differences,
+    equal_sketches,
+    name_blocks,
+    noted,
+    pieces_of,
+    same_word,
+    spelling,
+    words_of,
+)
 from assistant.program.text import SourceText
 
-MOST_WORDS: Final = 1 << 14
-"""Words of one node that are compared; a longer one that changed is printed as a whole."""
+__all__ = ["Block", "Extent", "Layout", "Sketch", "Spread", "render"]
+
 LINE_END: Final = "\n"
-
-
-@dataclass(frozen=True, slots=True)
-class Block:
-    """Children that stand on lines of their own, `depth` steps deeper than what holds them."""
-
-    children: tuple[Any, ...]
-    depth: int = 1
-
-
-Sketch = Sequence["str | Block"]
-"""How a language prints a node: lines that end with a line feed, with its blocks between them."""
-
-
-class Extent(NamedTuple):
-    """Offsets in the source."""
-
-    start: int
-    end: int
-
-
-class Layout(abc.ABC):
-    """What the text of one vendor language looks like.
-
-    words: matches words, and what stands between them; that is what has no group, but for the
-    group `note`, a comment. The names of other groups are kinds of words; words of a kind in
-    `spelled` may be written in several ways. indent: one step of the printer's.
-    """
-
-    words: re.Pattern[str]
-    spelled: frozenset[str]
-    indent: str
-
-    @abc.abstractmethod
-    def sketch(self, node: Any) -> Sketch:
-        """The canonical text of a node, without outer indentation."""
-
-    @abc.abstractmethod
-    def extent(self, text: str, node: Any) -> Extent | None:
-        """Where a node of a block stands, without outer blanks; None if it has no place."""
-
-    @abc.abstractmethod
-    def line_ends(self, before: Any, after: Any) -> int | None:
-        """How many line ends two neighbours of a block want; None for the ends of the block.
-
-        0 if they must share a line, 1 if they must not, 2 if a blank line looks well between
-        new ones, None if anything goes.
-        """
-
-    def spread(self, text: str, old: Sequence[Any], new: Sequence[Any]) -> Spread | None:  # noqa: ARG002
-        """Nodes that stand for many lines as nodes of one line each; None if there are none."""
-        return None
-
-
-@dataclass(frozen=True, slots=True)
-class Spread:
-    """Two lists for the comparison. extents: of the nodes of `old`."""
-
-    old: Sequence[Any]
-    extents: Sequence[Extent]
-    new: Sequence[Any]
 
 
 def render(source: SourceText, old: Any, new: Any, layout: Layout) -> str:
     """The text of `new`, a tree made from `old`, which was read from the source."""
     return _Writer(source, layout).changed(old, new, Extent(0, len(source.text)))
-
-
-@dataclass(slots=True)
-class _Piece:
-    """A word or a block. gap: what is printed in front of it. start, end: in the source.
-
-    A block's extent goes from the word before it to the word behind it.
-    """
-
-    what: str | Block
-    kind: str
-    gap: str = ""
-    start: int = -1
-    end: int = -1
-    key: object = None
 
 
 class _Writer:
@@ -145,33 +84,10 @@ class _Writer:
 
     # Words
 
-    def _pieces(self, sketch: Sketch) -> list[_Piece]:
-        pieces = []
-        for part in sketch:
-            if isinstance(part, Block):
-                pieces.append(_Piece(part, "block"))
-                continue
-            at = 0
-            for word in self._words(part, 0, len(part)):
-                pieces.append(_Piece(word[0], str(word.lastgroup), part[at : word.start()]))
-                at = word.end()
-        return pieces
+    def _same_words(self, pieces: Sequence[Piece], words: Sequence[re.Match[str]]) -> bool:
+        return all(same_word(self._layout, p, w) for p, w in zip(pieces, words, strict=True))
 
-    def _words(self, text: str, start: int, end: int) -> Iterator[re.Match[str]]:
-        for match in self._layout.words.finditer(text, start, end):
-            if match.lastgroup not in (None, "note"):
-                yield match
-
-    def _noted(self, gap: str) -> bool:
-        return any(m.lastgroup == "note" for m in self._layout.words.finditer(gap))
-
-    def _alike(self, piece: _Piece, word: re.Match[str]) -> bool:
-        assert isinstance(piece.what, str)
-        if piece.what.casefold() == word[0].casefold():
-            return True
-        return word.lastgroup == piece.kind and piece.kind in self._layout.spelled
-
-    def _locate(self, pieces: list[_Piece], extent: Extent) -> bool:
+    def _locate(self, pieces: list[Piece], extent: Extent) -> bool:
         """Finds the pieces in the source; False if their words are not those that stand there."""
         at, waiting, first = extent.start, [], True
         for piece in [*pieces, None]:
@@ -180,7 +96,7 @@ class _Writer:
                 waiting.append(piece)
             elif piece is None or children:
                 stop = self._extent(children[0]).start if children else extent.end
-                words = list(self._words(self._text, at, stop))
+                words = list(words_of(self._layout, self._text, at, stop))
                 # What could not be read may stand around a block.
                 last = len(words) - len(waiting)
                 shifts = [0] if first else [last] if piece is None else range(last + 1)
@@ -188,7 +104,7 @@ class _Writer:
                     return False
                 for shift in shifts:
                     some = words[shift : shift + len(waiting)]
-                    if all(map(self._alike, waiting, some)):
+                    if self._same_words(waiting, some):
                         break
                 else:
                     return False
@@ -211,9 +127,9 @@ class _Writer:
             at = piece.end
         return True
 
-    def _locate_blocks(self, before: list[_Piece], after: list[_Piece], extent: Extent) -> bool:
+    def _locate_blocks(self, before: list[Piece], after: list[Piece], extent: Extent) -> bool:
         """Finds the blocks between words that are not understood, if only blocks have changed."""
-        if [_word(piece) for piece in before] != [_word(piece) for piece in after]:
+        if list(map(spelling, before)) != list(map(spelling, after)):
             return False
         at = extent.start
         for had, has in zip(before, after, strict=True):
@@ -235,28 +151,28 @@ class _Writer:
             return kept
         if type(old) is type(new):
             sketches = self._layout.sketch(old), self._layout.sketch(new)
-            if _equal_sketches(*sketches):
+            if equal_sketches(*sketches):
                 return kept
             if sum(len(p) for s in sketches for p in s if isinstance(p, str)) < 8 * MOST_WORDS:
-                before, after = map(self._pieces, sketches)
+                before, after = (pieces_of(self._layout, s) for s in sketches)
                 text = self._merged(before, after, extent) if before else None
                 if text is not None:
                     return text
         self._lost.append(old)
         return self._written(new, self._line_indent(extent.start), self._newline(extent.start))
 
-    def _merged(self, before: list[_Piece], after: list[_Piece], extent: Extent) -> str | None:
+    def _merged(self, before: list[Piece], after: list[Piece], extent: Extent) -> str | None:
         """The old text with the words and blocks that changed; None if that cannot be done."""
         located = self._locate(before, extent)
         if not located and not self._locate_blocks(before, after, extent):
             return None
-        _name_blocks(before, after)
+        name_blocks(before, after)
         base, newline = self._line_indent(extent.start), self._newline(extent.start)
         for piece in after:
             piece.gap = self._indented(piece.gap, base, newline)
-        out: list[str | _Piece] = []
+        out: list[str | Piece] = []
         at = extent.start
-        for kind, i1, i2, j1, j2 in _differences(before, after):
+        for kind, i1, i2, j1, j2 in differences(before, after):
             removed, inserted = before[i1:i2], after[j1:j2]
             words = all(isinstance(p.what, str) for p in [*removed, *inserted])
             if kind == "equal" or (len(removed) == len(inserted) and words):
@@ -265,7 +181,7 @@ class _Writer:
                     if isinstance(has.what, Block):
                         assert isinstance(had.what, Block)
                         inner = Extent(had.start, had.end)
-                        out.append(_Piece(self._block(had.what, has.what, inner, base), "text"))
+                        out.append(Piece(self._block(had.what, has.what, inner, base), "text"))
                     else:
                         kept = has.what == had.what
                         out.append(self._text[had.start : had.end] if kept else has.what)
@@ -281,22 +197,22 @@ class _Writer:
 
     def _replaced(
         self,
-        removed: list[_Piece],
-        inserted: list[_Piece],
+        removed: list[Piece],
+        inserted: list[Piece],
         room: Extent,
         following: str,
         base: str,
         newline: str,
-    ) -> Iterator[str | _Piece]:
+    ) -> Iterator[str | Piece]:
         """New pieces in place of old ones. room: from the last piece that stays to the next."""
         marks = [room.start, *(at for p in removed for at in (p.start, p.end)), room.end]
         gaps = [self._text[a:b] for a, b in zip(marks[::2], marks[1::2], strict=True)]
         first, last = gaps[0] if removed else "", gaps[-1]
-        notes = "".join(gap for gap in gaps[1:-1] if self._noted(gap))
+        notes = "".join(gap for gap in gaps[1:-1] if noted(self._layout, gap))
         begins, ends = room.start == marks[1] and not first, room.end == marks[-2] and not last
         if not inserted:
-            yield from (g for g in (first if self._noted(first) else "", notes) if g)
-            if self._noted(last) or self._noted(first) or notes:
+            yield from (g for g in (first if noted(self._layout, first) else "", notes) if g)
+            if noted(self._layout, last) or noted(self._layout, first) or notes:
                 yield last
             elif not (begins and not following) and not ends:
                 by_length = sorted((first, last), key=len)
@@ -305,7 +221,7 @@ class _Writer:
         for number, piece in enumerate(inserted):
             yield first if number == 0 and removed else piece.gap
             if isinstance(piece.what, Block):
-                yield _Piece(self._new_block(piece.what, base, newline), "text")
+                yield Piece(self._new_block(piece.what, base, newline), "text")
             else:
                 yield piece.what
         yield notes
@@ -314,15 +230,15 @@ class _Writer:
         lacking = following if not last or (LINE_END in following and LINE_END not in last) else ""
         yield lacking or last
 
-    def _says(self, out: list[str | _Piece], after: list[_Piece]) -> bool:
+    def _says(self, out: list[str | Piece], after: list[Piece]) -> bool:
         """Whether a text reads as the words that it should."""
         stretches: list[list[str]] = [[]]
         for part in out:
-            if isinstance(part, _Piece):
+            if isinstance(part, Piece):
                 stretches.append([])
             else:
                 stretches[-1].append(part)
-        wanted: list[list[_Piece]] = [[]]
+        wanted: list[list[Piece]] = [[]]
         for piece in after:
             if isinstance(piece.what, Block):
                 wanted.append([])
@@ -332,8 +248,8 @@ class _Writer:
             return False
         for pieces, stretch in zip(wanted, stretches, strict=True):
             text = "".join(stretch)
-            words = list(self._words(text, 0, len(text)))
-            if len(words) != len(pieces) or not all(map(self._alike, pieces, words)):
+            words = list(words_of(self._layout, text, 0, len(text)))
+            if len(words) != len(pieces) or not self._same_words(pieces, words):
                 return False
         return True
 
@@ -494,64 +410,5 @@ class _Entries:
         return gap
 
 
-def _word(piece: _Piece) -> str | None:
-    return piece.what if isinstance(piece.what, str) else None
-
-
-def _joined(out: Sequence[str | _Piece]) -> str:
+def _joined(out: Sequence[str | Piece]) -> str:
     return "".join(p if isinstance(p, str) else str(p.what) for p in out)
-
-
-def _equal_sketches(a: Sketch, b: Sketch) -> bool:
-    if len(a) != len(b):
-        return False
-    return all(
-        x is y or (x == y if isinstance(x, str) else isinstance(y, Block) and _same_block(x, y))
-        for x, y in zip(a, b, strict=True)
-    )
-
-
-def _same_block(a: Block, b: Block) -> bool:
-    return len(a.children) == len(b.children) and all(map(same, a.children, b.children))
-
-
-def _name_blocks(before: list[_Piece], after: list[_Piece]) -> None:
-    """Gives blocks that belong together the same key, words their own text."""
-    for piece in [*before, *after]:
-        piece.key = piece.what if isinstance(piece.what, str) else id(piece)
-    had, has = ([p for p in pieces if isinstance(p.what, Block)] for pieces in (before, after))
-    if len(had) == len(has):
-        pairs = list(zip(had, has, strict=True))
-    else:
-        pairs = []
-        for new in has:
-            mine = {id(child) for child in new.what.children}  # type: ignore[union-attr]
-            for old in had:
-                theirs = (id(child) for child in old.what.children)  # type: ignore[union-attr]
-                if not mine.isdisjoint(theirs) or new.what == old.what:
-                    pairs.append((old, new))
-                    had.remove(old)
-                    break
-    for old, new in pairs:
-        new.key = old.key
-
-
-def _differences(
-    before: list[_Piece], after: list[_Piece]
-) -> Iterator[tuple[str, int, int, int, int]]:
-    """Like difflib's opcodes, equal ends first, which also settles which of alike words stay."""
-    most = min(len(before), len(after))
-    head = tail = 0
-    while head < most and before[head].key == after[head].key:
-        head += 1
-    while tail < most - head and before[-1 - tail].key == after[-1 - tail].key:
-        tail += 1
-    a = [p.key for p in before[head : len(before) - tail]]
-    b = [p.key for p in after[head : len(after) - tail]]
-    yield "equal", 0, head, 0, head
-    if len(a) * len(b) > MOST_WORDS * 64:
-        yield "replace", head, head + len(a), head, head + len(b)
-    else:
-        for kind, i1, i2, j1, j2 in SequenceMatcher(None, a, b, autojunk=False).get_opcodes():
-            yield kind, head + i1, head + i2, head + j1, head + j2
-    yield "equal", head + len(a), len(before), head + len(b), len(after)
