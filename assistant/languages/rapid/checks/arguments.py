@@ -121,9 +121,11 @@ def _required(call: Call, routine: Signature, scope: Scope) -> Found:
     look = scope.look
     given = [a for a in call.arguments if isinstance(a, s.Positional)]
     slots = routine.required
+    known = {one.name.lower() for slot in slots for one in slot.alternatives}
     for argument, slot in zip(given, slots, strict=False):
-        names = [one.name.lower() for one in slot.alternatives]
-        if argument.name is not None and argument.name.lower() not in names:
+        name = (argument.name or "").lower()
+        sure = name in known or routine is not signature(routine.name)
+        if name and sure and name not in {one.name.lower() for one in slot.alternatives}:
             yield look.finding(
                 rules.WRONG_NAME,
                 argument,

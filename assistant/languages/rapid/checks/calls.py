@@ -46,7 +46,8 @@ def _call(node: s.ProcedureCall | s.FunctionCall, name: str, kind: str, scope: S
     elif found.kind in ROUTINES and isinstance(found.node, s.Routine):
         routine = signature_of(found.node)
     else:
-        yield scope.look.finding(rules.NOT_A_ROUTINE, node, name=name, what=found.kind)
+        what = STORAGES.get(found.kind, f"a {found.kind}")
+        yield scope.look.finding(rules.NOT_A_ROUTINE, node, name=name, what=what)
         return
     if routine.kind != kind:
         rule = rules.FUNCTION_ALONE if kind == "PROC" else rules.NO_FUNCTION
@@ -64,14 +65,27 @@ def _unknown(node: s.ProcedureCall | s.FunctionCall, name: str, kind: str, scope
     own = [one.name for several in task for one in several if one.kind == kind]
     standard = [n for n, (line, _) in signatures.rows().items() if line.startswith(kind)]
     near = misspelt(name, [*own, *standard])
-    if near:
-        known = signature(near)
-        yield scope.look.finding(
-            rules.MISSPELT_ROUTINE, node, name=name, near=known.name if known else near
-        )
+    meant = _routine(near, scope) if near else None
+    if meant is not None and _right(node, meant, scope):
+        yield scope.look.finding(rules.MISSPELT_ROUTINE, node, name=name, near=meant.name)
     else:
         severity = names_used.doubt(scope, Severity.WARNING)
         yield scope.look.finding(rules.UNKNOWN_ROUTINE, node, name=name, severity=severity)
+
+
+def _routine(name: str, scope: Scope) -> Signature | None:
+    found = scope.find(name)
+    if found is None:
+        return signature(name)
+    return signature_of(found.node) if isinstance(found.node, s.Routine) else None
+
+
+def _right(node: s.ProcedureCall | s.FunctionCall, routine: Signature, scope: Scope) -> bool:
+    """Whether the arguments of a call fit another routine: else that one is hardly meant."""
+    bound = Bound.of(node.arguments, routine)
+    return not any(bind(node, routine, scope)) and all(
+        scope.suiting(one.value, one.parameters) for one in bound
+    )
 
 
 def _argument(bound: Bound, routine: Signature, scope: Scope) -> Found:
@@ -143,6 +157,7 @@ STORAGES: Final = {
     "CONST": "a CONST",
     "PERS": "a PERS",
     "IN": "a parameter that holds a copy",
+    "INOUT": "a parameter",
     "FOR": "the variable of a loop",
 }
 

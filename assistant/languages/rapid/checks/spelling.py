@@ -28,10 +28,14 @@ def misspelt(name: str, known: Iterable[str]) -> str:
     most = 2 if len(low) >= LONG else 1
     if len(low) < SHORTEST:
         return ""
+    letters = set(low)
     near = (
         (slips(low, other.lower(), most), other)
         for other in known
-        if abs(len(other) - len(low)) <= most and digits(other) == digits(low)
+        # One slip changes the length by one and the set of letters by two at most.
+        if abs(len(other) - len(low)) <= most
+        and len(letters.symmetric_difference(other.lower())) <= 2 * most
+        and digits(other) == digits(low)
     )
     return min((found for found in near if found[0] <= most), default=(0, ""))[1]
 

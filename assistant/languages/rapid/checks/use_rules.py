@@ -101,9 +101,7 @@ NO_FUNCTION: Final = Rule(
     "`{name}` is called as a function, but has no value",
     "call it as an instruction of its own, without parentheses",
 )
-NOT_A_ROUTINE: Final = Rule(
-    "RA417", ERROR, "`{name}` is called, but is declared as {what}", "correct the name"
-)
+NOT_A_ROUTINE: Final = Rule("RA417", ERROR, "`{name}` is called, but is {what}", "correct the name")
 UNKNOWN_TYPE: Final = Rule(
     "RA421",
     WARNING,
