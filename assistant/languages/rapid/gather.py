@@ -25,6 +25,7 @@ from assistant.languages.rapid.runs import (
     Names,
     TargetRun,
     concatenate,
+    joined,
 )
 from assistant.languages.rapid.tables import LONGEST_NAME
 from assistant.program.diagnostics import Span
@@ -245,5 +246,5 @@ def join_moves(runs: Sequence[MoveRun]) -> MoveRun:
         join_names([r.vias for r in runs]),
         np.concatenate(motion),
         tuple(table),
-        np.concatenate(values) if values else None,
+        joined(values) if values else None,
     )

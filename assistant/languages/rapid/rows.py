@@ -29,6 +29,7 @@ from assistant.languages.rapid.runs import (
     MotionNames,
     MoveRun,
     Names,
+    Store,
     TargetRun,
 )
 from assistant.languages.rapid.tables import LONGEST_NAME, RESERVED, UNUSED
@@ -80,35 +81,40 @@ class Found:
 
 def find_runs(text: str) -> Iterator[Found]:
     """The runs of a text, in order; rows that are not exactly plain are left out."""
+    store = Store(text.count(";"))
     for match in _RUNS.finditer(text):
         start, end = match.span()
         head = match["head"]
         scope = "LOCAL" if head and head.startswith("LOCAL") else ""
         reader: Reader
         if head is not None:
-            reader = _Declarations(len(re.sub(r"\s", "", head)))
+            reader = _Declarations(len(re.sub(r"\s", "", head)), store)
         elif match["moves"] is not None:
             reader = _moves
         else:
-            reader = _inline
-        yield from _read(text, start, end, reader, scope)
+            reader = _Inline(store)
+        yield from _read(text, start, end, reader, scope, store)
 
 
 Reader = Callable[[bytes], TargetRun | MoveRun]
 
 
-def _read(text: str, start: int, end: int, reader: Reader, scope: str) -> Iterator[Found]:
+def _read(
+    text: str, start: int, end: int, reader: Reader, scope: str, store: Store
+) -> Iterator[Found]:
     """Reads a stretch of rows; where one is damaged the stretch is halved around it."""
     stretch = text[start:end]
     if stretch.count("\n") + (not stretch.endswith("\n")) < FEWEST:
         return
+    before = store.taken
     try:
         run = reader(stretch.encode("ascii").translate(None, _BLANKS))
     except ValueError:
+        store.taken = before
         middle = text.find("\n", start + (end - start) // 2, end - 1) + 1
         if middle > start:
-            yield from _read(text, start, middle, reader, scope)
-            yield from _read(text, middle, end, reader, scope)
+            yield from _read(text, start, middle, reader, scope, store)
+            yield from _read(text, middle, end, reader, scope, store)
         return
     yield Found(start, end, run, scope)
 
@@ -121,11 +127,12 @@ class _Declarations:
     """head: length of what stands before each name."""
 
     head: int
+    store: Store
 
     def __call__(self, data: bytes) -> TargetRun:
         text = Slots(data)
         marks = _Marks(text)
-        values, opens = _targets(text, marks, ord(";"))
+        values, opens = _targets(text, marks, ord(";"), self.store)
         return TargetRun(_names(text, marks.rows + self.head, opens - len(":=")), values)
 
 
@@ -142,14 +149,18 @@ def _moves(data: bytes) -> MoveRun:
     return MoveRun(kinds, _names(text, starts, last), vias, motion, motions)
 
 
-def _inline(data: bytes) -> MoveRun:
-    text = Slots(data)
-    marks = _Marks(text)
-    values, _ = _targets(text, marks, ord(","))
-    ends = marks.offsets[marks.first + values.shape[1] - 1]
-    motion, motions = _motions(text, ends + 1, marks.stops)
-    none = Names((), np.empty(0, dtype=np.int32), np.empty(0, dtype=np.int64))
-    return MoveRun(_kinds(text, marks.rows), none, none, motion, motions, values)
+@dataclass(frozen=True, slots=True)
+class _Inline:
+    store: Store
+
+    def __call__(self, data: bytes) -> MoveRun:
+        text = Slots(data)
+        marks = _Marks(text)
+        values, _ = _targets(text, marks, ord(","), self.store)
+        ends = marks.offsets[marks.first + values.shape[1] - 1]
+        motion, motions = _motions(text, ends + 1, marks.stops)
+        none = Names((), np.empty(0, dtype=np.int32), np.empty(0, dtype=np.int64))
+        return MoveRun(_kinds(text, marks.rows), none, none, motion, motions, values)
 
 
 _KINDS: Final = np.zeros(256, dtype=np.uint8)
@@ -198,7 +209,9 @@ _SPELLINGS: Final = (b"9E9", b"9E+09", b"9E+9")
 _KNOWN: Final = tuple((text, UNUSED) for text in _SPELLINGS)
 
 
-def _targets(text: Slots, marks: _Marks, closing: int) -> tuple[NDArray[np.float64], Offsets]:
+def _targets(
+    text: Slots, marks: _Marks, closing: int, store: Store
+) -> tuple[NDArray[np.float64], Offsets]:
     """The numbers (n, 17) of the aggregate of aggregates in each row, and where they begin.
 
     closing: the mark behind it. Raises ValueError unless all rows have that form.
@@ -225,7 +238,7 @@ def _targets(text: Slots, marks: _Marks, closing: int) -> tuple[NDArray[np.float
         and (signs[:, -1] == closing).all()
     ):
         raise ValueError("brackets or commas are out of place")
-    values = np.empty((n, count))
+    values = store.take(n)
     for part, (left, right) in enumerate(PARTS):
         starts = opens[:, part + 1] + 1
         if right == count and _all_unused(text, starts, outer):

@@ -229,4 +229,33 @@ def concatenate(runs: Sequence[TargetRun]) -> TargetRun:
         np.concatenate([np.empty(0, np.int32), *stem]),
         np.concatenate([np.empty(0, np.int64), *(run.names.number for run in runs)]),
     )
-    return TargetRun(names, np.concatenate([np.empty((0, 17)), *(run.values for run in runs)]))
+    return TargetRun(names, joined([np.empty((0, 17)), *(run.values for run in runs)]))
+
+
+class Store:
+    """An array (most, 17) whose rows are handed out in turn, so that `joined` need not copy.
+
+    taken: rows handed out; set back for rows that are not wanted after all.
+    """
+
+    def __init__(self, most: int) -> None:
+        self._values = np.empty((most, PARTS[-1][1]))
+        self.taken = 0
+
+    def take(self, rows: int) -> NDArray[np.float64]:
+        self.taken += rows
+        return self._values[self.taken - rows : self.taken]
+
+
+def joined(parts: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
+    """Rows (n, 17) one after the other; neighbours in one array stay where they are."""
+    parts = [part for part in parts if len(part)] or list(parts[:1])
+    base = parts[0].base
+    if base is None or any(part.base is not base or not part.flags.c_contiguous for part in parts):
+        return np.concatenate(parts)
+    begins = [part.__array_interface__["data"][0] for part in parts]
+    ends = [begin + part.nbytes for begin, part in zip(begins, parts, strict=True)]
+    if begins[1:] != ends[:-1]:
+        return np.concatenate(parts)
+    first = (begins[0] - base.__array_interface__["data"][0]) // base.strides[0]
+    return np.asarray(base[first : first + sum(map(len, parts))])
