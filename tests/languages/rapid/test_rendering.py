@@ -18,6 +18,7 @@ from assistant import languages
 from assistant.languages.rapid import syntax as s
 from assistant.program.diagnostics import Refused
 from tests.languages.rapid.changes import change, settled
+from tests.languages.rapid.modules import files
 
 RAPID = languages.get("rapid")
 
@@ -120,7 +121,7 @@ def at_random(seed: int, *texts: str) -> tuple[Random, s.File]:
 
 
 SEEDS = st.integers(0, 1 << 32)
-QUICK = settings(max_examples=80, deadline=None, phases=(Phase.explicit, Phase.generate))
+QUICK = settings(max_examples=50, deadline=None, phases=(Phase.explicit, Phase.generate))
 
 
 @QUICK
@@ -131,6 +132,16 @@ def test_a_changed_tree_reads_as_it_was_changed(seed: int) -> None:
         tree = change(tree, random).tree
     tree = settled(tree)
     assert parsed(RAPID.render(tree)) == parsed(printed(tree))
+
+
+@QUICK
+@given(files(), SEEDS)
+def test_a_changed_random_tree_reads_as_it_was_changed(file: s.File, seed: int) -> None:
+    random, tree = at_random(seed, printed(file))
+    tree = settled(change(tree, random).tree)
+    wanted = RAPID.parse(printed(tree))
+    assume(not wanted.findings)  # what is put in may not fit beside what is there
+    assert parsed(RAPID.render(tree)) == wanted
 
 
 @QUICK
