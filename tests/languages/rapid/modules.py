@@ -69,11 +69,9 @@ STRINGS: Final = st.one_of(
     st.text(st.characters(max_codepoint=0xFF), max_size=12),
     st.text(st.characters(exclude_categories=["Cs"]), max_size=4),
 )
-NEVER: Final = "\r\n\x02\x03\x04\x05"
-"""Ends of lines and the characters that the parser keeps for itself."""
 COMMENTS: Final = st.one_of(
     st.sampled_from(("", "!", "note", "a:=1;", 'it"s', "tab\tinside", "ENDPROC", "%%%", "Größe")),
-    st.text(st.characters(exclude_categories=["Cs"], exclude_characters=NEVER), max_size=12),
+    st.text(st.characters(exclude_categories=["Cs", "Cc"]), max_size=12),
 ).map(str.strip)
 HEADERS: Final = st.one_of(
     st.sampled_from(
@@ -215,44 +213,50 @@ def _pose(values: list[tuple[str, str]]) -> s.AggregateNode:
     return s.AggregateNode(tuple(map(s.AggregateNode, parts)))
 
 
-@st.composite
-def poses(draw: st.DrawFn) -> s.AggregateNode:
-    """Robtargets that are written out; most of their numbers come from one short list."""
-    few = draw(
-        st.lists(
-            st.tuples(COORDINATES, st.sampled_from(("", "-", "", "+"))), min_size=1, max_size=4
-        )
-    )
-    return _pose([few[(k * k) % len(few)] for k in range(17)])
+def poses() -> st.SearchStrategy[s.AggregateNode]:
+    """Robtargets that are written out; their numbers come from one short list."""
+    few = st.lists(st.tuples(COORDINATES, SIGNS), min_size=1, max_size=4)
+    return few.map(lambda some: _pose([some[(k * k) % len(some)] for k in range(17)]))
+
+
+SIGNS: Final = st.sampled_from(("", "-", "", "+"))
+POSES: Final = poses()
+ROWS: Final = st.sampled_from((1, 2, 3, 7, 8, 9, 12))
+"""Fewer than make a run and more."""
+
+
+def _repeated(rows: list[T], count: int) -> list[T]:
+    return (rows * count)[:count]
 
 
 TARGET_ROWS: Final = st.builds(
     lambda scope, rows, count: [
-        s.Data(scope, "CONST", "robtarget", name, (), value) for name, value in (rows * 12)[:count]
+        s.Data(scope, "CONST", "robtarget", name, (), value)
+        for name, value in _repeated(rows, count)
     ],
     st.sampled_from(("", "LOCAL", "", "TASK")),
-    st.lists(st.tuples(PLAIN_NAMES, poses()), min_size=1, max_size=3),
-    st.integers(1, 12),
+    st.lists(st.tuples(PLAIN_NAMES, POSES), min_size=1, max_size=2),
+    ROWS,
 )
 
 
-@st.composite
-def move_rows(draw: st.DrawFn) -> list[s.StatementNode]:
-    """Moves in a row with points declared or written out."""
-    inline = draw(st.booleans())
-    point: st.SearchStrategy[Any] = poses() if inline else PLAIN_NAMES.map(s.NameRef)
-    moves = []
-    for _ in range(draw(st.integers(1, 3))):
-        kind = draw(st.sampled_from(("MoveL", "MoveJ", "MoveC", "MoveL", "movel", "MoveAbsJ")))
-        points = [draw(point) for _ in range(2 if kind == "MoveC" else 1)]
-        words = draw(st.sampled_from((("v100", "fine", "tool0"), ("v5", "z1", "Greifer"))))
-        given: list[s.Argument] = [s.Positional(p) for p in points]
-        given += [s.Positional(s.NameRef(word)) for word in words]
-        if draw(st.booleans()):
-            given.append(s.Option("WObj", s.NameRef("wobj1")))
-        moves.append(s.ProcedureCall(kind, tuple(given)))
-    return (moves * 12)[: draw(st.integers(1, 12))]
+def _move(kind: str, points: tuple[Any, Any], words: tuple[str, ...], frame: bool) -> Any:
+    through = points if kind == "MoveC" else points[:1]
+    given: list[s.Argument] = [s.Positional(p) for p in through]
+    given += [s.Positional(s.NameRef(word)) for word in words]
+    if frame:
+        given.append(s.Option("WObj", s.NameRef("wobj1")))
+    return s.ProcedureCall(kind, tuple(given))
 
+
+def _moves(point: st.SearchStrategy[Any]) -> st.SearchStrategy[list[Any]]:
+    kinds = st.sampled_from(("MoveL", "MoveJ", "MoveL", "MoveC", "movel", "MoveAbsJ"))
+    words = st.sampled_from((("v100", "fine", "tool0"), ("v5", "z1", "Greifer")))
+    one = st.builds(_move, kinds, st.tuples(point, point), words, st.booleans())
+    return st.builds(_repeated, st.lists(one, min_size=1, max_size=2), ROWS)
+
+
+MOVE_ROWS: Final = st.one_of(_moves(PLAIN_NAMES.map(s.NameRef)), _moves(POSES))
 
 # Statements
 
@@ -291,27 +295,28 @@ def blocks(depth: int = DEPTH) -> st.SearchStrategy[tuple[Any, ...]]:
     return _BLOCKS[depth]
 
 
-@st.composite
-def _compound(draw: st.DrawFn, block: st.SearchStrategy[Any]) -> s.StatementNode:
+def _compound(block: st.SearchStrategy[Any]) -> st.SearchStrategy[Any]:
     otherwise = or_none(block)
-    match draw(st.sampled_from(("if", "for", "while", "test"))):
-        case "if":
-            branch = st.one_of(
-                st.builds(s.IfBranch, condition=SHORT, body=block), st.just(s.IfBranch(None, ()))
-            )
-            first = s.IfBranch(draw(VALUES), draw(block))
-            return s.IfThen((first, *draw(some(branch, most=2))), draw(otherwise))
-        case "for":
-            first, last, step = draw(st.tuples(SHORT, SHORT, or_none(SHORT)))
-            return s.ForLoop(draw(NAMES), first, last, step, draw(block))
-        case "while":
-            return s.WhileLoop(draw(VALUES), draw(block))
-        case _:
-            case = st.one_of(
-                st.builds(s.TestCase, values=some(SHORT, 1), body=block),
-                st.just(s.TestCase((), ())),
-            )
-            return s.TestOf(draw(VALUES), draw(some(case, most=2)), draw(otherwise))
+    branch = st.builds(s.IfBranch, condition=SHORT, body=block)
+    case = st.builds(s.TestCase, values=some(SHORT, 1), body=block)
+    return st.one_of(
+        st.builds(
+            lambda first, rest, otherwise: s.IfThen((first, *rest), otherwise),
+            branch,
+            some(st.one_of(branch, st.just(s.IfBranch(None, ()))), most=2),
+            otherwise,
+        ),
+        st.builds(
+            s.ForLoop, variable=NAMES, first=SHORT, last=SHORT, step=or_none(SHORT), body=block
+        ),
+        st.builds(s.WhileLoop, condition=VALUES, body=block),
+        st.builds(
+            s.TestOf,
+            subject=VALUES,
+            cases=some(st.one_of(case, st.just(s.TestCase((), ()))), most=2),
+            otherwise=otherwise,
+        ),
+    )
 
 
 def _noted(parts: Iterable[Iterable[Any]], follows: bool) -> tuple[Any, ...]:
@@ -338,7 +343,7 @@ def _block(statement: st.SearchStrategy[Any], most: int) -> st.SearchStrategy[tu
         statement.map(lambda node: [node]),
         COMMENT.map(lambda node: [node]),
         st.one_of(DATA, st.sampled_from((SMT, DDN))).map(lambda node: [node]),
-        st.one_of(move_rows(), TARGET_ROWS),
+        st.one_of(MOVE_ROWS, TARGET_ROWS),
     )
     return st.lists(one, max_size=most).map(lambda parts: _noted(parts, True))
 
@@ -375,17 +380,18 @@ HANDLER: Final = st.one_of(
 )
 
 
-@st.composite
-def routines(draw: st.DrawFn) -> s.Routine:
-    kind = draw(st.sampled_from(("PROC", "FUNC", "TRAP")))
-    return s.Routine(
-        kind,
-        draw(st.booleans()),
-        draw(NAMES),
-        draw(_BLOCKS[DEPTH]),
-        draw(NAMES) if kind == "FUNC" else "",
-        () if kind == "TRAP" else draw(some(GROUP)),
-        draw(some(HANDLER, most=2)),
+def routines() -> st.SearchStrategy[s.Routine]:
+    shared = {
+        "local": st.booleans(),
+        "name": NAMES,
+        "body": _BLOCKS[DEPTH],
+        "handlers": some(HANDLER, most=2),
+    }
+    parameters = some(GROUP)
+    return st.one_of(
+        st.builds(s.Routine, kind=st.just("PROC"), parameters=parameters, **shared),
+        st.builds(s.Routine, kind=st.just("FUNC"), type=NAMES, parameters=parameters, **shared),
+        st.builds(s.Routine, kind=st.just("TRAP"), **shared),
     )
 
 
@@ -412,10 +418,13 @@ def modules() -> st.SearchStrategy[s.Module]:
     return st.builds(s.Module, name=NAMES, attributes=some(ATTRIBUTES), items=items())
 
 
-@st.composite
-def files(draw: st.DrawFn) -> s.File:
+def files() -> st.SearchStrategy[s.File]:
     """Whole files: a module with comments around it, seldom several, seldom a header."""
-    header = draw(or_none(HEADERS))
-    first = draw(st.lists(COMMENT, max_size=1))
-    rest = draw(st.lists(st.one_of(COMMENT, COMMENT, modules()), max_size=2))
-    return s.File(_noted((first, [draw(modules())], rest), header is not None), header)
+    module = modules()
+    return st.builds(
+        lambda header, *parts: s.File(_noted(parts, header is not None), header),
+        or_none(HEADERS),
+        st.lists(COMMENT, max_size=1),
+        st.tuples(module),
+        st.lists(st.one_of(COMMENT, COMMENT, module), max_size=2),
+    )
