@@ -60,6 +60,8 @@ class Slots:
             mask = np.uint64((1 << (8 * len(part))) - 1)
             place = np.minimum(starts + at, len(self._words) - 1)
             found &= (self._words[place] & mask) == wanted
+            if not found.any():
+                break
         return found
 
     def whole(self, ends: Offsets, count: Offsets) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:

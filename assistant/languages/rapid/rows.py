@@ -182,13 +182,13 @@ class _Marks:
         letters = text.bytes
         at = np.flatnonzero((letters == ord(",")) | (letters == ord(";")) | (letters == ord(".")))
         signs = letters[at]
-        point = signs == ord(".")
-        pointed = np.concatenate([[False], point[:-1]])
-        if (point & pointed).any():
+        mark = np.flatnonzero(signs != ord("."))
+        before = mark - 1  # of the very first mark the last one, which is no point
+        pointed = signs.take(before) == ord(".")
+        if np.count_nonzero(pointed) + len(mark) != len(at):
             raise ValueError("a number has two points")
-        mark = ~point
-        self.signs, self.offsets = signs[mark], at[mark]
-        self.points = np.where(pointed, np.concatenate([at[:1], at[:-1]]), at)[mark]
+        self.signs, self.offsets = signs.take(mark), at.take(mark)
+        self.points = np.where(pointed, at.take(before), self.offsets)
         ends = np.flatnonzero(self.signs == ord(";"))
         self.stops = self.offsets[ends]
         self.first = np.concatenate([[0], ends[:-1] + 1])
@@ -205,8 +205,7 @@ class _Marks:
 
 
 _SIZES: Final = tuple(stop - start for start, stop in PARTS)
-_SPELLINGS: Final = (b"9E9", b"9E+09", b"9E+9")
-_KNOWN: Final = tuple((text, UNUSED) for text in _SPELLINGS)
+_KNOWN: Final = tuple((text, UNUSED) for text in (b"9E9", b"9E+09", b"9E+9"))
 
 
 def _targets(
@@ -240,27 +239,21 @@ def _targets(
         raise ValueError("brackets or commas are out of place")
     values = store.take(n)
     for part, (left, right) in enumerate(PARTS):
-        starts = opens[:, part + 1] + 1
-        if right == count and _all_unused(text, starts, outer):
-            values[:, left:] = UNUSED
-            continue
-        begins = np.column_stack([starts, stops[:, left : right - 1] + 1])
-        ends = stops[:, left:right].copy()
-        ends[:, -1] -= 1 + (right == count)
-        ended = np.minimum(points[:, left:right], ends)
+        start, stop = opens[:, part + 1] + 1, stops[:, right - 1] - 1 - (right == count)
+        rows = slice(1 if _alike(text, start, stop) else n)
+        begins = np.column_stack([start[rows], stops[rows, left : right - 1] + 1])
+        ends = np.column_stack([stops[rows, left : right - 1], stop[rows]])
+        ended = np.minimum(points[rows, left:right], ends)
         values[:, left:right] = text.decimals(begins, ends, ended, _KNOWN)
     if not np.isfinite(values).all():
         raise ValueError("a number is too large")
     return values, opens[:, 0]
 
 
-def _all_unused(text: Slots, starts: Offsets, outer: Offsets) -> bool:
-    """Whether no row uses any external axis, spelled alike in all."""
-    for spelling in _SPELLINGS:
-        whole = b",".join([spelling] * _SIZES[-1]) + b"]]"
-        if (outer - starts == len(whole)).all() and text.holds(whole, starts).all():
-            return True
-    return False
+def _alike(text: Slots, starts: Offsets, ends: Offsets) -> bool:
+    """Whether all rows say the same in the very same way; it is read once then."""
+    first = text.bytes[starts[0] : ends[0]].tobytes()
+    return bool((ends - starts == len(first)).all() and text.holds(first, starts).all())
 
 
 # Words
@@ -314,9 +307,9 @@ def _motions(
     text: Slots, starts: Offsets, ends: Offsets
 ) -> tuple[NDArray[np.int32], tuple[MotionNames, ...]]:
     """Which motion each row names behind its target, and the different ones."""
-    first = text.bytes[starts[0] : ends[0] + 1].tobytes()
-    if (ends - starts == len(first) - 1).all() and text.holds(first, starts).all():
-        return np.zeros(len(starts), dtype=np.int32), (_motion(first[:-1]),)
+    if _alike(text, starts, ends):
+        only = _motion(text.bytes[starts[0] : ends[0]].tobytes())
+        return np.zeros(len(starts), dtype=np.int32), (only,)
     lengths = ends - starts
     if int(lengths.max()) > 4 * LONGEST_NAME + 24:
         raise ValueError("a name is too long")

@@ -13,7 +13,6 @@ from assistant.languages.rapid.parser import parse
 from assistant.languages.rapid.rows import find_runs
 from assistant.languages.rapid.runs import FEWEST
 from assistant.program.diagnostics import Diagnostic
-from assistant.program.slots import WORD, Slots
 
 RAPID = languages.get("rapid")
 
@@ -167,26 +166,3 @@ def test_a_row_that_cannot_be_read_costs_its_neighbours_nothing() -> None:
     good = f"CONST robtarget p1:={TARGET};\n"
     text = good * 100 + good.replace("3", "3-3") + good * 100
     assert sum(len(found.run) for found in find_runs(text)) >= 200 - 2 * FEWEST
-
-
-@settings(max_examples=200, deadline=None)
-@given(st.lists(NUMBER | st.floats().map(repr), min_size=1, max_size=30))
-def test_slots_hold_the_doubles_that_are_written(written: list[str]) -> None:
-    finite = [w for w in written if "n" not in w] or ["0"]
-    data = ",".join(finite) + ","
-    ends = np.flatnonzero(np.frombuffer(data.encode(), dtype=np.uint8) == ord(",")) + WORD
-    starts = np.concatenate([[WORD], ends[:-1] + 1])
-    points = np.array(
-        [a + w.index(".") if "." in w else b for w, a, b in zip(finite, starts, ends, strict=True)]
-    )
-    read = Slots(data.encode()).decimals(starts, ends, points, [(b"9E9", 9e9)])
-    assert read.tolist() == [float(w) for w in finite]
-
-
-@pytest.mark.parametrize("text", ["", "-", ".", "1-2", "1e", "x1", "+-5"])
-def test_a_slot_without_a_number_is_refused(text: str) -> None:
-    slots = Slots(text.encode() + b",")
-    start, end = np.array([WORD]), np.array([WORD + len(text)])
-    point = start + text.index(".") if "." in text else end
-    with pytest.raises(ValueError, match="could not convert"):
-        slots.decimals(start, end, point, [])
