@@ -47,11 +47,16 @@ class SourceText:
     newline: str = field(default="\r\n")
 
     @cached_property
+    def _line_end(self) -> str:
+        """What ends the lines: a carriage return in a file of the old Macintosh."""
+        return "\r" if "\n" not in self.text and "\r" in self.text else "\n"
+
+    @cached_property
     def _starts(self) -> list[int]:
-        starts, at = [0], self.text.find("\n")
+        starts, at = [0], self.text.find(self._line_end)
         while at >= 0:
             starts.append(at + 1)
-            at = self.text.find("\n", at + 1)
+            at = self.text.find(self._line_end, at + 1)
         return starts
 
     def line_column(self, offset: int) -> tuple[int, int]:
@@ -62,7 +67,7 @@ class SourceText:
     def line_text(self, line: int) -> str:
         """The line with that number, without its line end."""
         start = self._starts[line - 1]
-        end = self.text.find("\n", start)
+        end = self.text.find(self._line_end, start)
         return self.text[start : end if end >= 0 else None].rstrip("\r")
 
     def finding(self, rule: Rule, span: Span, **fields: Any) -> Diagnostic:

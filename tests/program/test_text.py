@@ -82,8 +82,9 @@ def test_line_and_column_find_the_character_again(text: str, data: st.DataObject
     offset = data.draw(st.integers(0, len(text)))
     source = SourceText(text)
     line, column = source.line_column(offset)
-    assert line == text.count("\n", 0, offset) + 1
-    lines = text.split("\n")
+    end = "\n" if "\n" in text or "\r" not in text else "\r"
+    assert line == text.count(end, 0, offset) + 1
+    lines = text.split(end)
     assert sum(len(before) + 1 for before in lines[: line - 1]) + column - 1 == offset
     assert source.line_text(line) == lines[line - 1].rstrip("\r")
 

@@ -1,21 +1,33 @@
-"""Syntax errors in the words of the person who has to fix them."""
+"""Syntax errors in the words of the person who has to fix them.
+
+`MISTAKES` is the table of usual mistakes: each row shows the mistake in small broken programs and
+says the cure. What fits no row gets the cure of the change that mended it.
+"""
 
 from __future__ import annotations
 
-import re
+from collections.abc import Set
+from typing import TYPE_CHECKING, Final
 
-# ruff: noqa: ARG005 (every row of a table takes the same arguments)
-from collections.abc import Callable, Set
-from typing import Final
+from assistant.languages.rapid import rules
+from assistant.languages.rapid.mistaken import MISTAKES
+from assistant.program.diagnostics import Diagnostic, Span
+from assistant.program.text import SourceText
+
+if TYPE_CHECKING:
+    from assistant.languages.rapid.broken import Broken, Repair
 
 NAMES: Final = {
     "NAME": "a name",
     "NUMBER": "a number",
     "STRING": "a string",
+    "EXP": "a value",
     "SEMICOLON": "`;`",
     "COMMA": "`,`",
     "COLON": "`:`",
     "DOT": "`.`",
+    "EQUAL": "`=`",
+    "_ASSIGN": "`:=`",
     "LPAR": "`(`",
     "RPAR": "`)`",
     "LSQB": "`[`",
@@ -23,6 +35,8 @@ NAMES: Final = {
     "LBRACE": "`{`",
     "RBRACE": "`}`",
     "PERCENT": "`%`",
+    "MINUS": "`-`",
+    "SLASH": "`/`",
     "BACKSLASH": "`\\`",
     "VBAR": "`|`",
     "QMARK": "`?`",
@@ -39,11 +53,77 @@ HOLES: Final = frozenset(
     "TDN DDN RDN PAR ALT DIM SMT VAR_HOLE EIT CSE EXP ARG".split()  # noqa: SIM905
 )
 SILENT: Final = frozenset({"NOTE", "COMMENT", "BLANK", "TARGETS", "MOVES", "TABLE"})
-STATEMENT: Final = frozenset({"_IF", "_WHILE", "_FOR", "_TEST"})
+STATEMENT: Final = frozenset({"_IF", "_GOTO", "_RETURN"})
+ITEM: Final = frozenset({"_PROC", "_FUNC", "_RECORD"})
+LONGEST_SHOWN: Final = 30
+
+CURES: Final = {
+    "double": "delete one of the two",
+    "delete": "delete it",
+    "swap": "swap it with the word beside it",
+    "hole": "correct the statement; it was left out",
+    "wrap": "statements stand between PROC and ENDPROC",
+    "behind": "nothing stands behind ENDMODULE; delete it, or the ENDMODULE before it",
+    "outside": "a file of RAPID begins with MODULE and a name; nothing stands behind ENDMODULE",
+    "reserved": "choose another name: this is a word of the language",
+    "comment": "begin a comment with `!`",
+    "string": 'write a string in double quotes, on one line: `"text"`',
+    "strange": "delete this character, or write a value or name of letters and digits",
+}
+"""Kind of repair → the cure that goes without saying more."""
+
+
+def finding(source: SourceText, broken: Broken, repair: Repair) -> Diagnostic:
+    """What is wrong at a damaged place, and the cure."""
+    start, end = repair.start, repair.end
+    hint = ""
+    for mistake in MISTAKES:
+        moved = mistake.place(broken, repair)
+        if moved is not None:
+            hint = mistake.cure
+            if moved >= 0:
+                start, end = moved, max(end, moved)
+            break
+    kind = repair.kind
+    if broken.at_file_level and kind in ("delete", "double", "swap", "hole", "strange", "string"):
+        kind = "outside"
+    words = repair.what.split()
+    named = "`()`" if words == ["LPAR", "RPAR"] else " and ".join(name(word) for word in words)
+    verb = "are" if len(words) > 1 and named != "`()`" else "is"
+    if repair.kind == "insert":
+        what, cure = named, f"write {named} here"
+    elif repair.kind == "close":
+        what, cure = named, "close what was opened: " + _opened(source, broken, words)
+    else:
+        return source.finding(
+            rules.SYNTAX,
+            Span(start, max(end, start)),
+            found=found(broken.text[repair.start : repair.end]),
+            expected=named if repair.kind in ("replace", "join") else expected(broken.accepted()),
+            hint=hint or CURES.get(kind) or f"write {named}",
+        )
+    return source.finding(rules.MISSING, Span(start, end), what=f"{what} {verb}", hint=hint or cure)
+
+
+def _opened(source: SourceText, broken: Broken, ends: list[str]) -> str:
+    openers = [opener for opener in broken.openers() if opener[1] >= 0][-len(ends) :]
+    return ", ".join(
+        f"{type.lstrip('_')} of line {source.line_column(begin)[0]} with END{type[1:]}"
+        for type, begin in reversed(openers)
+    )
+
+
+def name(terminal: str) -> str:
+    return NAMES.get(terminal, f"`{terminal.lstrip('_')}`")
 
 
 def found(text: str) -> str:
-    return f"`{text}`" if text.strip() else "the end of the text"
+    if text and (not text.strip() or not text[0].isprintable()):
+        return f"the character U+{ord(text[0]):04X}"
+    text = " ".join(text.split())
+    if len(text) > LONGEST_SHOWN:
+        text = text[:LONGEST_SHOWN] + "…"
+    return f"`{text}`" if text else "the end of the text"
 
 
 def expected(terminals: Set[str]) -> str:
@@ -53,75 +133,18 @@ def expected(terminals: Set[str]) -> str:
     if rest >= EXPRESSION:
         words.append("a value")
         rest -= EXPRESSION | {"NAME", "LPAR", "_NOT", "PLUS", "MINUS"}
+    if rest >= ITEM:
+        words.append("a declaration or routine")
+        rest = {t for t in rest if t.startswith("_END")}
     if rest >= STATEMENT:
         words.append("a statement")
         rest = {t for t in rest if t.startswith("_END") or t in ("_ELSE", "_ELSEIF", "_CASE")}
     if len(rest & OPERATORS) > 3:
         words.append("an operator")
         rest -= OPERATORS
-    words += sorted(NAMES.get(t, f"`{t.lstrip('_')}`") for t in rest)
+    words += sorted(map(name, rest))
     if len(words) > 6:
         words = [*words[:6], "…"]
     if len(words) < 2:
         return words[0] if words else "nothing more"
     return ", ".join(words[:-1]) + " or " + words[-1]
-
-
-def cure(before: str, word: str, terminals: Set[str]) -> str:
-    """What to do, from the first row of the table that fits."""
-    for fits, sentence in CURES:
-        if fits(before, word, terminals):
-            return sentence
-    return "correct the text at this place"
-
-
-ENDS: Final = ("_ENDIF", "_ENDFOR", "_ENDWHILE", "_ENDTEST", "_ENDPROC", "_ENDFUNC", "_ENDTRAP")
-CLOSERS: Final = frozenset(
-    (
-        *("ENDIF", "ENDFOR", "ENDWHILE", "ENDTEST", "ENDPROC", "ENDFUNC", "ENDTRAP", "ENDMODULE"),
-        *("PROC", "FUNC", "TRAP"),
-    )
-)
-
-Fits = Callable[[str, str, Set[str]], bool]
-
-CURES: Final[tuple[tuple[Fits, str], ...]] = (
-    (lambda b, w, t: not w.strip() and not b.strip(), "write MODULE … ENDMODULE"),
-    (
-        lambda b, w, t: "_MODULE" in t and "_ENDMODULE" not in t,
-        "a file of RAPID begins with MODULE and a name; nothing stands behind ENDMODULE",
-    ),
-    (lambda b, w, t: w in ("=", "==") and "COLON" in t, "assign with `:=`"),
-    (lambda b, w, t: w == "=" and b.rstrip().endswith("="), "compare with a single `=`"),
-    (lambda b, w, t: w == "==", "compare with a single `=`"),
-    (lambda b, w, t: w.upper() == "NOT", "write the NOT in parentheses: `a AND (NOT b)`"),
-    (
-        lambda b, w, t: w in ("+", "-") and b.rstrip()[-1:] in "*/+-<>=",
-        "write the signed value in parentheses: `a*(-1)`",
-    ),
-    (
-        lambda b, w, t: w.startswith('"'),
-        'end the string with `"` on the same line; write `\\\\` for a backslash, `""` for a quote',
-    ),
-    (lambda b, w, t: w == "'", 'write strings in double quotes: `"text"`'),
-    (lambda b, w, t: w == "#" or (w == "/" and b.endswith("/")), "begin a comment with `!`"),
-    (
-        lambda b, w, t: w == "," and re.search(r"\w\s*\([^()]*$", b) is not None,
-        "call a procedure without parentheses: `name a, b;`",
-    ),
-    (lambda b, w, t: w == ")" and "RPAR" not in t, "delete it, or open a parenthesis before"),
-    (
-        lambda b, w, t: not w.strip() and "_ENDMODULE" in t,
-        "end the module with ENDMODULE",
-    ),
-    (
-        lambda b, w, t: any(e in t for e in ENDS) and (not w.strip() or w.upper() in CLOSERS),
-        "close what was opened: IF with ENDIF, FOR with ENDFOR, PROC with ENDPROC …",
-    ),
-    (lambda b, w, t: "SEMICOLON" in t, "end the statement before it with `;`"),
-    (
-        lambda b, w, t: t == {"NAME"} or (t - {"NAME"}) <= HOLES | SILENT,
-        "write a name that begins with a letter and is no word of the language",
-    ),
-)
-"""(does it fit the text before, the word found and what was expected; what to do)."""

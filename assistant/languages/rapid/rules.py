@@ -12,6 +12,26 @@ SYNTAX: Final = Rule("RA101", ERROR, "{found} stands where {expected} should", "
 TOO_DEEP: Final = Rule(
     "RA102", ERROR, "more than {most} brackets or blocks stand inside each other", "simplify it"
 )
+MISSING: Final = Rule("RA103", ERROR, "{what} missing", "{hint}")
+MANY: Final = Rule(
+    "RA104",
+    ERROR,
+    "more than {most} places are damaged; the rest was not looked at",
+    "correct these first",
+)
+UNREADABLE: Final = Rule("RA105", ERROR, "this is no text of RAPID: {why}", "{hint}")
+ENCODING: Final = Rule(
+    "RA106",
+    WARNING,
+    "the file is written in UTF-16, which no controller reads",
+    "save it as ISO 8859-1, or as UTF-8 for RobotWare 7",
+)
+LINE_END: Final = Rule(
+    "RA107",
+    WARNING,
+    "a line ends with CR CR LF, at which controllers stop loading",
+    "save the file with CR LF or LF",
+)
 DUPLICATE: Final = Rule(
     "RA201", ERROR, "the name `{name}` is declared twice", "rename one of the two"
 )

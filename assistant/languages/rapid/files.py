@@ -1,0 +1,101 @@
+"""Files of RAPID as bytes: encodings, program lists, and what is no text at all."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from typing import Final
+from xml.sax.saxutils import unescape
+
+from assistant.languages.rapid import rules
+from assistant.program.diagnostics import Diagnostic, Span
+from assistant.program.text import SourceText, decode
+
+_LOOKED_AT: Final = 1 << 16
+_BEGINS: Final = re.compile(
+    r"^\ufeff?[ \t]*(?:module[ \t]+\w|%%%|(?:local[ \t]+)?(?:proc|func|trap)[ \t]+\w"
+    r"|(?:(?:local|task)[ \t]+)?(?:const|pers|var)[ \t]+\w+[ \t]+\w+[^;\n]*;)",
+    re.IGNORECASE | re.MULTILINE,
+)
+_LIST: Final = re.compile(r"\A\ufeff?\s*<(?:\?xml|!--|Program\b)", re.IGNORECASE)
+_LISTED: Final = re.compile(r"<Module\b[^>]*>\s*([^<]*?)\s*</Module\s*>", re.IGNORECASE)
+_CONTROL: Final = re.compile(r"[\x00-\x08\x0b\x0e-\x1f\x7f-\x9f]")
+MOST_CONTROL: Final = 0.02
+"""Share of control characters from which on a file is no text."""
+UTF16: Final = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}
+"""Marks at the begin; the mark stays in the text, so that the same bytes are written."""
+
+
+def read_text(data: bytes, path: str | None, encodings: Sequence[str]) -> SourceText:
+    """The text of a file; raises Unreadable only where no encoding fits."""
+    wide = UTF16.get(data[:2])
+    source = decode(data, path, (wide, *encodings) if wide else encodings)
+    return SourceText(source.text, path, source.encoding, newline_of(source.text))
+
+
+def newline_of(text: str) -> str:
+    """The line end that new lines of a text get."""
+    if "\r\n" in text or not ("\n" in text or "\r" in text):
+        return "\r\n"
+    return "\n" if "\n" in text else "\r"
+
+
+def recognises(data: bytes) -> bool:
+    """Whether the begin of a file looks like a module, a part of one, or a list of modules.
+
+    An encrypted module does as well: reading it says what it is.
+    """
+    wide = UTF16.get(data[:2])
+    text = data[:_LOOKED_AT].decode(wide or "latin-1", errors="replace")
+    if _BEGINS.search(text.removeprefix("\xef\xbb\xbf")):
+        return True
+    program = _LIST.match(text) is not None and re.search(r"<Program\b", text) is not None
+    return program or bool(_controls(text))
+
+
+def _controls(text: str) -> list[int]:
+    """Where the control characters are, if there are more than a text has."""
+    found = [match.start() for match in _CONTROL.finditer(text)]
+    return found if len(found) > max(2, MOST_CONTROL * len(text)) else []
+
+
+def is_list(text: str) -> bool:
+    """Whether a text is the XML of a `.pgf`."""
+    return _LIST.match(text) is not None
+
+
+def listed(text: str) -> tuple[str, ...]:
+    """The files that a program list names."""
+    return tuple(unescape(name) for name in _LISTED.findall(text) if name)
+
+
+def unreadable(source: SourceText) -> Diagnostic | None:
+    """What keeps a text from being read as RAPID at all."""
+    begin = source.text[:_LOOKED_AT]
+    if controls := _controls(begin):
+        at = controls[0]
+        empty = begin.count("\0") * 3 > len(begin)
+        return source.finding(
+            rules.UNREADABLE,
+            Span(at, at + 1),
+            why="every other byte is zero" if empty else "it is encrypted or another kind of file",
+            hint="save it as UTF-8 or ISO 8859-1"
+            if empty
+            else "an encrypted module runs on the controller only; ask its maker for the text",
+        )
+    if is_list(source.text) and not listed(source.text):
+        return source.finding(
+            rules.UNREADABLE,
+            Span(0, 1),
+            why="it is XML that lists no module",
+            hint="write <Program><Module>name.mod</Module></Program>, or give the modules",
+        )
+    return None
+
+
+def notes(source: SourceText) -> Iterable[Diagnostic]:
+    """What a controller does not take about the bytes of a file that can be read."""
+    if source.encoding.startswith("utf-16"):
+        yield source.finding(rules.ENCODING, Span(0, 1))
+    if (at := source.text.find("\r\r\n")) >= 0:
+        yield source.finding(rules.LINE_END, Span(at, at + 1))

@@ -1,0 +1,26 @@
+"""The grammar of RAPID as lark reads it."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING
+
+from assistant.resources import read_grammar
+
+if TYPE_CHECKING:
+    from lark import Lark
+
+
+@cache
+def grammar() -> Lark:
+    """The parser of whole files (`start`), `statements` and `items`."""
+    from lark import Lark
+
+    return Lark(
+        read_grammar("rapid.lark"),
+        parser="lalr",
+        lexer="contextual",
+        start=["start", "statements", "items"],
+        propagate_positions=True,
+        maybe_placeholders=True,
+    )

@@ -1,0 +1,289 @@
+"""Usual mistakes in RAPID, as small broken programs with their cures."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, Literal
+
+from assistant.languages.rapid.layout_hints import code_end
+
+if TYPE_CHECKING:
+    from assistant.languages.rapid.broken import Broken, Repair
+
+
+@dataclass(frozen=True, slots=True)
+class Mistake:
+    """A row of the table.
+
+    examples: statements, items or whole files with `¦` at the place that a finding must show.
+    before: regular expression for what ends at the error, or with `block` stands anywhere from
+    the begin of the open block on; its group `at`, if it has one, is the place.
+    after: for what begins at the error. repair: for the kind and the word of the change that
+    mends it, `insert SEMICOLON`. here: the place is the word that does not fit.
+    """
+
+    cure: str
+    examples: tuple[str, ...]
+    before: str = ""
+    after: str = ""
+    repair: str = ""
+    within: Literal["statement", "line", "block"] = "statement"
+    here: bool = False
+
+    def place(self, broken: Broken, repair: Repair) -> int | None:
+        """Offset to show, -1 for that of the repair; None if it is another mistake."""
+        text, error = broken.text, broken.word.start
+        if self.repair and not re.fullmatch(self.repair, f"{repair.kind} {repair.what}".strip()):
+            return None
+        if self.after and not re.compile(self.after, _FLAGS).match(text, error):
+            return None
+        if self.before:
+            begin = self._begin(broken, repair)
+            pattern = self.before if self.within == "block" else rf"(?:{self.before})\s*\Z"
+            found = re.compile(pattern, _FLAGS).search(text[begin:error])
+            if found is None:
+                return None
+            if "at" in found.re.groupindex:
+                return begin + found.start("at")
+        return error if self.here else -1
+
+    def _begin(self, broken: Broken, repair: Repair) -> int:
+        """Where the text that `before` looks at begins."""
+        if self.within == "line":
+            return broken.text.rfind("\n", 0, code_end(broken.text, broken.word.start)) + 1
+        if self.within == "block":
+            return broken.block if repair.kept is None else repair.kept.at
+        return broken.words[0].start
+
+
+_FLAGS: Final = re.IGNORECASE
+
+
+MISTAKES: Final = (
+    Mistake(
+        "write MODULE … ENDMODULE",
+        ("¦",),
+        before=r"\A",
+        after=r"\s*\Z",
+        repair=r"outside",
+    ),
+    Mistake(
+        "write unequal as `<>`; `!` begins a comment",
+        ("IF a ¦!= b THEN\n  c;\nENDIF", "WHILE a ¦!= 1 DO\n  b;\nENDWHILE"),
+        before=r"(?P<at>!=)",
+        within="block",
+        repair=r"insert _(THEN|DO)",
+    ),
+    Mistake(
+        "assign with `:=`",
+        ("a ¦= 1;", "a ¦== 1;", "CONST num a ¦= 1;", "p.trans.x ¦= 2;", "a{2} ¦= 3;"),
+        before=r"[\w.}]",
+        after=r"=",
+        repair=r"replace _ASSIGN",
+    ),
+    Mistake(
+        "write it out: `a:=a+1`",
+        ("a ¦+= 1;", "a ¦-= b;"),
+        before=r"\w\s*(?P<at>[-+*/])",
+        after=r"=",
+    ),
+    Mistake(
+        "write it out: `a:=a+1`",
+        ("a ¦++;",),
+        before=r"\A\s*\w+\s*(?P<at>[-+])",
+        after=r"[-+]\s*;",
+    ),
+    Mistake(
+        "compare with a single `=`",
+        ("IF a ¦== 1 b;", "WHILE a ¦== 1 DO\n  b;\nENDWHILE", "a := b ¦== c;"),
+        after=r"==",
+    ),
+    Mistake(
+        "compare with `=`; `:=` assigns",
+        ("IF a ¦:= 1 THEN\n  b;\nENDIF",),
+        after=r":=",
+        repair=r"replace EQUAL",
+    ),
+    Mistake(
+        "write AND, OR",
+        ("IF a ¦&& b THEN\n  c;\nENDIF", "IF a ¦|| b THEN\n  c;\nENDIF"),
+        after=r"&&?|\|\|?",
+    ),
+    Mistake(
+        "write the NOT in parentheses: `a AND (NOT b)`",
+        ("a := b AND ¦NOT c;", "IF a OR ¦NOT b THEN\n  c;\nENDIF", "a := b = ¦NOT c;"),
+        after=r"NOT\b",
+        here=True,
+    ),
+    Mistake(
+        "write the signed value in parentheses: `a*(-1)`",
+        ("a := b*¦-1;", "a := b + ¦-c;", "a := b/¦-c;"),
+        before=r"[-+*/<>=]",
+        after=r"[-+]",
+        here=True,
+    ),
+    Mistake(
+        "call a procedure without parentheses: `name a, b;`",
+        ("q(1¦,2);", "q(¦);", "q(a¦,b,c);", "MoveL(p1¦,v100,fine,tool0);", 'q("a"¦,b);'),
+        before=r"\A\s*[A-Za-z]\w*\s*\((?:[^()]|\([^()]*\))*",
+        after=r"[,)\\]",
+        here=True,
+    ),
+    Mistake(
+        "write decimals with a point: `1.5`",
+        ("a := 1¦,5;", "VAR num a := 0¦,25;", "IF a > 1¦,5 b;"),
+        before=r"\d",
+        after=r",\s*\d",
+        here=True,
+    ),
+    Mistake(
+        'write strings in straight double quotes: `"text"`',
+        ("TPWrite ¦“text”;", "TPWrite ¦'text';", "VAR string a := ¦„text“;", "a := ¦«text»;"),
+        after="[\u201c\u201d\u201e\u00ab\u2018\u2019'`]",
+    ),
+    Mistake(
+        r'write a backslash in a string twice, or a character as two hex digits: `"C:\\a"`, `\0A`',
+        (r'TPWrite ¦"C:\path";', r'a := ¦"line\n";'),
+        after=r'"[^"\r\n]*\\[^"\r\n]*"',
+        repair=r"string",
+    ),
+    Mistake(
+        'end the string with `"` on the same line; join several with `+`',
+        ('TPWrite ¦"abc;', 'a := ¦"abc\n  def";', 'TPWrite ¦"abc'),
+        after=r'"',
+        repair=r"string|hole",
+    ),
+    Mistake(
+        "begin a comment with `!`",
+        ("¦// note", "a := 1; ¦// note", "¦# note", "a := 1; ¦# note", "¦/* note */"),
+        after=r"//|#|/\*",
+    ),
+    Mistake(
+        "write ELSEIF in one word; ELSE IF opens a second IF that wants an ENDIF of its own",
+        ("IF a THEN\n  b;\n¦ELSE IF c THEN\n  d;\nENDIF",),
+        before=r"(?P<at>\bELSE[ \t]+IF\b)",
+        repair=r"close _ENDIF.*",
+        within="block",
+    ),
+    Mistake(
+        "write it in one word",
+        (
+            "IF a THEN\n  b;\n¦END IF",
+            "FOR i FROM 1 TO 3 DO\n  b;\n¦END FOR",
+            "WHILE a DO\n  b;\n¦END WHILE",
+            "MODULE m\n  PROC p()\n    a;\n  ¦END PROC\nENDMODULE",
+            "MODULE m\n  VAR num a;\n¦END MODULE",
+        ),
+        repair=r"join .*",
+    ),
+    Mistake(
+        "write ELSEIF",
+        ("IF a THEN\n  b;\n¦ELSIF c THEN\n  d;\nENDIF", "IF a THEN\n  b;\n¦ELIF c THEN\nENDIF"),
+        repair=r"replace _ELSEIF",
+    ),
+    Mistake(
+        "write THEN behind the condition of an IF whose statements end with ENDIF",
+        (
+            "IF a = 1¦\n  b;\n  c;\nENDIF",
+            "IF a¦\n  b;\nELSE\n  c;\nENDIF",
+            "IF a THEN\n  b;\nELSEIF c¦\n  d;\nENDIF",
+            "IF a¦ ELSE\n  b;\nENDIF",
+        ),
+        repair=r"insert _THEN",
+    ),
+    Mistake(
+        "an IF has THEN, a loop DO",
+        ("IF a ¦DO\n  b;\nENDIF", "WHILE a ¦THEN\n  b;\nENDWHILE"),
+        after=r"(?:THEN|DO)\b",
+        repair=r"replace _(?:THEN|DO)",
+    ),
+    Mistake(
+        "write DO behind the head of a loop",
+        ("WHILE a < 1¦\n  b;\nENDWHILE", "FOR i FROM 1 TO 10¦\n  a := 1;\nENDFOR"),
+        repair=r"insert _DO",
+    ),
+    Mistake(
+        "delete the second `;`",
+        ("a := 1;¦;",),
+        before=r";",
+        after=r";",
+        within="line",
+    ),
+    Mistake(
+        "delete the `;`: only statements and declarations end with one",
+        (
+            "IF a THEN\n  b;\nENDIF¦;",
+            "IF a THEN¦;\n  b;\nENDIF",
+            "FOR i FROM 1 TO 2 DO\n  b;\nENDFOR¦;",
+            "WHILE a DO¦;\n  b;\nENDWHILE",
+            "TEST a\nCASE 1:\n  b;\nENDTEST¦;",
+            "PROC q()¦;\n  b;\nENDPROC",
+            "PROC q()\n  b;\nENDPROC¦;",
+        ),
+        before=r"\A\s*|\)",
+        after=r";",
+        repair=r"delete|hole",
+    ),
+    Mistake(
+        "begin the name of a module with a letter, and use letters, digits and `_` only",
+        (
+            "MODULE my¦-module\n  VAR num a;\nENDMODULE",
+            "MODULE my ¦module\n  VAR num a;\nENDMODULE",
+            "MODULE ¦1st\n  VAR num a;\nENDMODULE",
+            "MODULE m¦.mod\n  VAR num a;\nENDMODULE",
+        ),
+        before=r"\A\s*MODULE\b[^\r\n]*",
+        within="line",
+        here=True,
+    ),
+    Mistake(
+        "choose another name: this is a word of the language",
+        ("VAR num ¦to;", "PROC ¦test()\n  a;\nENDPROC", "¦step := 1;", "VAR robtarget ¦error;"),
+        repair=r"reserved",
+    ),
+    Mistake(
+        "end the statement with `;`",
+        (
+            "a := 1¦\nb := 2;",
+            "a := 1¦",
+            "IF a b¦\nIF c d;",
+            "MoveL p1,v100,fine,tool0¦\nMoveL p2,v100,fine,tool0;",
+            "VAR num a¦\nVAR num b;",
+            "a := 1¦ ! note\n! more\n\nb := 2;",
+            "q¦\nr 1;",
+            "RETURN¦",
+        ),
+        repair=r"insert SEMICOLON",
+    ),
+    Mistake(
+        "write `()` behind the name of a procedure or function",
+        ("PROC q¦\n  b;\nENDPROC", "FUNC num q¦\n  RETURN 1;\nENDFUNC"),
+        repair=r"insert LPAR RPAR",
+    ),
+    Mistake(
+        "use letters, digits and `_` in a name, a letter first",
+        ("VAR num ¦1a;", "VAR num a¦-b;", "VAR num a ¦b;", "VAR num ¦_a;", "PROC ¦2go()\nENDPROC"),
+        before=r"\A\s*(?:(?:LOCAL|TASK)\s+)?(?:VAR|PERS|CONST|PROC|FUNC|TRAP)\b[^;:({\[]*",
+        after=r"-|\d\w*[A-Za-z_(]|[A-Za-z_]",
+        here=True,
+    ),
+    Mistake(
+        "a TRAP has no parentheses",
+        ("TRAP q¦()\n  b;\nENDTRAP",),
+        before=r"\A\s*TRAP\s+\w+",
+        within="line",
+        after=r"\(",
+    ),
+    Mistake(
+        "write MODULE and a name before the first declaration, ENDMODULE behind the last routine",
+        ("¦PROC q()\n  b;\nENDPROC\n", "¦VAR num a;\nPROC q()\n  b;\nENDPROC\n"),
+        repair=r"wrap _MODULE",
+    ),
+    Mistake(
+        "a file of RAPID begins with MODULE and a name; statements stand between PROC and ENDPROC",
+        ("¦MoveL p1,v100,fine,tool0;\nMoveL p2,v100,fine,tool0;\n",),
+        repair=r"wrap _MODULE _PROC",
+    ),
+)
+"""In the order in which they are tried."""
