@@ -303,38 +303,3 @@ def _any_numbers(spaced: bytes) -> NDArray[np.float64]:
             return np.fromstring(spaced, dtype=np.float64, sep=" ")
         except DeprecationWarning:
             raise ValueError("a number is malformed") from None
-
-
-def inside(data: bytes, opening: bytes, closing: bytes) -> bytes:
-    """The text with everything blanked but what stands between the marks of each row.
-
-    opening, closing: must alternate; the marks themselves are kept.
-    Raises ValueError if they do not.
-    """
-    text = np.frombuffer(data, dtype=np.uint8)
-    starts, ends = (_offsets(text, mark) for mark in (opening, closing))
-    alternate = (
-        len(starts) == len(ends) and (starts < ends).all() and (ends[:-1] < starts[1:]).all()
-    )
-    if not alternate:
-        raise ValueError("opening and closing marks do not alternate")
-    edge = np.zeros(len(text) + 1, dtype=np.int8)
-    edge[starts] = 1
-    edge[ends + len(closing)] = -1
-    within = np.cumsum(edge[:-1], dtype=np.int8).view(bool)
-    return np.where(within, text, ord(" ")).astype(np.uint8).tobytes()
-
-
-def _offsets(text: Bytes, mark: bytes) -> NDArray[np.intp]:
-    """Offsets of a mark, of overlapping ones the first."""
-    room = len(text) - len(mark) + 1
-    if room <= 0:
-        return np.empty(0, dtype=np.intp)
-    found = text[:room] == mark[0]
-    for i in range(1, len(mark)):
-        found = found & (text[i : room + i] == mark[i])
-    offsets = np.flatnonzero(found)
-    if len(offsets) < 2:
-        return offsets
-    apart = np.concatenate([[True], np.diff(offsets) >= len(mark)])
-    return np.asarray(offsets[apart])

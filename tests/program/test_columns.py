@@ -14,7 +14,6 @@ from assistant.program.columns import (
     Chosen,
     Decimal,
     Integer,
-    inside,
     numbers,
     rows_text,
 )
@@ -103,13 +102,3 @@ def test_long_texts_are_read_in_parts():
 def test_what_is_no_number_is_refused(text):
     with pytest.raises(ValueError):
         numbers(text)
-
-
-def test_inside_blanks_what_stands_outside_of_the_marks():
-    assert inside(b"a1:=[[2,3]];b4:=[[5]];", b"[[", b"]]") == b"    [[2,3]]     [[5]] "
-
-
-@pytest.mark.parametrize("text", [b"[[1", b"1]]", b"[[1]] ]]", b"[[ [[1]]", b"]]1[["])
-def test_marks_that_do_not_alternate_are_refused(text):
-    with pytest.raises(ValueError):
-        inside(text, b"[[", b"]]")
