@@ -173,14 +173,13 @@ class _Lift:
     ) -> Procedure | Declaration:
         """A procedure, or the whole text if the pseudo-program cannot say what it is."""
         parameters: list[Parameter] = []
-        sayable = not node.handlers and node.kind != "TRAP"
+        sayable = node.kind != "TRAP"
         for group in node.parameters:
             for q in group.alternatives:
                 if (
                     isinstance(q, s.Placeholder)
                     or group.optional
                     or q.dimensions
-                    or q.mode not in ("", "INOUT")
                     or q.type.lower() not in VALUE_OF_TYPE
                 ):
                     sayable = False
@@ -192,11 +191,12 @@ class _Lift:
             sayable = False
         variables: dict[str, Variable] = {}
         rest: list[s.StatementNode] = []
+        foreign: list[p.Opaque] = []
         for inner in node.body:
             if isinstance(inner, s.Data):
                 variable = self.data.variable(inner)
                 if variable is None:
-                    sayable = False
+                    foreign.append(self.opaque(inner))
                 else:
                     variables[self.original(inner.name)] = replace(variable, local=False)
             elif isinstance(inner, s.TargetRunNode):
@@ -207,7 +207,12 @@ class _Lift:
             return Declaration(LANGUAGE, verbatim.of_item(node))
         return Procedure(
             self.original(node.name),
-            (*(p.Comment(n) for n in notes), *self.body(rest)),
+            (
+                *(p.Comment(n) for n in notes),
+                *foreign,
+                *self.body(rest),
+                *(p.Opaque(LANGUAGE, verbatim.of_handler(h), span=h.span) for h in node.handlers),
+            ),
             tuple(parameters),
             variables,
             VALUE_OF_TYPE[node.type.lower()] if node.kind == "FUNC" else None,

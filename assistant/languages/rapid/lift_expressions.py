@@ -52,6 +52,11 @@ def lift(node: s.Expression, original: Original) -> e.Expression:
             known = _COMPONENTS.get((part.lower(), name.lower()))
             if known is not None and not isinstance(value, s.Placeholder):
                 return e.Member(lift(value, original), known)
+            if name.lower() not in COMPONENTS:
+                return e.Member(lift(node.value, original), name)
+        case s.Component(value, name) if name.lower() not in COMPONENTS:
+            if not isinstance(value, s.Placeholder):
+                return e.Member(lift(value, original), name)
         case s.Element(value, indices) if not isinstance(value, s.Placeholder):
             if not any(isinstance(i, s.Whole) for i in indices):
                 lifted = [lift(i, original) for i in indices if not isinstance(i, s.Whole)]

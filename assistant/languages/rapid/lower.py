@@ -207,6 +207,7 @@ class _Unit:
             lambda n: self.names.get("tools", n),
             lambda n: self.names.get("frames", n),
         )
+        statements, handlers = _apart(procedure.body)
         body = _Body(self.program, self.names, expressions, counting, procedure)
         variables = [
             self.variable(known(n), v, expressions) for n, v in procedure.variables.items()
@@ -226,10 +227,27 @@ class _Unit:
             "PROC" if procedure.result is None else "FUNC",
             procedure.local,
             self.names.get("procedures", procedure.name),
-            gathered([*variables, *body.statements(procedure.body)]),
+            gathered([*variables, *body.statements(statements)]),
             "" if procedure.result is None else TYPE_OF_VALUE[procedure.result],
             parameters,
+            handlers,
         )
+
+
+def _apart(
+    body: tuple[p.Statement, ...],
+) -> tuple[tuple[p.Statement, ...], tuple[s.Handler, ...]]:
+    """The statements of a body, and the error handlers that stand verbatim at its end."""
+    found: list[s.Handler] = []
+    for statement in reversed(body):
+        if not isinstance(statement, p.Opaque) or statement.language != verbatim.LANGUAGE:
+            break
+        handlers = verbatim.handlers(statement.text)
+        if handlers is None:
+            break
+        found[:0] = handlers
+        body = body[:-1]
+    return body, tuple(found)
 
 
 def spelt(names: Mapping[str, str], name: str) -> str:

@@ -28,6 +28,11 @@ def print_statements(body: Iterable[s.StatementNode], newline: str = "\n") -> st
     return _glued(Printer(newline).body(tuple(body), ""), newline).strip("\r\n")
 
 
+def print_handler(handler: s.Handler, newline: str = "\n") -> str:
+    """An error handler as text of its own, without a last line end."""
+    return _glued(Printer(newline).handler(handler, ""), newline).strip("\r\n")
+
+
 def comment(node: s.CommentLine) -> str:
     r"""The comment; a line end in it becomes a blank."""
     text = re.sub(r"[\r\n]+", " ", node.text).strip()
@@ -105,10 +110,13 @@ class Printer:
         yield self.line(indent, f"{local}{r.kind} {type}{r.name}{parameters}")
         yield from self.body(r.body, indent + INDENT)
         for handler in r.handlers:
-            numbers = ",".join(expression(n) for n in handler.numbers)
-            yield self.line(indent, handler.kind + (f" ({numbers})" if numbers else ""))
-            yield from self.body(handler.body, indent + INDENT)
+            yield from self.handler(handler, indent)
         yield self.line(indent, f"END{r.kind}")
+
+    def handler(self, handler: s.Handler, indent: str) -> Iterator[str]:
+        numbers = ",".join(expression(n) for n in handler.numbers)
+        yield self.line(indent, handler.kind + (f" ({numbers})" if numbers else ""))
+        yield from self.body(handler.body, indent + INDENT)
 
     def parameters(self, groups: tuple[s.ParameterGroup, ...]) -> str:
         text = ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any, Final
 
 from assistant.languages.rapid import rules
@@ -9,6 +10,7 @@ from assistant.languages.rapid import syntax as s
 from assistant.program.diagnostics import Refused
 
 LANGUAGE: Final = "rapid"
+_HANDLER: Final = re.compile(r"(?:ERROR|UNDO|BACKWARD)\b", re.IGNORECASE)
 _MOST: Final = 1 << 14
 _known: dict[tuple[str, str], tuple[Any, ...]] = {}
 """What texts say: lifting, adapting, naming and building each ask for the same ones."""
@@ -26,6 +28,19 @@ def statements(text: str) -> tuple[s.StatementNode, ...]:
     from assistant.languages.rapid.parser import parse_statements
 
     return _read(text, "statements", parse_statements)
+
+
+def handlers(text: str) -> tuple[s.Handler, ...] | None:
+    """The error handlers of a text, None if it does not begin as one; raises Refused."""
+    if not _HANDLER.match(text):
+        return None
+    known = _known.get(("handlers", text))
+    if known is not None:
+        return known
+    match items(f"PROC x()\n{text}\nENDPROC"):
+        case (s.Routine(body=(), handlers=found),):
+            return found
+    raise Refused(rules.NOT_RAPID(text=text[:60], why="no error handler"))
 
 
 def expression(text: str) -> s.Expression:
@@ -48,6 +63,13 @@ def of_statement(node: s.StatementNode) -> str:
     from assistant.languages.rapid.printer import print_statements
 
     return _remember("statements", print_statements([node]), (node,))
+
+
+def of_handler(node: s.Handler) -> str:
+    """The text that says an error handler."""
+    from assistant.languages.rapid.printer import print_handler
+
+    return _remember("handlers", print_handler(node), (node,))
 
 
 def _remember(kind: str, text: str, nodes: tuple[Any, ...]) -> str:

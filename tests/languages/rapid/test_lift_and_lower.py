@@ -158,3 +158,15 @@ def test_a_parameter_may_hide_a_value_of_the_module() -> None:
     text = "MODULE m\n VAR num n;\n PROC main(num n)\n n:=n+1;\n ENDPROC\nENDMODULE"
     built = RAPID.lower(replace(lifted(text), origin=None))
     assert list(differences([module(text)], [built])) == []
+
+
+def test_a_routine_is_understood_beside_what_only_rapid_can_say() -> None:
+    program = lifted(CELL.replace("VAR num rows;", "VAR num rows;\n    VAR clock c;"))
+    names = {q.name for q in program.procedures}
+    assert {"main", "stack", "twice"} <= names
+    main = program.procedure("main")
+    assert main is not None
+    assert main.body[-1] == p.Opaque("rapid", "ERROR\n  RETRY;")
+    stack = program.procedure("stack")
+    assert stack is not None
+    assert p.Opaque("rapid", "VAR clock c;") in stack.body

@@ -1,0 +1,132 @@
+"""How much of a vendor program the pseudo-program can say, construct by construct.
+
+What it says is supported; a statement with an expression that only the vendor language can say
+is partial; the rest is kept verbatim, so that it comes back but cannot be translated.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any, Final, Literal
+
+from assistant.languages.language import Language
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.path import Path
+from assistant.program.program import Program, bodies
+
+Level = Literal["supported", "partial", "verbatim"]
+
+LEVELS: Final[tuple[Level, ...]] = ("supported", "partial", "verbatim")
+
+
+@dataclass(frozen=True, slots=True)
+class Construct:
+    """How often a construct occurs at each level. name: as the vendor language spells it."""
+
+    name: str
+    supported: int = 0
+    partial: int = 0
+    verbatim: int = 0
+
+    @property
+    def count(self) -> int:
+        return self.supported + self.partial + self.verbatim
+
+
+def coverage(language: Language[Any], trees: Sequence[Any]) -> tuple[Construct, ...]:
+    """The constructs of some trees, the most frequent first.
+
+    Each tree is looked at by itself; one with syntax errors counts as far as it was read.
+    """
+    found: dict[str, dict[Level, int]] = {}
+    spelled: dict[str, str] = {}
+    for tree in trees:
+        for name, level, count in _constructs(language, tree):
+            row = found.setdefault(name.lower(), dict.fromkeys(LEVELS, 0))
+            spelled.setdefault(name.lower(), name)
+            row[level] += count
+    rows = [Construct(spelled[name], **row) for name, row in found.items()]
+    return tuple(sorted(rows, key=lambda c: (-c.count, c.name.lower())))
+
+
+def _constructs(language: Language[Any], tree: Any) -> Iterator[tuple[str, Level, int]]:
+    program = language.lift(tree)
+    text = language.render(tree)
+    for statement in program.statements():
+        count = len(statement.path) if isinstance(statement, p.Follow) else 1
+        yield _name(statement, text), _level(statement), count
+    for name, table in _tables(program):
+        if table:
+            yield name, "supported", len(table)
+    for procedure in program.procedures:
+        yield "routine", "supported", 1
+        yield from (("variable", "supported", 1) for _ in procedure.variables)
+    for declaration in program.declarations:
+        yield _first_words(declaration.text), "verbatim", 1
+
+
+def _tables(program: Program) -> Iterator[tuple[str, Any]]:
+    yield "tool", program.tools
+    yield "frame", program.frames
+    yield "speed", program.speeds
+    yield "blend", program.blends
+    yield "target", program.targets
+    yield "joint target", program.joint_targets
+    yield "variable", program.variables
+
+
+NAMED: Final[dict[type, str]] = {
+    p.Assign: "assignment",
+    p.Comment: "comment",
+    p.Label: "label",
+    p.Call: "call of an own routine",
+}
+"""Constructs that do not begin with a word of the language."""
+
+_WORD: Final = re.compile(r"(?:\d+\s+)?([A-Za-z_]\w*)")
+
+
+def _name(statement: p.Statement, text: str) -> str:
+    named = NAMED.get(type(statement))
+    if named is not None:
+        return named
+    if isinstance(statement, p.Opaque):
+        return _first_words(statement.text)
+    span = statement.span
+    word = _WORD.match(text, span.start, span.end) if span is not None else None
+    return word[1] if word else type(statement).__name__
+
+
+def _first_words(text: str) -> str:
+    """What a verbatim text begins with: the words that are in capitals, or one."""
+    words = re.findall(r"[A-Za-z_]\w*|[^\sA-Za-z_]", text[:80])
+    if len(words) > 1 and words[1] in (":", "{", "."):
+        return "assignment" if ":=" in text else "label"
+    capitals = [w for w in words[:2] if w.isupper() and w.isalpha()]
+    return " ".join(capitals) or (words[0] if words else "nothing")
+
+
+def _level(statement: p.Statement) -> Level:
+    if isinstance(statement, p.Opaque):
+        return "verbatim"
+    return "partial" if _holds_verbatim(statement) else "supported"
+
+
+def _holds_verbatim(statement: p.Statement) -> bool:
+    """Whether an expression of the statement's own is verbatim; its bodies have their own."""
+    inner = {id(body) for body in bodies(statement)}
+    pending: list[Any] = [statement]
+    while pending:
+        part = pending.pop()
+        if isinstance(part, e.Verbatim):
+            return True
+        if isinstance(part, Path) or id(part) in inner:
+            continue
+        if isinstance(part, tuple):
+            pending += part
+        elif is_dataclass(part):
+            pending += [getattr(part, f.name) for f in fields(part)]
+    return False
