@@ -7,41 +7,78 @@ from typing import Final
 
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.checks import (
+    arcs,
+    flow,
+    fly,
     literals,
+    meaning,
     motions,
     names,
     order,
+    orientations,
+    storage,
     undeclared,
+    unused,
 )
 from assistant.languages.rapid.checks.scope import Look, Task
+from assistant.languages.rapid.checks.tasks import tasks
 from assistant.languages.rapid.checks.walk import nodes
+from assistant.languages.rapid.header import opening
 from assistant.program.diagnostics import Diagnostic
 
-__all__ = ["RULES", "check", "loaded_files"]
+__all__ = ["ADVICE", "RULES", "check", "loaded_files"]
 
 RULES: Final[tuple[Callable[[Look], Iterator[Diagnostic]], ...]] = (
+    names.modules,
     names.duplicates,
     names.spelling,
-    literals.strings,
-    motions.arguments,
-    literals.quaternions,
-    literals.persistents,
     order.declarations,
+    order.handlers,
+    storage.places,
+    storage.initial_values,
+    storage.dimensions,
+    storage.assignments,
+    storage.connections,
+    literals.strings,
+    literals.persistents,
+    orientations.quaternions,
+    motions.arguments,
+    meaning.uses,
+    flow.jumps,
+    flow.handled,
+    flow.returns,
+    flow.unreachable,
+    flow.choices,
     undeclared.names,
 )
 """Every rule: it looks at one module, and sees what the modules beside it declare."""
 
+ADVICE: Final[tuple[Callable[[Look], Iterator[Diagnostic]], ...]] = (
+    arcs.arcs,
+    fly.endless_waits,
+    fly.on_the_fly,
+    unused.unused,
+)
+"""Rules of how a program is written. They are not asked about a module that was compiled: the
+program that it comes from has been checked, and its author wrote no RAPID."""
+
 
 def check(trees: Sequence[s.File]) -> tuple[Diagnostic, ...]:
-    """Findings of the parser and of every rule, over the modules of one task."""
+    """Findings of the parser and of every rule, over the modules of a program.
+
+    They are one task's, unless their folders are named like several tasks.
+    """
     found = [finding for tree in trees for finding in tree.findings]
-    task = Task(trees)
-    for tree in trees:
-        for module in tree.modules:
-            look = Look(tree, module, task)
-            for rule in RULES:
-                found += rule(look)
-    return tuple(found)
+    for files, common in tasks(trees):
+        task = Task(files, common)
+        for tree in files:
+            for module in tree.modules:
+                look = Look(tree, module, task)
+                header = opening(module)
+                compiled = bool(header.program or header.unit)
+                for rule in RULES if compiled else (*RULES, *ADVICE):
+                    found += rule(look)
+    return tuple(dict.fromkeys(found))
 
 
 def loaded_files(root: s.File) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.checks.scope import Look
 from assistant.languages.rapid.runs import MOVES
 from assistant.languages.rapid.tables import SPEEDS, ZONES
-from assistant.program.diagnostics import Diagnostic
+from assistant.program.diagnostics import Diagnostic, Severity
 
 WORDS: Final = frozenset(word.lower() for word in (*MOVES, "MoveAbsJ"))
 
@@ -57,8 +57,9 @@ def _motion(
         if not name or name.lower() in table or name.lower() in named or look.find(name):
             continue
         near = nearest(name, table)
-        if near:
-            yield look.finding(rule, node, name=name, near=near)
+        if near:  # without a `main` more modules may be needed, which may declare it
+            severity = Severity.ERROR if look.task.has_main else Severity.WARNING
+            yield look.finding(rule, node, severity=severity, name=name, near=near)
     for name, role, own in ((tool, "tool", "tool0"), (frame, "work object", "wobj0")):
         found = look.find(name) if name and name.lower() != own else None
         if found is not None and found.kind in ("VAR", "CONST"):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator
 from itertools import chain
 from typing import Any, Final
@@ -11,40 +10,130 @@ import numpy as np
 
 from assistant.languages.rapid import rules
 from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid.checks.scope import Look, declaration
+from assistant.languages.rapid.checks import plain_rules
+from assistant.languages.rapid.checks.scope import Look, Task, declaration, parameters
+from assistant.languages.rapid.gather import join_names
+from assistant.languages.rapid.runs import Names
 from assistant.languages.rapid.tables import LONGEST_NAME, PREDEFINED_DATA, SPEEDS, ZONES
-from assistant.program.diagnostics import Diagnostic
+from assistant.program.diagnostics import Diagnostic, Severity
 
 Found = Iterator[Diagnostic]
 DECLARING: Final[tuple[Any, ...]] = (s.Data, s.Routine, s.Record, s.Alias, s.ParameterNode)
 
 
+def modules(look: Look) -> Found:
+    """A task has one `main`, and one module of a name."""
+    before = list(look.before)
+    if any(other.name.lower() == look.module.name.lower() for other in before):
+        yield look.finding(plain_rules.SAME_MODULE, look.module, name=look.module.name)
+    elif (main := look.task.main(look.module)) is not None:
+        first = next((other for other in before if look.task.main(other) is not None), None)
+        if first is not None:
+            yield look.finding(plain_rules.SECOND_MAIN, main, other=first.name)
+    own = look.find(look.module.name)
+    if own is not None and own.module is look.module:
+        what = "routine" if isinstance(own.node, s.Routine) else "data"
+        yield look.finding(plain_rules.MODULE_NAME, look.module, what=what, name=own.name)
+
+
 def duplicates(look: Look) -> Found:
-    own: Counter[str] = Counter()
+    """Names of a module that it declares again, or that another module declares as well.
+
+    Two modules that cannot be in one task, each with a `main` or both of one name, are not
+    compared: they are two programs, or two states of one. Two that declare the same global PERS
+    are likely of two tasks, which share it.
+    """
+    own: set[str] = set()
+    rivals = {id(other) for other in look.before if _rivals(look.task, other, look.module)}
+    earlier = {id(other) for other in look.before} - rivals
+    sharing = {id(other) for other in look.before if _share(other, look.module)}
     for item in look.module.items:
-        if isinstance(item, s.TargetRunNode):
-            yield from _duplicate_rows(look, item)
-        elif (declared := declaration(item)) is not None:
-            name = declared.name.lower()
-            own[name] += 1
-            elsewhere = not declared.local and len(look.task.shared.get(name, ())) > 1
-            if own[name] > 1 or elsewhere:
+        declared = declaration(item, look.module)
+        if declared is None:
+            continue
+        name = declared.name.lower()
+        shared = look.task.shared.get(name, ()) if not declared.local else ()
+        elsewhere = [other.module for other in shared if id(other.module) in earlier]
+        if name in own or elsewhere or look.task.row(declared.name, look.module) is not None:
+            apart = name not in own and any(id(m) in sharing for m in elsewhere)
+            severity = Severity.WARNING if apart else Severity.ERROR
+            yield look.finding(rules.DUPLICATE, item, severity=severity, name=declared.name)
+        own.add(name)
+    for module, item, row in look.task.once(repeated_rows):
+        if module is look.module:
+            name = item.run.names.name(row)
+            yield look.finding(rules.DUPLICATE, item, row=row, name=name)
+    for routine in look.routines:
+        yield from _inner(look, chain(parameters(routine), routine.body))
+    for record in look.all(s.Record):
+        names = [name.lower() for _, name in record.components]
+        for name in dict.fromkeys(n for at, n in enumerate(names) if n in names[:at]):
+            yield look.finding(rules.DUPLICATE, record, name=name)
+
+
+def _inner(look: Look, items: Iterator[Any]) -> Found:
+    seen: set[str] = set()
+    for item in items:
+        if (declared := declaration(item)) is not None:
+            if declared.name.lower() in seen:
                 yield look.finding(rules.DUPLICATE, item, name=declared.name)
+            seen.add(declared.name.lower())
 
 
-def _duplicate_rows(look: Look, item: s.TargetRunNode) -> Found:
-    names = item.run.names
-    order = np.lexsort((names.number, names.stem))
-    stem, number = names.stem[order], names.number[order]
-    same = np.flatnonzero((stem[1:] == stem[:-1]) & (number[1:] == number[:-1]))
-    for row in same[:1]:
-        yield look.finding(rules.DUPLICATE, item, name=names.name(int(order[row])))
+def _rivals(task: Task, one: s.Module, other: s.Module) -> bool:
+    if one.name.lower() == other.name.lower():
+        return True
+    return task.main(one) is not None and task.main(other) is not None
+
+
+def _share(one: s.Module, other: s.Module) -> bool:
+    return not _shared(one).isdisjoint(_shared(other))
+
+
+def _shared(module: s.Module) -> set[tuple[str, str]]:
+    """Names and types of the persistents that all tasks share."""
+    return {
+        (item.name.lower(), item.type.lower())
+        for item in module.items
+        if isinstance(item, s.Data) and item.storage == "PERS" and not item.scope
+    }
+
+
+def repeated_rows(task: Task) -> list[tuple[s.Module, s.TargetRunNode, int]]:
+    """Rows of runs whose name an earlier row has: the first one of each run."""
+    if not task.runs:
+        return []
+    scopes: dict[int, int] = {}
+    lowered, scope, at, row = [], [], [], []
+    for position, (module, node) in enumerate(task.runs):
+        names = node.run.names
+        lowered.append(Names(tuple(t.lower() for t in names.stems), names.stem, names.number))
+        own = scopes.setdefault(id(module), len(scopes) + 1) if node.scope == "LOCAL" else 0
+        scope.append(np.full(len(names), own))
+        at.append(np.full(len(names), position))
+        row.append(np.arange(len(names)))
+    joined = join_names(lowered)
+    places, owners, rows = (np.concatenate(part) for part in (scope, at, row))
+    order = np.lexsort((joined.number, joined.stem, places))
+    keys = np.stack([joined.number[order], joined.stem[order], places[order]])
+    same = np.flatnonzero((keys[:, 1:] == keys[:, :-1]).all(axis=0))
+    found: dict[int, tuple[s.Module, s.TargetRunNode, int]] = {}
+    for one, other in zip(order[same], order[same + 1], strict=True):
+        module, node = task.runs[int(owners[other])]
+        before = task.runs[int(owners[one])][0]
+        if before is module or not _rivals(task, before, module):
+            found.setdefault(id(node), (module, node, int(rows[other])))
+    return list(found.values())
 
 
 def spelling(look: Look) -> Found:
+    """No name is longer than 32 characters, and predefined speeds and zones stay as they are."""
     yield from _name(look, look.module, look.module.name)
     for declared in chain.from_iterable(map(look.all, DECLARING)):
         yield from _name(look, declared, declared.name)
+    for record in look.all(s.Record):
+        for _, name in record.components:
+            yield from _name(look, record, name)
     for loop in look.all(s.ForLoop):
         yield from _name(look, loop, loop.variable)
     for mark in look.all(s.LabelMark):
@@ -57,4 +146,5 @@ def _name(look: Look, node: s.Node, name: str) -> Found:
     own = isinstance(node, s.Data) and name.lower() in PREDEFINED_DATA
     taken = name.lower() in SPEEDS or name.lower() in ZONES
     if isinstance(node, s.Data | s.Routine) and taken and not own:
-        yield look.finding(rules.RESERVED_NAME, node, name=name)
+        severity = Severity.WARNING  # system modules of old controllers do it
+        yield look.finding(rules.RESERVED_NAME, node, severity=severity, name=name)

@@ -7,6 +7,7 @@ from typing import Any, Final
 
 from assistant.languages.rapid import rules
 from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.checks import plain_rules
 from assistant.languages.rapid.checks.scope import Look
 from assistant.program.diagnostics import Diagnostic
 
@@ -16,6 +17,7 @@ RANKS: Final[tuple[tuple[Any, int, str], ...]] = (
     (s.Routine, 2, "a routine"),
 )
 AFTER: Final = {1: "data", 2: "a routine"}
+KINDS: Final = ("BACKWARD", "ERROR", "UNDO")
 
 Found = Iterator[Diagnostic]
 
@@ -42,3 +44,22 @@ def _declarations_first(look: Look, body: Sequence[s.StatementNode]) -> Found:
                 )
         elif not isinstance(node, s.CommentLine | s.Placeholder):
             stated = True
+
+
+def handlers(look: Look) -> Found:
+    """At most one of each kind, in one order; BACKWARD of procedures only."""
+    for routine in look.routines:
+        yield from _handlers(look, routine)
+
+
+def _handlers(look: Look, routine: s.Routine) -> Found:
+    before = -1
+    for handler in routine.handlers:
+        at = KINDS.index(handler.kind)
+        if at <= before:
+            what = "a second time" if at == before else f"behind {KINDS[before]}"
+            yield look.finding(plain_rules.HANDLER_PLACE, handler, kind=handler.kind, what=what)
+        elif handler.kind == "BACKWARD" and routine.kind != "PROC":
+            what = f"in a {routine.kind}"
+            yield look.finding(plain_rules.HANDLER_PLACE, handler, kind=handler.kind, what=what)
+        before = max(before, at)

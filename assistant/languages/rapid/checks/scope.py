@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import re
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Final, TypeVar
+from itertools import islice, takewhile
+from typing import Any, Final, TypeVar, cast
 
 import numpy as np
 
@@ -13,9 +15,10 @@ from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.checks.walk import nodes
 from assistant.languages.rapid.gather import split
 from assistant.languages.rapid.runs import Names
-from assistant.program.diagnostics import Diagnostic, Rule
+from assistant.program.diagnostics import Diagnostic, Rule, Span
 
 N = TypeVar("N", bound=s.Node)
+T = TypeVar("T")
 ROUTINES: Final = frozenset({"PROC", "FUNC", "TRAP"})
 STORED: Final = frozenset({"VAR", "PERS", "CONST"})
 
@@ -41,8 +44,9 @@ class Declaration:
 class Task:
     """What all modules of a task declare: names that are global, and those of each module."""
 
-    def __init__(self, files: Sequence[s.File]) -> None:
-        self.files = tuple(files)
+    def __init__(self, files: Sequence[s.File], common: Sequence[s.File] = ()) -> None:
+        """common: those of the files that other tasks have as well."""
+        self.files, self.common = tuple(files), tuple(common)
         self.modules = tuple(module for file in files for module in file.modules)
         self.shared: dict[str, list[Declaration]] = {}
         """Global declarations by lower-case name; rows of runs are in `runs`."""
@@ -67,16 +71,51 @@ class Task:
         found = self.own.get(id(module), {}).get(low)
         if found is None:
             found = next(iter(self.shared.get(low, ())), None)
-        return found or self._row(name, low, module)
+        return found or self.row(name, module)
 
-    def _row(self, name: str, low: str, module: s.Module | None) -> Declaration | None:
-        if not low.isascii():
+    def row(self, name: str, module: s.Module | None = None) -> Declaration | None:
+        """The row of a long run of robtargets that declares a name, as a module sees it."""
+        if not name.isascii():
             return None
-        for of, item in self.runs:
+        for of, item in self._by_stem.get(split(name)[0].lower(), ()):
             local = item.scope == "LOCAL"
-            if (not local or of is module) and row_of(item.run.names, low) is not None:
+            if (not local or of is module) and row_of(item.run.names, name) is not None:
                 return Declaration(name, "CONST", "robtarget", local, None, of)
         return None
+
+    @cached_property
+    def _by_stem(self) -> dict[bytes, list[tuple[s.Module, s.TargetRunNode]]]:
+        found: dict[bytes, list[tuple[s.Module, s.TargetRunNode]]] = {}
+        for module, item in self.runs:
+            for stem in {stem.lower() for stem in item.run.names.stems}:
+                found.setdefault(stem, []).append((module, item))
+        return found
+
+    def main(self, module: s.Module) -> s.Routine | None:
+        """The procedure of a module that a task may start at."""
+        return self._mains.get(id(module))
+
+    @cached_property
+    def _mains(self) -> dict[int, s.Routine]:
+        return {
+            id(declared.module): declared.node
+            for declared in self.shared.get("main", ())
+            if declared.kind == "PROC" and isinstance(declared.node, s.Routine)
+        }
+
+    @property
+    def has_main(self) -> bool:
+        return bool(self._mains)
+
+    def once(self, work: Callable[[Task], T]) -> T:
+        """What a function makes of the task, worked out when it is first asked for."""
+        if work not in self._worked:
+            self._worked[work] = work(self)
+        return cast("T", self._worked[work])
+
+    @cached_property
+    def _worked(self) -> dict[Callable[[Task], Any], Any]:
+        return {}
 
 
 def row_of(names: Names, name: str) -> int | None:
@@ -120,8 +159,12 @@ class Look:
 
     def find(self, name: str, routine: s.Routine | None = None) -> Declaration | None:
         """What a name means in this module, inside one of its routines if that is given."""
-        if routine is not None and (inner := self.frame(routine).get(name.lower())) is not None:
-            return inner
+        if routine is not None:
+            if (inner := self.frame(routine).get(name.lower())) is not None:
+                return inner
+            for item in routine.body if name.isascii() else ():
+                if isinstance(item, s.TargetRunNode) and row_of(item.run.names, name) is not None:
+                    return Declaration(name, "CONST", "robtarget", True, None, self.module)
         return self.task.find(name, self.module)
 
     def frame(self, routine: s.Routine) -> dict[str, Declaration]:
@@ -153,7 +196,27 @@ class Look:
         """Every node of one class, as they stand in the text."""
         return self._by_type.get(kind, ())
 
-    def finding(self, rule: Rule, node: s.Node, **given: Any) -> Diagnostic:
-        if self.file.origin is not None and node.span is not None:
-            return self.file.origin.source.finding(rule, node.span, **given)
-        return rule(path=self.file.path, place=self.module.name, **given)
+    @property
+    def before(self) -> Iterator[s.Module]:
+        """The modules of the task that stand before this one."""
+        return takewhile(lambda other: other is not self.module, self.task.modules)
+
+    def finding(
+        self, rule: Rule, node: s.Node, *, row: int | None = None, **given: Any
+    ) -> Diagnostic:
+        """The rule's finding at a node. row: which one, of a node that is a long run."""
+        if self.file.origin is None or node.span is None:
+            return rule(path=self.file.path, place=self.module.name, **given)
+        source, span = self.file.origin.source, node.span
+        if row is not None and isinstance(node, s.TargetRunNode | s.MoveRunNode):
+            span = _row_span(source.text, span, row)
+        return source.finding(rule, span, **given)
+
+
+_ROW: Final = re.compile(r"(?:\s++|![^\n]*+)*+((?:[^;!]|![^\n]*+)*+;)")
+
+
+def _row_span(text: str, run: Span, row: int) -> Span:
+    """Where one row of a long run stands, its `;` included."""
+    match = next(islice(_ROW.finditer(text, run.start, run.end), row, None), None)
+    return Span(*match.span(1)) if match else run

@@ -1,0 +1,180 @@
+"""Rules of the way through a routine: what is never reached, jumps, ends of handlers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Final
+
+from assistant.languages.rapid import rules as names
+from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.checks import plain_rules as rules
+from assistant.languages.rapid.checks.scope import Look
+from assistant.languages.rapid.checks.walk import blocks, nodes
+from assistant.languages.rapid.gather import literal_number
+from assistant.program.diagnostics import Diagnostic
+
+Found = Iterator[Diagnostic]
+Body = Sequence[s.StatementNode]
+
+ENDING: Final = frozenset({"exitcycle"})
+"""Instructions after which nothing more of a routine runs."""
+SILENT: Final = (s.CommentLine, s.Placeholder, s.Data, s.TargetRunNode)
+
+
+def unreachable(look: Look) -> Found:
+    """The first statement of each stretch that nothing leads to; a label always may."""
+    for routine in look.routines:
+        for body in (routine.body, *(h.body for h in routine.handlers)):
+            for statement, before in _dead(body):
+                yield look.finding(rules.UNREACHABLE, statement, before=before)
+
+
+def _dead(body: Body) -> Iterator[tuple[s.StatementNode, str]]:
+    ended = ""
+    told = False
+    for statement in body:
+        if isinstance(statement, SILENT):
+            continue
+        if ended and any(isinstance(n, s.LabelMark) for n in nodes(statement)):
+            ended, told = "", False
+        if ended:
+            if not told:
+                yield statement, ended
+            told = True
+            continue
+        for block in blocks(statement):
+            yield from _dead(block)
+        if not _goes_on(statement):
+            ended = _named(statement)
+
+
+def _goes_on(statement: s.StatementNode) -> bool:
+    """Whether what stands behind a statement can be reached through it."""
+    match statement:
+        case s.ReturnFrom() | s.RaiseError() | s.Word() | s.GotoLabel():
+            return False
+        case s.ProcedureCall(str(name)):
+            return name.lower() not in ENDING
+        case s.IfThen(branches, otherwise) | s.TestOf(cases=branches, otherwise=otherwise):
+            if otherwise is None:
+                return True
+            return any(falls_through(b.body) for b in branches) or falls_through(otherwise)
+        case s.WhileLoop(condition):
+            return condition != s.BoolLiteral(True)
+    return True
+
+
+def falls_through(body: Body) -> bool:
+    """Whether the end of a list of statements can be reached."""
+    on = True
+    for statement in body:
+        if not on and any(isinstance(n, s.LabelMark) for n in nodes(statement)):
+            on = True
+        on = on and (isinstance(statement, SILENT) or _goes_on(statement))
+    return on
+
+
+def _named(statement: s.StatementNode) -> str:
+    match statement:
+        case s.ReturnFrom():
+            return "RETURN"
+        case s.RaiseError():
+            return "RAISE"
+        case s.Word(word):
+            return word
+        case s.GotoLabel():
+            return "GOTO"
+        case s.ProcedureCall(name):
+            return str(name)
+        case s.WhileLoop():
+            return "a loop that never ends"
+    return "branches that all leave"
+
+
+def returns(look: Look) -> Found:
+    """Values that are given back where none is wanted, and the other way round."""
+    for routine in look.routines:
+        function = routine.kind == "FUNC"
+        for node in nodes((routine.body, *(h.body for h in routine.handlers if h.kind != "UNDO"))):
+            if isinstance(node, s.ReturnFrom) and function == (node.value is None):
+                what = "gives back no value" if function else "gives back a value"
+                yield look.finding(
+                    rules.WRONG_RETURN, node, what=what, kind=routine.kind, name=routine.name
+                )
+        if function and falls_through(routine.body):
+            yield look.finding(rules.NO_RETURN, routine, name=routine.name)
+
+
+def jumps(look: Look) -> Found:
+    """GOTO without its label, or to one that stands inside a block."""
+    for routine in look.routines:
+        marks: dict[str, tuple[int, ...]] = {}
+        gotos: list[tuple[s.GotoLabel, tuple[int, ...]]] = []
+        for body in (routine.body, *(h.body for h in routine.handlers)):
+            for statement, around in _placed(body, (id(body),)):
+                if isinstance(statement, s.LabelMark):
+                    if statement.name.lower() in marks:
+                        yield look.finding(names.DUPLICATE, statement, name=statement.name)
+                    marks.setdefault(statement.name.lower(), around)
+                elif isinstance(statement, s.GotoLabel):
+                    gotos.append((statement, around))
+        for goto, around in gotos:
+            label = marks.get(goto.label.lower())
+            if label is None:
+                yield look.finding(
+                    rules.NO_LABEL, goto, name=goto.label, kind=routine.kind, routine=routine.name
+                )
+            elif around[: len(label)] != label:
+                yield look.finding(rules.INTO_BLOCK, goto, name=goto.label)
+
+
+def _placed(
+    body: Body, around: tuple[int, ...]
+) -> Iterator[tuple[s.StatementNode, tuple[int, ...]]]:
+    """Every statement with the lists around it, outermost first."""
+    for statement in body:
+        yield statement, around
+        for at, block in enumerate(blocks(statement)):
+            inner = around if isinstance(statement, s.CompactIf) else (*around, id(statement), at)
+            yield from _placed(block, inner)
+
+
+def handled(look: Look) -> Found:
+    """RETRY, TRYNEXT and bare RAISE where no error is being handled."""
+    for routine in look.routines:
+        for handler in (None, *routine.handlers):
+            inside = handler is not None and handler.kind == "ERROR"
+            for node in nodes(routine.body if handler is None else handler.body):
+                if isinstance(node, s.Word) and node.word != "EXIT" and not inside:
+                    yield look.finding(rules.OUTSIDE_HANDLER, node, what=node.word)
+                elif isinstance(node, s.RaiseError) and node.value is None and not inside:
+                    what = "RAISE without a number"
+                    yield look.finding(rules.OUTSIDE_HANDLER, node, what=what)
+
+
+def choices(look: Look) -> Found:
+    """CASE values that an earlier CASE takes, and loops whose step leads nowhere."""
+    for test in look.all(s.TestOf):
+        seen: set[s.Expression] = set()
+        for case in test.cases:
+            for value in case.values:
+                if not isinstance(value, s.NumberLiteral | s.StringLiteral | s.BoolLiteral):
+                    continue
+                if value in seen:
+                    yield look.finding(rules.SAME_CASE, value)
+                seen.add(value)
+    for loop in look.all(s.ForLoop):
+        yield from _step(look, loop)
+
+
+def _step(look: Look, loop: s.ForLoop) -> Found:
+    step = None if loop.step is None else literal_number(loop.step)
+    if step == 0:
+        yield look.finding(
+            rules.BAD_STEP, loop, name=loop.variable, what="never ends: its step is 0"
+        )
+        return
+    first, last = literal_number(loop.first), literal_number(loop.last)
+    if step is not None and first is not None and last is not None and (last - first) * step < 0:
+        what = f"never runs: step {step:g} leads away from {last:g}"
+        yield look.finding(rules.BAD_STEP, loop, name=loop.variable, what=what)
