@@ -118,7 +118,7 @@ def name(terminal: str) -> str:
 
 
 def found(text: str) -> str:
-    if text and (not text.strip() or not text[0].isprintable()):
+    if text.strip(" \t\r\n") and (not text.strip() or not text[0].isprintable()):
         return f"the character U+{ord(text[0]):04X}"
     text = " ".join(text.split())
     if len(text) > LONGEST_SHOWN:

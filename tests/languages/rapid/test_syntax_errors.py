@@ -168,6 +168,12 @@ def test_the_mended_tree_is_that_of_the_whole_text() -> None:
         assert len(_routines(text)) == 4
 
 
+def test_a_cut_file_ends_too_early() -> None:
+    (finding,) = RAPID.parse("MODULE m\n  VAR num a:=1;\n  VAR num b{\n").findings
+    assert finding.line == 3
+    assert "the end of the text" in finding.message
+
+
 def test_findings_are_capped() -> None:
     text = "MODULE m\nPROC p()\n" + "a = 1;\n" * 3 * MOST_FINDINGS + "ENDPROC\nENDMODULE\n"
     findings = RAPID.parse(text).findings
