@@ -184,6 +184,18 @@ def fmt(
 
 
 @app.command()
+def coverage(
+    programs: Annotated[list[str], typer.Argument(help="Robot programs, or folders with them.")],
+    from_language: FromLanguage = None,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Tell, construct by construct, what of a program can be translated and what cannot."""
+    from assistant.cli.coverage import run_coverage
+
+    raise typer.Exit(run_coverage(programs, from_language, format))
+
+
+@app.command()
 def deploy(
     files: Annotated[list[Path], typer.Argument(help="Robot programs to install.")],
     to: Annotated[str, typer.Option(help="Controller: ftp://user@host or melfa://host:port.")],

@@ -84,11 +84,19 @@ def format_file(path: str | FilePath, language: str | None = None) -> Formatted:
 
     Raises Unreadable, or Refused if the file is in no known language.
     """
+    spoken, source = read_program(path, language)
+    return format_text(source, spoken)
+
+
+def read_program(
+    path: str | FilePath, language: str | None = None
+) -> tuple[Language[Any], SourceText]:
+    """The text of a robot program and the language it is in; raises as `format_file` does."""
     data = read_bytes(path)
     spoken = language_of(language) if language else languages.of_file(path, data)
     if spoken is None:
         raise Refused(NO_LANGUAGE(path=str(path), name=path), exit_status=2)
-    return format_text(spoken.decode(data, str(path)), spoken)
+    return spoken, spoken.decode(data, str(path))
 
 
 def format_bytes(data: bytes, name: str, language: str | None = None) -> Formatted:

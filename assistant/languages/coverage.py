@@ -7,8 +7,9 @@ is partial; the rest is kept verbatim, so that it comes back but cannot be trans
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields, is_dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, fields, is_dataclass, replace
+from itertools import chain
 from typing import Any, Final, Literal
 
 from assistant.languages.language import Language
@@ -41,15 +42,23 @@ def coverage(language: Language[Any], trees: Sequence[Any]) -> tuple[Construct, 
 
     Each tree is looked at by itself; one with syntax errors counts as far as it was read.
     """
-    found: dict[str, dict[Level, int]] = {}
-    spelled: dict[str, str] = {}
-    for tree in trees:
-        for name, level, count in _constructs(language, tree):
-            row = found.setdefault(name.lower(), dict.fromkeys(LEVELS, 0))
-            spelled.setdefault(name.lower(), name)
-            row[level] += count
-    rows = [Construct(spelled[name], **row) for name, row in found.items()]
-    return tuple(sorted(rows, key=lambda c: (-c.count, c.name.lower())))
+    return total([map(_one, _constructs(language, tree)) for tree in trees])
+
+
+def total(tables: Iterable[Iterable[Construct]]) -> tuple[Construct, ...]:
+    """Several tables as one; names differ by more than case."""
+    found: dict[str, Construct] = {}
+    for one in chain.from_iterable(tables):
+        row = found.get(one.name.lower(), Construct(one.name))
+        counts = {level: getattr(row, level) + getattr(one, level) for level in LEVELS}
+        found[one.name.lower()] = replace(row, **counts)
+    return tuple(sorted(found.values(), key=lambda c: (-c.count, c.name.lower())))
+
+
+def _one(found: tuple[str, Level, int]) -> Construct:
+    name, level, count = found
+    supported, partial, verbatim = (count if level == one else 0 for one in LEVELS)
+    return Construct(name, supported, partial, verbatim)
 
 
 def _constructs(language: Language[Any], tree: Any) -> Iterator[tuple[str, Level, int]]:
@@ -100,13 +109,19 @@ def _name(statement: p.Statement, text: str) -> str:
     return word[1] if word else type(statement).__name__
 
 
+_STORED: Final = re.compile(r"(?:(?:LOCAL|TASK) )?(VAR|PERS|CONST) (\w+)", re.IGNORECASE)
+
+
 def _first_words(text: str) -> str:
-    """What a verbatim text begins with: the words that are in capitals, or one."""
+    """What a verbatim text begins with: storage and type of data, or a word or two in capitals."""
+    stored = _STORED.match(text)
+    if stored:
+        return f"{stored[1].upper()} {stored[2].lower()}"
     words = re.findall(r"[A-Za-z_]\w*|[^\sA-Za-z_]", text[:80])
     if len(words) > 1 and words[1] in (":", "{", "."):
         return "assignment" if ":=" in text else "label"
     capitals = [w for w in words[:2] if w.isupper() and w.isalpha()]
-    return " ".join(capitals) or (words[0] if words else "nothing")
+    return " ".join(capitals[-1:]) or (words[0] if words else "nothing")
 
 
 def _level(statement: p.Statement) -> Level:

@@ -20,14 +20,16 @@ def items(text: str) -> tuple[s.Item, ...]:
     """The declarations of a text; raises Refused if it is no RAPID."""
     from assistant.languages.rapid.parser import parse_items
 
-    return _read(text, "items", parse_items)
+    read: tuple[s.Item, ...] = _read(text, "items", parse_items)
+    return read
 
 
 def statements(text: str) -> tuple[s.StatementNode, ...]:
     """The statements of a text; raises Refused if it is no RAPID."""
     from assistant.languages.rapid.parser import parse_statements
 
-    return _read(text, "statements", parse_statements)
+    read: tuple[s.StatementNode, ...] = _read(text, "statements", parse_statements)
+    return read
 
 
 def handlers(text: str) -> tuple[s.Handler, ...] | None:

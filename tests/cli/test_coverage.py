@@ -1,0 +1,72 @@
+"""`coverage`: what of a program can be translated, construct by construct."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.cli.test_commands import run
+
+MODULE = """MODULE m
+  VAR clock c;
+  PROC main()
+    MoveJ p1,v100,fine,tool0;
+    movej Offs(p1,0,0,5),v100,fine,tool0;
+    MoveL CalcRobT(j1,tool0\\WObj:=wobj0),v100,fine,tool0;
+    ClkReset c;
+    x:=1;
+  ENDPROC
+  TRAP t
+  ENDTRAP
+ENDMODULE
+"""
+
+
+Capture = pytest.CaptureFixture[str]
+
+
+def table(capsys: Capture, *arguments: str) -> dict[str, tuple[int, int, int]]:
+    status, out, err = run(capsys, "coverage", *arguments, "--format", "json")
+    assert status == 0, err
+    rows = json.loads(out)
+    return {row["name"]: (row["supported"], row["partial"], row["verbatim"]) for row in rows}
+
+
+def test_each_construct_is_counted_at_its_level(tmp_path: Path, capsys: Capture) -> None:
+    file = tmp_path / "m.mod"
+    file.write_text(MODULE)
+    assert table(capsys, str(file)) == {
+        "MoveJ": (2, 0, 0),
+        "MoveL": (0, 1, 0),
+        "ClkReset": (0, 0, 1),
+        "assignment": (1, 0, 0),
+        "routine": (1, 0, 0),
+        "VAR clock": (0, 0, 1),
+        "TRAP": (0, 0, 1),
+    }
+
+
+def test_a_folder_is_one_table(tmp_path: Path, capsys: Capture) -> None:
+    (tmp_path / "a.mod").write_text(MODULE)
+    (tmp_path / "b.mod").write_text(MODULE)
+    assert table(capsys, str(tmp_path))["MoveJ"] == (4, 0, 0)
+
+
+def test_people_get_a_table(tmp_path: Path, capsys: Capture) -> None:
+    file = tmp_path / "m.mod"
+    file.write_text(MODULE)
+    status, out, _ = run(capsys, "coverage", str(file))
+    assert status == 0
+    lines = out.splitlines()
+    assert lines[0].split() == ["Construct", "Supported", "Partial", "Kept", "verbatim"]
+    assert lines[-1].split() == ["total", "4", "1", "3"]
+
+
+def test_a_broken_program_is_said_to_be_broken(tmp_path: Path, capsys: Capture) -> None:
+    file = tmp_path / "m.mod"
+    file.write_text("MODULE m\nPROC p()\na:=1\nENDPROC\nENDMODULE\n")
+    status, _, err = run(capsys, "coverage", str(file))
+    assert status == 1
+    assert "is missing" in err
