@@ -72,7 +72,7 @@ OUT_OF_ORDER: Final = Rule(
     "the order is records, data, routines in a module; declarations, statements in a routine",
 )
 RESERVED_NAME: Final = Rule(
-    "RA210", ERROR, "`{name}` is predefined and cannot be declared", "choose another name"
+    "RA210", WARNING, "`{name}` is predefined, and is declared again", "choose another name"
 )
 UNDECLARED: Final = Rule(
     "RA211", ERROR, "nothing declares `{name}`", "declare it, or write the name that is meant"

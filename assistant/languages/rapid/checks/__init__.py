@@ -23,7 +23,6 @@ from assistant.languages.rapid.checks import (
 from assistant.languages.rapid.checks.scope import Look, Task
 from assistant.languages.rapid.checks.tasks import tasks
 from assistant.languages.rapid.checks.walk import nodes
-from assistant.languages.rapid.header import opening
 from assistant.program.diagnostics import Diagnostic
 
 __all__ = ["ADVICE", "RULES", "check", "loaded_files"]
@@ -74,9 +73,7 @@ def check(trees: Sequence[s.File]) -> tuple[Diagnostic, ...]:
         for tree in files:
             for module in tree.modules:
                 look = Look(tree, module, task)
-                header = opening(module)
-                compiled = bool(header.program or header.unit)
-                for rule in RULES if compiled else (*RULES, *ADVICE):
+                for rule in RULES if look.compiled else (*RULES, *ADVICE):
                     found += rule(look)
     return tuple(dict.fromkeys(found))
 

@@ -14,7 +14,6 @@ from typing import Final, cast
 from assistant.languages.rapid import predefined
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.checks.scope import Declaration, Look
-from assistant.languages.rapid.header import opening
 from assistant.languages.rapid.signatures import Parameter, Slot, signature
 
 NUMBER: Final = "number"
@@ -66,12 +65,6 @@ class Types:
         self._bases: dict[str, str | None] = {}
         self.told: set[tuple[str, str]] = set()
         """What has been said of a name once and need not be said again."""
-
-    @cached_property
-    def compiled(self) -> bool:
-        """Whether the module says that it is whole: its names have a rule of their own."""
-        header = opening(self.look.module)
-        return bool(header.program or header.unit)
 
     def first(self, what: str, name: str) -> bool:
         """Whether this is the first time that this is said of a name."""
@@ -168,8 +161,11 @@ class Scope:
         return self._found[low]
 
     def doubtful(self, found: Declaration) -> bool:
-        """Whether several modules declare the name, so that it is not clear which is meant."""
-        return not found.local and len(self.look.task.shared.get(found.name.lower(), ())) > 1
+        """Whether several modules declare the name, or another one of a mixed set does."""
+        task = self.look.task
+        if task.mixed and found.module is not None and found.module is not self.look.module:
+            return True
+        return not found.local and len(task.shared.get(found.name.lower(), ())) > 1
 
     def kind(self, node: s.Expression | s.Variable | None) -> Kind | None:
         """Type of an expression, None if it is not known for sure."""

@@ -57,8 +57,8 @@ def _motion(
         if not name or name.lower() in table or name.lower() in named or look.find(name):
             continue
         near = nearest(name, table)
-        if near:  # without a `main` more modules may be needed, which may declare it
-            severity = Severity.ERROR if look.task.has_main else Severity.WARNING
+        if near:
+            severity = Severity.ERROR if look.compiled else Severity.WARNING
             yield look.finding(rule, node, severity=severity, name=name, near=near)
     for name, role, own in ((tool, "tool", "tool0"), (frame, "work object", "wobj0")):
         found = look.find(name) if name and name.lower() != own else None

@@ -40,13 +40,11 @@ def duplicates(look: Look) -> Found:
     """Names of a module that it declares again, or that another module declares as well.
 
     Two modules that cannot be in one task, each with a `main` or both of one name, are not
-    compared: they are two programs, or two states of one. Two that declare the same global PERS
-    are likely of two tasks, which share it.
+    compared: they are two programs, or two states of one. Of the others it is not sure.
     """
     own: set[str] = set()
     rivals = {id(other) for other in look.before if _rivals(look.task, other, look.module)}
     earlier = {id(other) for other in look.before} - rivals
-    sharing = {id(other) for other in look.before if _share(other, look.module)}
     for item in look.module.items:
         declared = declaration(item, look.module)
         if declared is None:
@@ -55,8 +53,8 @@ def duplicates(look: Look) -> Found:
         shared = look.task.shared.get(name, ()) if not declared.local else ()
         elsewhere = [other.module for other in shared if id(other.module) in earlier]
         if name in own or elsewhere or look.task.row(declared.name, look.module) is not None:
-            apart = name not in own and any(id(m) in sharing for m in elsewhere)
-            severity = Severity.WARNING if apart else Severity.ERROR
+            sure = name in own or not elsewhere or look.compiled
+            severity = Severity.ERROR if sure else Severity.WARNING
             yield look.finding(rules.DUPLICATE, item, severity=severity, name=declared.name)
         own.add(name)
     for module, item, row in look.task.once(repeated_rows):
@@ -84,19 +82,6 @@ def _rivals(task: Task, one: s.Module, other: s.Module) -> bool:
     if one.name.lower() == other.name.lower():
         return True
     return task.main(one) is not None and task.main(other) is not None
-
-
-def _share(one: s.Module, other: s.Module) -> bool:
-    return not _shared(one).isdisjoint(_shared(other))
-
-
-def _shared(module: s.Module) -> set[tuple[str, str]]:
-    """Names and types of the persistents that all tasks share."""
-    return {
-        (item.name.lower(), item.type.lower())
-        for item in module.items
-        if isinstance(item, s.Data) and item.storage == "PERS" and not item.scope
-    }
 
 
 def repeated_rows(task: Task) -> list[tuple[s.Module, s.TargetRunNode, int]]:
@@ -146,5 +131,4 @@ def _name(look: Look, node: s.Node, name: str) -> Found:
     own = isinstance(node, s.Data) and name.lower() in PREDEFINED_DATA
     taken = name.lower() in SPEEDS or name.lower() in ZONES
     if isinstance(node, s.Data | s.Routine) and taken and not own:
-        severity = Severity.WARNING  # system modules of old controllers do it
-        yield look.finding(rules.RESERVED_NAME, node, severity=severity, name=name)
+        yield look.finding(rules.RESERVED_NAME, node, name=name)

@@ -48,7 +48,7 @@ def data(node: s.Expression, scope: Scope) -> Found:
     if not isinstance(node, s.NameRef) or scope.find(node.name) is not None:
         return
     low = node.name.lower()
-    if low in predefined.data() or low.startswith("err_") or scope.types.compiled:
+    if low in predefined.data() or low.startswith("err_") or scope.look.compiled:
         return
     if scope.types.first("data", low):
         yield scope.look.finding(rules.UNKNOWN_DATA, node, name=node.name)

@@ -14,6 +14,7 @@ import numpy as np
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.checks.walk import nodes
 from assistant.languages.rapid.gather import split
+from assistant.languages.rapid.header import opening
 from assistant.languages.rapid.runs import Names
 from assistant.program.diagnostics import Diagnostic, Rule, Span
 
@@ -107,6 +108,12 @@ class Task:
     def has_main(self) -> bool:
         return bool(self._mains)
 
+    @cached_property
+    def mixed(self) -> bool:
+        """Whether the modules cannot all be of one task: two have a `main` or the same name."""
+        names = [module.name.lower() for module in self.modules]
+        return len(self._mains) > 1 or len(set(names)) < len(names)
+
     def once(self, work: Callable[[Task], T]) -> T:
         """What a function makes of the task, worked out when it is first asked for."""
         if work not in self._worked:
@@ -156,6 +163,16 @@ class Look:
 
     def __init__(self, file: s.File, module: s.Module, task: Task) -> None:
         self.file, self.module, self.task = file, module, task
+
+    @cached_property
+    def compiled(self) -> bool:
+        """Whether the module's header says that it is a whole program or a unit of one.
+
+        What others wrote may need modules that are not given, or come with others that are
+        never loaded together: what modules say of each other is certain in a compiled one only.
+        """
+        header = opening(self.module)
+        return bool(header.program or header.unit)
 
     def find(self, name: str, routine: s.Routine | None = None) -> Declaration | None:
         """What a name means in this module, inside one of its routines if that is given."""
