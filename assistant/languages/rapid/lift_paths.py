@@ -29,10 +29,14 @@ from assistant.program import rotations
 from assistant.program import statements as p
 from assistant.program.geometry import Target
 from assistant.program.path import UNSTATED, Kind, Path
-from assistant.program.program import Variable
+from assistant.program.program import Variable, identifier
 from assistant.robots.configurations import from_confdata
 
+_NAMED: Final = (s.Data, s.Routine, s.Record, s.Alias)
 _KIND: Final = {0: "joint", 1: "linear"}
+
+MOST_WRITTEN: Final = 100
+"""Moves in a row to targets that are written out; more are a path, whose targets have names."""
 
 Motions = Callable[[str, str, str, str], p.Motion]
 Rows = NDArray[np.intp]
@@ -50,6 +54,7 @@ class PathLift:
         self.uses = np.zeros(len(self.table), dtype=np.int64)
         self.gone = np.zeros(len(self.table), dtype=bool)
         self._index = _Index(self.table.names)
+        self._taken = {i.name for m in modules for i in m.items if isinstance(i, _NAMED)}
         if not runs:
             return
         names: list[str] = []
@@ -69,6 +74,9 @@ class PathLift:
     def statements(self, node: s.MoveRunNode, motion: Motions) -> Iterator[p.Statement]:
         run = node.run
         motions = [motion(m.speed, m.zone, m.tool, m.frame) for m in run.motions]
+        if run.values is not None and len(run) > MOST_WRITTEN and _turned(run.values):
+            yield p.Follow(self._written_path(run, run.values, motions), span=node.span)
+            return
         if run.values is not None:
             for values, row, kind in zip(run.values.tolist(), run.motion, run.kinds, strict=True):
                 word: Any = _KIND[int(kind)]
@@ -97,30 +105,19 @@ class PathLift:
         values = self.table.values[at[0] : at[0] + len(at)]
         if not np.array_equal(at, np.arange(at[0], at[0] + len(at))):
             values = self.table.values[at]
-        if not values[:, 3:7].any(axis=1).all():
+        if not _turned(values):
             return None
         self.gone[at] = True
-        motion = rows.motion[start:stop]
-        columns: dict[str, Any] = {}
-        for name, attribute in (
-            ("speed", "speed"),
-            ("blend", "blend"),
-            ("tool", "tool"),
-            ("frame", "frame"),
-        ):
-            entries: dict[Any, int] = {}
-            index = [entries.setdefault(getattr(m, attribute), len(entries)) for m in motions]
-            columns[name] = np.array(index, dtype=np.int32)[motion]
-            columns[name + "s"] = tuple(entries)
-        return Path.of(
-            self.original(stem[:-1]),
-            values[:, 0:3],
-            rotations.canonical(values[:, 3:7]),
-            kinds=rows.kinds[start:stop],
-            configurations=configurations(values[:, 7:11]),
-            external=np.where(values[:, 11:17] >= UNUSED, np.nan, values[:, 11:17]),
-            **columns,
-        )
+        kinds, motion = rows.kinds[start:stop], rows.motion[start:stop]
+        return _path(self.original(stem[:-1]), values, kinds, motion, motions)
+
+    def _written_path(
+        self, run: MoveRun, values: NDArray[np.float64], motions: Sequence[p.Motion]
+    ) -> Path:
+        """A path of targets that the program gives no names."""
+        name = identifier("written", self._taken)
+        self._taken.add(name)
+        return _path(name, values, run.kinds, run.motion, motions)
 
     def _moves(
         self,
@@ -161,6 +158,36 @@ def _written(values: Sequence[float]) -> e.Expression:
     if any(values[3:7]):
         return e.TargetValue(target(values))
     return e.Aggregate(tuple(e.Aggregate(tuple(map(e.Number, values[a:b]))) for a, b in PARTS))
+
+
+def _turned(values: NDArray[np.float64]) -> bool:
+    """Whether every target has an orientation at all."""
+    return bool(values[:, 3:7].any(axis=1).all())
+
+
+def _path(
+    name: str,
+    values: NDArray[np.float64],
+    kinds: NDArray[np.uint8],
+    motion: NDArray[np.int32],
+    motions: Sequence[p.Motion],
+) -> Path:
+    """values: (n, 17) as of a TargetRun. motion: (n,) rows of motions."""
+    columns: dict[str, Any] = {}
+    for column in ("speed", "blend", "tool", "frame"):
+        entries: dict[Any, int] = {}
+        index = [entries.setdefault(getattr(m, column), len(entries)) for m in motions]
+        columns[column] = np.array(index, dtype=np.int32)[motion]
+        columns[column + "s"] = tuple(entries)
+    return Path.of(
+        name,
+        values[:, 0:3],
+        rotations.canonical(values[:, 3:7]),
+        kinds=kinds,
+        configurations=configurations(values[:, 7:11]),
+        external=np.where(values[:, 11:17] >= UNUSED, np.nan, values[:, 11:17]),
+        **columns,
+    )
 
 
 def configurations(confdata: NDArray[np.float64]) -> NDArray[np.int8]:

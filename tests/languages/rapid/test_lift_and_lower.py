@@ -170,3 +170,21 @@ def test_a_routine_is_understood_beside_what_only_rapid_can_say() -> None:
     stack = program.procedure("stack")
     assert stack is not None
     assert p.Opaque("rapid", "VAR clock c;") in stack.body
+
+
+def test_many_targets_that_are_written_out_are_a_path() -> None:
+    rows = "".join(
+        f"    MoveL [[{x},0,500],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v100,z1,tool0;\n"
+        for x in range(300)
+    )
+    text = f"MODULE m\n  PROC main()\n{rows}    Stop;\n{rows}  ENDPROC\nENDMODULE\n"
+    program = lifted(text)
+    first, stop, second = program.procedures[0].body
+    assert isinstance(first, p.Follow)
+    assert isinstance(stop, p.Stop)
+    assert isinstance(second, p.Follow)
+    assert first.path.name != second.path.name
+    assert list(first.path.positions[:, 0]) == list(range(300))
+    assert RAPID.render(RAPID.lower(program)) == text
+    again = RAPID.lift(RAPID.lower(replace(program, origin=None)))
+    assert again == program
