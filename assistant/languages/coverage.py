@@ -8,15 +8,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import dataclass, replace
 from itertools import chain
 from typing import Any, Final, Literal
 
 from assistant.languages.language import Language
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.path import Path
-from assistant.program.program import Program, bodies
+from assistant.program.program import Program
+from assistant.program.rewriting import head, records
 
 Level = Literal["supported", "partial", "verbatim"]
 
@@ -132,16 +132,4 @@ def _level(statement: p.Statement) -> Level:
 
 def _holds_verbatim(statement: p.Statement) -> bool:
     """Whether an expression of the statement's own is verbatim; its bodies have their own."""
-    inner = {id(body) for body in bodies(statement)}
-    pending: list[Any] = [statement]
-    while pending:
-        part = pending.pop()
-        if isinstance(part, e.Verbatim):
-            return True
-        if isinstance(part, Path) or id(part) in inner:
-            continue
-        if isinstance(part, tuple):
-            pending += part
-        elif is_dataclass(part):
-            pending += [getattr(part, f.name) for f in fields(part)]
-    return False
+    return any(isinstance(part, e.Verbatim) for part in records(head(statement)))

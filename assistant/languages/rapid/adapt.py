@@ -22,7 +22,7 @@ from assistant.languages.rapid.messages import Kinds, kinds, parts
 from assistant.languages.rapid.motions import sayable_blend, sayable_speed, speed_name, zone_name
 from assistant.languages.rapid.naming import units
 from assistant.languages.rapid.runs import JOINT_PLACES, POSITION_PLACES, QUATERNION_PLACES
-from assistant.languages.rapid.sequences import map_bodies, map_expressions, with_paths
+from assistant.languages.rapid.sequences import with_paths
 from assistant.languages.rapid.tables import (
     LEAST_ACCELERATION,
     LEAST_CENTRE,
@@ -52,6 +52,7 @@ from assistant.program.geometry import (
 from assistant.program.motion import Blend, Speed
 from assistant.program.path import UNSTATED, Kind, Path
 from assistant.program.program import Procedure, Program, Signal, Variable, identifier, walk
+from assistant.program.rewriting import map_bodies, map_expressions, map_head
 
 
 def adapt(program: Program, most_targets: int | None = None) -> Adapted:
@@ -363,38 +364,9 @@ class _Adapter:
         out: list[p.Statement] = []
         for statement in body:
             change = CHANGES.get(type(statement))
-            statement = map_bodies(statement, self.body)
-            if not isinstance(statement, p.Follow | p.If | p.While | p.For | p.Switch):
-                statement = self.expressions(statement)
-            elif not isinstance(statement, p.Follow):
-                statement = self.heads(statement)
+            statement = map_head(map_bodies(statement, self.body), self.expression)
             out += [statement] if change is None else change(self, statement)
         return tuple(out)
-
-    def heads(self, statement: Any) -> Any:
-        """The conditions and bounds of a statement that holds others."""
-        match statement:
-            case p.If(branches):
-                changed = tuple(
-                    replace(b, condition=self.expressions(b.condition)) for b in branches
-                )
-                return replace(statement, branches=changed)
-            case p.While(condition):
-                return replace(statement, condition=self.expressions(condition))
-            case p.For():
-                return replace(
-                    statement,
-                    first=self.expressions(statement.first),
-                    last=self.expressions(statement.last),
-                    step=self.expressions(statement.step),
-                )
-            case p.Switch(subject, cases):
-                return replace(
-                    statement,
-                    subject=self.expressions(subject),
-                    cases=tuple(replace(c, values=self.expressions(c.values)) for c in cases),
-                )
-        return statement
 
     # Splitting
 

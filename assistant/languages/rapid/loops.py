@@ -10,18 +10,17 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.sequences import map_bodies, map_expressions, mentioned
+from assistant.languages.rapid.sequences import mentioned
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic
-from assistant.program.path import Path
 from assistant.program.program import Procedure, Program, Variable, bodies, identifier, walk
+from assistant.program.rewriting import Body, head, map_bodies, map_head, records
 
-Body = tuple[p.Statement, ...]
 Found = dict[tuple[str, str], Diagnostic]
 
 
@@ -81,18 +80,12 @@ def _renamed(body: Body, old: str, new: str) -> Body:
 
     out: list[p.Statement] = []
     for x in body:
-        held = bodies(x)
-        head: Any = map_expressions(map_bodies(x, _nothing), change)
-        if isinstance(head, p.Opaque):
-            head = replace(head, text=other(head.text))
         hides = isinstance(x, p.For) and x.variable.lower() == old.lower()
-        inner = iter(held if hides else [_renamed(b, old, new) for b in held])
-        out.append(map_bodies(head, lambda _, inner=inner: next(inner)))
+        x = map_head(x, change)
+        if isinstance(x, p.Opaque):
+            x = replace(x, text=other(x.text))
+        out.append(x if hides else map_bodies(x, lambda b: _renamed(b, old, new)))
     return tuple(out)
-
-
-def _nothing(_: Body) -> Body:
-    return ()
 
 
 # What uses what
@@ -116,14 +109,14 @@ class _Use:
         for x in body:
             if isinstance(x, p.Follow):
                 continue
-            head: Any = map_bodies(x, _nothing)
+            used: Any = head(x)
             if isinstance(x, p.Assign) and isinstance(x.target, e.Name):
                 self.touched.add(x.target.name.lower())
-                head = x.value
-            names = {n.lower() for n in mentioned(head)}
+                used = x.value
+            names = {n.lower() for n in mentioned(used)}
             self.touched |= names
             self.read |= names - counts
-            self.called |= _called(head)
+            self.called |= _called(used)
             inner = counts
             if isinstance(x, p.For):
                 self.touched.add(x.variable.lower())
@@ -198,7 +191,7 @@ def writes(body: Body, program: Program, *, verbatim: bool = True) -> set[str]:
                 found.add(x.variable.lower())
             case p.Opaque() if verbatim:
                 found |= {n.lower() for n in mentioned(x)}
-        for part in _parts(map_bodies(x, _nothing)):
+        for part in records(head(x)):
             if isinstance(part, p.Call | e.Apply):
                 name = part.procedure if isinstance(part, p.Call) else part.function
                 called = program.procedure(name)
@@ -211,7 +204,7 @@ def writes(body: Body, program: Program, *, verbatim: bool = True) -> set[str]:
 
 def _called(node: Any) -> set[str]:
     found: set[str] = set()
-    for part in _parts(node):
+    for part in records(node):
         match part:
             case p.Call():
                 found.add(part.procedure.lower())
@@ -220,18 +213,6 @@ def _called(node: Any) -> set[str]:
             case e.Verbatim() | p.Opaque():
                 found |= {n.lower() for n in mentioned(part)}
     return found
-
-
-def _parts(node: Any) -> Iterator[Any]:
-    """A statement or expression and everything in it."""
-    pending = [node]
-    while pending:
-        item = pending.pop()
-        if isinstance(item, tuple):
-            pending += item
-        elif is_dataclass(item) and not isinstance(item, Path):
-            yield item
-            pending += [getattr(item, f.name) for f in fields(item)]
 
 
 def _globals(program: Program) -> Iterator[str]:

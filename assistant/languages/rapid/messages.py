@@ -10,11 +10,11 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final
 
-from assistant.languages.rapid.sequences import map_bodies
 from assistant.languages.rapid.tables import COMPONENTS
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Procedure, Program, walk
+from assistant.program.rewriting import map_bodies
 
 Kinds = Mapping[str, str]
 """Lower-case names of values and functions: `text`, or anything else for other values."""

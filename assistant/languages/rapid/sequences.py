@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -14,7 +14,8 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import Target
 from assistant.program.path import Kind, Path, configuration_row
-from assistant.program.program import Procedure, Program, bodies
+from assistant.program.program import Program, bodies
+from assistant.program.rewriting import map_bodies, records
 
 _ROW: Final = re.compile(r"(.*)_([1-9][0-9]{0,14})", re.DOTALL)
 _WORD: Final = re.compile(r"[A-Za-z]\w*")
@@ -41,21 +42,11 @@ def with_paths(program: Program, original: Callable[[str], str] = str) -> Progra
 
 def mentioned(node: Any) -> Iterator[str]:
     """Every name in an expression or statement; the words of what is verbatim."""
-    if isinstance(node, e.Name):
-        yield node.name
-    elif isinstance(node, e.Verbatim | p.Opaque):
-        yield from _WORD.findall(node.text)
-    elif isinstance(node, Path | str):
-        return
-    elif isinstance(node, tuple):
-        for item in node:
-            yield from mentioned(item)
-    elif isinstance(node, dict):
-        for value in node.values():
-            yield from mentioned(value)
-    elif is_dataclass(node):
-        for f in fields(node):
-            yield from mentioned(getattr(node, f.name))
+    for part in records(node):
+        if isinstance(part, e.Name):
+            yield part.name
+        elif isinstance(part, e.Verbatim | p.Opaque):
+            yield from _WORD.findall(part.text)
 
 
 class _Gatherer:
@@ -161,42 +152,3 @@ def join(name: str, paths: list[Path]) -> Path:
         columns[column] = np.concatenate([getattr(path, column) for path in paths])
     columns.update(tables)
     return replace(paths[0], name=name, **columns)
-
-
-def map_bodies(statement: Any, body: Any) -> Any:
-    """The statement with each body that it holds replaced by what `body` makes of it."""
-    match statement:
-        case p.If(branches, otherwise):
-            changed = tuple(replace(b, body=body(b.body)) for b in branches)
-            return replace(statement, branches=changed, otherwise=body(otherwise))
-        case p.While() | p.For():
-            return replace(statement, body=body(statement.body))
-        case p.Switch(_, cases, otherwise):
-            selected = tuple(replace(c, body=body(c.body)) for c in cases)
-            return replace(statement, cases=selected, otherwise=body(otherwise))
-    return statement
-
-
-def map_expressions(node: Any, change: Any) -> Any:
-    """A statement or expression with `change` made of every expression in it, inner ones first."""
-    if isinstance(node, Path | str | int | float) or node is None:
-        return node
-    if isinstance(node, tuple):
-        return tuple(map_expressions(item, change) for item in node)
-    if isinstance(node, e.TargetValue | e.JointValue | e.PoseValue):
-        return change(node)
-    if is_dataclass(node) and not isinstance(node, type):
-        if isinstance(node, p.Motion):
-            return node
-        changed = {}
-        for f in fields(node):
-            old = getattr(node, f.name)
-            new = map_expressions(old, change)
-            if new is not old and new != old:
-                changed[f.name] = new
-        node = replace(node, **changed) if changed else node
-        return change(node) if isinstance(node, e.Expression) else node
-    return node
-
-
-__all__ = ["Procedure", "join", "map_bodies", "map_expressions", "mentioned", "with_paths"]
