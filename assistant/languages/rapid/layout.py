@@ -112,8 +112,8 @@ def _heads_division(
     """
     if below is None or below.form != "divides" or above is None:
         return False
-    if above.word == "test":
-        return True
+    if above.form in ("opens", "divides"):  # nothing stands between but the comment
+        return above.word == "test"
     own, word, other = (_column(text, s.tokens[0].start) for s in (comment, below, above))
     return own == word < other
 

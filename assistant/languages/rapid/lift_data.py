@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import chain
 from typing import Any
 
 import numpy as np
 
 from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid.gather import literal_number, literal_target
-from assistant.languages.rapid.lift_expressions import lift, target
+from assistant.languages.rapid.gather import literal_number
+from assistant.languages.rapid.lift_expressions import lift
 from assistant.languages.rapid.motions import speed_name, speed_of, zone_name, zone_of
 from assistant.languages.rapid.tables import VALUE_OF_TYPE
+from assistant.languages.rapid.walk import lists
 from assistant.program import expressions as e
 from assistant.program import rotations
 from assistant.program.geometry import BASE, FLANGE, Frame, JointTarget, Load, Pose, Target, Tool
@@ -34,7 +36,7 @@ class DataLift:
         self.variables: dict[str, Variable] = {}
         self._held: set[int] = set()
         self._names: set[str] = set()
-        assigned = {n.lower() for n in _assigned(modules)}
+        assigned = _assigned(modules)
         for module in modules:
             for item in module.items:
                 if isinstance(item, s.Data) and item.name.lower() not in self._names:
@@ -79,7 +81,7 @@ class DataLift:
             variable = self.variable(item)
             if variable is None:
                 return False
-            fixed = variable.storage == "constant" and not (variable.size or variable.local)
+            fixed = variable.storage == "constant" and not variable.size
             if fixed and isinstance(variable.initial, e.TargetValue):
                 self.targets[name] = variable.initial.target
             elif fixed and isinstance(variable.initial, e.JointValue):
@@ -178,30 +180,14 @@ def _frame(value: Any) -> Frame | None:
 
 
 def _assigned(modules: Sequence[s.Module]) -> set[str]:
-    """Names of variables that a routine assigns to."""
+    """Names of variables that a routine assigns to, lower case."""
+    routines = (i for m in modules for i in m.items if isinstance(i, s.Routine))
     found: set[str] = set()
-    pending: list[Any] = list(modules)
-    while pending:
-        node = pending.pop()
-        match node:
-            case s.Assignment(target=variable):
-                while isinstance(variable, s.Component | s.Element):
-                    variable = variable.value
-                if isinstance(variable, s.NameRef):
-                    found.add(variable.name)
-            case s.Module(items=items):
-                pending += items
-            case s.Routine(body=body, handlers=handlers):
-                pending += [*body, *(x for h in handlers for x in h.body)]
-            case s.IfThen(branches=branches, otherwise=otherwise):
-                pending += [x for b in branches for x in b.body] + list(otherwise or ())
-            case s.ForLoop(body=body) | s.WhileLoop(body=body):
-                pending += body
-            case s.TestOf(cases=cases, otherwise=otherwise):
-                pending += [x for c in cases for x in c.body] + list(otherwise or ())
-            case s.CompactIf(statement=inner):
-                pending.append(inner)
+    for statement in chain.from_iterable(chain.from_iterable(map(lists, routines))):
+        if isinstance(statement, s.Assignment):
+            variable = statement.target
+            while isinstance(variable, s.Component | s.Element):
+                variable = variable.value
+            if isinstance(variable, s.NameRef):
+                found.add(variable.name.lower())
     return found
-
-
-__all__ = ["DataLift", "is_module_data", "literal_target", "target"]

@@ -63,7 +63,11 @@ class Naming:
         own: set[str] = set()
         inner = self.inner[key] = {}
         for name in (*(q.name for q in procedure.parameters), *procedure.variables):
-            self._declare_own(inner, name, own)
+            if self.of["values"].get(name.lower(), "").lower() == name.lower():
+                inner[name.lower()] = name  # hides the value of that name, here as there
+                own.add(name.lower())
+            else:
+                self._declare_own(inner, name, own)
         counters = self.counters[key] = {}
         labels = self.labels[key] = {}
         for statement in walk(procedure.body):
@@ -80,13 +84,7 @@ class Naming:
                     self._declare_own(counters, statement.variable, own)
 
     def _declare_own(self, known: dict[str, str], name: str, own: set[str]) -> None:
-        """Hides a value of the same name, as it does in the pseudo-program."""
         if name.lower() in known:
-            return
-        hidden = self.of["values"].get(name.lower(), "")
-        if hidden.lower() == name.lower() and hidden.lower() not in own:
-            known[name.lower()] = name
-            own.add(name.lower())
             return
         short = known[name.lower()] = self._free(name, own)
         own.add(short.lower())

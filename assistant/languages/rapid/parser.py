@@ -31,6 +31,8 @@ def parse(source: SourceText | str, *, runs: bool = True) -> File:
     if isinstance(reading, Diagnostic):
         return File((), None, Origin(text, ()), (reading,))
     (header, parts), findings = reading
+    if findings and "%%%" not in text.text:
+        header = None  # a header that was put in to read on
     return File(parts, header, Origin(text, parts), (*files.notes(text), *findings))
 
 

@@ -77,7 +77,7 @@ HEADERS: Final = st.one_of(
     st.sampled_from(
         ("", " VERSION:1 LANGUAGE:ENGLISH ", "\n  VERSION:1\n  LANGUAGE:ENGLISH\n", "%a", "! x")
     ),
-    st.text(st.sampled_from('%AZ:19 \r\n!";'), max_size=8),
+    st.text(st.sampled_from('%AZ:19 \n!";'), max_size=8),
 ).filter(lambda text: "%%%" not in text and not text.endswith("%"))
 
 

@@ -364,8 +364,9 @@ def test_speeds_that_another_module_may_declare() -> None:
         (finding,) = [f for f in RAPID.check([RAPID.parse(text)]) if f.code == "RA204"]
         return finding.severity
 
-    assert severity(routine("MoveL p,v25,fine,tool0;")) is Severity.ERROR
-    assert severity(routine("MoveL p,v25,fine,tool0;", head="weld()")) is Severity.WARNING
+    text = routine("MoveL p,v25,fine,tool0;")
+    assert severity(text) is Severity.WARNING
+    assert severity(text.replace("MODULE m\n", "MODULE m\n! program: m\n")) is Severity.ERROR
 
 
 def test_what_was_compiled_gets_no_advice() -> None:

@@ -51,9 +51,11 @@ def duplicates(look: Look) -> Found:
             continue
         name = declared.name.lower()
         shared = look.task.shared.get(name, ()) if not declared.local else ()
-        elsewhere = [other.module for other in shared if id(other.module) in earlier]
-        if name in own or elsewhere or look.task.row(declared.name, look.module) is not None:
-            sure = name in own or not elsewhere or look.compiled
+        elsewhere = any(id(other.module) in earlier for other in shared)
+        row = look.task.row(declared.name, look.module)
+        here = name in own or (row is not None and row.module is look.module)
+        if here or elsewhere or (row is not None and id(row.module) not in rivals):
+            sure = here or look.compiled
             severity = Severity.ERROR if sure else Severity.WARNING
             yield look.finding(rules.DUPLICATE, item, severity=severity, name=declared.name)
         own.add(name)
