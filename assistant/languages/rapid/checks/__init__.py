@@ -22,7 +22,7 @@ from assistant.languages.rapid.checks import (
 )
 from assistant.languages.rapid.checks.scope import Look, Task
 from assistant.languages.rapid.checks.tasks import tasks
-from assistant.languages.rapid.checks.walk import nodes
+from assistant.languages.rapid.walk import nodes
 from assistant.program.diagnostics import Diagnostic
 
 __all__ = ["ADVICE", "RULES", "check", "loaded_files"]

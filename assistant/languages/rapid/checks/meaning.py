@@ -9,7 +9,7 @@ from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.checks import calls, names_used, values
 from assistant.languages.rapid.checks.kinds import Scope, Types
 from assistant.languages.rapid.checks.scope import Look
-from assistant.languages.rapid.checks.walk import inside
+from assistant.languages.rapid.walk import inside
 from assistant.program.diagnostics import Diagnostic
 
 Rules = tuple[Callable[[Any, Scope], Iterator[Diagnostic]], ...]

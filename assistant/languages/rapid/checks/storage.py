@@ -8,7 +8,7 @@ from typing import Final
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.checks import plain_rules as rules
 from assistant.languages.rapid.checks.scope import Look
-from assistant.languages.rapid.checks.walk import blocks, nodes
+from assistant.languages.rapid.walk import blocks, nodes
 from assistant.languages.rapid.gather import literal_number
 from assistant.languages.rapid.tables import MOST_DIMENSIONS
 from assistant.program.diagnostics import Diagnostic
