@@ -11,7 +11,8 @@ import numpy as np
 
 from assistant.languages.language import Adapted
 from assistant.languages.rapid import rules, verbatim
-from assistant.languages.rapid.lift_expressions import aggregate, negative
+from assistant.languages.rapid.lift_expressions import aggregate, lift, negative
+from assistant.languages.rapid.lift_statements import statements_of
 from assistant.languages.rapid.loops import counted
 from assistant.languages.rapid.lower import (
     SIZES_PLACES,
@@ -23,6 +24,7 @@ from assistant.languages.rapid.motions import sayable_blend, sayable_speed, spee
 from assistant.languages.rapid.naming import units
 from assistant.languages.rapid.runs import JOINT_PLACES, POSITION_PLACES, QUATERNION_PLACES
 from assistant.languages.rapid.sequences import with_paths
+from assistant.languages.rapid.signals import gripper
 from assistant.languages.rapid.tables import (
     LEAST_ACCELERATION,
     LEAST_CENTRE,
@@ -331,8 +333,6 @@ class _Adapter:
         return x
 
     def verbatim(self, text: str) -> e.Expression:
-        from assistant.languages.rapid.lift_expressions import lift
-
         try:
             return lift(verbatim.expression(text), lambda name: name)
         except Refused:
@@ -507,8 +507,6 @@ def _bit(value: e.Expression) -> e.Expression:
 
 
 def _set_signal(_: _Adapter, x: p.SetSignal) -> Changed:
-    from assistant.languages.rapid.lift import gripper
-
     value = _bit(x.value)
     hand = gripper(x.signal, value) if x.pulse is None else None
     if hand is not None:
@@ -564,8 +562,6 @@ def _message(a: _Adapter, x: p.Message) -> Changed:
 
 
 def _opaque(a: _Adapter, x: p.Opaque) -> Changed:
-    from assistant.languages.rapid.lift import statements_of
-
     if x.language != "rapid":
         a.findings.append(rules.OTHER_LANGUAGE(language=x.language, text=x.text[:60]))
         return [x]

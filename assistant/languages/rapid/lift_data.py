@@ -11,7 +11,7 @@ import numpy as np
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.gather import literal_number
 from assistant.languages.rapid.lift_expressions import lift
-from assistant.languages.rapid.motions import speed_name, speed_of, zone_name, zone_of
+from assistant.languages.rapid.motions import BLENDS, SPEEDS, speed_of, zone_of
 from assistant.languages.rapid.tables import VALUE_OF_TYPE
 from assistant.languages.rapid.walk import lists
 from assistant.program import expressions as e
@@ -49,14 +49,12 @@ class DataLift:
         return id(item) in self._held
 
     def named_speeds(self) -> dict[str, Speed]:
-        return {
-            self.original(self._spelled[n]): v for n, v in self.speeds.items() if n != speed_name(v)
-        }
+        named = SPEEDS.named(self.speeds)
+        return {self.original(self._spelled[n]): v for n, v in named.items()}
 
     def named_blends(self) -> dict[str, Blend]:
-        return {
-            self.original(self._spelled[n]): v for n, v in self.blends.items() if n != zone_name(v)
-        }
+        named = BLENDS.named(self.blends)
+        return {self.original(self._spelled[n]): v for n, v in named.items()}
 
     def _take(self, item: s.Data, constant: bool) -> bool:
         """Whether the pseudo-program has a place for the data."""
@@ -81,13 +79,13 @@ class DataLift:
             variable = self.variable(item)
             if variable is None:
                 return False
-            fixed = variable.storage == "constant" and not variable.size
-            if fixed and isinstance(variable.initial, e.TargetValue):
-                self.targets[name] = variable.initial.target
-            elif fixed and isinstance(variable.initial, e.JointValue):
-                self.joint_targets[name] = variable.initial.target
-            else:
-                self.variables[name] = variable
+            match fixed_target(variable):
+                case Target() as target:
+                    self.targets[name] = target
+                case JointTarget() as joints:
+                    self.joint_targets[name] = joints
+                case None:
+                    self.variables[name] = variable
         else:
             return False
         return True
@@ -106,8 +104,16 @@ class DataLift:
         return Variable(type, initial, extents, storage, item.scope == "LOCAL")
 
 
-def is_module_data(item: s.Data) -> bool:
-    return item.storage in ("CONST", "VAR", "PERS")
+def fixed_target(variable: Variable) -> Target | JointTarget | None:
+    """The target that a variable always is, None if it is one that can be assigned or no target."""
+    if variable.storage != "constant" or variable.size:
+        return None
+    match variable.initial:
+        case e.TargetValue(target):
+            return target
+        case e.JointValue(joints):
+            return joints
+    return None
 
 
 def numbers(node: s.Expression | None) -> Any:

@@ -6,17 +6,17 @@ from collections.abc import Callable, Sequence
 from typing import Final
 
 from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid.gather import literal_number, literal_target
+from assistant.languages.rapid.gather import literal_number
 from assistant.languages.rapid.lower_expressions import AS_FUNCTIONS, BINARY
 from assistant.languages.rapid.printer import expression as printed
 from assistant.languages.rapid.tables import COMPONENTS, FUNCTIONS, UNUSED
+from assistant.languages.rapid.verbatim import LANGUAGE
 from assistant.program import expressions as e
 from assistant.program import rotations
 from assistant.program.geometry import UNUSED_AXIS, Configuration, JointTarget, Pose, Target
 from assistant.program.path import configuration_of
 from assistant.robots.configurations import from_confdata
 
-LANGUAGE: Final = "rapid"
 _OPERATORS: Final = {row[0]: name for name, row in BINARY.items()}
 _FUNCTIONS: Final = {rapid.lower(): name for name, rapid in FUNCTIONS.items()}
 _POWERS: Final = {rapid.lower(): operator for operator, rapid in AS_FUNCTIONS.items()}
@@ -173,6 +173,3 @@ def target(values: Sequence[float]) -> Target:
     if all(-127 <= v <= 127 and v == int(v) for v in values[7:11]):
         configuration = configuration_of(from_confdata([values[7:11]])[0])
     return Target(pose(values[:3], values[3:7]), configuration, external(values[11:17]))
-
-
-__all__ = ["aggregate", "lift", "literal_target", "negative", "target"]

@@ -3,17 +3,46 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import replace
-from typing import Final
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, Generic, TypeVar
 
-from assistant.languages.rapid.tables import LARGEST_ZONE, SPEEDS, ZONES, usual_sizes
+from assistant.languages.rapid import tables
+from assistant.languages.rapid.tables import LARGEST_ZONE, usual_sizes
 from assistant.program.motion import Blend, Speed
 
-_SPEED_NAMES: Final = {speed: name for name, speed in SPEEDS.items()}
-_ZONE_NAMES: Final = {blend: name for name, blend in ZONES.items()}
+T = TypeVar("T", Speed, Blend)
+
+_SPEED_NAMES: Final = {speed: name for name, speed in tables.SPEEDS.items()}
+_ZONE_NAMES: Final = {blend: name for name, blend in tables.ZONES.items()}
 PLACES: Final = 3
-FASTEST: Final = max(s.tcp for s in SPEEDS.values() if math.isfinite(s.tcp))
+FASTEST: Final = max(s.tcp for s in tables.SPEEDS.values() if math.isfinite(s.tcp))
+
+
+@dataclass(frozen=True, slots=True)
+class Words(Generic[T]):
+    """How RAPID calls speeds, or blends.
+
+    kind: what they are. predefined: by name. name: of a value, predefined or to be declared.
+    """
+
+    kind: str
+    predefined: Mapping[str, T]
+    name: Callable[[T], str]
+
+    def meant(self, name: str, declared: Mapping[str, T]) -> T | None:
+        """The value that stands for a name: one that is called so; None for a name of its own.
+
+        declared: by lower-case name.
+        """
+        value = declared.get(name.lower())
+        if value is None:
+            return self.predefined.get(name.lower())
+        return value if self.name(value) == name.lower() else None
+
+    def named(self, declared: Mapping[str, T]) -> dict[str, T]:
+        """Those with names of their own."""
+        return {n: v for n, v in declared.items() if n.lower() != self.name(v)}
 
 
 def speed_name(speed: Speed) -> str:
@@ -92,3 +121,7 @@ def sayable_blend(blend: Blend) -> tuple[Blend, str | None]:
         a, b, c, d, e = (round(v, PLACES) for v in details)
         return zone_of(False, [radius, a, b, c, d, e]), changed
     return Blend(radius), changed
+
+
+SPEEDS: Final = Words("speed", tables.SPEEDS, speed_name)
+BLENDS: Final = Words("blend", tables.ZONES, zone_name)

@@ -1,0 +1,147 @@
+"""Statements of RAPID as the pseudo-program's; what it has no word for stays verbatim."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
+from typing import Final
+
+from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid import verbatim
+from assistant.languages.rapid.lift_data import DataLift
+from assistant.languages.rapid.lift_instructions import Meaning, instruction, plain_arguments
+from assistant.languages.rapid.lift_paths import PathLift
+from assistant.languages.rapid.loops import ascends
+from assistant.languages.rapid.standard import INSTRUCTIONS, OF_OPTIONS
+from assistant.languages.rapid.tables import LOADED_FROM
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.diagnostics import Refused, Span
+from assistant.program.program import Program
+
+_STANDARD: Final = INSTRUCTIONS | OF_OPTIONS
+_WORD: Final = re.compile(r"[A-Za-z]\w*")
+
+
+def statements_of(text: str, program: Program) -> tuple[p.Statement, ...]:
+    """Statements of RAPID in a program; an Opaque that is no RAPID comes back as it is."""
+    try:
+        read = verbatim.statements(text)
+    except Refused:
+        return (p.Opaque(verbatim.LANGUAGE, text),)  # a finding when it is built
+    if any(isinstance(n, s.Data | s.TargetRunNode) for n in read):
+        return (p.Opaque(verbatim.LANGUAGE, text),)
+    paths = PathLift((), DataLift((), str), str)
+    procedures = {q.name.lower() for q in program.procedures}
+    return StatementLift(Meaning(), paths, procedures).block(read)
+
+
+class StatementLift:
+    """procedures: lower-case names of the user's own, which hide instructions."""
+
+    def __init__(self, meaning: Meaning, paths: PathLift, procedures: Collection[str]) -> None:
+        self._meaning, self._paths, self._procedures = meaning, paths, procedures
+        self._original, self._expression = meaning.original, meaning.expression
+
+    def block(self, nodes: Sequence[s.StatementNode] | None) -> tuple[p.Statement, ...]:
+        """The statements of a body; none for one that is not there."""
+        return tuple(self._body(nodes or ()))
+
+    def _body(self, nodes: Sequence[s.StatementNode]) -> Iterator[p.Statement]:
+        at = 0
+        while at < len(nodes):
+            loaded = self._loaded_call(nodes[at : at + 3])
+            if loaded is not None:
+                yield loaded
+                at += 3
+                continue
+            yield from self._statement(nodes[at])
+            at += 1
+
+    def _statement(self, node: s.StatementNode) -> Iterator[p.Statement]:
+        span, original, expression = node.span, self._original, self._expression
+        match node:
+            case s.CommentLine(text):
+                yield p.Comment(text, span=span)
+            case s.MoveRunNode():
+                yield from self._paths.statements(node, self._meaning.motion)
+            case s.Assignment(target, value) if not isinstance(target, s.Placeholder):
+                yield p.Assign(expression(target), expression(value), span=span)
+            case s.GotoLabel(label):
+                yield p.Goto(original(label), span=span)
+            case s.LabelMark(name):
+                yield p.Label(original(name), span=span)
+            case s.ReturnFrom(value):
+                yield p.Return(None if value is None else expression(value), span=span)
+            case s.Word("EXIT"):
+                yield p.Stop(end=True, span=span)
+            case s.IfThen(branches, otherwise) if all(b.condition is not None for b in branches):
+                lifted = [
+                    p.Branch(expression(b.condition), self.block(b.body))
+                    for b in branches
+                    if b.condition is not None
+                ]
+                yield p.If(tuple(lifted), self.block(otherwise), span=span)
+            case s.CompactIf(condition, inner):
+                body = tuple(self._statement(inner))
+                yield p.If((p.Branch(expression(condition), body),), span=span)
+            case s.ForLoop(variable, first, last, step, inner):
+                bounds = expression(first), expression(last)
+                upwards = {True: p.ONE, False: e.Number(-1), None: None}[ascends(*bounds)]
+                by = upwards if step is None else expression(step)
+                yield p.For(original(variable), *bounds, self.block(inner), by, span=span)
+            case s.WhileLoop(condition, inner):
+                yield p.While(expression(condition), self.block(inner), span=span)
+            case s.TestOf(subject, cases, otherwise) if all(c.values for c in cases):
+                chosen = tuple(
+                    p.Case(tuple(map(expression, c.values)), self.block(c.body)) for c in cases
+                )
+                yield p.Switch(expression(subject), chosen, self.block(otherwise), span=span)
+            case s.ProcedureCall(name=str()):
+                yield replace(self._call(node), span=span)
+            case _:
+                yield opaque(node)
+
+    def _call(self, node: s.ProcedureCall) -> p.Statement:
+        name = str(node.name)
+        if name.lower() in _STANDARD and name.lower() not in self._procedures:
+            return instruction(node, self._meaning) or opaque(node)
+        given = self._given(node)
+        return opaque(node) if given is None else p.Call(self._original(name), given)
+
+    def _given(self, node: s.ProcedureCall) -> tuple[e.Expression, ...] | None:
+        plain = plain_arguments(node)
+        return None if plain is None else tuple(map(self._expression, plain))
+
+    def _loaded_call(self, nodes: Sequence[s.StatementNode]) -> p.Call | None:
+        r"""`Load \Dynamic, "HOME:/u.mod"; %"name"% …; UnLoad "HOME:/u.mod";` as one call."""
+        match nodes:
+            case (
+                s.ProcedureCall(
+                    str(load),
+                    (s.Option(option, None), s.Positional(s.StringLiteral(file), None)),
+                ) as first,
+                s.ProcedureCall(s.StringLiteral(name)) as call,
+                s.ProcedureCall(str(unload), (s.Positional(s.StringLiteral(same), None),)) as last,
+            ) if (load.lower(), option.lower(), unload.lower()) == ("load", "dynamic", "unload"):
+                module = file.removeprefix(LOADED_FROM).removesuffix(".mod")
+                given = self._given(call)
+                if (
+                    given is None
+                    or file != same
+                    or file != LOADED_FROM + module + ".mod"
+                    or not all(map(_WORD.fullmatch, (module, name)))
+                ):
+                    return None
+                unit = self._original(module)
+                return p.Call(self._original(name), given, unit, span=_over(first, last))
+        return None
+
+
+def opaque(node: s.StatementNode) -> p.Opaque:
+    return p.Opaque(verbatim.LANGUAGE, verbatim.of_statement(node), span=node.span)
+
+
+def _over(first: s.Node, last: s.Node) -> Span | None:
+    return Span(first.span.start, last.span.end) if first.span and last.span else None
