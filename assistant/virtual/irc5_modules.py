@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from pathlib import PurePosixPath
 from typing import Final
@@ -11,6 +12,7 @@ from xml.etree import ElementTree
 
 from assistant import languages
 from assistant.languages import Tree
+from assistant.languages.rapid import rules
 from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, has_errors
 
 MODULE_SUFFIXES: Final = (".mod", ".sys", ".prg")
@@ -103,7 +105,7 @@ def _rule_findings(
     HOME: keeps files of many programs, so that two of them may well declare one name.
     """
     rapid = languages.get("rapid")
-    alone = [finding for finding in rapid.check([tree]) if finding not in tree.findings]
+    alone = [finding for finding in _refused(rapid.check([tree])) if finding not in tree.findings]
     if not has_errors(alone):
         return tuple(alone)
     trees = [tree]
@@ -113,8 +115,20 @@ def _rule_findings(
             continue
         if other.name.lower() != module.name.lower():  # else it is this one's own old self
             trees.append(other_tree)
-    together = set(rapid.check(trees))
+    together = set(_refused(rapid.check(trees)))
     return tuple(finding for finding in alone if finding in together)
+
+
+UNDECLARED: Final = frozenset({rules.UNKNOWN_SPEED.code, rules.UNKNOWN_ZONE.code})
+"""Names that other modules may declare, but none does: here all that is loaded is known."""
+
+
+def _refused(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
+    """The findings as severe as they are where no module is missing."""
+    return [
+        replace(finding, severity=Severity.ERROR) if finding.code in UNDECLARED else finding
+        for finding in findings
+    ]
 
 
 def _program_findings(file: str, data: bytes, beside: frozenset[str]) -> tuple[Diagnostic, ...]:

@@ -9,7 +9,7 @@ from typing import Final
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.runs import moves_text, targets_text
 
-INDENT: Final = "  "
+INDENT: Final = "    "
 NEWLINE: Final = "\r\n"
 
 
@@ -182,7 +182,7 @@ class Printer:
             case s.MoveRunNode():
                 yield moves_text(node.run, indent, self.newline)
             case s.LabelMark():
-                yield self.line(indent[:-2], f"{node.name}:")
+                yield self.line(indent, f"{node.name}:")
             case s.CommentLine():
                 yield self.comment(node, indent)
             case s.CompactIf():

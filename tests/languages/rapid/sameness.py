@@ -1,7 +1,8 @@
 """Whether two trees say the same: what a controller would not tell apart compares equal.
 
 Case of names, order of declarations, parentheses that priorities make needless, an IF in one
-line, spelling of numbers, decimals beyond the printed ones, attributes of modules, and the
+line, spelling of numbers, decimals beyond the printed ones, attributes of modules, LOCAL before
+data of motion, and the
 comments that this package itself writes into a module's head do not count. All the rest does.
 """
 
@@ -56,9 +57,9 @@ def _items(files: Iterable[s.File]) -> Iterator[Said]:
             match item:
                 case s.CommentLine(text):
                     comments.append(text)
-                case s.TargetRunNode(scope, run):
+                case s.TargetRunNode(_, run):
                     for name, values in _target_rows(run):
-                        yield "data", scope, "CONST", "robtarget", name, (), values
+                        yield "data", "", "CONST", "robtarget", name, (), values
                 case s.Routine():
                     whole = said(item)
                     yield (*whole[:-2], whole[-2][_heading(whole[-2]) :], whole[-1])
@@ -257,10 +258,15 @@ def _test(node: s.TestOf) -> Said:
 def _data(node: s.Data) -> Said:
     value = None if node.value is None else said(node.value)
     kind = node.type.lower()
+    scope = "" if kind in FOR_ALL and node.scope == "LOCAL" else node.scope
     return (
-        *("data", node.scope, node.storage, kind, node.name.lower()),
+        *("data", scope, node.storage, kind, node.name.lower()),
         *(tuple(map(said, node.dimensions)), value),
     )
+
+
+FOR_ALL: Final = ("tooldata", "wobjdata", "speeddata", "zonedata", "robtarget", "jointtarget")
+"""Types whose data the pseudo-program has for the whole program, also those of one module."""
 
 
 def _routine(node: s.Routine) -> Said:

@@ -166,7 +166,7 @@ def test_a_routine_is_understood_beside_what_only_rapid_can_say() -> None:
     assert {"main", "stack", "twice"} <= names
     main = program.procedure("main")
     assert main is not None
-    assert main.body[-1] == p.Opaque("rapid", "ERROR\n  RETRY;")
+    assert main.body[-1] == p.Opaque("rapid", "ERROR\n    RETRY;")
     stack = program.procedure("stack")
     assert stack is not None
     assert p.Opaque("rapid", "VAR clock c;") in stack.body

@@ -55,7 +55,7 @@ def test_a_variable_that_only_the_loop_uses_keeps_its_name() -> None:
 def test_a_variable_that_is_used_elsewhere_is_counted_by_a_while(given: Program) -> None:
     proved(given)
     shown = text(given)
-    assert "n:=1;\n    WHILE n<=3 DO" in shown.replace("\r\n", "\n")
+    assert "n:=1;\n        WHILE n<=3 DO" in shown.replace("\r\n", "\n")
     assert "n:=n+1;" in shown
     assert "n_2" not in shown
     assert "RA306" in codes(given)

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import Phase, assume, given, settings
+from hypothesis import HealthCheck, Phase, assume, given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
@@ -134,7 +134,7 @@ def test_a_changed_tree_reads_as_it_was_changed(seed: int) -> None:
     assert parsed(RAPID.render(tree)) == parsed(printed(tree))
 
 
-@QUICK
+@settings(QUICK, suppress_health_check=[HealthCheck.filter_too_much])
 @given(files(), SEEDS)
 def test_a_changed_random_tree_reads_as_it_was_changed(file: s.File, seed: int) -> None:
     random, tree = at_random(seed, printed(file))

@@ -27,6 +27,10 @@ RAPID = languages.get("rapid")
 PRINTED = Tolerance(RAPID.precision.position * 2, RAPID.precision.angle, RAPID.precision.number)
 
 
+TYPES = "RA4"
+"""Codes of rules of types and calls, which random programs do not keep."""
+
+
 def proved(program: Program, most_targets: int | None = None) -> Program:
     """The adapted program, after its text was read back and found to say the same."""
     adapted = RAPID.adapt(program, most_targets=most_targets)
@@ -45,7 +49,7 @@ def proved(program: Program, most_targets: int | None = None) -> Program:
         assert RAPID.encode(read) == text.encode("ascii")
         trees.append(read)
     said = [f for f in RAPID.check(trees) if f.severity is not Severity.INFO]
-    assert not said, said
+    assert all(f.code.startswith(TYPES) for f in said), said
     lifted = RAPID.lift(trees)
     assert not compare(adapted.program, lifted, PRINTED).mismatches
     return adapted.program
