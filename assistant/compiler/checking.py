@@ -90,7 +90,7 @@ def check_files(
                 part = spoken.program_of(part) if spoken else part
                 programs.setdefault((spoken, part), []).append(file)
     for (spoken, _), files in programs.items():
-        where = files[0] if len(files) == 1 else os.path.commonpath(files) or "."
+        where = files[0] if len(files) == 1 else _folder_of(files)
         with _collecting(checked, where):
             if spoken is not None:
                 found = _check_program(spoken, files, arm, checked)
@@ -112,6 +112,13 @@ def check_text(
             found = _check_texts(language_of(language), [text], None, arm, checked)
         checked.findings += [f.within(text.path) for f in dict.fromkeys(found)]
     return checked
+
+
+def _folder_of(files: Sequence[str]) -> str:
+    """The folder of a program's files as the user wrote it, whole if it was written in two ways."""
+    if len({FilePath(file).is_absolute() for file in files}) > 1:
+        files = [str(FilePath(file).absolute()) for file in files]
+    return os.path.commonpath(files) or "."
 
 
 @dataclass(slots=True)

@@ -65,6 +65,15 @@ def test_modules_of_a_folder_are_one_program_and_folders_are_apart(capsys, tmp_p
     assert twice and all(f["path"].startswith(str(tmp_path / "one")) for f in twice)
 
 
+def test_files_of_one_folder_may_be_named_in_two_ways(capsys, tmp_path, monkeypatch):
+    write(tmp_path / "clean.mod", CLEAN)
+    write(tmp_path / "data.mod", "MODULE data\n  VAR num a;\nENDMODULE\n")
+    monkeypatch.chdir(tmp_path)
+    status, out, _ = run(capsys, "check", "clean.mod", tmp_path / "data.mod")
+    assert status in (0, 1)
+    assert out.startswith("2 checked, ")
+
+
 def test_several_files_of_several_languages(capsys, tmp_path):
     run(capsys, "compile", SAMPLES / "positioning.csv", "-l", "rapid", "-o", tmp_path)
     run(capsys, "compile", SAMPLES / "positioning.csv", "-l", "melfa-basic-5", "-o", tmp_path)
