@@ -178,7 +178,7 @@ def test_annotations_of_a_pull_request(capsys, tmp_path):
     status, out, err = run(capsys, "check", odd, "--format", "github")
     assert (status, err) == (1, "")
     assert any(
-        line.startswith(f"::error file={odd},line=4,col=") and ",title=RA204::" in line
+        line.startswith(f"::warning file={odd},line=4,col=") and ",title=RA204::" in line
         for line in out.splitlines()
     )
 
