@@ -47,6 +47,12 @@ def types() -> Mapping[str, Type]:
     return dict(_types())
 
 
+def is_handle(type: str) -> bool:
+    """Whether data of a type has no value: it is a VAR, without an initial one."""
+    known = types().get(type.lower())
+    return known is not None and known.kind == "HANDLE"
+
+
 @cache
 def data() -> Mapping[str, Datum]:
     """All predefined data by lower-case name."""

@@ -67,6 +67,8 @@ DECLARATIONS = {
     "a module named like its routine": ("PROC m()\nENDPROC", [("RA214", 1)]),
     "a constant without value": ("CONST num a;", [("RA218", 2)]),
     "a clock with a value": ("VAR clock c:=0;", [("RA219", 2)]),
+    "bytes with a value": ("VAR rawbytes r:=0;", [("RA219", 2)]),
+    "an event that is a record": ('VAR triggios t:=[TRUE,10,FALSE,0,"do1",1,0];', []),
     "a persistent with a name as value": ("PERS num a:=pi;", [("RA207", 2)]),
     "a variable with that of another": ("VAR num a:=1;\nVAR num b:=a+1;", [("RA217", 3)]),
     "a constant of constants": ("CONST num a:=1;\nCONST num b{2}:=[a,2*a+pi];", []),

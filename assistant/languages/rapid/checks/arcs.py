@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.checks import plain_rules as rules
 from assistant.languages.rapid.checks.scope import Look
-from assistant.languages.rapid.walk import lists
 from assistant.languages.rapid.gather import literal_target, names_of, split
 from assistant.languages.rapid.runs import CIRCULAR, MotionNames, MoveRun, Names, TargetRun
+from assistant.languages.rapid.walk import lists
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]

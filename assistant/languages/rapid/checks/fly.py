@@ -8,8 +8,8 @@ from typing import Final, Literal
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.checks import plain_rules as rules
 from assistant.languages.rapid.checks.scope import Look
-from assistant.languages.rapid.walk import blocks, nodes
 from assistant.languages.rapid.tables import ZONES
+from assistant.languages.rapid.walk import blocks, nodes
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]

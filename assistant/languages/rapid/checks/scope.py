@@ -12,10 +12,10 @@ from typing import Any, Final, TypeVar, cast
 import numpy as np
 
 from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid.walk import nodes
 from assistant.languages.rapid.gather import split
 from assistant.languages.rapid.header import opening
 from assistant.languages.rapid.runs import Names
+from assistant.languages.rapid.walk import nodes
 from assistant.program.diagnostics import Diagnostic, Rule, Span
 
 N = TypeVar("N", bound=s.Node)

@@ -5,23 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Final
 
+from assistant.languages.rapid import predefined
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.checks import plain_rules as rules
 from assistant.languages.rapid.checks.scope import Look
-from assistant.languages.rapid.walk import blocks, nodes
 from assistant.languages.rapid.gather import literal_number
 from assistant.languages.rapid.tables import MOST_DIMENSIONS
+from assistant.languages.rapid.walk import blocks, nodes
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]
 
-HANDLES: Final = frozenset(
-    """
-    clock iodev socketdev dir triggdata triggios shapedata trapdata egmident syncident
-    loadsession wztemporary wzstationary corrdescr
-    """.split()  # noqa: SIM905
-)
-"""Types without a value: VAR only, never with an initial value."""
 WHAT: Final = {
     "VAR": "a variable",
     "PERS": "a persistent",
@@ -69,7 +63,7 @@ def initial_values(look: Look) -> Found:
             if node.storage == "CONST":
                 yield look.finding(rules.NO_VALUE, node, name=node.name)
             continue
-        if node.type.lower() in HANDLES:
+        if predefined.is_handle(node.type):
             yield look.finding(rules.HANDLE_VALUE, node, name=node.name, type=node.type)
         if node.storage == "PERS":
             continue
