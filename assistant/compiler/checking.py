@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant import checks, languages, sources
 from assistant.compiler.compiling import robot_of
-from assistant.compiler.loading import language_of, load, read_pseudo, read_trees
+from assistant.compiler.loading import files_in, language_of, load, read_pseudo, read_trees
 from assistant.program import pseudo
 from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, has_errors
 from assistant.program.program import Program
@@ -146,19 +146,13 @@ def _files(path: str, named: Language[Any] | None, checked: Checked) -> Iterator
     spoken = [named] if named else [languages.get(name) for name in languages.names()]
     suffixes = {suffix for language in spoken for suffix in language.suffixes}
     there = False
-    for folder, inner, names in os.walk(path):
-        inner[:] = sorted(name for name in inner if not name.startswith("."))
-        for name in sorted(names):
-            file = os.path.join(folder, name)  # noqa: PTH118 (keeps it as the user wrote it)
-            suffix = FilePath(name).suffix.lower()
-            if suffix not in suffixes and suffix not in IN_FOLDERS:
-                continue
-            there = True
-            with _collecting(checked, file):
-                if suffix in IN_FOLDERS or _spoken(file, named) is not None:
-                    yield file
-                else:
-                    checked.findings.append(LEFT_OUT(path=file))
+    for file in files_in(path, {*suffixes, *IN_FOLDERS}):
+        there = True
+        with _collecting(checked, file):
+            if FilePath(file).suffix.lower() in IN_FOLDERS or _spoken(file, named) is not None:
+                yield file
+            else:
+                checked.findings.append(LEFT_OUT(path=file))
     if not there:
         kinds = " ".join(sorted({*suffixes, *IN_FOLDERS}))
         checked.findings.append(NOTHING_THERE(path=path, kinds=kinds))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import re
 import stat
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -11,7 +9,7 @@ from pathlib import Path as FilePath
 from typing import Any, Final
 
 from assistant import languages
-from assistant.compiler.loading import language_of
+from assistant.compiler.loading import files_in, language_of
 from assistant.compiler.output import write_files
 from assistant.languages import Language
 from assistant.program.diagnostics import (
@@ -22,7 +20,7 @@ from assistant.program.diagnostics import (
     Unreadable,
     has_errors,
 )
-from assistant.program.text import SourceText, encode, read_bytes
+from assistant.program.text import SourceText, comments, encode, read_bytes
 
 NOT_THE_SAME: Final = Rule(
     "CO401",
@@ -132,14 +130,10 @@ def programs_in(path: str, language: str | None = None) -> Iterator[str]:
     spoken = [language_of(language)] if language else list(map(languages.get, languages.names()))
     suffixes = {suffix for one in spoken for suffix in one.suffixes}
     there = False
-    for folder, inner, names in os.walk(path):
-        inner[:] = sorted(name for name in inner if not name.startswith("."))
-        for name in sorted(names):
-            file = os.path.join(folder, name)  # noqa: PTH118 (keeps it as the user wrote it)
-            known = FilePath(name).suffix.lower() in suffixes
-            if known and (language or _looks_like_program(file)):
-                there = True
-                yield file
+    for file in files_in(path, suffixes):
+        if language or _looks_like_program(file):
+            there = True
+            yield file
     if not there:
         raise Refused(NO_PROGRAMS(path=path, name=path), exit_status=2)
 
@@ -153,5 +147,4 @@ def _looks_like_program(file: str) -> bool:
 
 def _comments(text: str, mark: str) -> list[str]:
     """The comments of a text, wherever they stand, without outer blanks."""
-    found = re.finditer(rf'"(?:[^"\r\n]|"")*+(?:"|$)|{mark}([^\r\n]*)', text, re.MULTILINE)
-    return [match[1].strip() for match in found if match[1] is not None]
+    return [text[span.start + len(mark) : span.end].strip() for span in comments(text, mark)]

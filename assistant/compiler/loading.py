@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import os
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
@@ -68,6 +69,18 @@ def load_text(
 
 def read_pseudo(path: str | FilePath) -> SourceText:
     return decode(read_bytes(path), str(path), PSEUDO_ENCODINGS)
+
+
+def files_in(folder: str, suffixes: Collection[str]) -> Iterator[str]:
+    """Files of a folder and the folders in it, by name, hidden folders left aside.
+
+    suffixes: of the files, in lower case.
+    """
+    for inside, inner, names in os.walk(folder):
+        inner[:] = sorted(name for name in inner if not name.startswith("."))
+        for name in sorted(names):
+            if FilePath(name).suffix.lower() in suffixes:
+                yield os.path.join(inside, name)  # noqa: PTH118 (keeps it as the user wrote it)
 
 
 def language_of(name: str) -> Language[Any]:

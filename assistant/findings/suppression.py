@@ -18,7 +18,7 @@ from typing import Final
 
 from assistant.findings.rulebook import is_adjustable
 from assistant.program.diagnostics import Diagnostic, Rule, Severity, Span
-from assistant.program.text import SourceText
+from assistant.program.text import SourceText, comments
 
 NOTHING_IGNORED: Final = Rule(
     "FN201", Severity.INFO, "`{code}` is ignored here, but is not found", "delete the comment"
@@ -58,14 +58,14 @@ def sift(
     mark: begins a comment. complete: all was looked for, so that a comment that ignores
     nothing is a finding itself.
     """
-    comments = list(_comments(source, mark))
-    if not comments:
+    ignoring = list(_ignoring(source, mark))
+    if not ignoring:
         return Sifted(tuple(findings))
     left: list[Diagnostic] = []
     ignored: list[Diagnostic] = []
     refused: set[int] = set()
     for finding in findings:
-        fitting = [c for c in comments if c.fits(finding)]
+        fitting = [c for c in ignoring if c.fits(finding)]
         for comment in fitting:
             comment.used = True
         if fitting and not is_adjustable(finding):
@@ -73,7 +73,7 @@ def sift(
             left.append(finding)
         else:
             (ignored if fitting else left).append(finding)
-    for comment in comments:
+    for comment in ignoring:
         if comment.code is None:
             left.append(source.finding(NO_CODE, comment.span))
         elif id(comment) in refused:
@@ -98,7 +98,7 @@ class _Comment:
         return self.lines is None or finding.line in self.lines
 
 
-def _comments(source: SourceText, mark: str) -> Iterator[_Comment]:
+def _ignoring(source: SourceText, mark: str) -> Iterator[_Comment]:
     for word in WORD.finditer(source.text):
         line, column = source.line_column(word.start())
         text = source.line_text(line)
@@ -121,13 +121,7 @@ def _comments(source: SourceText, mark: str) -> Iterator[_Comment]:
 
 def comment_start(line: str, mark: str) -> int | None:
     """Where a comment begins in a line, strings in double quotes left aside."""
-    quoted = False
-    for at, letter in enumerate(line):
-        if letter == '"':
-            quoted = not quoted
-        elif letter == mark and not quoted:
-            return at
-    return None
+    return next((span.start for span in comments(line, mark)), None)
 
 
 def _next_code(source: SourceText, line: int, mark: str) -> int:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
+import re
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path as FilePath
@@ -84,6 +85,12 @@ class SourceText:
             end_column=end_column,
             **fields,
         )
+
+
+def comments(text: str, mark: str) -> Iterator[Span]:
+    """Where comments stand, from the mark to the end of the line; none is in a string ("…")."""
+    pattern = rf'"(?:[^"\r\n]|"")*+(?:"|(?=[\r\n])|\Z)|({re.escape(mark)}[^\r\n]*)'
+    return (Span(*match.span()) for match in re.finditer(pattern, text) if match[1] is not None)
 
 
 def read_bytes(path: str | FilePath, *, allow_empty: bool = False) -> bytes:
