@@ -45,6 +45,13 @@ def blocks(statement: Any) -> tuple[tuple[s.StatementNode, ...], ...]:
     return ()
 
 
+def root(value: Any) -> s.NameRef | None:
+    """The data that a variable is, or is a part of; None for any other expression."""
+    while isinstance(value, s.Component | s.Element):
+        value = value.value
+    return value if isinstance(value, s.NameRef) else None
+
+
 def lists(routine: s.Routine) -> Iterator[tuple[s.StatementNode, ...]]:
     """Every list of statements of a routine: its body, its handlers, and the blocks in them."""
     pending = [routine.body, *(h.body for h in routine.handlers)]

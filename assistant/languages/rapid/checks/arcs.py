@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.checks import plain_rules as rules
 from assistant.languages.rapid.checks.scope import Look
-from assistant.languages.rapid.gather import literal_target, names_of, split
+from assistant.languages.rapid.gather import literal_target, names_of
 from assistant.languages.rapid.runs import CIRCULAR, MotionNames, MoveRun, Names, TargetRun
 from assistant.languages.rapid.walk import lists
 from assistant.program.diagnostics import Diagnostic
@@ -169,9 +169,7 @@ class _Positions:
             if found is None or found.kind != "CONST":
                 return np.array(UNKNOWN)
             if not isinstance(found.node, s.Data):
-                stem, number = split(value.name)
-                named = Names((stem,), np.zeros(1, np.int32), np.array([number], np.int64))
-                return np.array(self.of(named)[0])
+                return np.array(self.of(names_of([value.name]))[0])
             if found.node.dimensions or found.node.value is None:
                 return np.array(UNKNOWN)
             value = found.node.value

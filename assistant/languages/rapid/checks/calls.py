@@ -16,6 +16,7 @@ from assistant.languages.rapid.checks.spelling import misspelt
 from assistant.languages.rapid.checks.values import shaped
 from assistant.languages.rapid.signatures import Parameter, Signature, signature
 from assistant.languages.rapid.tables import SPEEDS, ZONES
+from assistant.languages.rapid.walk import root
 from assistant.program.diagnostics import Diagnostic, Severity
 
 Found = Iterator[Diagnostic]
@@ -130,18 +131,18 @@ def _reference(
     value: s.Expression, parameter: Parameter, routine: Signature, scope: Scope
 ) -> Found:
     """What is handed over to be changed must be data that can be."""
-    root = _root(value)
+    data = root(value)
     given: dict[str, Any] = {
         "routine": routine.name,
         "parameter": parameter.name,
         "mode": parameter.mode,
     }
-    if root is None:
+    if data is None:
         what = "a value that is calculated or written out"
         yield scope.look.finding(rules.NO_REFERENCE, value, what=what, **given)
         return
-    storage = _storage(root, scope)
-    what = f"`{root.name}`, which is {STORAGES.get(storage, storage)}"
+    storage = _storage(data, scope)
+    what = f"`{data.name}`, which is {STORAGES.get(storage, storage)}"
     moved = routine.name.lower() in WORDS and parameter.type in ("tooldata", "wobjdata")
     if parameter.mode == "PERS" and storage in ("VAR", "CONST", "IN", "FOR"):
         if not (moved and storage in ("VAR", "CONST")):
@@ -162,16 +163,9 @@ STORAGES: Final = {
 }
 
 
-def _root(value: s.Expression | s.Variable) -> s.NameRef | None:
-    """The data that a reference is to, or to a part of; None for an expression."""
-    while isinstance(value, s.Component | s.Element):
-        value = value.value
-    return value if isinstance(value, s.NameRef) else None
-
-
-def _storage(root: s.NameRef, scope: Scope) -> str:
-    found = scope.find(root.name)
+def _storage(data: s.NameRef, scope: Scope) -> str:
+    found = scope.find(data.name)
     if found is not None:
         return "" if scope.doubtful(found) else found.kind
-    standard = predefined.data().get(root.name.lower())
+    standard = predefined.data().get(data.name.lower())
     return standard.storage if standard else ""

@@ -13,6 +13,7 @@ from assistant.languages.rapid.tables import SPEEDS, ZONES
 from assistant.program.diagnostics import Diagnostic, Severity
 
 WORDS: Final = frozenset(word.lower() for word in (*MOVES, "MoveAbsJ"))
+"""The moves that the pseudo-program has words for, lower case."""
 
 Found = Iterator[Diagnostic]
 

@@ -51,10 +51,10 @@ def duplicates(look: Look) -> Found:
             continue
         name = declared.name.lower()
         shared = look.task.shared.get(name, ()) if not declared.local else ()
-        elsewhere = any(id(other.module) in earlier for other in shared)
-        row = look.task.row(declared.name, look.module)
-        here = name in own or (row is not None and row.module is look.module)
-        if here or elsewhere or (row is not None and id(row.module) not in rivals):
+        elsewhere = any(id(one.module) in earlier for one in shared)
+        other = look.task.row(declared.name, look.module)
+        here = name in own or (other is not None and other.module is look.module)
+        if here or elsewhere or (other is not None and id(other.module) not in rivals):
             sure = here or look.compiled
             severity = Severity.ERROR if sure else Severity.WARNING
             yield look.finding(rules.DUPLICATE, item, severity=severity, name=declared.name)

@@ -96,6 +96,8 @@ WRONG_RETURN: Final = Rule(
     "a FUNC returns a value of its type, a PROC or TRAP none",
 )
 
+# What loads, but hardly does what was meant
+
 UNREACHABLE: Final = Rule(
     "RA450", WARNING, "nothing behind {before} is ever reached", "remove it, or move it before"
 )
@@ -162,4 +164,3 @@ NO_ORIENTATION: Final = Rule(
     "the orientation of `{name}` is [0,0,0,0]{more}",
     "write a quaternion, [1,0,0,0] for none; the robot cannot move to it",
 )
-"""Rules of what loads, but hardly does what was meant."""

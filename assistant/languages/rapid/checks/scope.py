@@ -20,8 +20,6 @@ from assistant.program.diagnostics import Diagnostic, Rule, Span
 
 N = TypeVar("N", bound=s.Node)
 T = TypeVar("T")
-ROUTINES: Final = frozenset({"PROC", "FUNC", "TRAP"})
-STORED: Final = frozenset({"VAR", "PERS", "CONST"})
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from assistant.languages.rapid.checks import plain_rules as rules
 from assistant.languages.rapid.checks.scope import Look
 from assistant.languages.rapid.gather import literal_number
 from assistant.languages.rapid.tables import MOST_DIMENSIONS
-from assistant.languages.rapid.walk import blocks, nodes
+from assistant.languages.rapid.walk import blocks, nodes, root
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]
@@ -39,7 +39,8 @@ def _assigned(
 ) -> Found:
     for statement in body:
         if isinstance(statement, s.Assignment):
-            name = root(statement.target)
+            data = root(statement.target)
+            name = "" if data is None else data.name
             if name.lower() in loops:
                 yield look.finding(rules.ASSIGNED_LOOP, statement, name=name)
             elif name and (found := look.find(name, routine)) and found.kind == "CONST":
@@ -47,13 +48,6 @@ def _assigned(
         own = {statement.variable.lower()} if isinstance(statement, s.ForLoop) else set()
         for block in blocks(statement):
             yield from _assigned(look, routine, block, loops | own)
-
-
-def root(variable: s.Expression) -> str:
-    """Name of the data that a variable is a part of, empty for a hole."""
-    while isinstance(variable, s.Component | s.Element):
-        variable = variable.value
-    return variable.name if isinstance(variable, s.NameRef) else ""
 
 
 def initial_values(look: Look) -> Found:

@@ -13,9 +13,9 @@ from typing import Any, Final
 
 from assistant.languages.rapid import rules
 from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.checks.motions import WORDS
 from assistant.languages.rapid.checks.scope import Look, Task
 from assistant.languages.rapid.header import opening
-from assistant.languages.rapid.runs import MOVES
 from assistant.languages.rapid.standard import INSTRUCTIONS, OF_OPTIONS
 from assistant.languages.rapid.tables import GRIPPER_SIGNAL, PREDEFINED
 from assistant.program.diagnostics import Diagnostic
@@ -25,8 +25,7 @@ WRITTEN: Final = frozenset(
     accset pulsedo setao setdo setgo tpwrite velset waitdi waitdo waitgi waitgo waittime waituntil
     """.split()  # noqa: SIM905
 )
-_MOVES: Final = frozenset(word.lower() for word in (*MOVES, "MoveAbsJ"))
-_AS_IS: Final = (INSTRUCTIONS | OF_OPTIONS) - WRITTEN - _MOVES
+_AS_IS: Final = (INSTRUCTIONS | OF_OPTIONS) - WRITTEN - WORDS
 """Instructions that the pseudo-program has no word for: their data may be of other modules."""
 _OF_MOTION: Final = 3
 """Last arguments of a move: its speed, zone and tool, which have rules of their own."""
@@ -74,7 +73,7 @@ def _used(node: Any, own: frozenset[str]) -> Iterator[s.NameRef]:
         case s.ForLoop(variable, first, last, step, body):
             yield from _used((first, last, step), own)
             yield from _used(body, own | {variable.lower()})
-        case s.ProcedureCall(str(name), arguments) if name.lower() in _MOVES:
+        case s.ProcedureCall(str(name), arguments) if name.lower() in WORDS:
             plain = tuple(a for a in arguments if isinstance(a, s.Positional))
             yield from _used(plain[:-_OF_MOTION], own)
         case s.ProcedureCall(str(name)) if name.lower() in _AS_IS:
