@@ -19,7 +19,7 @@ _BEGINS: Final = re.compile(
 )
 _LIST: Final = re.compile(r"\A\ufeff?\s*<(?:\?xml|!--|Program\b)", re.IGNORECASE)
 _LISTED: Final = re.compile(r"<Module\b[^>]*>\s*([^<]*?)\s*</Module\s*>", re.IGNORECASE)
-_CONTROL: Final = re.compile(r"[\x00-\x08\x0b\x0e-\x1f\x7f-\x9f]")
+_CONTROL: Final = re.compile(r"[\x00-\x08\x0b\x0e-\x1f\x7f]")
 MOST_CONTROL: Final = 0.02
 """Share of control characters from which on a file is no text."""
 UTF16: Final = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}

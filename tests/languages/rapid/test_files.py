@@ -135,3 +135,20 @@ def test_a_fragment_wants_only_its_module(text: str) -> None:
     (finding,) = RAPID.parse(text).findings
     assert "MODULE" in finding.cure
     assert len(RAPID.parse(text + "a = 1;\n").findings) == 2
+
+
+def test_comments_in_east_asian_encodings_are_no_sign_of_an_encrypted_file() -> None:
+    comment = "焊接程序：取料点与放料点".encode("gbk")
+    data = b"MODULE m\n" + b"! " + comment + b"\nENDMODULE\n"
+    source = RAPID.decode(data)
+    tree = RAPID.parse(source)
+    assert not tree.findings
+    assert RAPID.encode(tree) == data
+
+
+def test_a_program_of_another_vendor_is_not_taken_for_an_encrypted_module() -> None:
+    comment = "自動化プログラム".encode("cp932")
+    data = b"1 ' " + comment + b"\n2 MOV P1\n3 END\n"
+    found = languages.of_file("1.prg", data)
+    assert found is not None
+    assert found.name.startswith("melfa-basic")
