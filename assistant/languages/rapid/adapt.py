@@ -14,14 +14,11 @@ from assistant.languages.rapid import rules, verbatim
 from assistant.languages.rapid.lift_expressions import aggregate, lift, negative
 from assistant.languages.rapid.lift_statements import statements_of
 from assistant.languages.rapid.loops import counted
-from assistant.languages.rapid.lower import (
-    SIZES_PLACES,
-    build,
-    program_naming,
-)
+from assistant.languages.rapid.lower import build
+from assistant.languages.rapid.lower_data import SIZES_PLACES
 from assistant.languages.rapid.messages import Kinds, kinds, parts
 from assistant.languages.rapid.motions import sayable_blend, sayable_speed, speed_name, zone_name
-from assistant.languages.rapid.naming import units
+from assistant.languages.rapid.naming import naming, units
 from assistant.languages.rapid.runs import JOINT_PLACES, POSITION_PLACES, QUATERNION_PLACES
 from assistant.languages.rapid.sequences import with_paths
 from assistant.languages.rapid.signals import gripper
@@ -418,7 +415,7 @@ class _Adapter:
     # Findings
 
     def name_findings(self, program: Program) -> None:
-        for short, name in program_naming(program).changed:
+        for short, name in naming(program).changed:
             why = "it has more than 32 characters" if len(name) > LONGEST_NAME else "it is taken"
             self.findings.append(rules.SHORTENED(name=name, short=short, why=why, place=name))
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from assistant.languages.rapid import rules, verbatim
 from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.naming import Naming
 from assistant.languages.rapid.runs import JOINT_PLACES, PARTS, POSITION_PLACES, QUATERNION_PLACES
 from assistant.languages.rapid.tables import COMPONENTS, FUNCTIONS, LONGEST_STRING
 from assistant.program import expressions as e
@@ -37,18 +38,16 @@ BINARY: Final[dict[str, tuple[str, int, int, int]]] = {
 
 AS_FUNCTIONS: Final = {"^": "Pow", "@": "PoseMult"}
 
-Names = Callable[[str], str]
-
 
 def refuse(rule: Rule, **fields: Any) -> Refused:
     return Refused(rule(**fields))
 
 
 class Expressions:
-    """value: RAPID's name of a variable, target or signal. function: of a function."""
+    """names: of the whole program. value: RAPID's name of a variable, target or signal."""
 
-    def __init__(self, value: Names, function: Names, tool: Names, frame: Names) -> None:
-        self._value, self._function, self._tool, self._frame = value, function, tool, frame
+    def __init__(self, names: Naming, value: Callable[[str], str]) -> None:
+        self._names, self._value = names, value
 
     def lower(self, expression: e.Expression, level: int = OR) -> s.Expression:
         """Raises Refused for what RAPID cannot say."""
@@ -123,8 +122,9 @@ class Expressions:
             return s.FunctionCall("Distance", tuple(s.Positional(p) for p in points))
         if function == "here" and all(isinstance(a, e.Name) for a in given) and len(given) < 3:
             names = [a.name for a in given if isinstance(a, e.Name)]
-            options = [s.Option("Tool", s.NameRef(self._tool(n))) for n in names[:1]]
-            options += [s.Option("WObj", s.NameRef(self._frame(n) or "wobj0")) for n in names[1:]]
+            options = [s.Option("Tool", s.NameRef(self._names.get("tools", n))) for n in names[:1]]
+            frames = [self._names.get("frames", n) or "wobj0" for n in names[1:]]
+            options += [s.Option("WObj", s.NameRef(n)) for n in frames]
             return s.FunctionCall("CRobT", tuple(options))
         if function == "joints_here" and not given:
             return s.FunctionCall("CJointT")
@@ -134,7 +134,7 @@ class Expressions:
                 what=f"the function `{function}` of {len(given)} arguments",
                 hint="compute the value otherwise",
             )
-        return self._call(self._function(function), given)
+        return self._call(self._names.get("procedures", function), given)
 
     def _verbatim(self, language: str, given: str) -> tuple[s.Expression, int]:
         if language != verbatim.LANGUAGE:

@@ -6,10 +6,12 @@ A name that does not fit gets another one; the header of the module keeps the or
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final
+from weakref import ReferenceType, ref
 
+from assistant.languages.rapid import verbatim
 from assistant.languages.rapid.tables import LONGEST_NAME, PREDEFINED, RESERVED
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.program import Procedure, Program, identifier, walk
@@ -44,8 +46,11 @@ class Naming:
 
     def get(self, kind: str, name: str) -> str:
         """The name of something of that kind; unknown ones keep theirs."""
-        short = self.of[kind].get(name.lower(), name)
-        return name if short.lower() == name.lower() else short
+        return spelt(self.of[kind], name)
+
+    def value(self, name: str) -> str:
+        """The name of a variable, target or signal."""
+        return self.get("values", self.get("signals", name))
 
     def take(self, name: str) -> None:
         self._taken.add(name.lower())
@@ -120,14 +125,36 @@ class Naming:
             self.changed.append((short, name))
 
 
-def naming(program: Program, fixed: Iterable[str] = ()) -> Naming:
-    """Names of a whole program. fixed: names that its verbatim declarations take."""
+_latest: list[tuple[ReferenceType[Program], Naming]] = []
+"""The program that was named last: every unit of a long one asks for the same names."""
+
+
+def naming(program: Program) -> Naming:
+    """Names of a whole program; raises Refused if a verbatim declaration is no RAPID."""
+    for known, names in _latest:
+        if known() is program:
+            return names
+    names = _named(program)
+    _latest[:] = [(ref(program), names)]
+    return names
+
+
+def spelt(names: Mapping[str, str], name: str) -> str:
+    """RAPID's name of something; its own case where only that differs."""
+    short = names.get(name.lower(), name)
+    return name if short.lower() == name.lower() else short
+
+
+def _named(program: Program) -> Naming:
     names = Naming()
     for name in PREDEFINED:
         if _ROW.fullmatch(name):
             names.take(name)
-    for name in fixed:
-        names.take(name)
+    for declaration in program.declarations:
+        if declaration.language == verbatim.LANGUAGE:
+            for item in verbatim.items(declaration.text):
+                if hasattr(item, "name"):
+                    names.take(item.name)
     for kind, table in (
         ("signals", program.signals),
         ("procedures", [p.name for p in program.procedures]),

@@ -1,0 +1,121 @@
+"""Motion as RAPID has it: what a move names, and paths as columns of targets and moves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+
+from assistant.languages.rapid import rules, verbatim
+from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.lower_expressions import refuse
+from assistant.languages.rapid.motions import speed_name, zone_name
+from assistant.languages.rapid.naming import Naming
+from assistant.languages.rapid.runs import (
+    JOINT_PLACES,
+    POSITION_PLACES,
+    QUATERNION_PLACES,
+    MotionNames,
+    MoveRun,
+    Names,
+    TargetRun,
+    moves_text,
+    targets_text,
+)
+from assistant.languages.rapid.tables import UNUSED
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.geometry import BASE
+from assistant.program.motion import Blend, Speed
+from assistant.program.path import Kind, Path
+from assistant.program.program import Program
+from assistant.robots.configurations import to_confdata
+
+_SHORTEST: Final = 8
+"""Rows of a run; fewer are single declarations or statements, as they are when read."""
+
+
+def path_targets(path: Path, stem: str) -> list[s.TargetRunNode | s.Data]:
+    """The declarations of a path's targets, `stem_1` and so on."""
+    run = _targets(path, stem)
+    if len(run) >= _SHORTEST:
+        return [s.TargetRunNode("", run)]
+    return list(verbatim.items(targets_text(run, "", "", "\n")))  # type: ignore[arg-type]
+
+
+def path_moves(path: Path, stem: str, names: Naming) -> list[s.StatementNode]:
+    """The moves through a path's targets."""
+    run = _moves(path, stem, names)
+    if len(run) >= _SHORTEST:
+        return [s.MoveRunNode(run)]
+    return list(verbatim.statements(moves_text(run, "", "\n")))
+
+
+def motion_names(
+    names: Naming, speed: Speed | e.Name, blend: Blend | e.Name, tool: str, frame: str
+) -> MotionNames:
+    return MotionNames(
+        names.get("speeds", speed.name) if isinstance(speed, e.Name) else speed_name(speed),
+        names.get("blends", blend.name) if isinstance(blend, e.Name) else zone_name(blend),
+        names.get("tools", tool),
+        "" if frame.lower() == BASE else names.get("frames", frame),
+    )
+
+
+def motions(program: Program) -> Iterator[tuple[Speed | e.Name, Blend | e.Name]]:
+    """Every speed and blend that a move states, each table entry of a path once."""
+    for statement in program.statements():
+        if isinstance(statement, p.Move | p.MoveCircular | p.MoveJoints):
+            yield statement.motion.speed, statement.motion.blend
+        elif isinstance(statement, p.Follow):
+            path = statement.path
+            used = (
+                [path.speeds[i] for i in np.unique(path.speed)],
+                [path.blends[i] for i in np.unique(path.blend)],
+            )
+            most = max(len(u) for u in used)
+            for i in range(most):
+                yield used[0][min(i, len(used[0]) - 1)], used[1][min(i, len(used[1]) - 1)]
+
+
+def _targets(path: Path, stem: str) -> TargetRun:
+    """The targets of a path, rounded as they are printed."""
+    if not (np.isfinite(path.positions).all() and np.isfinite(path.quaternions).all()):
+        raise refuse(rules.NOT_FINITE, what=f"the path `{path.name}`")
+    values = np.empty((len(path), 17))
+    np.round(path.positions, POSITION_PLACES, out=values[:, 0:3])
+    np.round(path.quaternions, QUATERNION_PLACES, out=values[:, 3:7])
+    values[:, 7:11] = to_confdata(path.configurations)
+    external = np.where(np.isnan(path.external), UNUSED, path.external)
+    np.round(external, JOINT_PLACES, out=values[:, 11:17])
+    return TargetRun(Names.numbered(f"{stem}_", len(path)), values + 0.0)
+
+
+def _moves(path: Path, stem: str, names: Naming) -> MoveRun:
+    via = path.kinds == Kind.VIA
+    ends = np.flatnonzero(~via)
+    sizes = (len(path.blends), len(path.tools), len(path.frames))
+    code = path.speed[ends].astype(np.int64)
+    for column, size in zip((path.blend, path.tool, path.frame), sizes, strict=True):
+        code = code * size + column[ends]
+    different, index = np.unique(code, return_inverse=True)
+    table: dict[MotionNames, int] = {}
+    rows = []
+    for value in different:
+        rest, frame = divmod(int(value), sizes[2])
+        rest, tool = divmod(rest, sizes[1])
+        speed, blend = divmod(rest, sizes[0])
+        motion = motion_names(
+            names, path.speeds[speed], path.blends[blend], path.tools[tool], path.frames[frame]
+        )
+        rows.append(table.setdefault(motion, len(table)))
+    kinds = np.array([0, 1, 0, 2], dtype=np.uint8)[path.kinds[ends]]
+    whole = Names.numbered(f"{stem}_", len(path))
+    return MoveRun(
+        kinds,
+        whole.rows(ends),
+        whole.rows(np.flatnonzero(via)),
+        np.array(rows, dtype=np.int32)[index],
+        tuple(table),
+    )

@@ -1,0 +1,248 @@
+"""Statements of the pseudo-program as RAPID's."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any, Final
+
+from assistant.languages.rapid import rules, verbatim
+from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.gather import gathered
+from assistant.languages.rapid.loops import ascends
+from assistant.languages.rapid.lower_expressions import OR, SUM, TERM, Expressions, refuse
+from assistant.languages.rapid.lower_motions import motion_names, path_moves
+from assistant.languages.rapid.messages import is_value, kinds, parts
+from assistant.languages.rapid.naming import Naming, spelt
+from assistant.languages.rapid.tables import GRIPPER_SIGNAL, GRIPPER_VALUE, LOADED_FROM, SPEED_CAP
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.program import Procedure, Program
+
+
+class Body:
+    """What the statements of one procedure are lowered with; raises Refused as it goes.
+
+    names: of the whole program. expressions: as they are seen in the procedure.
+    """
+
+    def __init__(self, program: Program, names: Naming, procedure: Procedure) -> None:
+        key = procedure.name.lower()
+        self.names, self.labels = names, names.labels[key]
+        self._inner, self._counters = names.inner[key], names.counters[key]
+        self._counting: list[str] = []
+        self.expressions = Expressions(names, self._value)
+        self.lower = self.expressions.lower
+        self.known = kinds(program, procedure)
+        self.signals = {n.lower(): g for n, g in program.signals.items()}
+
+    def statements(self, body: tuple[p.Statement, ...]) -> Iterator[s.StatementNode]:
+        for statement in body:
+            yield from STATEMENTS[type(statement)](self, statement)
+
+    def block(self, body: tuple[p.Statement, ...]) -> tuple[Any, ...]:
+        return gathered(self.statements(body))
+
+    def counted(self, variable: str, body: tuple[p.Statement, ...]) -> tuple[str, tuple[Any, ...]]:
+        """RAPID's name of the variable of a loop, and the loop's body."""
+        self._counting.append(variable.lower())
+        block = self.block(body)
+        self._counting.pop()
+        return spelt(self._counters, variable), block
+
+    def _value(self, name: str) -> str:
+        if name.lower() in self._counting:
+            return spelt(self._counters, name)
+        if name.lower() in self._inner:
+            return spelt(self._inner, name)
+        return self.names.value(name)
+
+    def move(self, word: str, points: list[e.Expression], m: p.Motion) -> s.ProcedureCall:
+        names = motion_names(self.names, m.speed, m.blend, m.tool, m.frame)
+        given = [self.lower(point) for point in points]
+        given += [s.NameRef(n) for n in (names.speed, names.zone, names.tool)]
+        frame = {"WObj": s.NameRef(names.frame)} if names.frame else {}
+        return self.call(word, *given, **frame)
+
+    def call(self, word: str, *given: s.Expression, **options: s.Expression) -> s.ProcedureCall:
+        arguments: list[s.Argument] = [s.Positional(g) for g in given]
+        arguments += [s.Option(n, v) for n, v in options.items()]
+        return s.ProcedureCall(word, tuple(arguments))
+
+    def timeout(self, x: p.WaitSignal | p.WaitUntil) -> dict[str, s.Expression]:
+        return {} if x.timeout is None else {"MaxTime": self.lower(x.timeout)}
+
+    def signal(self, name: str) -> s.NameRef:
+        return s.NameRef(self.names.get("signals", name))
+
+
+Lowered = Iterator[s.StatementNode]
+
+
+def _move(b: Body, x: p.Move) -> Lowered:
+    yield b.move("MoveJ" if x.kind == "joint" else "MoveL", [x.target], x.motion)
+
+
+def _circular(b: Body, x: p.MoveCircular) -> Lowered:
+    yield b.move("MoveC", [x.via, x.target], x.motion)
+
+
+def _joints(b: Body, x: p.MoveJoints) -> Lowered:
+    yield b.move("MoveAbsJ", [x.target], x.motion)
+
+
+def _follow(b: Body, x: p.Follow) -> Lowered:
+    yield from path_moves(x.path, b.names.rows[id(x)], b.names)
+
+
+def _wait(b: Body, x: p.Wait) -> Lowered:
+    yield b.call("WaitTime", b.lower(x.seconds))
+
+
+def _wait_signal(b: Body, x: p.WaitSignal) -> Lowered:
+    signal = b.signals.get(x.signal.lower())
+    group, output = (signal.kind == "group", signal.direction == "output") if signal else (0, 0)
+    word = f"Wait{'G' if group else 'D'}{'O' if output else 'I'}"
+    yield b.call(word, b.signal(x.signal), b.lower(x.value), **b.timeout(x))
+
+
+def _wait_until(b: Body, x: p.WaitUntil) -> Lowered:
+    yield b.call("WaitUntil", b.lower(x.condition), **b.timeout(x))
+
+
+def _set_signal(b: Body, x: p.SetSignal) -> Lowered:
+    if x.pulse is not None:
+        if x.value != e.Number(1):
+            raise refuse(
+                rules.NO_MEANING,
+                what=f"a pulse of `{x.signal}` to anything but 1",
+                hint="set the signal, wait and set it back",
+            )
+        high: tuple[s.Argument, ...] = (s.Option("High"), s.Option("PLength", b.lower(x.pulse)))
+        yield s.ProcedureCall("PulseDO", (*high, s.Positional(b.signal(x.signal))))
+        return
+    signal = b.signals.get(x.signal.lower())
+    word = {"analog": "SetAO", "group": "SetGO"}.get(signal.kind if signal else "", "SetDO")
+    yield b.call(word, b.signal(x.signal), b.lower(x.value))
+
+
+def _gripper(b: Body, x: p.Gripper) -> Lowered:
+    signal = s.NameRef(GRIPPER_SIGNAL.format(hand=x.hand))
+    yield b.call("SetDO", signal, s.NumberLiteral(str(GRIPPER_VALUE[x.action])))
+
+
+def _acceleration(b: Body, x: p.SetAcceleration) -> Lowered:
+    yield b.call("AccSet", b.lower(x.acceleration), s.NumberLiteral("100"))
+
+
+def _override(b: Body, x: p.SetOverride) -> Lowered:
+    yield b.call("VelSet", b.lower(x.percent), s.NumberLiteral(str(SPEED_CAP)))
+
+
+def _call(b: Body, x: p.Call) -> Lowered:
+    name = b.names.get("procedures", x.procedure)
+    given = tuple(s.Positional(b.lower(a)) for a in x.arguments)
+    if x.unit is None:
+        yield s.ProcedureCall(name, given)
+        return
+    file = s.StringLiteral(LOADED_FROM + b.names.get("modules", x.unit) + ".mod")
+    yield s.ProcedureCall("Load", (s.Option("Dynamic"), s.Positional(file)))
+    yield s.ProcedureCall(s.StringLiteral(name), given)
+    yield s.ProcedureCall("UnLoad", (s.Positional(file),))
+
+
+def _assign(b: Body, x: p.Assign) -> Lowered:
+    target = b.lower(x.target)
+    if not isinstance(target, s.NameRef | s.Component | s.Element):
+        raise refuse(
+            rules.NO_MEANING, what="an assignment to an expression", hint="name a variable"
+        )
+    yield s.Assignment(target, b.lower(x.value))
+
+
+def _if(b: Body, x: p.If) -> Lowered:
+    branches = tuple(s.IfBranch(b.lower(c.condition), b.block(c.body)) for c in x.branches)
+    yield s.IfThen(branches, b.block(x.otherwise) if x.otherwise else None)
+
+
+def _while(b: Body, x: p.While) -> Lowered:
+    yield s.WhileLoop(b.lower(x.condition), b.block(x.body))
+
+
+def _for(b: Body, x: p.For) -> Lowered:
+    # Without STEP a loop counts downwards where its bounds do (RAPID kernel manual, FOR).
+    upwards = x.step == p.ONE and ascends(x.first, x.last)
+    step = None if upwards or x.step is None else b.lower(x.step)
+    first, last = b.lower(x.first), b.lower(x.last)
+    variable, body = b.counted(x.variable, x.body)
+    yield s.ForLoop(variable, first, last, step, body)
+
+
+def _switch(b: Body, x: p.Switch) -> Lowered:
+    cases = tuple(s.TestCase(tuple(map(b.lower, c.values)), b.block(c.body)) for c in x.cases)
+    yield s.TestOf(b.lower(x.subject), cases, b.block(x.otherwise) if x.otherwise else None)
+
+
+def _stop(b: Body, x: p.Stop) -> Lowered:
+    yield s.Word("EXIT") if x.end else b.call("Stop")
+
+
+def _return(b: Body, x: p.Return) -> Lowered:
+    yield s.ReturnFrom(None if x.value is None else b.lower(x.value))
+
+
+def _comment(_: Body, x: p.Comment) -> Lowered:
+    yield s.CommentLine(x.text)
+
+
+def _label(b: Body, x: p.Label) -> Lowered:
+    yield s.LabelMark(spelt(b.labels, x.name))
+
+
+def _goto(b: Body, x: p.Goto) -> Lowered:
+    yield s.GotoLabel(spelt(b.labels, x.label))
+
+
+def _message(b: Body, x: p.Message) -> Lowered:
+    whole: s.Expression | None = None
+    for part in parts(x, b.known) or (e.Text(""),):
+        if is_value(part, b.known):
+            own: s.Expression = s.FunctionCall("ValToStr", (s.Positional(b.lower(part, OR)),))
+        else:
+            own = b.lower(part, TERM if whole is not None else SUM)
+        whole = own if whole is None else s.Infix("+", whole, own)
+    assert whole is not None
+    yield b.call("TPWrite", whole)
+
+
+def _opaque(_: Body, x: p.Opaque) -> Lowered:
+    if x.language != verbatim.LANGUAGE:
+        raise refuse(rules.OTHER_LANGUAGE, language=x.language, text=x.text[:60])
+    yield from verbatim.statements(x.text)
+
+
+STATEMENTS: Final[dict[type, Callable[[Body, Any], Lowered]]] = {
+    p.Move: _move,
+    p.MoveCircular: _circular,
+    p.MoveJoints: _joints,
+    p.Follow: _follow,
+    p.Wait: _wait,
+    p.WaitSignal: _wait_signal,
+    p.WaitUntil: _wait_until,
+    p.SetSignal: _set_signal,
+    p.Gripper: _gripper,
+    p.SetAcceleration: _acceleration,
+    p.SetOverride: _override,
+    p.Call: _call,
+    p.Assign: _assign,
+    p.If: _if,
+    p.While: _while,
+    p.For: _for,
+    p.Switch: _switch,
+    p.Stop: _stop,
+    p.Return: _return,
+    p.Comment: _comment,
+    p.Label: _label,
+    p.Goto: _goto,
+    p.Message: _message,
+    p.Opaque: _opaque,
+}
