@@ -15,17 +15,18 @@ from assistant.languages.lossless import Block, Extent, Sketch, Spread
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.gather import plain_move, target_values
 from assistant.languages.rapid.printer import INDENT, Printer, comment
+from assistant.languages.rapid.tokens import HOLES
 
 MOST_ROWS: Final = 4096
 """Rows of a run that are written one by one; if more of it changed it is printed as a whole."""
 
 _WORDS: Final = re.compile(
-    r"""
+    rf"""
       (?P<header>%%%(?s:.*?)%%%)
-    | (?P<string>"(?:[^"\\\r\n]|""|\\\\|\\[0-9a-fA-F]{2})*")
+    | (?P<string>"(?:[^"\\\r\n]|""|\\\\|\\[0-9a-fA-F]{{2}})*")
     | (?P<note>![^\r\n]*)
     | ,(?=(?:[ \t\f\r\n]|![^\r\n]*)*\\)  # which may stand in front of an optional argument
-    | (?P<hole><(?:TDN|DDN|RDN|PAR|ALT|DIM|SMT|VAR|EIT|CSE|EXP|ARG|ID)>)
+    | (?P<hole><(?:{HOLES}|ID)>)
     | (?P<name>[a-z_\u00c0-\u00d6\u00d8-\u00f6\u00f8-\u00ff][\w]*)
     | (?P<number>0x[0-9a-f]+|0o[0-7]+|0b[01]+|0d[0-9]+
         |(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[-+]?[0-9]+)?)

@@ -13,6 +13,10 @@ MOST_ROWS: Final = 1 << 16
 """Rows of one token, so that a long table comes in pieces of bounded size."""
 
 
+HOLES: Final = "TDN|DDN|RDN|PAR|ALT|DIM|SMT|VAR|EIT|CSE|EXP|ARG"
+"""What is not written yet: placeholders of RAPID, `<SMT>` for a statement; `<ID>` is a name."""
+
+
 class Token(NamedTuple):
     """kind: `word`, `key` (a reserved word), `number`, `string`, `hole`, `mark`, `comment`,
     `break` (a line end), `header`, or `rows` (a table of alike lines, line ends included).
@@ -53,7 +57,7 @@ _KINDS: Final = {
     "header": r"%%%(?s:.*?)%%%",
     "comment": r"![^\r\n]*",
     "string": r'"(?:[^"\r\n]|"")*+(?:"|$)',
-    "hole": r"<(?:TDN|DDN|RDN|PAR|ALT|DIM|SMT|VAR|EIT|CSE|EXP|ARG)>",
+    "hole": rf"<(?:{HOLES})>",
     "word": r"[^\W\d]\w*|<ID>",
     "number": r"0[xobd][0-9a-f]+|(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[-+]?[0-9]+)?",
     "break": r"\r*\n|\r",
