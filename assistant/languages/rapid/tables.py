@@ -63,7 +63,7 @@ PREDEFINED_DATA: Final = frozenset(
     tool0 wobj0 load0 reg1 reg2 reg3 reg4 reg5 clock1 pi stempty diskhome disktemp diskram eof
     eof_bin eof_num wait_max str_digit str_lower str_upper str_white rob_1 rob_2 rob_3 rob_4
     inpos20 inpos50 inpos100 stoptime0_5 stoptime1_0 stoptime1_5 fllwtime0_5 fllwtime1_0
-    fllwtime1_5 edge high low intno errno vmax
+    fllwtime1_5 edge high low intno errno
     vrot1 vrot2 vrot5 vrot10 vrot20 vrot50 vrot100
     vlin10 vlin20 vlin50 vlin100 vlin200 vlin500 vlin1000
     """.split()  # noqa: SIM905

@@ -97,6 +97,7 @@ DECLARATIONS = {
     "a record behind data": ("VAR num a;\nRECORD r\nnum x;\nENDRECORD", [("RA209", 3)]),
     "data behind a routine": ("PROC p()\nENDPROC\nVAR num a;", [("RA209", 4)]),
     "a predefined speed": ("CONST speeddata v100:=[1,2,3,4];", [("RA210", 2)]),
+    "the fastest speed": ("CONST speeddata vmax:=[1,2,3,4];", [("RA210", 2)]),
 }
 
 

@@ -14,7 +14,7 @@ from assistant.languages.rapid.checks import plain_rules
 from assistant.languages.rapid.checks.scope import Look, Task, declaration, parameters
 from assistant.languages.rapid.gather import join_names
 from assistant.languages.rapid.runs import Names
-from assistant.languages.rapid.tables import LONGEST_NAME, PREDEFINED_DATA, SPEEDS, ZONES
+from assistant.languages.rapid.tables import LONGEST_NAME, SPEEDS, ZONES
 from assistant.program.diagnostics import Diagnostic, Severity
 
 Found = Iterator[Diagnostic]
@@ -130,7 +130,6 @@ def spelling(look: Look) -> Found:
 def _name(look: Look, node: s.Node, name: str) -> Found:
     if len(name) > LONGEST_NAME:
         yield look.finding(rules.LONG_NAME, node, name=name, length=len(name))
-    own = isinstance(node, s.Data) and name.lower() in PREDEFINED_DATA
     taken = name.lower() in SPEEDS or name.lower() in ZONES
-    if isinstance(node, s.Data | s.Routine) and taken and not own:
+    if isinstance(node, s.Data | s.Routine) and taken:
         yield look.finding(rules.RESERVED_NAME, node, name=name)
