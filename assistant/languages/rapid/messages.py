@@ -6,7 +6,7 @@ known: in RAPID they stand in a message as they are, and so they must be strings
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Final
 
@@ -82,6 +82,30 @@ def parts(x: p.Message, known: Kinds) -> tuple[e.Expression, ...]:
         else:
             found.append(part)
     return tuple(found)
+
+
+def lines(parts: Iterable[e.Expression], longest: int) -> list[list[e.Expression]]:
+    """The parts of as many messages as it takes if none may have more characters than that."""
+    rows: list[list[e.Expression]] = [[]]
+    room = longest
+    for part in parts:
+        pieces: list[e.Expression] = [part]
+        if isinstance(part, e.Text):
+            text = part.value
+            cut = [e.Text(text[i : i + longest]) for i in range(0, len(text), longest)]
+            pieces = [*cut] or [part]
+        for piece in pieces:
+            length = len(piece.value) if isinstance(piece, e.Text) else VALUE_LENGTH
+            if rows[-1] and length > room:
+                rows.append([])
+                room = longest
+            rows[-1].append(piece)
+            room -= length
+    return rows
+
+
+VALUE_LENGTH: Final = 10
+"""Characters that a value is taken to have."""
 
 
 def with_values(program: Program) -> Program:

@@ -11,7 +11,7 @@ from assistant.languages.rapid import tables
 from assistant.languages.rapid.tables import LARGEST_ZONE, usual_sizes
 from assistant.program.motion import Blend, Speed
 
-T = TypeVar("T", Speed, Blend)
+T = TypeVar("T")
 
 _SPEED_NAMES: Final = {speed: name for name, speed in tables.SPEEDS.items()}
 _ZONE_NAMES: Final = {blend: name for name, blend in tables.ZONES.items()}

@@ -1,0 +1,55 @@
+"""Expressions and variables in the form that their text in RAPID is read back as."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+from assistant.languages.rapid import verbatim
+from assistant.languages.rapid.adapt_data import sayable_joints, sayable_pose, sayable_target
+from assistant.languages.rapid.adapt_findings import Findings
+from assistant.languages.rapid.lift_expressions import aggregate, lift, negative
+from assistant.program import expressions as e
+from assistant.program.diagnostics import Refused
+from assistant.program.program import Variable
+from assistant.program.rewriting import map_expressions
+
+
+def sayable_expression(x: e.Expression, findings: Findings) -> e.Expression:
+    """An expression in the form that its text is read back as."""
+    match x:
+        case e.Unary("-", operand):
+            return negative(operand)
+        case e.Number(value) if value == 0:
+            return e.Number(0)
+        case e.Aggregate(items):
+            made = aggregate(items)
+            return x if isinstance(made, e.Aggregate) else sayable_expression(made, findings)
+        case e.TargetValue(target):
+            return e.TargetValue(sayable_target(target, "a written out target", findings))
+        case e.JointValue(target):
+            return e.JointValue(sayable_joints(target, "a written out joint target", findings))
+        case e.PoseValue(pose):
+            return e.PoseValue(sayable_pose(pose, findings))
+        case e.Apply("relative", given) if 4 < len(given) < 7:
+            return e.Apply("relative", given + (e.Number(0),) * (7 - len(given)))
+        case e.Verbatim(verbatim.LANGUAGE, text):
+            return _understood(text)
+    return x
+
+
+def _understood(text: str) -> e.Expression:
+    try:
+        return lift(verbatim.expression(text), str)
+    except Refused:
+        return e.Verbatim(verbatim.LANGUAGE, text)  # a finding when it is built
+
+
+def sayable_variable(variable: Variable, name: str, findings: Findings) -> Variable:
+    """With a type that RAPID has."""
+    if variable.type == "integer":
+        variable = replace(variable, type="number")
+    if variable.storage == "constant" and variable.initial is None:
+        findings.cannot(f"the constant `{name}` without a value", "give it one", name)
+    change = partial(sayable_expression, findings=findings)
+    return replace(variable, initial=map_expressions(variable.initial, change))

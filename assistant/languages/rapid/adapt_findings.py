@@ -1,0 +1,16 @@
+"""What is found while a program is rewritten into what RAPID can say."""
+
+from __future__ import annotations
+
+from assistant.languages.rapid import rules
+from assistant.program.diagnostics import Diagnostic
+
+
+class Findings(list[Diagnostic]):
+    """In the order in which they are found."""
+
+    def changed(self, what: str, instead: str, hint: str, place: str | None = None) -> None:
+        self.append(rules.CHANGED(what=what, instead=instead, hint=hint, place=place))
+
+    def cannot(self, what: str, hint: str, place: str | None = None) -> None:
+        self.append(rules.NO_MEANING(what=what, hint=hint, place=place))

@@ -1,0 +1,147 @@
+"""Speeds, blends, motions and paths as RAPID can say them, with a finding for each change."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Generic
+
+import numpy as np
+
+from assistant.languages.rapid import rules
+from assistant.languages.rapid.adapt_findings import Findings
+from assistant.languages.rapid.motions import (
+    BLENDS,
+    SPEEDS,
+    T,
+    Words,
+    sayable_blend,
+    sayable_speed,
+    speed_name,
+    zone_name,
+)
+from assistant.languages.rapid.runs import JOINT_PLACES
+from assistant.languages.rapid.tables import LONGEST_NAME, UNUSED
+from assistant.program import expressions as e
+from assistant.program import rotations
+from assistant.program import statements as p
+from assistant.program.geometry import BASE, FLANGE
+from assistant.program.motion import Blend, Speed
+from assistant.program.path import UNSTATED, Kind, Path
+from assistant.program.program import Program, identifier
+
+
+class Motions:
+    """The motions of a program. speeds, blends: what moves call them, filled as they are met."""
+
+    def __init__(self, program: Program, findings: Findings) -> None:
+        self._findings = findings
+        self.speeds = Named(SPEEDS, program.speeds, self._speed)
+        self.blends = Named(BLENDS, program.blends, self._blend)
+
+    def motion(self, motion: p.Motion) -> p.Motion:
+        speed, blend = self.speeds.said(motion.speed), self.blends.said(motion.blend)
+        return p.Motion(speed, blend, _tool(motion.tool), _frame(motion.frame))
+
+    def path(self, path: Path) -> Path:
+        via = path.kinds == Kind.VIA
+        if (via[:-1] != (path.kinds[1:] == Kind.END)).any() or (
+            len(path) and (via[-1] or path.kinds[0] == Kind.END)
+        ):
+            self._findings.cannot(
+                f"an arc of path `{path.name}` without its end", "give both points"
+            )
+        bad = ~np.isfinite(path.positions).all(axis=1) | ~np.isfinite(path.quaternions).all(axis=1)
+        bad |= ~(np.linalg.norm(path.quaternions, axis=1) > 0.5)
+        if bad.any():
+            row = int(np.flatnonzero(bad)[0]) + 1
+            self._findings.append(
+                rules.NOT_FINITE(what=f"target {row} of path `{path.name}`", place=path.name)
+            )
+            return path
+        configurations = path.configurations
+        unstated = configurations[:, 0] == UNSTATED
+        if unstated.any():
+            self._findings.append(
+                rules.NO_CONFIGURATION(place=f"{int(unstated.sum())} targets of `{path.name}`")
+            )
+            configurations = np.where(unstated[:, None], np.int8(0), configurations)
+        rows = np.arange(len(path)) + via  # an arc has the motion of its end
+        rows = np.minimum(rows, len(path) - 1)
+        external = np.array(path.external)
+        np.round(external, JOINT_PLACES, out=external)
+        external[external >= UNUSED] = np.nan
+        return replace(
+            path,
+            quaternions=rotations.canonical(path.quaternions),
+            configurations=configurations,
+            external=external,
+            speed=path.speed[rows],
+            blend=path.blend[rows],
+            tool=path.tool[rows],
+            frame=path.frame[rows],
+            speeds=tuple(self.speeds.said(v) for v in path.speeds),
+            blends=tuple(self.blends.said(v) for v in path.blends),
+            tools=tuple(_tool(t) for t in path.tools),
+            frames=tuple(_frame(f) for f in path.frames),
+        )
+
+    def _speed(self, speed: Speed, place: str | None) -> Speed:
+        said, changed = sayable_speed(speed)
+        if changed:
+            self._findings.changed(changed, speed_name(said), "state a speed in mm/s", place)
+        if not all(v > 0 for v in (said.tcp, said.rotation)) or said.tcp != said.tcp:
+            self._findings.cannot(f"a speed of {said.tcp} mm/s", "state a speed above 0", place)
+        return said
+
+    def _blend(self, blend: Blend, place: str | None) -> Blend:
+        said, changed = sayable_blend(blend)
+        if changed:
+            self._findings.changed(changed, zone_name(said), "state one radius in mm", place)
+        if said.radius is not None and not said.radius >= 0:
+            what = f"a corner radius of {said.radius} mm"
+            self._findings.cannot(what, "state 0 or more", place)
+        return said
+
+
+class Named(Generic[T]):
+    """The speeds of a program by name, or its blends.
+
+    sayable: what RAPID can say of a value; given its name, None for one that has none.
+    """
+
+    def __init__(
+        self,
+        words: Words[T],
+        given: Mapping[str, T],
+        sayable: Callable[[T, str | None], T],
+    ) -> None:
+        self._words, self._sayable = words, sayable
+        self._values = {n: sayable(v, n) for n, v in given.items()}
+
+    def table(self) -> dict[str, T]:
+        """Those with names of their own: one that is called as its own value would be is that."""
+        return self._words.named(self._values)
+
+    def said(self, value: T | e.Name) -> T | e.Name:
+        """A value, or a name where it has one of its own or its own would be too long."""
+        if isinstance(value, e.Name):
+            known = {n.lower(): v for n, v in self._values.items()}
+            return self._words.meant(value.name, known) or value
+        said = self._sayable(value, None)
+        if len(self._words.name(said)) <= LONGEST_NAME:
+            return said
+        for name, known_value in self._values.items():
+            if known_value == said:
+                return e.Name(name)
+        name = identifier(f"{self._words.kind}_1", {*self._values})
+        self._values[name] = said
+        return e.Name(name)
+
+
+def _tool(name: str) -> str:
+    return FLANGE if name.lower() == FLANGE else name
+
+
+def _frame(name: str) -> str:
+    return BASE if name.lower() == BASE else name
