@@ -14,7 +14,7 @@ import numpy as np
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.gather import split
 from assistant.languages.rapid.header import opening
-from assistant.languages.rapid.runs import Names
+from assistant.languages.rapid.runs import Names, TargetRun
 from assistant.languages.rapid.walk import nodes
 from assistant.program.diagnostics import Diagnostic, Rule, Span
 
@@ -177,8 +177,8 @@ class Look:
         if routine is not None:
             if (inner := self.frame(routine).get(name.lower())) is not None:
                 return inner
-            for item in routine.body if name.isascii() else ():
-                if isinstance(item, s.TargetRunNode) and row_of(item.run.names, name) is not None:
+            for run in self._runs(routine) if name.isascii() else ():
+                if row_of(run.names, name) is not None:
                     return Declaration(name, "CONST", "robtarget", True, None, self.module)
         return self.task.find(name, self.module)
 
@@ -194,6 +194,17 @@ class Look:
 
     @cached_property
     def _frames(self) -> dict[int, dict[str, Declaration]]:
+        return {}
+
+    def _runs(self, routine: s.Routine) -> tuple[TargetRun, ...]:
+        """Long runs of targets that a routine declares."""
+        if id(routine) not in self._local_runs:
+            runs = (item.run for item in routine.body if isinstance(item, s.TargetRunNode))
+            self._local_runs[id(routine)] = tuple(runs)
+        return self._local_runs[id(routine)]
+
+    @cached_property
+    def _local_runs(self) -> dict[int, tuple[TargetRun, ...]]:
         return {}
 
     @cached_property
