@@ -13,15 +13,17 @@ HEAD = """\
 # Findings
 
 Every finding has a code that stays the same. An `error` keeps anything from being written; a
-`warning` asks for a look; an `info` says what was done. `robot-assistant explain CODE` prints
-what this page says about one. [Checking programs in CI](ci.md) tells how to give a finding
-another severity, and how to ignore one where it stands.
+`warning` asks for a look; an `info` says what was done, or what might be better. Words in
+CAPITALS stand for what a finding itself names. `robot-assistant explain CODE` prints what this
+page says about one. [Checking programs in CI](ci.md) tells how to give a finding another
+severity, and how to ignore one where it stands.
 """
 
 
 def page() -> str:
-    """A table of each family, and a section about each rule."""
-    parts = [HEAD]
+    """The families, then for each a table of its rules and a section about every one of them."""
+    links = (f"| {family} | [{title}](#{_anchor(title)}) |" for family, title in FAMILIES.items())
+    parts = ["\n".join([HEAD, "| codes | about |", "|---|---|", *links, ""])]
     for family, title in FAMILIES.items():
         own = [rule for code, rule in rules().items() if code.startswith(family)]
         rows = [
@@ -33,6 +35,10 @@ def page() -> str:
         parts.append("\n".join([f"## {title}", "", *table, ""]))
         parts += map(section, own)
     return "\n".join(parts)
+
+
+def _anchor(title: str) -> str:
+    return title.lower().replace(" ", "-")
 
 
 def _cell(text: str) -> str:

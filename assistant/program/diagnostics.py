@@ -108,9 +108,16 @@ class Rule:
         )
 
     def sentence(self, template: str) -> str:
-        """The message or the cure with its fields in capitals, to be read without a finding."""
-        parts = string.Formatter().parse(template)
-        return "".join(text + (field or "").upper() for text, field, _, _ in parts)
+        """The message or the cure with its fields in capitals, to be read without a finding.
+
+        A field right behind a word is what only some findings add, and is left out.
+        """
+        said = ""
+        for text, field, _, _ in string.Formatter().parse(template):
+            said += text
+            if field and not (said[-1:].isalnum() or said.endswith("]")):
+                said += field.upper()
+        return said
 
 
 class Refused(ValueError):

@@ -208,6 +208,10 @@ def test_results_fit_their_function() -> None:
     assert codes(module("RETURN middle(p1.trans,[1,2,3]);", routine=routine)) == []
 
 
+def test_a_handle_that_is_given_a_value_is_told_of_once() -> None:
+    assert codes(module("ClkStart late;", data="VAR clock late:=0;")) == []
+
+
 def test_parameters_and_loops_hide_what_is_outside() -> None:
     routine = "PROC try(string a,INOUT robtarget here \\switch list)"
     right = "TPWrite a; here:=p1; IF Present(list) RETURN; FOR yes FROM 1 TO 2 DO big:=yes; ENDFOR"

@@ -130,7 +130,7 @@ UNKNOWN_COMPONENT: Final = Rule("RA426", ERROR, "a {type} has no component `{nam
 INDEX_COUNT: Final = Rule(
     "RA427",
     ERROR,
-    "{given} indices are written for data of {count} dimensions",
+    "the number of indices is {given}, that of dimensions {count}",
     "write one index for each declared dimension",
 )
 OPERANDS: Final = Rule("RA428", ERROR, "`{operator}` cannot join {left} and {right}", "{hint}")

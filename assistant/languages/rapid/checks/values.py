@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from assistant.languages.rapid import predefined
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.checks import use_rules as rules
 from assistant.languages.rapid.checks.kinds import (
@@ -25,7 +26,7 @@ Sizes = tuple[int | None, ...]
 
 def initial(node: s.Data, scope: Scope) -> Found:
     kind = scope.of(node.type)
-    if node.value is not None and kind is not None:
+    if node.value is not None and kind is not None and not predefined.is_handle(kind.type):
         sizes = tuple(_size(size, scope) for size in node.dimensions)
         yield from shaped(node.value, kind.type, sizes, scope)
 
