@@ -67,7 +67,7 @@ def lift(node: s.Expression, original: Original) -> e.Expression:
             return negative(lift(operand, original))
         case s.Prefix("+", operand):
             return lift(operand, original)
-        case s.Infix(operator, left, right):
+        case s.Infix(operator, left, right) if operator in _OPERATORS:  # or mistaken, as `:=`
             name_ = _OPERATORS[operator]
             return e.Binary(name_, lift(left, original), lift(right, original))  # type: ignore[arg-type]
         case s.FunctionCall():

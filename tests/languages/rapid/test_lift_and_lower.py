@@ -188,3 +188,11 @@ def test_many_targets_that_are_written_out_are_a_path() -> None:
     assert RAPID.render(RAPID.lower(program)) == text
     again = RAPID.lift(RAPID.lower(replace(program, origin=None)))
     assert again == program
+
+
+def test_a_mistaken_comparison_stays_as_it_is_written() -> None:
+    tree = RAPID.parse("MODULE m\nPROC main()\nIF a:=1 Stop;\nENDPROC\nENDMODULE\n")
+    assert [f.code for f in tree.findings] == ["RA101"]
+    condition = e.Verbatim("rapid", "a:=1")
+    (procedure,) = RAPID.lift(tree).procedures
+    assert procedure.body == (p.If((p.Branch(condition, (p.Stop(),)),)),)
