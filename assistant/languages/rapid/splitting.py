@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Final
 
@@ -11,7 +12,7 @@ from assistant.languages.rapid.naming import units
 from assistant.program import statements as p
 from assistant.program.path import Kind, Path
 from assistant.program.program import Procedure, Program, identifier, walk
-from assistant.program.rewriting import map_bodies
+from assistant.program.rewriting import Body, map_bodies
 
 
 def split(program: Program, most: int, findings: Findings) -> Program:
@@ -20,46 +21,59 @@ def split(program: Program, most: int, findings: Findings) -> Program:
     most: targets of a module; fewer than LEAST_PIECE count as that.
     """
     most = max(most, LEAST_PIECE)
-    count: dict[str | None, int] = {None: len(program.targets)}
-    for procedure in program.procedures:
-        for statement in walk(procedure.body):
-            if isinstance(statement, p.Follow) and len(statement.path) <= most:
-                count[procedure.unit] = count.get(procedure.unit, 0) + len(statement.path)
-    taken = {q.name for q in program.procedures} | set(units(program)) | {program.name}
-    taken |= {*program.targets, *program.variables, *program.signals, *program.tools}
-    new: list[Procedure] = []
+    splitter = _Splitter(program, most, findings)
+    procedures = tuple(replace(q, body=splitter.body(q.body, q.unit)) for q in program.procedures)
+    if not splitter.new:
+        return program
+    return replace(program, procedures=(*procedures, *splitter.new))
 
-    def body(statements: tuple[p.Statement, ...], unit: str | None) -> tuple[p.Statement, ...]:
+
+class _Splitter:
+    """count: targets that each unit still has. new: procedures of pieces."""
+
+    def __init__(self, program: Program, most: int, findings: Findings) -> None:
+        self.most, self.findings = most, findings
+        self.new: list[Procedure] = []
+        self.taken = {q.name for q in program.procedures} | set(units(program)) | {program.name}
+        self.taken |= {*program.targets, *program.variables, *program.signals, *program.tools}
+        self.count: dict[str | None, int] = {None: len(program.targets)}
+        for q in program.procedures:
+            for statement in walk(q.body):
+                if isinstance(statement, p.Follow) and len(statement.path) <= most:
+                    self.count[q.unit] = self.count.get(q.unit, 0) + len(statement.path)
+
+    def body(self, body: Body, unit: str | None) -> Body:
         out: list[p.Statement] = []
-        for statement in statements:
-            statement = map_bodies(statement, lambda b: body(b, unit))
-            if not isinstance(statement, p.Follow) or (
-                len(statement.path) <= most and count[unit] <= most
-            ):
-                out.append(statement)
-                continue
-            if len(statement.path) <= most:
-                count[unit] -= len(statement.path)
-                if unit is not None and count[unit] == 0:
-                    count[unit] += len(statement.path)
-                    out.append(statement)
-                    continue
-            pieces = _pieces(statement.path, most)
-            findings.append(
-                rules.SPLIT(name=statement.path.name, count=len(statement.path), parts=len(pieces))
-            )
-            for number, piece in enumerate(pieces, 1):
-                name = statement.path.name[:20]
-                procedure = identifier(f"{name}_part{number}", taken)
-                module = identifier(f"{name}_unit{number}", taken | {procedure})
-                taken.update((procedure, module))
-                path = replace(piece, name=f"{procedure}_p")
-                new.append(Procedure(procedure, (p.Follow(path),), unit=module))
-                out.append(p.Call(procedure, (), module))
+        for statement in body:
+            if isinstance(statement, p.Follow) and self.leaves(statement.path, unit):
+                out += self.calls(statement.path)
+            else:
+                out.append(map_bodies(statement, lambda b: self.body(b, unit)))
         return tuple(out)
 
-    procedures = tuple(replace(q, body=body(q.body, q.unit)) for q in program.procedures)
-    return replace(program, procedures=(*procedures, *new)) if new else program
+    def leaves(self, path: Path, unit: str | None) -> bool:
+        """Whether a path goes out of its unit; the last one of a unit that is loaded stays."""
+        size = len(path)
+        if size > self.most:
+            return True
+        left = self.count[unit] - size
+        if self.count[unit] <= self.most or (unit is not None and left == 0):
+            return False
+        self.count[unit] = left
+        return True
+
+    def calls(self, path: Path) -> Iterator[p.Call]:
+        """Of a new procedure, in a new unit, for each piece of a path."""
+        pieces = _pieces(path, self.most)
+        self.findings.append(rules.SPLIT(name=path.name, count=len(path), parts=len(pieces)))
+        for number, piece in enumerate(pieces, 1):
+            name = path.name[:20]
+            procedure = identifier(f"{name}_part{number}", self.taken)
+            module = identifier(f"{name}_unit{number}", self.taken | {procedure})
+            self.taken.update((procedure, module))
+            follow = p.Follow(replace(piece, name=f"{procedure}_p"))
+            self.new.append(Procedure(procedure, (follow,), unit=module))
+            yield p.Call(procedure, (), module)
 
 
 LEAST_PIECE: Final = 5
