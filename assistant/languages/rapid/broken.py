@@ -77,6 +77,13 @@ class Broken:
         return _ENDMODULE.search(self.text, 0, self.word.start) is not None
 
     @property
+    def closes(self) -> bool:
+        """Whether the word that does not fit begins a line and ends a block that is open."""
+        return self.word.first and any(
+            self.word.type == "_END" + opener[1:] for opener, _ in self.openers()
+        )
+
+    @property
     def at_file_level(self) -> bool:
         return self.error == 0 and self.fits(("_MODULE",))
 

@@ -53,6 +53,8 @@ def left_out(b: Broken) -> Repair:
     head = HEADS.get(opener.type)
     line_end = b.text.find("\n", word.start)
     line_end = len(b.text) if line_end < 0 else line_end
+    if b.closes:
+        line_end = word.start
     if head is not None and word.type != END:
         stop = None
         for later in words[b.error :]:

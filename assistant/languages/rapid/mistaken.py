@@ -76,6 +76,23 @@ MISTAKES: Final = (
         repair=r"insert _(THEN|DO)",
     ),
     Mistake(
+        "write unequal as `<>` and NOT in a word; `!` begins a comment",
+        ("IF a ¦!= b c;", "IF ¦!a b;", "a := ¦!b;"),
+        before=r"(?:(?:IF|WHILE)\b|:=)[^!\"\n]*(?P<at>![=\w(])[^\n]*",
+    ),
+    Mistake(
+        "write FROM: `FOR i FROM 1 TO 10 DO`",
+        ("FOR i ¦= 1 TO 10 DO\n  a;\nENDFOR", "FOR i ¦:= 1 TO 10 DO\n  a;\nENDFOR"),
+        before=r"\A\s*FOR\s+\w+",
+        after=r":?=",
+    ),
+    Mistake(
+        "write it in one piece: `<=`, `>=` or `<>`",
+        ("IF a =¦> 1 b;", "IF a =¦< 1 b;", "IF a < ¦> 1 b;"),
+        before=r"=|<[ \t]+",
+        after=r"[<>]",
+    ),
+    Mistake(
         "assign with `:=`",
         ("a ¦= 1;", "a ¦== 1;", "CONST num a ¦= 1;", "p.trans.x ¦= 2;", "a{2} ¦= 3;"),
         before=r"[\w.}]",
@@ -106,6 +123,30 @@ MISTAKES: Final = (
         repair=r"replace EQUAL",
     ),
     Mistake(
+        "join strings with `+`",
+        ('TPWrite "a" ¦& b;',),
+        before=r'"',
+        after=r"&(?!&)",
+    ),
+    Mistake(
+        "write the remainder as `a MOD b`, a power as `Pow(a,b)`",
+        ("a := b ¦% 2;", "a := b¦^2;"),
+        before=r":=[^;]*[\w)}]",
+        after=r"[%^]",
+    ),
+    Mistake(
+        "write an index and the size of an array in braces: `a{1}`",
+        ("a := b¦[1];", "VAR num a¦[5];"),
+        before=r"\A\s*(?:(?:VAR|PERS|CONST)\s+\w+\s+\w+|\w+\s*:=[^;]*\w)",
+        after=r"\[",
+    ),
+    Mistake(
+        "write a list of values in brackets: `[1,2]`",
+        ("VAR num a{2} :=¦ {1,2};", "VAR pos a := (1¦,2,3);"),
+        before=r":=\s*(?:\(\s*[-+\d.]+)?",
+        after=r"\{|,\s*[-+\d.]+\s*,",
+    ),
+    Mistake(
         "write AND, OR",
         ("IF a ¦&& b THEN\n  c;\nENDIF", "IF a ¦|| b THEN\n  c;\nENDIF"),
         after=r"&&?|\|\|?",
@@ -128,6 +169,34 @@ MISTAKES: Final = (
         ("q(1¦,2);", "q(¦);", "q(a¦,b,c);", "MoveL(p1¦,v100,fine,tool0);", 'q("a"¦,b);'),
         before=r"\A\s*[A-Za-z]\w*\s*\((?:[^()]|\([^()]*\))*",
         after=r"[,)\\]",
+        here=True,
+    ),
+    Mistake(
+        "write one declaration for each name",
+        ("VAR num a¦, b;",),
+        before=r"\A\s*(?:(?:LOCAL|TASK)\s+)?(?:VAR|PERS)\s+\w+\s+\w+",
+        after=r",",
+    ),
+    Mistake(
+        "write the type before the name: `num a`",
+        ("VAR a¦ := 5;", "CONST a¦ := 5;", "PROC q(a¦)\n  b;\nENDPROC", "FUNC q¦(num a)\nENDFUNC"),
+        before=r"\A\s*(?:(?:LOCAL|TASK)\s+)?"
+        r"(?:(?:VAR|PERS|CONST|FUNC)\s+\w+|(?:PROC|FUNC)\b[^;]*[(,]\s*\w+)",
+        repair=r"insert NAME",
+    ),
+    Mistake(
+        "separate arguments with commas",
+        ("MoveL a ¦b c d;",),
+        before=r"\A\s*\w+\s+\w+",
+        after=r"\w",
+        repair=r"hole",
+    ),
+    Mistake(
+        "a TEST has `DEFAULT:` for all other values",
+        ("TEST a\nCASE 1:\n  b;\n¦ELSE\n  c;\nENDTEST",),
+        before=r"\A\s*TEST\b",
+        after=r"ELSE\b",
+        within="block",
         here=True,
     ),
     Mistake(
@@ -233,7 +302,7 @@ MISTAKES: Final = (
             "MODULE ¦1st\n  VAR num a;\nENDMODULE",
             "MODULE m¦.mod\n  VAR num a;\nENDMODULE",
         ),
-        before=r"\A\s*MODULE\b[^\r\n]*",
+        before=r"\A\s*MODULE\b[^\r\n]*(?![ \t]*\r?\n)",
         within="line",
         here=True,
     ),

@@ -23,8 +23,8 @@ INSERTED: Final = (
     *(("EXP", "SEMICOLON"), ("LSQB",), ("LBRACE",), ("QMARK",)),
 )
 OPENERS: Final = (
-    *("_IF", "_ELSEIF", "_WHILE", "_FOR", "_TEST", "_CASE", "_PROC", "_FUNC", "_TRAP"),
-    *("VAR", "CONST", "PERS", "_RECORD", "_ALIAS", "_MODULE"),
+    *("_IF", "_ELSEIF", "_WHILE", "_FOR", "_TEST", "_CASE", "_PROC", "_FUNC"),
+    *("VAR", "CONST", "PERS", "_TRAP", "_RECORD", "_ALIAS", "_MODULE"),
 )
 ALIKE: Final = (
     *(("_ASSIGN", "EQUAL", "FOREIGN_EQUAL", "COLON", "MINUS"), ("_THEN", "_DO", "SEMICOLON")),
@@ -32,6 +32,10 @@ ALIKE: Final = (
     *(("COMMA", "DOT", "SEMICOLON"), ("SLASH", "BACKSLASH")),
 )
 """Words that people write for each other."""
+CONDITION: Final = frozenset(
+    "_THEN LESS AT_MOST EQUAL MORE AT_LEAST UNEQUAL OR XOR AND _NOT".split()  # noqa: SIM905
+)
+"""Words of which an IF has one, most likely."""
 STRINGS: Final = frozenset({"FOREIGN_STRING", "BAD_ESCAPE", "OPEN_STRING"})
 ITEM: Final = re.compile(
     r"^[ \t]*(?:local[ \t]+|task[ \t]+)?(?:proc|func|trap|record|const|pers|var)[ \t]+\w",
@@ -215,7 +219,8 @@ def _replaced(b: Broken) -> Iterator[tuple[Repair, int, int]]:
                 if other not in (word.type, "COLON", "MINUS") and b.accepts(other):
                     yield replace(repair, put=_at(word, (other,)), what=other), row, 1
     used = row < len(b.words) and b.words[row].type in ("_ASSIGN", "DOT", "LBRACE")
-    if word.text.lower() in RESERVED and (used or b.error) and b.accepts("NAME"):
+    named = used or (b.error and not b.closes)
+    if word.text.lower() in RESERVED and named and b.accepts("NAME"):
         yield replace(repair, kind="reserved", put=(replace(word, type="NAME"),)), row, 1
     if word.type == "STRANGE":
         for types in (("EXP",), ("NAME",)):
@@ -232,6 +237,8 @@ def _opened(b: Broken) -> Iterator[tuple[Repair, int, int]]:
     if b.words[0].type in CLAUSES:
         return
     for opener in OPENERS:
+        if opener == "_IF" and not CONDITION & {word.type for word in b.words}:
+            continue
         yield Repair("insert", b.base, put([opener], at), at, at, at, opener), 0, 1
 
 
@@ -266,7 +273,7 @@ def _wrapped(b: Broken) -> Iterator[tuple[Repair, int, int]]:
 
 def _deleted(b: Broken) -> Iterator[tuple[Repair, int, int]]:
     word, row, keep = b.word, b.error + 1, len(b.types)
-    if word.type == END:
+    if word.type == END or b.closes:
         return
     repair = Repair("delete", keep, (), word.end, word.start, word.end)
     yield repair, row, 2
