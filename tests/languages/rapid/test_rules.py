@@ -72,6 +72,7 @@ DECLARATIONS = {
     "a persistent with a name as value": ("PERS num a:=pi;", [("RA207", 2)]),
     "a variable with that of another": ("VAR num a:=1;\nVAR num b:=a+1;", [("RA217", 3)]),
     "a constant of constants": ("CONST num a:=1;\nCONST num b{2}:=[a,2*a+pi];", []),
+    "a variable with that of the system": ("VAR num a:=reg1;", [("RA217", 2)]),
     "a constant by a function": ("CONST num a:=Sqrt(2);", [("RA217", 2)]),
     "a variable with a parameter": (
         "PROC p(num a)\nVAR num b:=a;\nb:=2;\nENDPROC",
@@ -134,6 +135,10 @@ STATEMENTS = {
     "a label behind GOTO": ("GOTO x;\nx:\nWaitTime 1;", []),
     "a comment behind EXIT": ("EXIT;\n! done", []),
     "behind an endless loop": ("WHILE TRUE DO\nWaitTime 1;\nENDWHILE\nTPErase;", [("RA450", 6)]),
+    "behind a loop in parentheses": (
+        "WHILE (TRUE) DO\nWaitTime 1;\nENDWHILE\nTPErase;",
+        [("RA450", 6)],
+    ),
     "behind branches that leave": (
         "IF di1=1 THEN\nRETURN;\nELSE\nEXIT;\nENDIF\nTPErase;",
         [("RA450", 8)],
@@ -141,6 +146,7 @@ STATEMENTS = {
     "behind one that stays": ("IF di1=1 THEN\nRETURN;\nELSE\nENDIF\nTPErase;", []),
     "in a block": ("WHILE di1=1 DO\nEXIT;\nTPErase;\nENDWHILE", [("RA450", 5)]),
     "waits": ("WaitDI di1,1;\nWaitUntil di1=1;", [("RA454", 3), ("RA454", 4)]),
+    "a wait that only waits for the robot": ("WaitUntil\\InPos,TRUE;", []),
     "waits with an end": ("WaitDI di1,1\\MaxTime:=2;\nWaitTime 3;", []),
     "an output on the fly": ("MoveL p,v100,z10,tool0;\nSetDO do1,1;", [("RA455", 4)]),
     "an output in a branch": (
@@ -160,8 +166,21 @@ STATEMENTS = {
         "VAR robtarget r;\nMoveJ p,v100,z5,tool0;\nr:=CRobT();",
         [("RA456", 5)],
     ),
+    "the position in a move": (
+        "MoveJ p,v100,z5,tool0;\nMoveL Offs(CRobT(),0,0,9),v100,fine,tool0;",
+        [("RA456", 4)],
+    ),
+    "the position after a wait": (
+        "VAR robtarget r;\nMoveJ p,v100,z5,tool0;\nWaitRob\\InPos;\nr:=CRobT();",
+        [],
+    ),
     "the position at the place": ("VAR robtarget r;\nMoveJ p,v100,fine,tool0;\nr:=CRobT();", []),
     "one CASE twice": ("TEST 1\nCASE 1,2:\nCASE 3,1:\nENDTEST", [("RA457", 5)]),
+    "one CASE twice, as other words": (
+        "TEST 1\nCASE -1:\nCASE -1:\nCASE 1:\nCASE 1.0:\nCASE pi:\nCASE PI:\nENDTEST",
+        [("RA457", 5), ("RA457", 7), ("RA457", 9)],
+    ),
+    "cases of strings": ('TEST "x"\nCASE "a":\nCASE "A":\nENDTEST', []),
     "a step of zero": ("FOR i FROM 1 TO 3 STEP 0 DO\nENDFOR", [("RA458", 3)]),
     "a step that leads away": ("FOR i FROM 1 TO 3 STEP -1 DO\nENDFOR", [("RA458", 3)]),
     "a step down": ("FOR i FROM 3 TO 1 STEP -1 DO\nENDFOR", []),

@@ -60,8 +60,15 @@ def _goes_on(statement: s.StatementNode) -> bool:
                 return True
             return any(falls_through(b.body) for b in branches) or falls_through(otherwise)
         case s.WhileLoop(condition):
-            return condition != s.BoolLiteral(True)
+            return _bare(condition) != s.BoolLiteral(True)
     return True
+
+
+def _bare(value: s.Expression) -> s.Expression:
+    """Without the parentheses around it."""
+    while isinstance(value, s.Group):
+        value = value.inner
+    return value
 
 
 def falls_through(body: Body) -> bool:
@@ -155,16 +162,26 @@ def handled(look: Look) -> Found:
 def choices(look: Look) -> Found:
     """CASE values that an earlier CASE takes, and loops whose step leads nowhere."""
     for test in look.all(s.TestOf):
-        seen: set[s.Expression] = set()
+        seen: set[s.Expression | float | str] = set()
         for case in test.cases:
             for value in case.values:
-                if not isinstance(value, s.NumberLiteral | s.StringLiteral | s.BoolLiteral):
-                    continue
-                if value in seen:
+                key = _value(value)
+                if key is not None and key in seen:
                     yield look.finding(rules.SAME_CASE, value)
-                seen.add(value)
+                elif key is not None:
+                    seen.add(key)
     for loop in look.all(s.ForLoop):
         yield from _step(look, loop)
+
+
+def _value(value: s.Expression) -> s.Expression | float | str | None:
+    """What is the same for the same value: of a number itself, of data the name."""
+    match value:
+        case s.StringLiteral() | s.BoolLiteral():
+            return value
+        case s.NameRef(name):
+            return name.lower()
+    return literal_number(value)
 
 
 def _step(look: Look, loop: s.ForLoop) -> Found:

@@ -37,7 +37,8 @@ def endless_waits(look: Look) -> Found:
     for call in look.all(s.ProcedureCall):
         if str(call.name).lower() in WAITS:
             given = {a.name.lower() for a in call.arguments if not isinstance(a, s.Positional)}
-            if "maxtime" not in given:
+            plain = [a.value for a in call.arguments if isinstance(a, s.Positional)]
+            if "maxtime" not in given and plain != [s.BoolLiteral(True)]:
                 yield look.finding(rules.ENDLESS_WAIT, call, word=call.name)
 
 
@@ -52,6 +53,8 @@ def _followed(
     look: Look, routine: s.Routine, body: Sequence[s.StatementNode], going: Going
 ) -> Found:
     for statement in body:
+        if going and isinstance(statement, s.Assignment | s.ProcedureCall) and _reads(statement):
+            yield look.finding(rules.READ_ON_THE_FLY, statement)
         match statement:
             case s.MoveRunNode(run):
                 going = _through(look, run.motions[int(run.motion[-1])].zone, routine)
@@ -62,17 +65,19 @@ def _followed(
                     yield look.finding(rules.ON_THE_FLY, statement, word=name)
             case s.ProcedureCall(str(name)) if name.lower() in KEEPS:
                 pass
-            case s.Assignment(value=value):
-                if going and any(
-                    isinstance(n, s.FunctionCall) and n.name.lower() in HERE for n in nodes(value)
-                ):
-                    yield look.finding(rules.READ_ON_THE_FLY, statement)
-            case s.CommentLine() | s.Placeholder():
+            case s.Assignment() | s.CommentLine() | s.Placeholder():
                 pass
             case _:
                 for block in blocks(statement):
                     yield from _followed(look, routine, block, going)
                 going = ""
+
+
+def _reads(statement: s.Assignment | s.ProcedureCall) -> bool:
+    """Whether a statement asks where the robot is."""
+    return any(
+        isinstance(node, s.FunctionCall) and node.name.lower() in HERE for node in nodes(statement)
+    )
 
 
 def _of_move(look: Look, call: s.ProcedureCall, name: str, routine: s.Routine) -> Going:

@@ -67,8 +67,10 @@ def initial_values(look: Look) -> Found:
                 what = f"the function `{part.name}`"
             elif isinstance(part, s.NameRef):
                 found = look.find(part.name, routine)
-                if found is not None and found.kind in WHAT:
-                    what = f"`{part.name}`, {WHAT[found.kind]}"
+                standard = predefined.data().get(part.name.lower())
+                kind = found.kind if found else standard.storage if standard else ""
+                if kind in WHAT:
+                    what = f"`{part.name}`, {WHAT[kind]}"
             if what:
                 yield look.finding(rules.NOT_CONSTANT, node, name=node.name, what=what)
                 break
