@@ -1,21 +1,21 @@
-"""From lark's tree to the typed one: one method a construct of the grammar."""
+"""The nodes of the typed tree: one method a construct of the grammar."""
 
-# ruff: noqa: ARG002 (every method takes what lark gives)
+# ruff: noqa: ARG002 (every method takes the place and the children of its rule)
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from typing import Any, Final
-
-from lark import Transformer, v_args
-from lark.tree import Meta
+from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.gather import gathered
 from assistant.languages.rapid.rows import Found
 from assistant.languages.rapid.runs import TargetRun
 from assistant.program.diagnostics import Span
+
+if TYPE_CHECKING:
+    from lark import Tree
 
 _PARTS: Final = re.compile(r"[\[\]]|([-+]?)([0-9.]+(?:[eE][-+]?[0-9]+)?)")
 _ESCAPE: Final = re.compile(r'""|\\\\|\\([0-9a-fA-F]{2})')
@@ -26,70 +26,78 @@ def unescaped(literal: str) -> str:
     return _ESCAPE.sub(lambda m: chr(int(m[1], 16)) if m[1] else m[0][0], literal[1:-1])
 
 
-@v_args(meta=True)
-class Nodes(Transformer[Any, Any]):
+Place = Span | None
+"""Offsets in what the grammar read; None for what stands for no text."""
+
+
+class Nodes:
     """text: what the grammar read. offset: from an offset in it to one in the source."""
 
     def __init__(self, text: str, offset: Callable[[int], int], runs: Sequence[Found]) -> None:
-        super().__init__(visit_tokens=False)
         self._text, self._offset, self._runs = text, offset, runs
 
-    def _span(self, meta: Meta) -> Span | None:
-        if meta.empty:
-            return None
-        return Span(self._offset(meta.start_pos), self._offset(meta.end_pos))
+    def of_tree(self, tree: Tree[Any]) -> Any:
+        """What a tree of lark stands for."""
+        children = [self.of_tree(c) if hasattr(c, "data") else c for c in tree.children]
+        place = None if tree.meta.empty else Span(tree.meta.start_pos, tree.meta.end_pos)
+        return getattr(self, tree.data)(place, children)
+
+    def _span(self, place: Place) -> Place:
+        if place is None or not self._runs:
+            return place
+        return Span(self._offset(place.start), self._offset(place.end))
 
     # Files and modules
 
-    def start(self, meta: Meta, c: list[Any]) -> Any:
+    def start(self, place: Place, c: list[Any]) -> Any:
         header = None if c[0] is None else str(c[0])[3:-3]
         return header, tuple(c[1:])
 
-    def statements(self, meta: Meta, c: list[Any]) -> Any:
+    def statements(self, place: Place, c: list[Any]) -> Any:
         return gathered(c)
 
     items = block = statements
 
-    def module(self, meta: Meta, c: list[Any]) -> s.Module:
+    def module(self, place: Place, c: list[Any]) -> s.Module:
         attributes = tuple(a for a in c[1:] if isinstance(a, str))
         items = gathered([i for i in c[1:] if i is not None and not isinstance(i, str)])
-        return s.Module(str(c[0]), attributes, items, span=self._span(meta))
+        return s.Module(str(c[0]), attributes, items, span=self._span(place))
 
-    def attribute(self, meta: Meta, c: list[Any]) -> str:
+    def attribute(self, place: Place, c: list[Any]) -> str:
         return str(c[0]).upper()
 
-    def note(self, meta: Meta, c: list[Any]) -> s.CommentLine:
-        at = meta.start_pos
+    def note(self, place: Span, c: list[Any]) -> s.CommentLine:
+        at = place.start
         line = self._text[self._text.rfind("\n", 0, at) + 1 : at]
-        return s.CommentLine(c[0][1:].strip(), bool(line.strip()), span=self._span(meta))
+        return s.CommentLine(c[0][1:].strip(), bool(line.strip()), span=self._span(place))
 
-    def placeholder(self, meta: Meta, c: list[Any]) -> s.Placeholder:
-        return s.Placeholder(str(c[0]).upper(), span=self._span(meta))
+    def placeholder(self, place: Place, c: list[Any]) -> s.Placeholder:
+        return s.Placeholder(str(c[0]).upper(), span=self._span(place))
 
     hole = placeholder
 
-    def targets(self, meta: Meta, c: list[Any]) -> s.TargetRunNode:
+    def targets(self, place: Place, c: list[Any]) -> s.TargetRunNode:
         found = self._runs[int(c[0][1:-1])]
         assert isinstance(found.run, TargetRun)
         return s.TargetRunNode(found.scope, found.run, span=Span(found.start, found.end))
 
-    def moves(self, meta: Meta, c: list[Any]) -> s.MoveRunNode:
+    def moves(self, place: Place, c: list[Any]) -> s.MoveRunNode:
         found = self._runs[int(c[0][1:-1])]
         assert not isinstance(found.run, TargetRun)
         return s.MoveRunNode(found.run, span=Span(found.start, found.end))
 
     # Declarations
 
-    def record(self, meta: Meta, c: list[Any]) -> s.Record:
-        return s.Record(c[0] is not None, str(c[1]), tuple(c[2:]), span=self._span(meta))
+    def record(self, place: Place, c: list[Any]) -> s.Record:
+        return s.Record(c[0] is not None, str(c[1]), tuple(c[2:]), span=self._span(place))
 
-    def component(self, meta: Meta, c: list[Any]) -> tuple[str, str]:
+    def component(self, place: Place, c: list[Any]) -> tuple[str, str]:
         return str(c[0]), str(c[1])
 
-    def alias(self, meta: Meta, c: list[Any]) -> s.Alias:
-        return s.Alias(c[0] is not None, str(c[1]), str(c[2]), span=self._span(meta))
+    def alias(self, place: Place, c: list[Any]) -> s.Alias:
+        return s.Alias(c[0] is not None, str(c[1]), str(c[2]), span=self._span(place))
 
-    def data(self, meta: Meta, c: list[Any]) -> s.Data:
+    def data(self, place: Place, c: list[Any]) -> s.Data:
         scope, storage, type, name, dimensions, value = c
         return s.Data(
             str(scope or "").upper(),
@@ -98,13 +106,13 @@ class Nodes(Transformer[Any, Any]):
             str(name),
             dimensions or (),
             value,
-            span=self._span(meta),
+            span=self._span(place),
         )
 
-    def dimensions(self, meta: Meta, c: list[Any]) -> Any:
+    def dimensions(self, place: Place, c: list[Any]) -> Any:
         return tuple(c)
 
-    def procedure(self, meta: Meta, c: list[Any]) -> s.Routine:
+    def procedure(self, place: Place, c: list[Any]) -> s.Routine:
         local, name, parameters, body, *handlers = c
         return s.Routine(
             "PROC",
@@ -114,10 +122,10 @@ class Nodes(Transformer[Any, Any]):
             "",
             parameters or (),
             tuple(handlers),
-            span=self._span(meta),
+            span=self._span(place),
         )
 
-    def function(self, meta: Meta, c: list[Any]) -> s.Routine:
+    def function(self, place: Place, c: list[Any]) -> s.Routine:
         local, type, name, parameters, body, *handlers = c
         return s.Routine(
             "FUNC",
@@ -127,10 +135,10 @@ class Nodes(Transformer[Any, Any]):
             str(type),
             parameters or (),
             tuple(handlers),
-            span=self._span(meta),
+            span=self._span(place),
         )
 
-    def trap(self, meta: Meta, c: list[Any]) -> s.Routine:
+    def trap(self, place: Place, c: list[Any]) -> s.Routine:
         local, name, body, *handlers = c
         return s.Routine(
             "TRAP",
@@ -138,158 +146,158 @@ class Nodes(Transformer[Any, Any]):
             str(name),
             body,
             handlers=tuple(handlers),
-            span=self._span(meta),
+            span=self._span(place),
         )
 
     parameters = dimensions
 
-    def required(self, meta: Meta, c: list[Any]) -> s.ParameterGroup:
-        return s.ParameterGroup(False, (self._parameter(c[0]),), span=self._span(meta))
+    def required(self, place: Place, c: list[Any]) -> s.ParameterGroup:
+        return s.ParameterGroup(False, (self._parameter(c[0]),), span=self._span(place))
 
-    def optional(self, meta: Meta, c: list[Any]) -> s.ParameterGroup:
-        return s.ParameterGroup(True, tuple(map(self._parameter, c)), span=self._span(meta))
+    def optional(self, place: Place, c: list[Any]) -> s.ParameterGroup:
+        return s.ParameterGroup(True, tuple(map(self._parameter, c)), span=self._span(place))
 
     def _parameter(self, child: Any) -> Any:
         return s.Placeholder(str(child).upper()) if isinstance(child, str) else child
 
-    def parameter(self, meta: Meta, c: list[Any]) -> s.ParameterNode:
+    def parameter(self, place: Place, c: list[Any]) -> s.ParameterNode:
         mode, type, name, array = c
         return s.ParameterNode(
-            str(mode or "").upper(), str(type), str(name), array or 0, span=self._span(meta)
+            str(mode or "").upper(), str(type), str(name), array or 0, span=self._span(place)
         )
 
-    def open_array(self, meta: Meta, c: list[Any]) -> int:
-        return -1 if c[0].type == "DIM" else len(c)
+    def open_array(self, place: Place, c: list[Any]) -> int:
+        return len(c) if c[0] == "*" else -1
 
-    def backward(self, meta: Meta, c: list[Any]) -> s.Handler:
-        return s.Handler("BACKWARD", c[0], span=self._span(meta))
+    def backward(self, place: Place, c: list[Any]) -> s.Handler:
+        return s.Handler("BACKWARD", c[0], span=self._span(place))
 
-    def error(self, meta: Meta, c: list[Any]) -> s.Handler:
+    def error(self, place: Place, c: list[Any]) -> s.Handler:
         numbers = tuple(n for n in c[:-1] if n is not None)
-        return s.Handler("ERROR", c[-1], numbers, span=self._span(meta))
+        return s.Handler("ERROR", c[-1], numbers, span=self._span(place))
 
-    def undo(self, meta: Meta, c: list[Any]) -> s.Handler:
-        return s.Handler("UNDO", c[0], span=self._span(meta))
+    def undo(self, place: Place, c: list[Any]) -> s.Handler:
+        return s.Handler("UNDO", c[0], span=self._span(place))
 
     # Statements
 
-    def assign(self, meta: Meta, c: list[Any]) -> s.Assignment:
-        return s.Assignment(c[0], c[1], span=self._span(meta))
+    def assign(self, place: Place, c: list[Any]) -> s.Assignment:
+        return s.Assignment(c[0], c[1], span=self._span(place))
 
-    def call(self, meta: Meta, c: list[Any]) -> s.ProcedureCall:
-        return s.ProcedureCall(str(c[0]), c[1] or (), span=self._span(meta))
+    def call(self, place: Place, c: list[Any]) -> s.ProcedureCall:
+        return s.ProcedureCall(str(c[0]), c[1] or (), span=self._span(place))
 
-    def late_call(self, meta: Meta, c: list[Any]) -> s.ProcedureCall:
-        return s.ProcedureCall(c[0], c[1] or (), span=self._span(meta))
+    def late_call(self, place: Place, c: list[Any]) -> s.ProcedureCall:
+        return s.ProcedureCall(c[0], c[1] or (), span=self._span(place))
 
-    def goto(self, meta: Meta, c: list[Any]) -> s.GotoLabel:
-        return s.GotoLabel(str(c[0]), span=self._span(meta))
+    def goto(self, place: Place, c: list[Any]) -> s.GotoLabel:
+        return s.GotoLabel(str(c[0]), span=self._span(place))
 
-    def label(self, meta: Meta, c: list[Any]) -> s.LabelMark:
-        return s.LabelMark(str(c[0]), span=self._span(meta))
+    def label(self, place: Place, c: list[Any]) -> s.LabelMark:
+        return s.LabelMark(str(c[0]), span=self._span(place))
 
-    def return_(self, meta: Meta, c: list[Any]) -> s.ReturnFrom:
-        return s.ReturnFrom(c[0], span=self._span(meta))
+    def return_(self, place: Place, c: list[Any]) -> s.ReturnFrom:
+        return s.ReturnFrom(c[0], span=self._span(place))
 
-    def raise_(self, meta: Meta, c: list[Any]) -> s.RaiseError:
-        return s.RaiseError(c[0], span=self._span(meta))
+    def raise_(self, place: Place, c: list[Any]) -> s.RaiseError:
+        return s.RaiseError(c[0], span=self._span(place))
 
-    def exit(self, meta: Meta, c: list[Any]) -> s.Word:
-        return s.Word("EXIT", span=self._span(meta))
+    def exit(self, place: Place, c: list[Any]) -> s.Word:
+        return s.Word("EXIT", span=self._span(place))
 
-    def retry(self, meta: Meta, c: list[Any]) -> s.Word:
-        return s.Word("RETRY", span=self._span(meta))
+    def retry(self, place: Place, c: list[Any]) -> s.Word:
+        return s.Word("RETRY", span=self._span(place))
 
-    def try_next(self, meta: Meta, c: list[Any]) -> s.Word:
-        return s.Word("TRYNEXT", span=self._span(meta))
+    def try_next(self, place: Place, c: list[Any]) -> s.Word:
+        return s.Word("TRYNEXT", span=self._span(place))
 
-    def connect(self, meta: Meta, c: list[Any]) -> s.Connect:
-        return s.Connect(c[0], str(c[1]), span=self._span(meta))
+    def connect(self, place: Place, c: list[Any]) -> s.Connect:
+        return s.Connect(c[0], str(c[1]), span=self._span(place))
 
-    def compound_if(self, meta: Meta, c: list[Any]) -> s.IfThen:
+    def compound_if(self, place: Place, c: list[Any]) -> s.IfThen:
         condition, body, *rest, otherwise = c
         first = s.IfBranch(condition, body)
-        return s.IfThen((first, *rest), otherwise, span=self._span(meta))
+        return s.IfThen((first, *rest), otherwise, span=self._span(place))
 
-    def elseif(self, meta: Meta, c: list[Any]) -> s.IfBranch:
-        return s.IfBranch(c[0], c[1], span=self._span(meta))
+    def elseif(self, place: Place, c: list[Any]) -> s.IfBranch:
+        return s.IfBranch(c[0], c[1], span=self._span(place))
 
-    def else_hole(self, meta: Meta, c: list[Any]) -> s.IfBranch:
-        return s.IfBranch(None, (), span=self._span(meta))
+    def else_hole(self, place: Place, c: list[Any]) -> s.IfBranch:
+        return s.IfBranch(None, (), span=self._span(place))
 
-    def compact_if(self, meta: Meta, c: list[Any]) -> s.CompactIf:
-        return s.CompactIf(c[0], c[1], span=self._span(meta))
+    def compact_if(self, place: Place, c: list[Any]) -> s.CompactIf:
+        return s.CompactIf(c[0], c[1], span=self._span(place))
 
-    def for_(self, meta: Meta, c: list[Any]) -> s.ForLoop:
+    def for_(self, place: Place, c: list[Any]) -> s.ForLoop:
         name, first, last, step, body = c
-        return s.ForLoop(str(name), first, last, step, body, span=self._span(meta))
+        return s.ForLoop(str(name), first, last, step, body, span=self._span(place))
 
-    def while_(self, meta: Meta, c: list[Any]) -> s.WhileLoop:
-        return s.WhileLoop(c[0], c[1], span=self._span(meta))
+    def while_(self, place: Place, c: list[Any]) -> s.WhileLoop:
+        return s.WhileLoop(c[0], c[1], span=self._span(place))
 
-    def test(self, meta: Meta, c: list[Any]) -> s.TestOf:
+    def test(self, place: Place, c: list[Any]) -> s.TestOf:
         subject, *cases, otherwise = c
-        return s.TestOf(subject, tuple(cases), otherwise, span=self._span(meta))
+        return s.TestOf(subject, tuple(cases), otherwise, span=self._span(place))
 
-    def case(self, meta: Meta, c: list[Any]) -> s.TestCase:
-        return s.TestCase(tuple(c[:-1]), c[-1], span=self._span(meta))
+    def case(self, place: Place, c: list[Any]) -> s.TestCase:
+        return s.TestCase(tuple(c[:-1]), c[-1], span=self._span(place))
 
-    def case_hole(self, meta: Meta, c: list[Any]) -> s.TestCase:
-        return s.TestCase((), (), span=self._span(meta))
+    def case_hole(self, place: Place, c: list[Any]) -> s.TestCase:
+        return s.TestCase((), (), span=self._span(place))
 
     # Arguments
 
     arguments = dimensions
 
-    def positional(self, meta: Meta, c: list[Any]) -> s.Positional:
+    def positional(self, place: Place, c: list[Any]) -> s.Positional:
         if len(c) == 1:
-            return s.Positional(s.Placeholder("<ARG>"), span=self._span(meta))
+            return s.Positional(s.Placeholder("<ARG>"), span=self._span(place))
         name, value = c
-        return s.Positional(value, None if name is None else str(name), span=self._span(meta))
+        return s.Positional(value, None if name is None else str(name), span=self._span(place))
 
-    def option(self, meta: Meta, c: list[Any]) -> s.Option:
-        return s.Option(str(c[0]), c[1], span=self._span(meta))
+    def option(self, place: Place, c: list[Any]) -> s.Option:
+        return s.Option(str(c[0]), c[1], span=self._span(place))
 
-    def conditional(self, meta: Meta, c: list[Any]) -> s.Conditional:
-        return s.Conditional(str(c[0]), c[1], span=self._span(meta))
+    def conditional(self, place: Place, c: list[Any]) -> s.Conditional:
+        return s.Conditional(str(c[0]), c[1], span=self._span(place))
 
     # Expressions
 
-    def _infix(self, meta: Meta, c: list[Any]) -> Any:
+    def _infix(self, place: Place, c: list[Any]) -> Any:
         value = c[0]
         for operator, right in zip(c[1::2], c[2::2], strict=True):
-            value = s.Infix(str(operator).upper(), value, right, span=self._span(meta))
+            value = s.Infix(str(operator).upper(), value, right, span=self._span(place))
         return value
 
     disjunction = conjunction = relation = sum = term = _infix
 
-    def negation(self, meta: Meta, c: list[Any]) -> s.Prefix:
-        return s.Prefix("NOT", c[0], span=self._span(meta))
+    def negation(self, place: Place, c: list[Any]) -> s.Prefix:
+        return s.Prefix("NOT", c[0], span=self._span(place))
 
-    def signed(self, meta: Meta, c: list[Any]) -> s.Prefix:
-        return s.Prefix("-" if c[0] == "-" else "+", c[1], span=self._span(meta))
+    def signed(self, place: Place, c: list[Any]) -> s.Prefix:
+        return s.Prefix("-" if c[0] == "-" else "+", c[1], span=self._span(place))
 
-    def number(self, meta: Meta, c: list[Any]) -> s.NumberLiteral:
-        return s.NumberLiteral(str(c[0]), span=self._span(meta))
+    def number(self, place: Place, c: list[Any]) -> s.NumberLiteral:
+        return s.NumberLiteral(str(c[0]), span=self._span(place))
 
-    def string(self, meta: Meta, c: list[Any]) -> s.StringLiteral:
-        return s.StringLiteral(unescaped(c[0]), span=self._span(meta))
+    def string(self, place: Place, c: list[Any]) -> s.StringLiteral:
+        return s.StringLiteral(unescaped(c[0]), span=self._span(place))
 
-    def true(self, meta: Meta, c: list[Any]) -> s.BoolLiteral:
-        return s.BoolLiteral(True, span=self._span(meta))
+    def true(self, place: Place, c: list[Any]) -> s.BoolLiteral:
+        return s.BoolLiteral(True, span=self._span(place))
 
-    def false(self, meta: Meta, c: list[Any]) -> s.BoolLiteral:
-        return s.BoolLiteral(False, span=self._span(meta))
+    def false(self, place: Place, c: list[Any]) -> s.BoolLiteral:
+        return s.BoolLiteral(False, span=self._span(place))
 
-    def aggregate(self, meta: Meta, c: list[Any]) -> s.AggregateNode:
-        return s.AggregateNode(tuple(c), span=self._span(meta))
+    def aggregate(self, place: Place, c: list[Any]) -> s.AggregateNode:
+        return s.AggregateNode(tuple(c), span=self._span(place))
 
-    def table(self, meta: Meta, c: list[Any]) -> s.AggregateNode:
+    def table(self, place: Span, c: list[Any]) -> s.AggregateNode:
         """Numbers in brackets as `aggregate` gives them."""
         stack: list[list[Any]] = [[]]
         begins: list[int] = []
         for part in _PARTS.finditer(c[0]):
-            start, end = meta.start_pos + part.start(), meta.start_pos + part.end()
+            start, end = place.start + part.start(), place.start + part.end()
             if part[0] == "[":
                 begins.append(start)
                 stack.append([])
@@ -308,14 +316,14 @@ class Nodes(Transformer[Any, Any]):
         assert isinstance(node, s.AggregateNode)
         return node
 
-    def group(self, meta: Meta, c: list[Any]) -> s.Group:
-        return s.Group(c[0], span=self._span(meta))
+    def group(self, place: Place, c: list[Any]) -> s.Group:
+        return s.Group(c[0], span=self._span(place))
 
-    def function_call(self, meta: Meta, c: list[Any]) -> s.FunctionCall:
-        return s.FunctionCall(str(c[0]), c[1] or (), span=self._span(meta))
+    def function_call(self, place: Place, c: list[Any]) -> s.FunctionCall:
+        return s.FunctionCall(str(c[0]), c[1] or (), span=self._span(place))
 
-    def reference(self, meta: Meta, c: list[Any]) -> Any:
-        span = self._span(meta)
+    def reference(self, place: Place, c: list[Any]) -> Any:
+        span = self._span(place)
         value: s.Variable = s.NameRef(str(c[0]), span=span)
         for part in c[1:]:
             if isinstance(part, str):
@@ -324,14 +332,14 @@ class Nodes(Transformer[Any, Any]):
                 value = s.Element(value, part, span=span)
         return value
 
-    def member(self, meta: Meta, c: list[Any]) -> str:
+    def member(self, place: Place, c: list[Any]) -> str:
         return str(c[0])
 
-    def element(self, meta: Meta, c: list[Any]) -> Any:
+    def element(self, place: Place, c: list[Any]) -> Any:
         return tuple(c)
 
-    def whole(self, meta: Meta, c: list[Any]) -> s.Whole:
-        return s.Whole(span=self._span(meta))
+    def whole(self, place: Place, c: list[Any]) -> s.Whole:
+        return s.Whole(span=self._span(place))
 
 
 # Rules whose names are words of Python.

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from typing import Any, Final
 
 from assistant.languages.rapid import files, rules
-from assistant.languages.rapid.grammar import grammar
 from assistant.languages.rapid.rows import Found, find_runs
 from assistant.languages.rapid.shortened import MARKS, RunInTheWay, Shortened
 from assistant.languages.rapid.syntax import File, Item, Origin, StatementNode
@@ -82,27 +81,29 @@ def _read(
     source: SourceText, start: str, *, runs: bool
 ) -> tuple[Any, tuple[Diagnostic, ...]] | Diagnostic:
     """What the typed tree is made of, and the findings; or why the text cannot be read."""
-    from lark.exceptions import VisitError
-
+    from assistant.languages.rapid.driver import drive
     from assistant.languages.rapid.nodes import Nodes
+    from assistant.languages.rapid.recovery import read_damaged
 
     text = source.text if "\n" in source.text else source.text.replace("\r", "\n")
     found = list(find_runs(text)) if runs else []
     while True:
         short = Shortened.of(text, found)
+        nodes = Nodes(short.text, short.offset, short.runs)
+        driven = drive(short.text, start, nodes)
+        if driven is not None and driven[1] < MOST_NESTING:
+            return driven[0], ()
         if (deep := _too_deep(short.text)) is not None:
             at = short.offset(deep)
             return source.finding(rules.TOO_DEEP, Span(at, at + 1), most=MOST_NESTING)
-        reading = _grammar_reads(source, short, start)
+        if driven is not None:
+            return driven[0], ()
+        reading = read_damaged(source, short, start)
         if not isinstance(reading, RunInTheWay):
-            break
+            tree, findings = reading
+            return nodes.of_tree(tree), findings
         # What stands before the run wants its first row for itself: `IF x` and a line end.
         found = _without_first_row(text, found, reading.number)
-    tree, findings = reading
-    try:
-        return Nodes(short.text, short.offset, short.runs).transform(tree), findings
-    except VisitError as error:
-        raise error.orig_exc from None
 
 
 def _without_first_row(text: str, found: Sequence[Found], number: int) -> list[Found]:
@@ -111,20 +112,6 @@ def _without_first_row(text: str, found: Sequence[Found], number: int) -> list[F
     rest = list(find_runs(text[second : run.end])) if second else []
     moved = [Found(f.start + second, f.end + second, f.run, f.scope) for f in rest]
     return [*found[:number], *moved, *found[number + 1 :]]
-
-
-def _grammar_reads(
-    source: SourceText, short: Shortened, start: str
-) -> tuple[Any, tuple[Diagnostic, ...]] | RunInTheWay:
-    """Lark's tree; a damaged text is read again, slowly, and mended on the way."""
-    from lark.exceptions import UnexpectedInput
-
-    from assistant.languages.rapid.recovery import read_damaged
-
-    try:
-        return grammar().parse(short.text, start=start), ()
-    except UnexpectedInput:
-        return read_damaged(source, short, start)
 
 
 _DEPTH: Final = re.compile(

@@ -1,0 +1,89 @@
+"""The driver of lark's tables and lark itself read every text alike, places included."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from lark.exceptions import UnexpectedInput
+
+from assistant import languages
+from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.driver import drive
+from assistant.languages.rapid.grammar import grammar
+from assistant.languages.rapid.nodes import Nodes
+from tests.languages.rapid.layouts import scattered
+from tests.languages.rapid.modules import files
+
+RAPID = languages.get("rapid")
+
+
+def everything(value: Any) -> Any:
+    """A tree as tuples, with the spans, which do not count when nodes are compared."""
+    if is_dataclass(value) and not isinstance(value, type):
+        parts = (everything(getattr(value, field.name)) for field in fields(value))
+        return (type(value).__name__, *parts)
+    if isinstance(value, tuple | list):
+        return tuple(map(everything, value))
+    if isinstance(value, np.ndarray):
+        return value.tobytes()
+    return str(value) if isinstance(value, str) else value
+
+
+def driven(text: str) -> Any:
+    read = drive(text, "start", Nodes(text, int, ()))
+    return None if read is None else everything(read[0])
+
+
+def by_lark(text: str) -> Any:
+    try:
+        tree = grammar().parse(text, start="start")
+    except UnexpectedInput:
+        return None
+    return everything(Nodes(text, int, ()).of_tree(tree))
+
+
+@settings(
+    deadline=None,
+    max_examples=60,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
+)
+@given(files(), st.integers(0, 2**32))
+def test_sound_texts_are_read_alike(tree: s.File, seed: int) -> None:
+    text = RAPID.render(tree)
+    assert driven(text) == by_lark(text) is not None
+    chance = random.Random(seed)
+    text = scattered(text, chance)
+    assert driven(text) == by_lark(text) is not None
+    at = chance.randrange(len(text))
+    cut = text[:at] + text[at + chance.randrange(9) :]
+    assert driven(cut) == by_lark(cut)
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "a:=b<exp>c;",
+        "a:=1.5.6;",
+        "l:=:=1;",
+        "a:=b//c;",
+        "q ! said\n ! twice\n 1 ! again\n;",
+        "IF a ! why\n b;",
+        "%a%%b%;",
+        "p.5:=1;",
+        "a:=[[1,2],[3]];",
+        "a:=[[1,2],[3],];",
+        "<SMT>\n<VAR>:=<EXP>;",
+        "q\\A:=1\\B?c,\\D;",
+        'TPWrite "a;',
+        "a:=0x1F+.5;",
+    ],
+)
+def test_odd_statements_are_read_alike(statement: str) -> None:
+    text = f"MODULE m\nPROC p()\n{statement}\nENDPROC\nENDMODULE\n"
+    assert driven(text) == by_lark(text)
