@@ -41,6 +41,12 @@ class Header:
     names: dict[str, str] = field(default_factory=dict)
     comments: list[str] = field(default_factory=list)
 
+    @property
+    def lines(self) -> int:
+        """How many lines it stands in."""
+        single = sum(map(bool, (self.program, self.robot, self.entry, self.unit)))
+        return single + len(self.signals) + len(self.names) + len(self.comments)
+
 
 def header_lines(program: Program, unit: str | None, names: Sequence[tuple[str, str]]) -> list[str]:
     """The lines of a module's header. names: (short, original) each."""

@@ -84,7 +84,7 @@ class _Lift:
         """Takes the routines of a module, and what of its other items is no data."""
         unit = self.original(module.name) if header.unit else None
         pending: list[str] = []
-        for item in module.items[len(header.comments) + own_items(header) :]:
+        for item in module.items[header.lines :]:
             match item:
                 case s.CommentLine(text):
                     pending.append(text)
@@ -157,9 +157,3 @@ class _Lift:
                 mode: Any = "inout" if q.mode else "in"
                 found.append(Parameter(self.original(q.name), type, mode))
         return tuple(found)
-
-
-def own_items(header: Header) -> int:
-    """How many lines of the header are items."""
-    one = (header.program, header.robot, header.entry, header.unit)
-    return sum(1 for x in one if x) + len(header.signals) + len(header.names)
