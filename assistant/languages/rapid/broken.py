@@ -14,12 +14,15 @@ from assistant.languages.rapid.stack import Table, after, shift
 
 @dataclass(frozen=True, slots=True)
 class Kept:
-    """The stack as it was at an IF without THEN. line_end: of the line that IF stands on."""
+    """The stack as it was at an IF without THEN.
+
+    line_end: of the line that IF stands on. values: each with the length of its list.
+    """
 
     at: int
     line_end: int
     states: tuple[Any, ...]
-    values: tuple[Any, ...]
+    values: tuple[tuple[Any, int], ...]
 
 
 @dataclass(frozen=True, slots=True)

@@ -123,7 +123,7 @@ class _Reading:
                         self.short.offset(at),
                         self.short.offset(line),
                         tuple(self._state.state_stack),
-                        tuple(map(_copied, self._state.value_stack)),
+                        tuple(map(_marked, self._state.value_stack)),
                     )
                 )
 
@@ -193,7 +193,7 @@ class _Reading:
         state = self._state
         if repair.kept is not None:
             state.state_stack[:] = repair.kept.states
-            state.value_stack[:] = repair.kept.values
+            state.value_stack[:] = [_as_marked(*value) for value in repair.kept.values]
             self._kept.remove(repair.kept)
         else:
             del state.state_stack[repair.keep + 1 :]
@@ -217,8 +217,16 @@ STARTS: Final = frozenset({"_FOR", "_RECORD", "_MODULE"})
 """Words that only a whole statement, item or module may begin with."""
 
 
-def _copied(value: Any) -> Any:
-    """A value of the stack whose list lark may still extend in place."""
+def _marked(value: Any) -> tuple[Any, int]:
+    """A value of the stack, and how far the list goes that lark may still extend in place."""
     from lark import Tree
 
-    return Tree(value.data, list(value.children), value.meta) if isinstance(value, Tree) else value
+    return value, len(value.children) if isinstance(value, Tree) else 0
+
+
+def _as_marked(value: Any, length: int) -> Any:
+    from lark import Tree
+
+    if not isinstance(value, Tree):
+        return value
+    return Tree(value.data, value.children[:length], value.meta)
