@@ -12,6 +12,7 @@ from assistant.languages.rapid import rules, verbatim
 from assistant.languages.rapid.adapt_expressions import sayable_expression, sayable_variable
 from assistant.languages.rapid.adapt_findings import Findings
 from assistant.languages.rapid.adapt_motions import Motions
+from assistant.languages.rapid.conditions import with_conditions
 from assistant.languages.rapid.lift_statements import statements_of
 from assistant.languages.rapid.messages import Kinds, kinds, lines, parts
 from assistant.languages.rapid.signals import gripper
@@ -64,6 +65,7 @@ class StatementAdapter:
         for statement in body:
             change = CHANGES.get(type(statement))
             statement = map_head(map_bodies(statement, self._body), self._expression)
+            statement = with_conditions(statement, self.known)
             out += [statement] if change is None else change(self, statement)
         return tuple(out)
 

@@ -196,3 +196,25 @@ def test_a_mistaken_comparison_stays_as_it_is_written() -> None:
     condition = e.Verbatim("rapid", "a:=1")
     (procedure,) = RAPID.lift(tree).procedures
     assert procedure.body == (p.If((p.Branch(condition, (p.Stop(),)),)),)
+
+
+@pytest.mark.parametrize(
+    ("condition", "written"),
+    [
+        ("n", "n<>0"),
+        ("ready", "ready<>0"),
+        ("n and not ready", "n<>0 AND (NOT ready<>0)"),
+        ("n - 1", "n-1<>0"),
+        ("1", "TRUE"),
+        ("b", "b"),
+        ("n > 1", "n>1"),
+    ],
+)
+def test_a_condition_is_a_truth_value(condition: str, written: str) -> None:
+    program = parse_pseudo(
+        "program cell entry main\n\nsignal ready digital input\n\nvariable n number\n"
+        f"variable b truth\n\nprocedure main\n  if {condition}\n    stop\n  end\nend\n"
+    )
+    tree = RAPID.lower(program)
+    assert f"IF {written} THEN" in RAPID.render(tree)
+    assert not [f for f in RAPID.check([tree]) if f.severity == "error"]
