@@ -22,6 +22,8 @@ from docs import findings
 PROJECT = Path(__file__).parent.parent
 PAGES = [PROJECT / "README.md", *sorted((PROJECT / "docs").glob("*.md"))]
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.M | re.S)
+CHANGES = re.compile(r"^```python\n([^`]*)^```\n\n```diff\n(.*?)^```", re.M | re.S)
+"""Python that changes a program, and the lines that it changes."""
 EXITS = re.compile(r"\s+# exits (\d)$")
 READY = b"listening"
 
@@ -36,9 +38,9 @@ def examples(kind: str) -> list[tuple[str, str]]:
 
 
 def commands(page: Path) -> list[str]:
-    """The lines after a `$ ` prompt that call robot-assistant."""
+    """The lines after a `$ ` prompt."""
     lines = [line for block in blocks(page, "console") for line in block.splitlines()]
-    return [line[2:] for line in lines if line.startswith("$ ") and "robot-assistant" in line]
+    return [line[2:] for line in lines if line.startswith("$ ")]
 
 
 def test_there_are_commands_in_the_readme():
@@ -90,12 +92,24 @@ def _server(command: str, folder: Path, environment: dict[str, str]) -> subproce
 
 @pytest.mark.parametrize(("page", "text"), examples("python"))
 def test_the_python_of_a_page_runs(page, text, tmp_path):
-    shutil.copytree(PROJECT / "samples", tmp_path / "samples")
+    assert output(text, tmp_path)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_what_the_python_of_a_page_changes_is_shown(page, tmp_path):
+    for text, shown in CHANGES.findall(page.read_text("utf-8")):
+        changed = [x for x in output(text, tmp_path).splitlines() if re.match(r"[-+] ", x)]
+        assert changed == shown.splitlines()
+
+
+def output(text: str, folder: Path) -> str:
+    """What the Python of a page prints, beside the samples."""
+    shutil.copytree(PROJECT / "samples", folder / "samples", dirs_exist_ok=True)
     done = subprocess.run(
-        [sys.executable, "-W", "ignore", "-c", text], cwd=tmp_path, capture_output=True, text=True
+        [sys.executable, "-W", "ignore", "-c", text], cwd=folder, capture_output=True, text=True
     )
     assert done.returncode == 0, done.stderr
-    assert done.stdout
+    return done.stdout
 
 
 @pytest.mark.parametrize(("page", "text"), examples("pseudo"))
