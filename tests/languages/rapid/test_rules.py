@@ -73,6 +73,7 @@ DECLARATIONS = {
     "a variable with that of another": ("VAR num a:=1;\nVAR num b:=a+1;", [("RA217", 3)]),
     "a constant of constants": ("CONST num a:=1;\nCONST num b{2}:=[a,2*a+pi];", []),
     "a variable with that of the system": ("VAR num a:=reg1;", [("RA217", 2)]),
+    "a variable with the number of an error": ("VAR errnum a:=ERR_WAIT_MAXTIME;", []),
     "a constant by a function": ("CONST num a:=Sqrt(2);", [("RA217", 2)]),
     "a variable with a parameter": (
         "PROC p(num a)\nVAR num b:=a;\nb:=2;\nENDPROC",
@@ -185,6 +186,10 @@ STATEMENTS = {
     "a step that leads away": ("FOR i FROM 1 TO 3 STEP -1 DO\nENDFOR", [("RA458", 3)]),
     "a step down": ("FOR i FROM 3 TO 1 STEP -1 DO\nENDFOR", []),
     "no zone nor speed": ("MoveL p,v25,z3,tool0;", [("RA204", 3), ("RA205", 3)]),
+    "no zone nor speed of other moves": (
+        "TriggL p,v25,t,z3,tool0;\nMoveExtJ p,v100,z10;",
+        [("RA204", 3), ("RA205", 3)],
+    ),
     "idle data": ("VAR num a;\nVAR num b;\nb:=1;", [("RA452", 3)]),
     "data that a string names": ('VAR num speed;\nGetDataVal "speed",other;', []),
 }

@@ -11,11 +11,10 @@ from assistant.languages.rapid.checks import names_used
 from assistant.languages.rapid.checks import use_rules as rules
 from assistant.languages.rapid.checks.arguments import Bound, bind, signature_of
 from assistant.languages.rapid.checks.kinds import Scope
-from assistant.languages.rapid.checks.motions import WORDS, nearest
+from assistant.languages.rapid.checks.motions import PREDEFINED, WORDS, nearest, unknown
 from assistant.languages.rapid.checks.spelling import misspelt
 from assistant.languages.rapid.checks.values import shaped
 from assistant.languages.rapid.signatures import Parameter, Signature, signature
-from assistant.languages.rapid.tables import SPEEDS, ZONES
 from assistant.languages.rapid.walk import root
 from assistant.program.diagnostics import Diagnostic, Severity
 
@@ -33,6 +32,13 @@ def procedure(node: s.ProcedureCall, scope: Scope) -> Found:
 
 def function(node: s.FunctionCall, scope: Scope) -> Found:
     yield from _call(node, node.name, "FUNC", scope)
+
+
+def connected(node: s.Connect, scope: Scope) -> Found:
+    yield from names_used.data(node.interrupt, scope)
+    if scope.find(node.trap) is None and scope.types.first("routine", node.trap):
+        severity = names_used.doubt(scope, Severity.WARNING)
+        yield scope.look.finding(rules.UNKNOWN_ROUTINE, node, name=node.trap, severity=severity)
 
 
 def _call(node: s.ProcedureCall | s.FunctionCall, name: str, kind: str, scope: Scope) -> Found:
@@ -94,7 +100,11 @@ def _argument(bound: Bound, routine: Signature, scope: Scope) -> Found:
     if isinstance(value, s.Placeholder) or any(one.mode == "REF" for one in parameters):
         return
     if isinstance(value, s.NameRef) and scope.find(value.name) is None:
-        if all(_data(one, scope) for one in parameters) and not _other_rule(value, parameters):
+        type = parameters[0].type
+        if type in PREDEFINED and nearest(value.name, PREDEFINED[type][0]):
+            if routine.name.lower() not in WORDS:  # else the rule of moves has said it
+                yield from unknown(scope.look, value, value.name, type)
+        elif all(_data(one, scope) for one in parameters):
             yield from names_used.data(value, scope)
     if isinstance(value, s.AggregateNode) and not any(one.mode for one in parameters):
         base = scope.types.base(parameters[0].type)
@@ -119,12 +129,6 @@ def _data(parameter: Parameter, scope: Scope) -> bool:
     """Whether a name that stands for a parameter is data for sure, not a signal or a unit."""
     base = scope.types.base(parameter.type) or ""
     return not scope.types.device(base) and (bool(parameter.mode) or base not in _READ)
-
-
-def _other_rule(value: s.NameRef, parameters: tuple[Parameter, ...]) -> bool:
-    """Whether an unknown speed or zone has a rule of its own."""
-    table = {"speeddata": SPEEDS, "zonedata": ZONES}.get(parameters[0].type)
-    return table is not None and bool(nearest(value.name, table))
 
 
 def _reference(

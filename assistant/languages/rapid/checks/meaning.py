@@ -17,6 +17,7 @@ Rules = tuple[Callable[[Any, Scope], Iterator[Diagnostic]], ...]
 RULES: Final[Mapping[type, Rules]] = {
     s.ProcedureCall: (calls.procedure,),
     s.FunctionCall: (calls.function,),
+    s.Connect: (calls.connected,),
     s.Component: (names_used.component,),
     s.Element: (names_used.element,),
     s.Assignment: (names_used.assigned, values.assignment),

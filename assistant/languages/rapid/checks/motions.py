@@ -10,10 +10,15 @@ from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.checks.scope import Look
 from assistant.languages.rapid.runs import MOVES
 from assistant.languages.rapid.tables import SPEEDS, ZONES
-from assistant.program.diagnostics import Diagnostic, Severity
+from assistant.program.diagnostics import Diagnostic, Rule, Severity
 
 WORDS: Final = frozenset(word.lower() for word in (*MOVES, "MoveAbsJ"))
 """The moves that the pseudo-program has words for, lower case."""
+PREDEFINED: Final[Mapping[str, tuple[Mapping[str, Any], Rule]]] = {
+    "speeddata": (SPEEDS, rules.UNKNOWN_SPEED),
+    "zonedata": (ZONES, rules.UNKNOWN_ZONE),
+}
+"""By type: the values that every controller knows, and the rule of names that look like them."""
 
 Found = Iterator[Diagnostic]
 
@@ -51,20 +56,22 @@ def _call(look: Look, named: set[str], node: s.ProcedureCall) -> Found:
 def _motion(
     look: Look, named: set[str], node: s.Node, speed: str, zone: str, tool: str, frame: str
 ) -> Found:
-    for name, table, rule in (
-        (speed, SPEEDS, rules.UNKNOWN_SPEED),
-        (zone, ZONES, rules.UNKNOWN_ZONE),
-    ):
-        if not name or name.lower() in table or name.lower() in named or look.find(name):
-            continue
-        near = nearest(name, table)
-        if near:
-            severity = Severity.ERROR if look.compiled else Severity.WARNING
-            yield look.finding(rule, node, severity=severity, name=name, near=near)
+    for name, type in ((speed, "speeddata"), (zone, "zonedata")):
+        if name and name.lower() not in named and not look.find(name):
+            yield from unknown(look, node, name, type)
     for name, role, own in ((tool, "tool", "tool0"), (frame, "work object", "wobj0")):
         found = look.find(name) if name and name.lower() != own else None
         if found is not None and found.kind in ("VAR", "CONST"):
             yield look.finding(rules.NOT_PERSISTENT, node, name=name, role=role)
+
+
+def unknown(look: Look, node: s.Node, name: str, type: str) -> Found:
+    """An undeclared name that looks like a predefined speed or zone, and is none."""
+    table, rule = PREDEFINED[type]
+    near = "" if name.lower() in table else nearest(name, table)
+    if near:
+        severity = Severity.ERROR if look.compiled else Severity.WARNING
+        yield look.finding(rule, node, severity=severity, name=name, near=near)
 
 
 def nearest(name: str, table: Mapping[str, Any]) -> str:

@@ -66,14 +66,21 @@ def initial_values(look: Look) -> Found:
             if isinstance(part, s.FunctionCall):
                 what = f"the function `{part.name}`"
             elif isinstance(part, s.NameRef):
-                found = look.find(part.name, routine)
-                standard = predefined.data().get(part.name.lower())
-                kind = found.kind if found else standard.storage if standard else ""
+                kind = _kind(look, part.name, routine)
                 if kind in WHAT:
                     what = f"`{part.name}`, {WHAT[kind]}"
             if what:
                 yield look.finding(rules.NOT_CONSTANT, node, name=node.name, what=what)
                 break
+
+
+def _kind(look: Look, name: str, routine: s.Routine | None) -> str:
+    """What declares a name, empty where that is not sure, as for the numbers of errors."""
+    found = look.find(name, routine)
+    if found is not None:
+        return found.kind
+    standard = predefined.data().get(name.lower())
+    return standard.storage if standard is not None and standard.type != "errnum" else ""
 
 
 def _data(look: Look) -> Iterator[tuple[s.Data, s.Routine | None]]:
