@@ -36,6 +36,10 @@ def test_a_sample_compiles_from_the_installed_wheel(tmp_path):
     )
     assert "proven: " in answer
     assert (tmp_path / "out" / "plate.mod").read_bytes().startswith(b"MODULE plate")
+    said = run(scripts / "robot-assistant", "explain", "RA204", cwd=tmp_path)
+    assert "Better:" in said
+    checked = run(scripts / "robot-assistant", "check", "out", cwd=tmp_path)
+    assert checked.startswith("1 checked, ")
     where = run(
         scripts / "python", "-c", "import assistant; print(assistant.__file__)", cwd=tmp_path
     )
