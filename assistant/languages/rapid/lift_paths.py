@@ -3,27 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import fields, is_dataclass
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid.gather import join_names
+from assistant.languages.rapid.gather import join_names, names_of
 from assistant.languages.rapid.lift_data import DataLift
 from assistant.languages.rapid.lift_expressions import target
 from assistant.languages.rapid.runs import (
     CIRCULAR,
     JOINT,
     PARTS,
-    MotionNames,
     MoveRun,
     Names,
     TargetRun,
     concatenate,
 )
 from assistant.languages.rapid.tables import UNUSED
+from assistant.languages.rapid.walk import nodes
 from assistant.program import expressions as e
 from assistant.program import rotations
 from assistant.program import statements as p
@@ -58,11 +57,11 @@ class PathLift:
         if not runs:
             return
         names: list[str] = []
-        for node in _nodes(modules):
+        for node in nodes(tuple(modules)):
             if isinstance(node, s.NameRef):
                 names.append(node.name)
-            elif isinstance(node, MoveRun):
-                for column in (node.names, node.vias):
+            elif isinstance(node, s.MoveRunNode):
+                for column in (node.run.names, node.run.vias):
                     self._count(self._index.rows(column))
         for name in names:
             self._count(self._index.row(name))
@@ -279,27 +278,6 @@ class _Index:
         return found
 
     def row(self, name: str) -> Rows:
-        from assistant.languages.rapid.gather import split
-
         if not name.isascii():
             return np.array([-1], dtype=np.intp)
-        stem, number = split(name)
-        one = Names((stem,), np.zeros(1, dtype=np.int32), np.array([number], dtype=np.int64))
-        return self.rows(one)
-
-
-def _nodes(node: Any) -> Iterator[Any]:
-    """Every record in a tree, columns included as one."""
-    pending = [node]
-    while pending:
-        item = pending.pop()
-        if isinstance(item, tuple | list):
-            pending += item
-        elif isinstance(item, MoveRun):
-            yield item
-        elif is_dataclass(item) and not isinstance(item, TargetRun):
-            yield item
-            pending += [getattr(item, f.name) for f in fields(item)]
-
-
-__all__ = ["MotionNames", "PathLift", "configurations"]
+        return self.rows(names_of([name]))

@@ -10,6 +10,7 @@ from collections.abc import Set
 from typing import TYPE_CHECKING, Final
 
 from assistant.languages.rapid import rules
+from assistant.languages.rapid.lexemes import SILENT
 from assistant.languages.rapid.mistaken import MISTAKES
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.text import SourceText
@@ -52,7 +53,7 @@ EXPRESSION: Final = frozenset({"NUMBER", "STRING", "TRUE", "FALSE", "LSQB"})
 HOLES: Final = frozenset(
     "TDN DDN RDN PAR ALT DIM SMT VAR_HOLE EIT CSE EXP ARG".split()  # noqa: SIM905
 )
-SILENT: Final = frozenset({"NOTE", "COMMENT", "BLANK", "TARGETS", "MOVES", "TABLE"})
+RUNS: Final = frozenset({"TARGETS", "MOVES", "TABLE"})
 STATEMENT: Final = frozenset({"_IF", "_GOTO", "_RETURN"})
 ITEM: Final = frozenset({"_PROC", "_FUNC", "_RECORD"})
 LONGEST_SHOWN: Final = 30
@@ -88,6 +89,8 @@ def finding(source: SourceText, broken: Broken, repair: Repair) -> Diagnostic:
     if broken.at_file_level and kind in ("delete", "double", "swap", "hole", "strange", "string"):
         kind = "outside"
     words = repair.what.split()
+    if words == ["NAME"] and "NUMBER" in broken.accepted():
+        words = ["EXP"]
     named = "`()`" if words == ["LPAR", "RPAR"] else " and ".join(name(word) for word in words)
     verb = "are" if len(words) > 1 and named != "`()`" else "is"
     if repair.kind == "insert":
@@ -128,7 +131,7 @@ def found(text: str) -> str:
 
 def expected(terminals: Set[str]) -> str:
     """What could stand there, the kinds of things named once."""
-    rest = set(terminals) - HOLES - SILENT
+    rest = set(terminals) - HOLES - SILENT - RUNS
     words = []
     if rest >= EXPRESSION:
         words.append("a value")

@@ -85,7 +85,7 @@ def _read(
     from assistant.languages.rapid.nodes import Nodes
     from assistant.languages.rapid.recovery import read_damaged
 
-    text = source.text if "\n" in source.text else source.text.replace("\r", "\n")
+    text = files.with_line_feeds(source.text)
     found = list(find_runs(text)) if runs else []
     while True:
         short = Shortened.of(text, found)

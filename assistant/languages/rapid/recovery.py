@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.rapid import mistakes, rules
 from assistant.languages.rapid.broken import CLAUSES, Broken, Kept, Repair
+from assistant.languages.rapid.files import with_line_feeds
 from assistant.languages.rapid.grammar import grammar
 from assistant.languages.rapid.lexemes import END, lexemes
 from assistant.languages.rapid.repairs import best
@@ -53,7 +54,7 @@ class _Reading:
     def __init__(self, source: SourceText, short: Shortened, start: str) -> None:
         parser = grammar().parse_interactive(short.text, start=start)
         self.source, self.short = source, short
-        self.text = source.text if "\n" in source.text else source.text.replace("\r", "\n")
+        self.text = with_line_feeds(source.text)
         self.findings: list[Diagnostic] = []
         self._state: Any = parser.parser_state
         self._lexer: Any = parser.lexer_thread
