@@ -19,7 +19,7 @@ RULES: Final[Mapping[type, Rules]] = {
     s.FunctionCall: (calls.function,),
     s.Connect: (calls.connected,),
     s.Component: (names_used.component,),
-    s.Element: (names_used.element,),
+    s.Element: (names_used.element, values.indices),
     s.Assignment: (names_used.assigned, values.assignment),
     s.Data: (names_used.type_of, values.initial),
     s.ParameterNode: (names_used.type_of,),

@@ -133,6 +133,12 @@ INDEX_COUNT: Final = Rule(
     "the number of indices is {given}, that of dimensions {count}",
     "write one index for each declared dimension",
 )
+INDEX_RANGE: Final = Rule(
+    "RA430",
+    WARNING,
+    "index {index} is outside of `{name}`, where it goes from 1{to}",
+    "correct the index, or declare more elements",
+)
 OPERANDS: Final = Rule("RA428", ERROR, "`{operator}` cannot join {left} and {right}", "{hint}")
 NO_TRUTH: Final = Rule(
     "RA429",

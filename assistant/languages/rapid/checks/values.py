@@ -102,6 +102,25 @@ def _size(size: s.Expression, scope: Scope) -> int | None:
     return None if number is None else int(number)
 
 
+def indices(node: s.Element, scope: Scope) -> Found:
+    """Indices that are known and no element has."""
+    kind = scope.kind(node.value)
+    if not isinstance(node.value, s.NameRef) or kind is None:
+        return
+    if kind.dimensions != len(node.indices):
+        return
+    name = node.value.name
+    found = scope.find(name)
+    array = found.node if found is not None else None
+    declared = array.dimensions if isinstance(array, s.Data) else (None,) * kind.dimensions
+    for index, dimension in zip(node.indices, declared, strict=True):
+        at = None if isinstance(index, s.Whole) else _size(index, scope)
+        most = None if dimension is None else _size(dimension, scope)
+        if at is not None and (at < 1 or (most is not None and at > most)):
+            to = "" if most is None else f" to {most}"
+            yield scope.look.finding(rules.INDEX_RANGE, node, index=at, name=name, to=to)
+
+
 def condition(node: s.IfBranch | s.CompactIf | s.WhileLoop, scope: Scope) -> Found:
     if node.condition is not None:
         yield from _truth(node.condition, scope)
