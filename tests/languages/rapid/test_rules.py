@@ -110,6 +110,7 @@ def test_declarations(text: str, expected: list[tuple[str, int]]) -> None:
 
 STATEMENTS = {
     "a constant is assigned to": ("CONST num a:=1;\na:=2;", [("RA215", 4)]),
+    "a constant of the system": ("v100.v_tcp:=90;\nreg1:=pi;", [("RA215", 3)]),
     "an element of a constant": ("CONST num a{2}:=[1,2];\na{1}:=2;", [("RA215", 4)]),
     "a loop variable": ("FOR i FROM 1 TO 3 DO\ni:=2;\nENDFOR", [("RA216", 4)]),
     "another loop's variable": (
@@ -250,6 +251,11 @@ def test_quaternions_of_other_data(data: str) -> None:
 
 def test_quaternions_of_own_records() -> None:
     text = "RECORD r\nnum x;\norient o;\nENDRECORD\nPERS r a:=[1,[1,0.1,0,0]];"
+    assert found(module(text)) == [("RA206", 6)]
+
+
+def test_quaternions_of_types_with_two_names() -> None:
+    text = "ALIAS orient turn;\nRECORD r\nturn o;\nENDRECORD\nPERS r a:=[[1,0.1,0,0]];"
     assert found(module(text)) == [("RA206", 6)]
 
 

@@ -9,9 +9,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.languages.rapid import predefined, rules
+from assistant.languages.rapid import rules
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.checks import plain_rules
+from assistant.languages.rapid.checks.kinds import Types
 from assistant.languages.rapid.checks.scope import Look
 from assistant.languages.rapid.gather import literal_number, literal_target
 from assistant.languages.rapid.runs import MOVES
@@ -34,10 +35,11 @@ def quaternions(look: Look) -> Found:
             yield from _rows(look, moves, moves.run.values[:, 3:7], partial(_word, moves))
     for call in look.all(s.ProcedureCall):
         yield from _call(look, call)
+    types = Types(look)
     for node in look.all(s.Data):
         if isinstance(node.value, s.AggregateNode):
             depth = len(node.dimensions)
-            for place, numbers in _orientations(look, node.value, node.type.lower(), depth):
+            for place, numbers in _orientations(types, node.value, node.type, depth):
                 off = abs(sum(v * v for v in numbers) - 1.0)
                 if not any(numbers):
                     if node.storage == "CONST" and node.type.lower() == "robtarget":
@@ -86,31 +88,23 @@ def _severity(off: float) -> Severity:
 
 
 def _orientations(
-    look: Look, value: s.AggregateNode, type: str, depth: int
+    types: Types, value: s.AggregateNode, type: str, depth: int
 ) -> Iterator[tuple[s.AggregateNode, list[float]]]:
     """Every orientation that is written out in a value of a type, arrays `depth` levels deep."""
+    base = types.base(type) or ""
     if depth:
         inner = [(part, type, depth - 1) for part in value.items]
-    elif type == "orient":
+    elif base == "orient":
         numbers = [literal_number(item) for item in value.items]
         known = [float(n) for n in numbers if n is not None]
         if len(known) == len(numbers) == 4:
             yield value, known
         return
     else:
-        parts = _components(look, type)
-        if len(parts) != len(value.items):
+        components = types.components(base) or {}
+        if len(components) != len(value.items):
             return
-        inner = [(part, of, 0) for part, of in zip(value.items, parts, strict=True)]
+        inner = [(part, of, 0) for part, of in zip(value.items, components.values(), strict=True)]
     for part, of, left in inner:
         if isinstance(part, s.AggregateNode):
-            yield from _orientations(look, part, of, left)
-
-
-def _components(look: Look, type: str) -> tuple[str, ...]:
-    """Types of a record's components, lower case; none for a type that is no known record."""
-    found = look.find(type)
-    if found is not None and isinstance(found.node, s.Record):
-        return tuple(of.lower() for of, _ in found.node.components)
-    known = predefined.types().get(type)
-    return tuple(of.lower() for of in (known.components or {}).values()) if known else ()
+            yield from _orientations(types, part, of, left)
