@@ -43,7 +43,7 @@ def _assigned(
             name = "" if data is None else data.name
             if name.lower() in loops:
                 yield look.finding(rules.ASSIGNED_LOOP, statement, name=name)
-            elif name and (found := look.find(name, routine)) and found.kind == "CONST":
+            elif name and _kind(look, name, routine) == "CONST":
                 yield look.finding(rules.ASSIGNED_CONST, statement, name=name)
         own = {statement.variable.lower()} if isinstance(statement, s.ForLoop) else set()
         for block in blocks(statement):
