@@ -28,6 +28,7 @@ class Mistake:
     before: str = ""
     after: str = ""
     repair: str = ""
+    shown: str = ""
     within: Literal["statement", "line", "block"] = "statement"
     here: bool = False
 
@@ -35,6 +36,8 @@ class Mistake:
         """Offset to show, -1 for that of the repair; None if it is another mistake."""
         text, error = broken.text, broken.word.start
         if self.repair and not re.fullmatch(self.repair, f"{repair.kind} {repair.what}".strip()):
+            return None
+        if self.shown and not re.compile(self.shown).match(text, repair.start):
             return None
         if self.after and not re.compile(self.after, _FLAGS).match(text, error):
             return None
@@ -93,6 +96,34 @@ MISTAKES: Final = (
         after=r"[<>]",
     ),
     Mistake(
+        r"write `\` before the name of an optional argument",
+        ("MoveL a,b,c,d ¦/WObj:=e;",),
+        before=r"(?P<at>/)\s*\w+",
+        after=r":=",
+        repair=r"replace EQUAL",
+    ),
+    Mistake(
+        r"write `\` before the name of an optional argument",
+        ("MoveL a,b,c,d ¦WObj:=e;", "a := Round(b ¦Dec:=1);"),
+        before=r"[\w)\]]",
+        after=r"\w+\s*:=",
+        repair=r"insert COMMA",
+        here=True,
+    ),
+    Mistake(
+        r"write `:=` before the value of the argument, or `,` behind it if it has none",
+        (r"MoveL a,b,c,d \WObj¦ e;", r"q \A¦ b;"),
+        before=r"\\\s*\w+",
+        after=r"\w",
+        repair=r"insert COMMA",
+    ),
+    Mistake(
+        r"a parameter has no value of its own: make it optional with `\`, and ask Present(a)",
+        ("PROC q(num a ¦= 5)\n  b;\nENDPROC", "PROC q(\\num a¦:=5)\n  b;\nENDPROC"),
+        before=r"\A\s*(?:LOCAL\s+)?(?:PROC|FUNC)\b[^;]*\w",
+        after=r":?=",
+    ),
+    Mistake(
         "assign with `:=`",
         ("a ¦= 1;", "a ¦== 1;", "CONST num a ¦= 1;", "p.trans.x ¦= 2;", "a{2} ¦= 3;"),
         before=r"[\w.}]",
@@ -124,9 +155,9 @@ MISTAKES: Final = (
     ),
     Mistake(
         "join strings with `+`",
-        ('TPWrite "a" ¦& b;',),
+        ('TPWrite "a" ¦& b;', 'a := "b" ¦"c";'),
         before=r'"',
-        after=r"&(?!&)",
+        after=r'&(?!&)|"',
     ),
     Mistake(
         "write the remainder as `a MOD b`, a power as `Pow(a,b)`",
@@ -138,7 +169,7 @@ MISTAKES: Final = (
         "write an index and the size of an array in braces: `a{1}`",
         ("a := b¦[1];", "VAR num a¦[5];"),
         before=r"\A\s*(?:(?:VAR|PERS|CONST)\s+\w+\s+\w+|\w+\s*:=[^;]*\w)",
-        after=r"\[",
+        after=r"\[[^\[\],]*(?:,[^\[\],]*)?\]",
     ),
     Mistake(
         "write a list of values in brackets: `[1,2]`",
@@ -165,6 +196,144 @@ MISTAKES: Final = (
         here=True,
     ),
     Mistake(
+        "delete the `,`: the first argument stands behind the name",
+        ("MoveL¦, a,b,c,d;",),
+        before=r"\A\s*\w+",
+        after=r",",
+        repair=r"insert EXP",
+    ),
+    Mistake(
+        "delete the `,`, or write the value that is missing",
+        ("q 1,¦;", "a := [1,2,¦];", "a := b(1,¦);"),
+        before=r",",
+        after=r"[;)\]]",
+        repair=r"insert (EXP|NAME).*",
+    ),
+    Mistake(
+        "delete one `,`, or write the value that is missing between them",
+        ("q 1,¦,2;", "MoveJ a, ¦,z50,b;", "a := [0,1, ¦,0];"),
+        before=r",",
+        after=r",",
+        repair=r"double",
+    ),
+    Mistake(
+        "delete one `]`",
+        ("CONST pose a := [[1,2,3]¦],[1,0,0,0]];", "a := [[1,2],[3,4]¦],[5,6]];"),
+        repair=r"delete",
+        before=r":=[^;]*\]",
+        after=r",",
+        shown=r"\]",
+    ),
+    Mistake(
+        "write the value in one piece, in brackets: `[[1,2,3],[1,0,0,0]]`",
+        ("CONST pose a := [1,2,3]¦,[1,0,0,0];",),
+        before=r":=\s*\[[^;]*\]",
+        after=r",",
+        repair=r"hole|delete|insert SEMICOLON",
+    ),
+    Mistake(
+        "write `(` in front of the parameters",
+        ("PROC q¦ num a)\n  b;\nENDPROC", "FUNC num q¦ num a)\n  RETURN a;\nENDFUNC"),
+        repair=r"insert LPAR",
+        before=r"\A\s*(?:LOCAL\s+)?(?:PROC|FUNC)\b[^;(]*",
+    ),
+    Mistake(
+        "delete one of the two",
+        ("CONST ¦CONST num a := 3;", "VAR num ¦num a := 0;", "PROC ¦PROC q()\n  b;\nENDPROC"),
+        repair=r"double",
+    ),
+    Mistake(
+        "write `[` in front of the first value",
+        (
+            "VAR bool a{3} := ¦FALSE,TRUE,FALSE];",
+            "CONST pose a := ¦[1,2,3],[1,0,0,0]];",
+        ),
+        repair=r"insert LSQB",
+        before=r":=[^;]*",
+    ),
+    Mistake(
+        "swap the name and `:=`",
+        ("¦:= a FALSE;",),
+        after=r":=",
+        repair=r"swap",
+    ),
+    Mistake(
+        "RAPID has no `?`: write IF … THEN … ELSE … ENDIF",
+        ("a := b ¦? 1 : 2;",),
+        before=r":=[^;]*",
+        after=r"\?",
+    ),
+    Mistake(
+        "write the type before the name, without `:`",
+        (
+            "VAR a¦: num;",
+            "VAR a ¦: num := 5;",
+            "PROC q(a¦: num)\n  b;\nENDPROC",
+        ),
+        before=r"\A\s*(?:(?:LOCAL|TASK)\s+)?(?:(?:VAR|PERS|CONST)\s+|(?:PROC|FUNC)\b[^;]*[(,]\s*)\w+",
+        after=r":(?!=)",
+    ),
+    Mistake(
+        "write `CONNECT interrupt WITH trap;`",
+        ("CONNECT a ¦TO b;", "CONNECT a¦, b;"),
+        before=r"\A\s*CONNECT\s+\w+",
+    ),
+    Mistake(
+        "write the number alone: lengths are in mm, angles in degrees, times in seconds",
+        ("a := 5 ¦mm;", "WaitTime 2 ¦s;", "a := b + 3¦deg;"),
+        before=r"[0-9.]\s*",
+        after=r"(?:mm|cm|m|deg|rad|s|ms|sec|kg)\b",
+        here=True,
+    ),
+    Mistake(
+        "write a hexadecimal number as `0xFF`",
+        ("a := ¦$FF;",),
+        before=r":=[^;]*",
+        after=r"\$[0-9a-f]+\s*;",
+    ),
+    Mistake(
+        "RAPID has no braces around statements: THEN … ENDIF, DO … ENDWHILE, PROC … ENDPROC",
+        (
+            "IF a = 1 ¦{\n  b;\nENDIF",
+            "IF a ¦{\n  b;\nENDIF",
+            "WHILE (a < 1) ¦{\n  b;\nENDWHILE",
+            "PROC q() ¦{\n  b;\nENDPROC",
+            "IF a THEN\n  b;\n¦}",
+            "FOR i FROM 1 TO 3 DO\n  b;\n¦}",
+            "IF a THEN\n  b;\n¦} ELSE {\n  c;\nENDIF",
+        ),
+        repair=r"replace (?:_THEN|_DO|_END\w+)|delete",
+        shown=r"[{}]",
+    ),
+    Mistake(
+        "write THEN in place of `:`, and ENDIF behind the last statement",
+        ("IF a = 1¦:\n  b;\nENDIF",),
+        repair=r"replace _THEN",
+        shown=r":",
+    ),
+    Mistake(
+        "write DO in place of `:`, and the end of the loop behind the last statement",
+        ("WHILE a = 1¦:\n  b;\nENDWHILE",),
+        repair=r"replace _DO",
+        shown=r":",
+    ),
+    Mistake(
+        "delete it, or write what it ends: nothing is open here",
+        (
+            "PROC q()\n  b;\nENDPROC\n  ¦ENDPROC",
+            "a;\n¦ENDIF\nb;",
+        ),
+        after=r"END(?!MODULE)\w+",
+        repair=r"delete",
+    ),
+    Mistake(
+        'write a quote inside a string twice: `"say ""yes"""`',
+        ('a := "say "¦yes"";', 'TPWrite "say "¦yes" now";'),
+        before=r'"[^"\r\n]*"',
+        after=r"[a-z]",
+        here=True,
+    ),
+    Mistake(
         "call a procedure without parentheses: `name a, b;`",
         ("q(1¦,2);", "q(¦);", "q(a¦,b,c);", "MoveL(p1¦,v100,fine,tool0);", 'q("a"¦,b);'),
         before=r"\A\s*[A-Za-z]\w*\s*\((?:[^()]|\([^()]*\))*",
@@ -173,9 +342,9 @@ MISTAKES: Final = (
     ),
     Mistake(
         "write one declaration for each name",
-        ("VAR num a¦, b;",),
-        before=r"\A\s*(?:(?:LOCAL|TASK)\s+)?(?:VAR|PERS)\s+\w+\s+\w+",
-        after=r",",
+        ("VAR num a¦, b;", "VAR num a := 5¦, b := 6;"),
+        before=r"\A\s*(?:(?:LOCAL|TASK)\s+)?(?:VAR|PERS)\s+\w+\s+\w+(?:\s*:=[^;\[]*)?",
+        after=r",\s*[a-z]\w*\s*(?:,|;|:=)",
     ),
     Mistake(
         "write the type before the name: `num a`",
@@ -187,8 +356,8 @@ MISTAKES: Final = (
     Mistake(
         "separate arguments with commas",
         ("MoveL a ¦b c d;",),
-        before=r"\A\s*\w+\s+\w+",
-        after=r"\w",
+        before=r"\A\s*(?!(?:IF|TEST|WHILE|FOR|CASE|RETURN|RAISE|GOTO|CONNECT)\b)\w+\s+\w+",
+        after=r"\w+\s+\w",
         repair=r"hole",
     ),
     Mistake(
@@ -207,6 +376,19 @@ MISTAKES: Final = (
         here=True,
     ),
     Mistake(
+        "begin a comment with `!`",
+        (
+            "¦// note",
+            "a := 1; ¦// note",
+            "¦# note",
+            "a := 1; ¦# note",
+            "¦/* note */",
+            "¦-- note",
+            "¦' note",
+        ),
+        after=r"//|#|/\*|--|\(\*|'[^'\r\n]*(?:[\r\n]|\Z)",
+    ),
+    Mistake(
         'write strings in straight double quotes: `"text"`',
         ("TPWrite ¦“text”;", "TPWrite ¦'text';", "VAR string a := ¦„text“;", "a := ¦«text»;"),
         after="[\u201c\u201d\u201e\u00ab\u2018\u2019'`]",
@@ -220,13 +402,8 @@ MISTAKES: Final = (
     Mistake(
         'end the string with `"` on the same line; join several with `+`',
         ('TPWrite ¦"abc;', 'a := ¦"abc\n  def";', 'TPWrite ¦"abc'),
-        after=r'"',
+        after=r'"[^"\r\n]*(?:[\r\n]|\Z)',
         repair=r"string|hole",
-    ),
-    Mistake(
-        "begin a comment with `!`",
-        ("¦// note", "a := 1; ¦// note", "¦# note", "a := 1; ¦# note", "¦/* note */"),
-        after=r"//|#|/\*",
     ),
     Mistake(
         "write ELSEIF in one word; ELSE IF opens a second IF that wants an ENDIF of its own",
@@ -295,6 +472,13 @@ MISTAKES: Final = (
         repair=r"delete|hole",
     ),
     Mistake(
+        "a module has no parentheses unless an attribute stands in them: `MODULE a(SYSMODULE)`",
+        ("MODULE a¦()\n  VAR num b;\nENDMODULE",),
+        before=r"\A\s*MODULE\s+\w+\s*\(",
+        repair=r"delete",
+        within="line",
+    ),
+    Mistake(
         "begin the name of a module with a letter, and use letters, digits and `_` only",
         (
             "MODULE my¦-module\n  VAR num a;\nENDMODULE",
@@ -303,6 +487,7 @@ MISTAKES: Final = (
             "MODULE m¦.mod\n  VAR num a;\nENDMODULE",
         ),
         before=r"\A\s*MODULE\b[^\r\n]*(?![ \t]*\r?\n)",
+        after=r"[^)]",
         within="line",
         here=True,
     ),

@@ -29,9 +29,28 @@ OPENERS: Final = (
 ALIKE: Final = (
     *(("_ASSIGN", "EQUAL", "FOREIGN_EQUAL", "COLON", "MINUS"), ("_THEN", "_DO", "SEMICOLON")),
     *(("RPAR", "RSQB", "RBRACE"), ("LPAR", "LSQB", "LBRACE")),
-    *(("COMMA", "DOT", "SEMICOLON"), ("SLASH", "BACKSLASH")),
+    *(("COMMA", "DOT", "SEMICOLON", "COLON"), ("SLASH", "BACKSLASH")),
 )
 """Words that people write for each other."""
+FOREIGN: Final[dict[str, tuple[str, ...]]] = {
+    "next": ("endfor",),
+    "wend": ("endwhile",),
+    "endloop": ("endwhile", "endfor"),
+    "endswitch": ("endtest",),
+    "endselect": ("endtest",),
+    "endsub": ("endproc",),
+    "enddef": ("endproc",),
+    "endfct": ("endfunc",),
+    "end": ("endif", "endfor", "endwhile", "endtest", "endproc", "endfunc", "endtrap", "endmodule"),
+    "switch": ("test",),
+    "select": ("test",),
+    "otherwise": ("default",),
+    "elif": ("elseif",),
+    "def": ("proc",),
+    "sub": ("proc",),
+    "function": ("func",),
+}
+"""Words of other languages, and those of RAPID for them."""
 CONDITION: Final = frozenset(
     "_THEN LESS AT_MOST EQUAL MORE AT_LEAST UNEQUAL OR XOR AND _NOT".split()  # noqa: SIM905
 )
@@ -51,7 +70,8 @@ def best(broken: Broken) -> Repair:
     """The change that reads on furthest; of several alike the one that people need most often."""
     goal = _goal(broken)
     likely: list[tuple[int, int, Repair]] = []
-    sure, last, rest = likely.copy(), likely.copy(), likely.copy()
+    ends = broken.word.first or broken.word.type in ENDS
+    sure, ended, last, rest = likely.copy(), likely.copy(), likely.copy(), likely.copy()
     for order, (repair, row, weight) in enumerate(_candidates(broken)):
         put = [word.type for word in repair.put]
         reached = broken.reach(repair.keep, put, row) if repair.kept is None else goal + ALONG
@@ -60,9 +80,11 @@ def best(broken: Broken) -> Repair:
             (likely if weight < 2 else last).append(ranked)
         elif weight == 0 and reached > broken.error:
             sure.append(ranked)
+        elif repair.what == "SEMICOLON" and row == broken.error <= reached and ends:
+            ended.append(ranked)
         elif weight == 1 and reached == goal > broken.error:
             rest.append(ranked)
-    for group in (likely, sure, last, rest):
+    for group in (likely, sure, ended, last, rest):
         if group:
             return max(group, key=lambda ranked: ranked[:2])[2]
     return left_out(broken)
@@ -78,11 +100,13 @@ def _candidates(broken: Broken) -> Iterator[tuple[Repair, int, int]]:
     """Changes, the row that reading goes on with, and 0 sure, 1 likely or 2 a last resort."""
     yield from _forgotten_then(broken)
     yield from _closed(broken)
+    yield from _braces(broken)
     yield from _semicolons(broken)
     yield from _reworded(broken)
     yield from _replaced(broken)
     yield from _opened(broken)
     yield from _inserted(broken)
+    yield from _bracketed(broken)
     yield from _wrapped(broken)
     yield from _deleted(broken)
 
@@ -147,17 +171,43 @@ def _closed(b: Broken) -> Iterator[tuple[Repair, int, int]]:
         return
 
 
+def _braces(b: Broken) -> Iterator[tuple[Repair, int, int]]:
+    """Braces around statements, and the `:` of a head, which other languages have."""
+    openers, word = b.openers(), b.word
+    following = b.words[b.error + 1] if b.error + 1 < len(b.words) else word
+    if word.type == "RBRACE" and word.first and openers:
+        end = "_END" + openers[-1][0][1:]
+        repair = Repair("replace", b.base, _at(word, (end,)), word.end, word.start, word.end, end)
+        if following.type in CLAUSES:
+            repair = replace(repair, kind="delete", put=(), what="")
+        yield repair, b.error + 1, 0
+    for row in range(b.error, max(b.error - MOST_WORDS, -1), -1):
+        brace = b.words[row]
+        alone = row + 1 < len(b.words) and b.words[row + 1].first
+        if not alone or brace.type not in ("LBRACE", "COLON"):
+            continue
+        for type in ("_THEN", "_DO"):
+            mended = (*b.words[:row], replace(brace, type=type))
+            where = brace.end, brace.start, brace.end
+            yield Repair("replace", b.base, mended, *where, type), row + 1, 0
+        if brace.type == "LBRACE" and not row:
+            where = brace.end, brace.start, brace.end
+            yield Repair("delete", b.base, tuple(b.words[:row]), *where), row + 1, 0
+
+
 def _semicolons(b: Broken) -> Iterator[tuple[Repair, int, int]]:
-    """The `;` that is missing at the end of a line."""
+    """The `;` that is missing at the end of a line, or the `)` of a head."""
     for row in range(b.error, max(b.error - MOST_WORDS, 0), -1):
         word, ahead = b.words[row], b.words[row - 1]
-        if word.first and (row == b.error or ahead.type not in GLUE):
-            mended = (*b.words[:row], *put(["SEMICOLON"], ahead.end))
-            yield (
-                Repair("insert", b.base, mended, word.start, ahead.end, ahead.end, "SEMICOLON"),
-                row,
-                0 if row == b.error else 1,
-            )
+        ends = word.first or (row == b.error and word.type in ENDS)
+        for type in ("SEMICOLON", "RPAR"):
+            if ends and (row == b.error or type == "RPAR" or ahead.type not in GLUE):
+                mended = (*b.words[:row], *put([type], ahead.end))
+                yield (
+                    Repair("insert", b.base, mended, word.start, ahead.end, ahead.end, type),
+                    row,
+                    0 if row == b.error and type == "SEMICOLON" else 1,
+                )
 
 
 def _reworded(b: Broken) -> Iterator[tuple[Repair, int, int]]:
@@ -171,11 +221,12 @@ def _reworded(b: Broken) -> Iterator[tuple[Repair, int, int]]:
             yield (
                 Repair("join", b.base, mended, word.end, ahead.start, word.end, type),
                 row + 1,
-                1,
+                0,
             )
         if row > b.error:
             return
-        if ahead and (ahead.type, ahead.text.lower()) == (word.type, word.text.lower()):
+        twice = ahead and (ahead.type, ahead.text.lower()) == (word.type, word.text.lower())
+        if ahead and twice and word.type not in ("NUMBER", "STRING"):
             rest = b.words[:row]
             yield (
                 Repair("double", b.base, tuple(rest), word.end, word.start, word.end),
@@ -183,12 +234,20 @@ def _reworded(b: Broken) -> Iterator[tuple[Repair, int, int]]:
                 1,
             )
         if word.type == "NAME" and len(word.text) > 2:
-            for near in difflib.get_close_matches(word.text.lower(), RESERVED, 3, 0.7):
+            following = b.words[row + 1].text if row + 1 < len(b.words) else ""
+            two = (word.text + following).lower() in RESERVED
+            foreign = () if two else FOREIGN.get(word.text.lower(), ())
+            for near in (*foreign, *difflib.get_close_matches(word.text.lower(), RESERVED, 3, 0.7)):
                 type = _terminal(near)
                 mended = (*b.words[:row], replace(word, type=type))
+                behind = row + 1
+                if near in foreign and type in ENDS:  # what it ends may be named behind it
+                    while not b.words[behind].first:
+                        behind += 1
+                resume = b.words[behind - 1].end
                 yield (
-                    Repair("replace", b.base, mended, word.end, word.start, word.end, type),
-                    row + 1,
+                    Repair("replace", b.base, mended, resume, word.start, word.end, type),
+                    behind,
                     1,
                 )
 
@@ -219,7 +278,9 @@ def _replaced(b: Broken) -> Iterator[tuple[Repair, int, int]]:
                 if other not in (word.type, "COLON", "MINUS") and b.accepts(other):
                     yield replace(repair, put=_at(word, (other,)), what=other), row, 1
     used = row < len(b.words) and b.words[row].type in ("_ASSIGN", "DOT", "LBRACE")
-    named = used or (b.error and not b.closes)
+    ahead = b.words[b.error - 1].text if b.error else ""
+    joined = (ahead + word.text).lower() in RESERVED
+    named = used or (b.error and not b.closes and not joined)
     if word.text.lower() in RESERVED and named and b.accepts("NAME"):
         yield replace(repair, kind="reserved", put=(replace(word, type="NAME"),)), row, 1
     if word.type == "STRANGE":
@@ -255,8 +316,28 @@ def _inserted(b: Broken) -> Iterator[tuple[Repair, int, int]]:
             )
 
 
+def _bracketed(b: Broken) -> Iterator[tuple[Repair, int, int]]:
+    """A bracket of a value that is missing at its begin or stands once too often."""
+    if b.word.type != "COMMA" or not b.error:
+        return
+    ahead, at = b.words[b.error - 1], b.word.start
+    if ahead.type == "TABLE" and ahead.text.endswith("]]"):
+        last = ahead.end - 1
+        inner = [w for w in lexemes(b.text, ahead.start + 1, last, 0) if w.end <= last]
+        opening = replace(ahead, type="LSQB", text="[", end=ahead.start + 1)
+        mended = (*b.words[: b.error - 1], opening, *inner)
+        yield Repair("delete", b.base, mended, at, last, ahead.end), b.error, 1
+    for row in range(b.error):
+        if b.words[row].type == "_ASSIGN":
+            end = b.words[row + 1].start
+            mended = (*b.words[: row + 1], *put(["LSQB"], end), *b.words[row + 1 : b.error])
+            yield Repair("insert", b.base, mended, at, end, end, "LSQB"), b.error, 1
+
+
 def _wrapped(b: Broken) -> Iterator[tuple[Repair, int, int]]:
     """Routines without a module, statements without a routine."""
+    if b.word.type in ENDS and not b.at_file_level:
+        return
     at = b.words[0].start
     start, end = b.word.start, b.word.end
     for types in (
@@ -285,13 +366,15 @@ def _deleted(b: Broken) -> Iterator[tuple[Repair, int, int]]:
             b.error,
             2,
         )
+        if (ahead.type, word.type) == ("LPAR", "RPAR"):
+            yield replace(repair, keep=b.base, put=rest, start=ahead.start), row, 2
         swapped = (*rest, word, ahead)
         yield replace(repair, kind="swap", keep=b.base, put=swapped, start=ahead.start), row, 2
-    if row < len(b.words):
+    if row < len(b.words) and not b.words[row].first:
         further = b.words[row]
         yield (
             replace(repair, kind="swap", put=(further, word), resume=further.end),
             row + 1,
-            2,
+            1 if word.type == "_ASSIGN" and not b.error else 2,
         )
         yield replace(repair, resume=further.end, end=further.end), row + 1, 2
