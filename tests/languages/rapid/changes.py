@@ -79,6 +79,8 @@ def change(tree: s.File, random: Random) -> Change:
     while True:
         node, put = random.choice(list(_places(tree, lambda new: new)))
         spots = [f.name for f in fields(node) if f.name not in ("span", "origin", "findings")]
+        if not spots:  # a node without fields, `*` among indices
+            continue
         name = random.choice(spots)
         value = getattr(node, name)
         made = _other(node, name, value, random)
