@@ -72,15 +72,21 @@ def read_pseudo(path: str | FilePath) -> SourceText:
 
 
 def files_in(folder: str, suffixes: Collection[str]) -> Iterator[str]:
-    """Files of a folder and the folders in it, by name, hidden folders left aside.
+    """Files of a folder and the folders in it, by name; hidden folders and pipes left aside.
 
     suffixes: of the files, in lower case.
     """
     for inside, inner, names in os.walk(folder):
         inner[:] = sorted(name for name in inner if not name.startswith("."))
         for name in sorted(names):
-            if FilePath(name).suffix.lower() in suffixes:
-                yield os.path.join(inside, name)  # noqa: PTH118 (keeps it as the user wrote it)
+            path = os.path.join(inside, name)  # noqa: PTH118 (keeps it as the user wrote it)
+            if FilePath(name).suffix.lower() in suffixes and not _waits(path):
+                yield path
+
+
+def _waits(path: str) -> bool:
+    """Whether reading would wait for another program: a pipe or a device, no file."""
+    return FilePath(path).exists() and not FilePath(path).is_file()
 
 
 def language_of(name: str) -> Language[Any]:

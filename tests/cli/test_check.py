@@ -38,6 +38,8 @@ def test_a_folder_is_looked_through(capsys, tmp_path):
     write(tmp_path / "right" / "odd.mod", ODD)
     write(tmp_path / "right" / "notes.prg", "not a program at all\n")
     write(tmp_path / ".git" / "broken.mod", BROKEN)
+    if hasattr(os, "mkfifo"):
+        os.mkfifo(tmp_path / "pipe.mod")
     write(tmp_path / "table.csv", "a,b\n1,2\n")
     (tmp_path / "plate.dxf").write_bytes((SAMPLES / "plate.dxf").read_bytes())
     (tmp_path / "plate.process.toml").write_bytes((SAMPLES / "plate.process.toml").read_bytes())
