@@ -11,11 +11,18 @@ from hypothesis import strategies as st
 
 from assistant import languages
 from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.grammar import grammar
 from assistant.languages.rapid.parser import parse
 from assistant.languages.rapid.runs import FEWEST
+from assistant.languages.rapid.tables import RESERVED
 
 RAPID = languages.get("rapid")
 LINES = (Path(__file__).parent / "identity.txt").read_text(encoding="utf-8").splitlines()
+
+
+def test_the_grammar_reserves_the_same_words_as_the_tables() -> None:
+    (name,) = (t.pattern.value for t in grammar().terminals if t.name == "NAME")
+    assert set(name.removeprefix("(?!(?:").partition(")")[0].split("|")) == RESERVED
 
 
 @pytest.mark.parametrize("line", [line.replace("¶", "\n") for line in LINES])
