@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from assistant import languages
 from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid.mistaken import MISTAKES, Mistake
+from assistant.languages.rapid.mistake import Mistake
+from assistant.languages.rapid.mistaken import MISTAKES
 from assistant.languages.rapid.parser import parse
 from assistant.languages.rapid.recovery import MOST_FINDINGS
 
