@@ -55,7 +55,8 @@ def _checked(
     if STANDARD in sources:
         if list(sources).count(STANDARD) > 1:
             raise Refused(TWICE(), exit_status=2)
-        checked = check_text(standard_input(language), robot=robot, language=language)
+        text, spoken = standard_input(language)
+        checked = check_text(text, robot=robot, language=spoken)
     files = [source for source in sources if source != STANDARD]
     more = check_files(files, robot=robot, process=process, language=language)
     return Checked(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -149,17 +150,28 @@ def _input(source: str, language: str | None, robot: str | None) -> Loaded | Non
 
     if source != STANDARD:
         return load(source, robot=robot_of(robot), language=language) if language else None
-    return load_text(standard_input(language), robot=robot_of(robot), language=language)
+    text, spoken = standard_input(language)
+    return load_text(text, robot=robot_of(robot), language=spoken)
 
 
-def standard_input(language: str | None) -> SourceText:
-    """The text on standard input, decoded as files of the language are, else as pseudo text."""
+def standard_input(language: str | None) -> tuple[SourceText, str | None]:
+    """The text on standard input, and the robot language that is named or that it shows.
+
+    It is decoded as files of that language are, else as pseudo text.
+    """
+    from assistant import languages
     from assistant.compiler.loading import PSEUDO_ENCODINGS, language_of
     from assistant.program.text import decode
 
     data = sys.stdin.buffer.read()
+    if language is None and not _PSEUDO.search(data):
+        known = map(languages.get, languages.names())
+        language = next((one.name for one in known if one.recognises(data)), None)
     encodings = language_of(language).encodings if language else PSEUDO_ENCODINGS
-    return decode(data, "standard input", encodings)
+    return decode(data, "standard input", encodings), language
+
+
+_PSEUDO: Final = re.compile(rb"^\s*program\b", re.MULTILINE)
 
 
 def _together(done: Sequence[tuple[str, Compiled]]) -> tuple[dict[str, bytes], list[Diagnostic]]:

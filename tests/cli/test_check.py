@@ -74,6 +74,8 @@ def test_files_of_one_folder_may_be_named_in_two_ways(capsys, tmp_path, monkeypa
     status, out, _ = run(capsys, "check", "clean.mod", tmp_path / "data.mod")
     assert status in (0, 1)
     assert out.startswith("2 checked, ")
+    status, out, _ = run(capsys, "check", ".", "clean.mod", tmp_path / "clean.mod")
+    assert out.startswith("2 checked, ")
 
 
 def test_several_files_of_several_languages(capsys, tmp_path):
@@ -211,6 +213,15 @@ def test_standard_input_is_checked(tmp_path, format):
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, input=ODD)
     assert done.returncode == 1
     assert "RA204" in done.stdout + done.stderr
+
+
+def test_standard_input_tells_its_language_itself(tmp_path):
+    command = [sys.executable, "-m", "assistant", "check", "-"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, input=ODD)
+    assert (done.returncode, "RA204" in done.stderr) == (1, True)
+    text = "program empty\n"
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, input=text)
+    assert "PS" not in done.stderr
 
 
 def test_a_name_that_nothing_declares_is_the_sources_own_fault(capsys, tmp_path):
