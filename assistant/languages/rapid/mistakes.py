@@ -37,6 +37,7 @@ NAMES: Final = {
     "RBRACE": "`}`",
     "PERCENT": "`%`",
     "MINUS": "`-`",
+    "STAR": "`*`",
     "SLASH": "`/`",
     "BACKSLASH": "`\\`",
     "VBAR": "`|`",

@@ -10,7 +10,7 @@ from typing import Final
 
 from assistant.languages.rapid import layout_hints
 from assistant.languages.rapid.broken import CLAUSES, ENDS, TEXTS, Broken, Repair, put
-from assistant.languages.rapid.left_out import GLUE, left_out
+from assistant.languages.rapid.left_out import GLUE, MODULE, left_out
 from assistant.languages.rapid.lexemes import END, Lexeme, lexemes
 from assistant.languages.rapid.stack import after
 from assistant.languages.rapid.tables import RESERVED
@@ -345,6 +345,8 @@ def _wrapped(b: Broken) -> Iterator[tuple[Repair, int, int]]:
         ("_MODULE", "NAME"),
         ("_MODULE", "NAME", "_PROC", "NAME", "LPAR", "RPAR"),
     ):
+        if types[0] == "_MODULE" and not b.behind_module and MODULE.search(b.text, start + 1):
+            continue
         if types[0] != "_MODULE" or ITEM.search(b.text) or len(types) > 2:
             kind = "behind" if types[0] == "_MODULE" and b.behind_module else "wrap"
             words = " ".join(type for type in types if type[0] == "_")
