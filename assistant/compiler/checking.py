@@ -81,12 +81,16 @@ def check_files(
     arm, named = robot_of(robot), None if language is None else language_of(language)
     checked = Checked()
     programs: dict[tuple[Language[Any] | None, FilePath], list[str]] = {}
+    seen: set[FilePath] = set()
     for path in dict.fromkeys(map(str, paths)):
         for file in _files(path, named, checked):
+            part = FilePath(file).absolute()
+            if part in seen:
+                continue
+            seen.add(part)
             checked.files += 1
             with _collecting(checked, file):
                 spoken = _spoken(file, named)
-                part = FilePath(file).absolute()
                 part = spoken.program_of(part) if spoken else part
                 programs.setdefault((spoken, part), []).append(file)
     for (spoken, _), files in programs.items():
