@@ -40,6 +40,7 @@ FOREIGN: Final[dict[str, tuple[str, ...]]] = {
     "endselect": ("endtest",),
     "endsub": ("endproc",),
     "enddef": ("endproc",),
+    "endprocedure": ("endproc",),
     "endfct": ("endfunc",),
     "end": ("endif", "endfor", "endwhile", "endtest", "endproc", "endfunc", "endtrap", "endmodule"),
     "switch": ("test",),
@@ -47,6 +48,7 @@ FOREIGN: Final[dict[str, tuple[str, ...]]] = {
     "otherwise": ("default",),
     "elif": ("elseif",),
     "def": ("proc",),
+    "procedure": ("proc",),
     "sub": ("proc",),
     "function": ("func",),
 }

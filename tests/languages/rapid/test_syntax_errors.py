@@ -47,6 +47,28 @@ def test_a_usual_mistake_has_one_finding_with_its_cure(mistake: Mistake, example
     assert RAPID.render(RAPID.parse(text)) == text
 
 
+@pytest.mark.parametrize(
+    ("example", "right"),
+    [
+        ("FOR i FROM 1 TO 3 DO\n  b;\n¦NEXT i", "ENDFOR"),
+        ("WHILE a DO\n  b;\n¦WEND", "ENDWHILE"),
+        ("IF a THEN\n  b;\n¦END", "ENDIF"),
+        ("¦SWITCH a\nCASE 1:\n  b;\nENDTEST", "TEST"),
+        ("TEST a\nCASE 1:\n  b;\n¦ENDSWITCH", "ENDTEST"),
+        ("MODULE m\n¦SUB q()\n  b;\nENDPROC\nENDMODULE", "PROC"),
+        ("MODULE m\n¦PROCEDURE q()\n  b;\nENDPROC\nENDMODULE", "PROC"),
+        ("MODULE m\nPROC q()\n  b;\n¦END SUB\nENDMODULE", "ENDPROC"),
+        ("MODULE m\n¦FUNCTION num q()\n  RETURN 1;\nENDFUNC\nENDMODULE", "FUNC"),
+    ],
+)
+def test_a_word_of_another_language_is_told_the_one_of_rapid(example: str, right: str) -> None:
+    marked = framed(example)
+    (finding,) = RAPID.parse(marked.replace(PLACE, "")).findings
+    assert finding.span is not None
+    assert finding.span.start == marked.index(PLACE)
+    assert finding.cure == f"write `{right}`"
+
+
 WHOLE = """\
 MODULE cell(SYSMODULE)
   ! what is taught
