@@ -1,8 +1,9 @@
-"""The comment lines that open a module: what RAPID itself has no words for.
+r"""The comment lines that open a module: what RAPID itself has no words for.
 
 One item a line: `program: NAME`, `robot: NAME`, `entry: NAME`, `unit of: NAME`,
 `signal: NAME digital output [number [bits]]`, `name: SHORT = original`. Anything else is a
-comment; one that looks like an item is written with `: ` before it.
+comment; one that looks like an item is written with `: ` before it. Letters beyond ASCII are
+written as `\xf6` or `\u4e2d`, for a module is ASCII.
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ from typing import Final
 from assistant.languages.rapid import syntax as s
 from assistant.program.program import Program, Signal
 
-_NAME = r"[A-Za-z][A-Za-z0-9_]*"
+_ESCAPE = r"\\(?:x[0-9a-f]{2}|u[0-9a-f]{4}|U[0-9a-f]{8})"
+_NAME = rf"(?:[A-Za-z]|{_ESCAPE})(?:[A-Za-z0-9_]|{_ESCAPE})*"
 _ITEM: Final = re.compile(
     rf"program: (?P<program>{_NAME})"
     r"|robot: (?P<robot>[A-Za-z0-9][A-Za-z0-9_.-]*)"
@@ -48,18 +50,28 @@ class Header:
         return single + len(self.signals) + len(self.names) + len(self.comments)
 
 
+def _written(name: str) -> str:
+    return name.encode("ascii", "backslashreplace").decode("ascii")
+
+
+def _meant(name: str) -> str:
+    """The name that was written; as it stands if that is none."""
+    meant = re.sub(_ESCAPE, lambda m: chr(min(int(m[0][2:], 16), 0x10FFFF)), name)
+    return meant if re.fullmatch(r"[^\W\d]\w*", meant) else name
+
+
 def header_lines(program: Program, unit: str | None, names: Sequence[tuple[str, str]]) -> list[str]:
     """The lines of a module's header. names: (short, original) each."""
     if unit is None:
-        lines = [f"program: {program.name}"]
+        lines = [f"program: {_written(program.name)}"]
         if program.robot:
             lines.append(f"robot: {program.robot}")
         if program.entry:
-            lines.append(f"entry: {program.entry}")
+            lines.append(f"entry: {_written(program.entry)}")
         lines += [_signal(name, signal) for name, signal in program.signals.items()]
     else:
-        lines = [f"unit of: {program.name}"]
-    lines += [f"name: {short} = {original}" for short, original in names]
+        lines = [f"unit of: {_written(program.name)}"]
+    lines += [f"name: {short} = {_written(original)}" for short, original in names]
     if unit is None:
         lines += [
             _QUOTED + c if _ITEM.fullmatch(c) or c.startswith(_QUOTED.strip()) else c
@@ -72,7 +84,7 @@ def _signal(name: str, signal: Signal) -> str:
     number = f" {signal.number}" if signal.number is not None else ""
     bits = f" x{signal.bits}" if signal.bits != 1 else ""
     gap = " " if bits and not number else ""
-    return f"signal: {name} {signal.kind} {signal.direction}{gap}{number}{bits}"
+    return f"signal: {_written(name)} {signal.kind} {signal.direction}{gap}{number}{bits}"
 
 
 def read_header(comments: Sequence[str]) -> Header:
@@ -84,23 +96,23 @@ def read_header(comments: Sequence[str]) -> Header:
                 comment.removeprefix(_QUOTED) if comment.startswith(_QUOTED) else comment
             )
         elif match["program"]:
-            header.program = match["program"]
+            header.program = _meant(match["program"])
         elif match["robot"]:
             header.robot = match["robot"]
         elif match["entry"]:
-            header.entry = match["entry"]
+            header.entry = _meant(match["entry"])
         elif match["unit"]:
-            header.unit = match["unit"]
+            header.unit = _meant(match["unit"])
         elif match["signal"]:
             number = int(match["number"]) if match["number"] else None
-            header.signals[match["signal"]] = Signal(
+            header.signals[_meant(match["signal"])] = Signal(
                 match["kind"],  # type: ignore[arg-type]
                 match["direction"],  # type: ignore[arg-type]
                 number,
                 int(match["bits"] or 1),
             )
         else:
-            header.names[match["short"].lower()] = match["original"]
+            header.names[match["short"].lower()] = _meant(match["original"])
     return header
 
 

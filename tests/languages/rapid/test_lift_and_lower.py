@@ -218,3 +218,16 @@ def test_a_condition_is_a_truth_value(condition: str, written: str) -> None:
     tree = RAPID.lower(program)
     assert f"IF {written} THEN" in RAPID.render(tree)
     assert not [f for f in RAPID.check([tree]) if f.severity == "error"]
+
+
+def test_letters_beyond_ascii_come_back_in_names() -> None:
+    text = "MODULE Größe\n  VAR num höhe;\n  PROC main()\n    größer;\n  ENDPROC\n"
+    text += "  PROC größer()\n    höhe:=1;\n  ENDPROC\nENDMODULE\n"
+    program = lifted(text)
+    adapted = RAPID.adapt(program).program
+    built = RAPID.build(adapted)
+    assert RAPID.render(built).isascii()
+    again = RAPID.lift(RAPID.parse(RAPID.render(built)))
+    assert again == adapted
+    assert {q.name for q in again.procedures} == {"main", "größer"}
+    assert set(again.variables) == {"höhe"}

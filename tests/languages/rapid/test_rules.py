@@ -417,3 +417,10 @@ def test_every_rule_has_a_case() -> None:
     assert len(codes) > 25
     assert len({*RULES, *ADVICE}) == len(RULES) + len(ADVICE)
     assert [code for code in codes if code not in source] == []
+
+
+def test_what_follows_from_a_syntax_error_is_not_said() -> None:
+    for statement in ("sub1();", "MoveL Offs(p,0,0,10, v100,fine,tool0;", "VAR num a[5];"):
+        text = routine(statement)
+        errors = [f.code for f in RAPID.check([RAPID.parse(text)]) if f.severity is Severity.ERROR]
+        assert len(errors) == 1, errors

@@ -23,7 +23,7 @@ from assistant.languages.rapid.checks import (
 from assistant.languages.rapid.checks.scope import Look, Task
 from assistant.languages.rapid.checks.tasks import tasks
 from assistant.languages.rapid.walk import nodes
-from assistant.program.diagnostics import Diagnostic
+from assistant.program.diagnostics import Diagnostic, Severity
 
 __all__ = ["ADVICE", "RULES", "check", "loaded_files"]
 
@@ -65,17 +65,29 @@ program that it comes from has been checked, and its author wrote no RAPID."""
 def check(trees: Sequence[s.File]) -> tuple[Diagnostic, ...]:
     """Findings of the parser and of every rule, over the modules of a program.
 
-    They are one task's, unless their folders are named like several tasks.
+    They are one task's, unless their folders are named like several tasks. Where a syntax error
+    is, the rules are not asked: what they would say follows from it.
     """
     found = [finding for tree in trees for finding in tree.findings]
+    damaged = {(f.path, f.line) for f in found if f.severity is Severity.ERROR}
     for files, common in tasks(trees):
         task = Task(files, common)
         for tree in files:
             for module in tree.modules:
                 look = Look(tree, module, task)
                 for rule in RULES if look.compiled else (*RULES, *ADVICE):
-                    found += rule(look)
+                    found += (f for f in rule(look) if not damaged or damaged.isdisjoint(_lines(f)))
     return tuple(dict.fromkeys(found))
+
+
+def _lines(finding: Diagnostic) -> Iterator[tuple[str | None, int | None]]:
+    first = finding.line or 0
+    for line in range(first, min(finding.end_line or first, first + MOST_LINES) + 1):
+        yield finding.path, line
+
+
+MOST_LINES: Final = 50
+"""Of a statement; a finding of a whole routine or table is not of one damaged place."""
 
 
 def loaded_files(root: s.File) -> tuple[str, ...]:
