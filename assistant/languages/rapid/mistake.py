@@ -37,7 +37,7 @@ class Mistake:
         text, error = broken.text, broken.word.start
         if self.repair and not re.fullmatch(self.repair, f"{repair.kind} {repair.what}".strip()):
             return None
-        if self.shown and not re.compile(self.shown).match(text, repair.start):
+        if self.shown and not re.compile(self.shown, _FLAGS).match(text, repair.start):
             return None
         if self.after and not re.compile(self.after, _FLAGS).match(text, error):
             return None

@@ -29,7 +29,7 @@ MISTAKES: Final = (
             "FOR ¦(i FROM 1 TO 10) DO\n  a;\nENDFOR",
             "FOR ¦VAR num i FROM 1 TO 10 DO\n  a;\nENDFOR",
         ),
-        before=r"\A\s*FOR\b[^;\n]*",
+        before=r"\A\s*FOR\b(?:\s+\w+)?",
         repair=r"hole|delete",
     ),
     Mistake(
@@ -135,7 +135,7 @@ MISTAKES: Final = (
             "IF a THEN\n  b;\n¦} ELSE {\n  c;\nENDIF",
         ),
         repair=r"replace (?:_THEN|_DO|_END\w+)|delete",
-        shown=r"[{}]",
+        shown=r"[{}]\s*(?:ELSE\b|[\r\n]|\Z)",
     ),
     Mistake(
         "write THEN in place of `:`, and ENDIF behind the last statement",

@@ -34,8 +34,8 @@ VALUES: Final = (
     ),
     Mistake(
         r"write `\` before the name of an optional argument",
-        ("MoveL a,b,c,d ¦WObj:=e;", "a := Round(b ¦Dec:=1);"),
-        before=r"[\w)\]]",
+        ("MoveL a,b,c,d ¦WObj:=e;", "a := Round(b ¦Dec:=1);", 'TPWrite "a"¦Num:=b;'),
+        before=r"[\w)\]\"]",
         after=r"\w+\s*:=",
         repair=r"insert COMMA",
         here=True,
@@ -78,7 +78,7 @@ VALUES: Final = (
         "only a variable stands before `:=`",
         ("¦1 := a;", '¦"a" := b;'),
         before=r"\A",
-        after=r'[\d"][^;\n]*:=',
+        after=r'(?:\d[\w.]*|"[^"\n]*")\s*:=',
     ),
     Mistake(
         "write the arguments of a function in parentheses: `Offs(p,0,0,100)`",
@@ -159,7 +159,7 @@ VALUES: Final = (
         here=True,
     ),
     Mistake(
-        "delete the `,`: the first argument stands behind the name",
+        "delete the `,`, or write the first argument before it",
         ("MoveL¦, a,b,c,d;",),
         before=r"\A\s*\w+",
         after=r",",
@@ -180,8 +180,13 @@ VALUES: Final = (
         repair=r"double",
     ),
     Mistake(
-        "delete one `]`",
-        ("CONST pose a := [[1,2,3]¦],[1,0,0,0]];", "a := [[1,2],[3,4]¦],[5,6]];"),
+        "delete this `]`, or write the `[` that it closes",
+        (
+            "CONST pose a := [[1,2,3]¦],[1,0,0,0]];",
+            "a := [[1,2],[3,4] ¦],[5,6]];",
+            "a := [[1,2],3,4¦],[5,6]];",
+            "a := [b,[1]¦],c];",
+        ),
         repair=r"delete",
         before=r":=[^;]*\]",
         after=r",",

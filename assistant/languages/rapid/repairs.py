@@ -323,7 +323,10 @@ def _bracketed(b: Broken) -> Iterator[tuple[Repair, int, int]]:
     if b.word.type != "COMMA" or not b.error:
         return
     ahead, at = b.words[b.error - 1], b.word.start
-    if ahead.type == "TABLE" and ahead.text.endswith("]]"):
+    if ahead.type == "RSQB":
+        mended = tuple(b.words[: b.error - 1])
+        yield Repair("delete", b.base, mended, at, ahead.start, ahead.end), b.error, 1
+    if ahead.type == "TABLE" and "[" in ahead.text[1:]:
         last = ahead.end - 1
         inner = [w for w in lexemes(b.text, ahead.start + 1, last, 0) if w.end <= last]
         opening = replace(ahead, type="LSQB", text="[", end=ahead.start + 1)
@@ -361,6 +364,10 @@ def _deleted(b: Broken) -> Iterator[tuple[Repair, int, int]]:
     if word.type == END or b.closes:
         return
     repair = Repair("delete", keep, (), word.end, word.start, word.end)
+    operator = row + 1 < len(b.words) and b.words[row + 1].type in GLUE
+    if word.type == "_ASSIGN" and not b.error and (operator or b.words[row].type == "NUMBER"):
+        name = put(["NAME"], word.start)
+        yield replace(repair, kind="insert", put=(*name, word), end=word.start, what="NAME"), row, 1
     yield repair, row, 2
     if b.error:
         ahead = b.words[b.error - 1]
