@@ -10,7 +10,7 @@ from assistant.languages.rapid import files, rules
 from assistant.languages.rapid.rows import Found, find_runs
 from assistant.languages.rapid.shortened import MARKS, RunInTheWay, Shortened
 from assistant.languages.rapid.syntax import File, Item, Origin, StatementNode
-from assistant.languages.rapid.tables import MOST_NESTING
+from assistant.languages.rapid.tables import MOST_NESTING, MOST_OPERATORS
 from assistant.program.collecting import uncollected
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.text import SourceText
@@ -89,6 +89,9 @@ def _read(
     found = list(find_runs(text)) if runs else []
     while True:
         short = Shortened.of(text, found)
+        if (long := _too_long(short.text)) is not None:
+            at = short.offset(long)
+            return source.finding(rules.TOO_LONG, Span(at, at + 1), most=MOST_OPERATORS)
         nodes = Nodes(short.text, short.offset, short.runs)
         driven = drive(short.text, start, nodes)
         if driven is not None and driven[1] < MOST_NESTING:
@@ -112,6 +115,32 @@ def _without_first_row(text: str, found: Sequence[Found], number: int) -> list[F
     rest = list(find_runs(text[second : run.end])) if second else []
     moved = [Found(f.start + second, f.end + second, f.run, f.scope) for f in rest]
     return [*found[:number], *moved, *found[number + 1 :]]
+
+
+_LONG: Final = re.compile(rf"[^;]{{{2 * MOST_OPERATORS},}}")
+_ROW: Final = re.compile(
+    r"![^\n]*|\"[^\"\n]*\"|(?P<open>[\[({])|(?P<close>[\])}])|(?P<end>,|:=)"
+    r"|(?P<operator>[-+*/.<>=]|\b(?:and|or|xor|div|mod|not)\b)",
+    re.IGNORECASE,
+)
+
+
+def _too_long(text: str) -> int | None:
+    """Offset of an operator that is one too many in its expression, None if there is none."""
+    for stretch in _LONG.finditer(text):
+        counts = [0]
+        for match in _ROW.finditer(text, stretch.start(), stretch.end()):
+            if match["open"]:
+                counts.append(0)
+            elif match["close"]:
+                counts = counts[:-1] or [0]
+            elif match["end"]:
+                counts[-1] = 0
+            elif match["operator"]:
+                counts[-1] += 1
+                if counts[-1] > MOST_OPERATORS:
+                    return match.start()
+    return None
 
 
 _DEPTH: Final = re.compile(

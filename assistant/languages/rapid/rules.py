@@ -12,6 +12,12 @@ SYNTAX: Final = Rule("RA101", ERROR, "{found} stands where {expected} should", "
 TOO_DEEP: Final = Rule(
     "RA102", ERROR, "more than {most} brackets or blocks stand inside each other", "simplify it"
 )
+TOO_LONG: Final = Rule(
+    "RA108",
+    ERROR,
+    "more than {most} operators stand in a row",
+    "compute it in several statements",
+)
 MISSING: Final = Rule("RA103", ERROR, "{what} missing", "{hint}")
 MANY: Final = Rule(
     "RA104",

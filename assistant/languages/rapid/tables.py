@@ -24,6 +24,9 @@ post-processor splits its files at 5,000 lines."""
 MOST_NESTING: Final = 60
 """Brackets or blocks inside each other that the parser takes; no program comes near it."""
 
+MOST_OPERATORS: Final = 150
+"""In a row in one expression, component dots included; no program comes near it."""
+
 LEAST_MASS: Final = 0.001
 LEAST_CENTRE: Final = (0.0, 0.0, 0.001)
 """Load of `tool0`: the least that the controller takes; 0 kg stops it with event 41438."""

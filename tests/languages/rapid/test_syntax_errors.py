@@ -225,3 +225,23 @@ def test_lines_in_any_order_are_read(lines: list[str]) -> None:
     assert len(tree.findings) <= MOST_FINDINGS + 1
     assert all(f.line and f.excerpt is not None for f in tree.findings)
     assert parse(text, runs=False) == tree
+
+
+@pytest.mark.parametrize(
+    "expression",
+    ["+".join("1" * 400), "a" + ".b" * 400, '"a"' + '+"b"' * 400, "f(1)" + "+f(1)" * 400],
+)
+def test_an_endless_row_of_operators_is_refused(expression: str) -> None:
+    tree = RAPID.parse(f"MODULE m\nPROC main()\nx:={expression};\nENDPROC\nENDMODULE\n")
+    (finding,) = RAPID.check([tree])
+    assert (finding.code, finding.line) == ("RA108", 3)
+
+
+def test_long_rows_of_operators_are_read() -> None:
+    table = ",".join("-1.5" for _ in range(400))
+    text = f"MODULE m\nCONST num t{{400}}:=[{table}];\nPROC main()\nx:={'+'.join('1' * 140)};\n"
+    tree = RAPID.parse(text + "ENDPROC\nENDMODULE\n")
+    assert not tree.findings
+    again = RAPID.lower(RAPID.lift(tree))
+    assert again == tree
+    assert not [f for f in RAPID.check([tree]) if f.severity == "error"]
