@@ -75,12 +75,12 @@ class Rapid(Language[File]):
         text = self.render(tree)
         if tree.origin is None or has_errors(tree.findings) or not tree.parts:
             return text
-        from assistant.languages.rapid.layout import lay_out
+        from assistant.languages.rapid.layout.lines import lay_out
 
         return lay_out(text)
 
     def lift_trees(self, trees: Sequence[File], robot: Robot | None) -> Program:  # noqa: ARG002
-        from assistant.languages.rapid.lift import lift
+        from assistant.languages.rapid.lift.program import lift
 
         return lift(trees)
 
@@ -96,7 +96,7 @@ class Rapid(Language[File]):
         *,
         most_targets: int | None = None,
     ) -> Adapted:
-        from assistant.languages.rapid.adapt import adapt
+        from assistant.languages.rapid.adapt.program import adapt
 
         return adapt(program, most_targets)
 
@@ -106,12 +106,12 @@ class Rapid(Language[File]):
         robot: Robot | None = None,  # noqa: ARG002
         unit: str | None = None,
     ) -> File:
-        from assistant.languages.rapid.lower import build
+        from assistant.languages.rapid.lower.program import build
 
         return build(program, unit)
 
     def file_name(self, program: Program, unit: str | None = None) -> str:
-        from assistant.languages.rapid.lower import module_name
+        from assistant.languages.rapid.lower.program import module_name
 
         return module_name(program, unit) + ".mod"
 

@@ -12,7 +12,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.rapid.grammar import grammar
-from assistant.languages.rapid.lexemes import END, scanner
+from assistant.languages.rapid.recovery.lexemes import END, scanner
 from assistant.program.diagnostics import Span
 
 if TYPE_CHECKING:

@@ -83,7 +83,7 @@ def _read(
     """What the typed tree is made of, and the findings; or why the text cannot be read."""
     from assistant.languages.rapid.driver import drive
     from assistant.languages.rapid.nodes import Nodes
-    from assistant.languages.rapid.recovery import read_damaged
+    from assistant.languages.rapid.recovery.reading import read_damaged
 
     text = files.with_line_feeds(source.text)
     found = list(find_runs(text)) if runs else []

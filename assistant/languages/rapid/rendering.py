@@ -14,8 +14,8 @@ from assistant.languages import lossless
 from assistant.languages.lossless import Block, Extent, Sketch, Spread
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.gather import plain_move, target_values
+from assistant.languages.rapid.layout.tokens import HOLES
 from assistant.languages.rapid.printer import INDENT, Printer, comment
-from assistant.languages.rapid.tokens import HOLES
 
 MOST_ROWS: Final = 4096
 """Rows of a run that are written one by one; if more of it changed it is printed as a whole."""

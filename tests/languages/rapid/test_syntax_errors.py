@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 from assistant import languages
 from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid.mistake import Mistake
-from assistant.languages.rapid.mistaken import MISTAKES
 from assistant.languages.rapid.parser import parse
-from assistant.languages.rapid.recovery import MOST_FINDINGS
+from assistant.languages.rapid.recovery.mistake import Mistake
+from assistant.languages.rapid.recovery.reading import MOST_FINDINGS
+from assistant.languages.rapid.recovery.statement_mistakes import MISTAKES
 
 RAPID = languages.get("rapid")
 PLACE = "¦"

@@ -10,13 +10,13 @@ from collections.abc import Set
 from typing import TYPE_CHECKING, Final
 
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.lexemes import SILENT
-from assistant.languages.rapid.mistaken import MISTAKES
+from assistant.languages.rapid.recovery.lexemes import SILENT
+from assistant.languages.rapid.recovery.statement_mistakes import MISTAKES
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.text import SourceText
 
 if TYPE_CHECKING:
-    from assistant.languages.rapid.broken import Broken, Repair
+    from assistant.languages.rapid.recovery.broken import Broken, Repair
 
 NAMES: Final = {
     "NAME": "a name",

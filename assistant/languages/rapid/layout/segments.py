@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from assistant.languages.rapid.tokens import Token, tokens
+from assistant.languages.rapid.layout.tokens import Token, tokens
 
 Form = Literal["plain", "opens", "divides", "closes", "comment", "rows", "header"]
 """opens, closes: the first and the last line of a block; divides: one like ELSE inside it."""

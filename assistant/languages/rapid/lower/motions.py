@@ -9,7 +9,7 @@ import numpy as np
 
 from assistant.languages.rapid import rules, verbatim
 from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid.lower_expressions import refuse
+from assistant.languages.rapid.lower.expressions import refuse
 from assistant.languages.rapid.motions import speed_name, zone_name
 from assistant.languages.rapid.naming import Naming
 from assistant.languages.rapid.runs import (

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from typing import Final, Literal
 
-from assistant.languages.rapid.segments import Segment
-from assistant.languages.rapid.tokens import Token
+from assistant.languages.rapid.layout.segments import Segment
+from assistant.languages.rapid.layout.tokens import Token
 
 Role = Literal["operand", "key", "name", "close", "open", "sign", "late", "mark"]
 """name: of an instruction that is called. late: the `%` around a name that is worked out."""

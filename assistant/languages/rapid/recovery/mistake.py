@@ -6,10 +6,10 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal
 
-from assistant.languages.rapid.layout_hints import code_end
+from assistant.languages.rapid.recovery.indentation import code_end
 
 if TYPE_CHECKING:
-    from assistant.languages.rapid.broken import Broken, Repair
+    from assistant.languages.rapid.recovery.broken import Broken, Repair
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.gather import join_names, names_of
-from assistant.languages.rapid.lift_data import DataLift
-from assistant.languages.rapid.lift_expressions import target
+from assistant.languages.rapid.lift.data import DataLift
+from assistant.languages.rapid.lift.expressions import target
 from assistant.languages.rapid.runs import (
     CIRCULAR,
     JOINT,

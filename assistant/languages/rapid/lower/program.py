@@ -9,10 +9,10 @@ from assistant.languages.rapid import rules, verbatim
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.gather import gathered
 from assistant.languages.rapid.header import header_lines
-from assistant.languages.rapid.lower_data import data, variable_node
-from assistant.languages.rapid.lower_expressions import refuse
-from assistant.languages.rapid.lower_motions import path_targets
-from assistant.languages.rapid.lower_statements import Body
+from assistant.languages.rapid.lower.data import data, variable_node
+from assistant.languages.rapid.lower.expressions import refuse
+from assistant.languages.rapid.lower.motions import path_targets
+from assistant.languages.rapid.lower.statements import Body
 from assistant.languages.rapid.naming import Naming, naming, spelt
 from assistant.languages.rapid.tables import TYPE_OF_VALUE
 from assistant.program import statements as p

@@ -7,9 +7,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Final
 
-from assistant.languages.rapid import layout_hints
-from assistant.languages.rapid.lexemes import Lexeme
-from assistant.languages.rapid.stack import Table, after, shift
+from assistant.languages.rapid.recovery import indentation
+from assistant.languages.rapid.recovery.lexemes import Lexeme
+from assistant.languages.rapid.recovery.stack import Table, after, shift
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +29,7 @@ class Kept:
 class Repair:
     """A change of the stack and of the place where reading goes on.
 
-    kind: a key of `mistakes.SAYING`. keep: values that stay. put: words to shift then.
+    kind: a key of `wording.SAYING`. keep: values that stay. put: words to shift then.
     resume: offset to go on from. start, end: the place to show. what: the word concerned.
     kept: a stack to go back to instead of keeping `keep` values.
     """
@@ -101,7 +101,7 @@ class Broken:
         """Where the word before the error ends."""
         if self.error:
             return self.words[self.error - 1].end
-        return layout_hints.code_end(self.text, self.word.start)
+        return indentation.code_end(self.text, self.word.start)
 
     def accepts(self, terminal: str) -> bool:
         return after(self.table, self.end, self.states, (terminal,)) is not None

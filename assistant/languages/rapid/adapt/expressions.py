@@ -6,9 +6,9 @@ from dataclasses import replace
 from functools import partial
 
 from assistant.languages.rapid import verbatim
-from assistant.languages.rapid.adapt_data import sayable_joints, sayable_pose, sayable_target
-from assistant.languages.rapid.adapt_findings import Findings
-from assistant.languages.rapid.lift_expressions import aggregate, lift, negative
+from assistant.languages.rapid.adapt.data import sayable_joints, sayable_pose, sayable_target
+from assistant.languages.rapid.adapt.findings import Findings
+from assistant.languages.rapid.lift.expressions import aggregate, lift, negative
 from assistant.program import expressions as e
 from assistant.program.diagnostics import Refused
 from assistant.program.program import Variable

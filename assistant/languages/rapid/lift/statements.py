@@ -9,9 +9,9 @@ from typing import Final
 
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid import verbatim
-from assistant.languages.rapid.lift_data import DataLift
-from assistant.languages.rapid.lift_instructions import Meaning, instruction, plain_arguments
-from assistant.languages.rapid.lift_paths import PathLift
+from assistant.languages.rapid.lift.data import DataLift
+from assistant.languages.rapid.lift.instructions import Meaning, instruction, plain_arguments
+from assistant.languages.rapid.lift.paths import PathLift
 from assistant.languages.rapid.loops import ascends
 from assistant.languages.rapid.standard import INSTRUCTIONS, OF_OPTIONS
 from assistant.languages.rapid.tables import LOADED_FROM

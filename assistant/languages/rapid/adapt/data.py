@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.adapt_findings import Findings
-from assistant.languages.rapid.lower_data import SIZES_PLACES
+from assistant.languages.rapid.adapt.findings import Findings
+from assistant.languages.rapid.lower.data import SIZES_PLACES
 from assistant.languages.rapid.runs import JOINT_PLACES, POSITION_PLACES, QUATERNION_PLACES
 from assistant.languages.rapid.tables import LEAST_CENTRE, LEAST_MASS, UNUSED
 from assistant.program import rotations

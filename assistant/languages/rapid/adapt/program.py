@@ -6,23 +6,23 @@ from dataclasses import replace
 
 from assistant.languages.language import Adapted
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.adapt_data import (
+from assistant.languages.rapid.adapt.data import (
     sayable_frame,
     sayable_joints,
     sayable_target,
     sayable_tool,
 )
-from assistant.languages.rapid.adapt_expressions import sayable_variable
-from assistant.languages.rapid.adapt_findings import Findings
-from assistant.languages.rapid.adapt_motions import Motions
-from assistant.languages.rapid.adapt_statements import StatementAdapter, sayable_comment
-from assistant.languages.rapid.lift_data import fixed_target
+from assistant.languages.rapid.adapt.expressions import sayable_variable
+from assistant.languages.rapid.adapt.findings import Findings
+from assistant.languages.rapid.adapt.motions import Motions
+from assistant.languages.rapid.adapt.splitting import split
+from assistant.languages.rapid.adapt.statements import StatementAdapter, sayable_comment
+from assistant.languages.rapid.lift.data import fixed_target
 from assistant.languages.rapid.loops import counted
-from assistant.languages.rapid.lower import build
+from assistant.languages.rapid.lower.program import build
 from assistant.languages.rapid.naming import naming, units
 from assistant.languages.rapid.sequences import with_paths
 from assistant.languages.rapid.signals import uses, with_used
-from assistant.languages.rapid.splitting import split
 from assistant.languages.rapid.tables import LONGEST_NAME, MOST_TARGETS
 from assistant.program import statements as p
 from assistant.program.diagnostics import Refused, fold, has_errors

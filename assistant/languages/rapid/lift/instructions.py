@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.gather import literal_number
-from assistant.languages.rapid.lift_expressions import lift
+from assistant.languages.rapid.lift.expressions import lift
 from assistant.languages.rapid.motions import BLENDS, SPEEDS
 from assistant.languages.rapid.signals import gripper
 from assistant.languages.rapid.tables import SPEED_CAP

@@ -9,11 +9,11 @@ from functools import partial
 from typing import Any, Final, Literal
 
 from assistant.languages.rapid import rules, verbatim
-from assistant.languages.rapid.adapt_expressions import sayable_expression, sayable_variable
-from assistant.languages.rapid.adapt_findings import Findings
-from assistant.languages.rapid.adapt_motions import Motions
-from assistant.languages.rapid.conditions import with_conditions
-from assistant.languages.rapid.lift_statements import statements_of
+from assistant.languages.rapid.adapt.conditions import with_conditions
+from assistant.languages.rapid.adapt.expressions import sayable_expression, sayable_variable
+from assistant.languages.rapid.adapt.findings import Findings
+from assistant.languages.rapid.adapt.motions import Motions
+from assistant.languages.rapid.lift.statements import statements_of
 from assistant.languages.rapid.messages import Kinds, kinds, lines, parts
 from assistant.languages.rapid.signals import gripper
 from assistant.languages.rapid.tables import LEAST_ACCELERATION, LONGEST_STRING

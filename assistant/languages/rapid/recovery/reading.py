@@ -11,14 +11,15 @@ import re
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
-from assistant.languages.rapid import mistakes, rules
-from assistant.languages.rapid.broken import CLAUSES, Broken, Kept, Repair
+from assistant.languages.rapid import rules
 from assistant.languages.rapid.files import with_line_feeds
 from assistant.languages.rapid.grammar import grammar
-from assistant.languages.rapid.lexemes import END, lexemes
-from assistant.languages.rapid.repairs import best
+from assistant.languages.rapid.recovery import wording
+from assistant.languages.rapid.recovery.broken import CLAUSES, Broken, Kept, Repair
+from assistant.languages.rapid.recovery.lexemes import END, lexemes
+from assistant.languages.rapid.recovery.repairs import best
+from assistant.languages.rapid.recovery.stack import after
 from assistant.languages.rapid.shortened import RunInTheWay, Shortened
-from assistant.languages.rapid.stack import after
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.text import SourceText
 
@@ -185,7 +186,7 @@ class _Reading:
                 span = Span(word.start, max(word.end, word.start + 1))
                 self.findings.append(self.source.finding(rules.MANY, span, most=MOST_FINDINGS))
             return
-        self.findings.append(mistakes.finding(self.source, broken, repair))
+        self.findings.append(wording.finding(self.source, broken, repair))
 
     def _make(self, broken: Broken, repair: Repair) -> None:
         """Changes the stack and goes on behind the damaged place."""

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Final
 
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.adapt_findings import Findings
+from assistant.languages.rapid.adapt.findings import Findings
 from assistant.languages.rapid.naming import units
 from assistant.program import statements as p
 from assistant.program.path import Kind, Path

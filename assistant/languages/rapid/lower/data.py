@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid.lower_expressions import (
+from assistant.languages.rapid.lower.expressions import (
     Expressions,
     finite,
     joints_node,
@@ -14,7 +14,7 @@ from assistant.languages.rapid.lower_expressions import (
     pose_node,
     target_node,
 )
-from assistant.languages.rapid.lower_motions import motions
+from assistant.languages.rapid.lower.motions import motions
 from assistant.languages.rapid.motions import speed_name, speed_values, zone_name, zone_values
 from assistant.languages.rapid.naming import Naming
 from assistant.languages.rapid.runs import POSITION_PLACES, QUATERNION_PLACES

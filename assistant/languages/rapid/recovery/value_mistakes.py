@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.languages.rapid.mistake import Mistake
+from assistant.languages.rapid.recovery.mistake import Mistake
 
 VALUES: Final = (
     Mistake(

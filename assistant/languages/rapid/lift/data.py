@@ -10,7 +10,7 @@ import numpy as np
 
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.gather import literal_number
-from assistant.languages.rapid.lift_expressions import lift
+from assistant.languages.rapid.lift.expressions import lift
 from assistant.languages.rapid.motions import BLENDS, SPEEDS, speed_of, zone_of
 from assistant.languages.rapid.tables import VALUE_OF_TYPE
 from assistant.languages.rapid.walk import lists

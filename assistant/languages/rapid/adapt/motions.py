@@ -9,7 +9,7 @@ from typing import Generic
 import numpy as np
 
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.adapt_findings import Findings
+from assistant.languages.rapid.adapt.findings import Findings
 from assistant.languages.rapid.motions import (
     BLENDS,
     SPEEDS,

@@ -8,11 +8,11 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import Final
 
-from assistant.languages.rapid import layout_hints
-from assistant.languages.rapid.broken import CLAUSES, ENDS, TEXTS, Broken, Repair, put
-from assistant.languages.rapid.left_out import GLUE, MODULE, left_out
-from assistant.languages.rapid.lexemes import END, Lexeme, lexemes
-from assistant.languages.rapid.stack import after
+from assistant.languages.rapid.recovery import indentation
+from assistant.languages.rapid.recovery.broken import CLAUSES, ENDS, TEXTS, Broken, Repair, put
+from assistant.languages.rapid.recovery.left_out import GLUE, MODULE, left_out
+from assistant.languages.rapid.recovery.lexemes import END, Lexeme, lexemes
+from assistant.languages.rapid.recovery.stack import after
 from assistant.languages.rapid.tables import RESERVED
 
 INSERTED: Final = (
@@ -116,8 +116,8 @@ def _candidates(broken: Broken) -> Iterator[tuple[Repair, int, int]]:
 def _forgotten_then(b: Broken) -> Iterator[tuple[Repair, int, int]]:
     if b.word.type not in ("_ELSE", "_ELSEIF", "_ENDIF") or b.accepts(b.word.type) or not b.kept:
         return
-    column = layout_hints.column(b.text, b.word.start)
-    alike = [k for k in b.kept if layout_hints.column(b.text, k.at) == column]
+    column = indentation.column(b.text, b.word.start)
+    alike = [k for k in b.kept if indentation.column(b.text, k.at) == column]
     kept = (alike or b.kept)[-1]
     line = lexemes(b.text, kept.at, kept.line_end, 0)
     head = [word for word in line if word.start < kept.line_end]
@@ -132,10 +132,10 @@ def _closed(b: Broken) -> Iterator[tuple[Repair, int, int]]:
     openers = b.openers()
     word = b.words[0]
     own = word.type in ENDS and b.error == 0
-    column = layout_hints.column(b.text, word.start)
+    column = indentation.column(b.text, word.start)
     if own and openers:
         right = "_END" + openers[-1][0][1:]
-        same = openers[-1][1] >= 0 and column == layout_hints.column(b.text, openers[-1][1])
+        same = openers[-1][1] >= 0 and column == indentation.column(b.text, openers[-1][1])
         mended = replace(word, type=right)
         yield (
             Repair("replace", b.base, (mended,), word.end, word.start, word.end, right),
@@ -151,10 +151,9 @@ def _closed(b: Broken) -> Iterator[tuple[Repair, int, int]]:
             continue
         named = openers[len(open_now) :]
         said = [t for t, begin in reversed(named) if begin >= 0]
-        place = layout_hints.missing_end(b.text, named, word.start)
+        place = indentation.missing_end(b.text, named, word.start)
         matches = not own or any(
-            begin >= 0 and layout_hints.column(b.text, begin) == column
-            for _, begin in open_now[-1:]
+            begin >= 0 and indentation.column(b.text, begin) == column for _, begin in open_now[-1:]
         )
         yield (
             Repair(

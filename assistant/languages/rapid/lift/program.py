@@ -10,10 +10,10 @@ from typing import Any
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid import verbatim
 from assistant.languages.rapid.header import Header, opening
-from assistant.languages.rapid.lift_data import DataLift
-from assistant.languages.rapid.lift_instructions import Meaning
-from assistant.languages.rapid.lift_paths import PathLift
-from assistant.languages.rapid.lift_statements import StatementLift, opaque
+from assistant.languages.rapid.lift.data import DataLift
+from assistant.languages.rapid.lift.instructions import Meaning
+from assistant.languages.rapid.lift.paths import PathLift
+from assistant.languages.rapid.lift.statements import StatementLift, opaque
 from assistant.languages.rapid.loops import apart
 from assistant.languages.rapid.messages import with_values
 from assistant.languages.rapid.sequences import with_paths

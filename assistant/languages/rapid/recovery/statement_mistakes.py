@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.languages.rapid.mistake import Mistake
-from assistant.languages.rapid.mistaken_values import VALUES
+from assistant.languages.rapid.recovery.mistake import Mistake
+from assistant.languages.rapid.recovery.value_mistakes import VALUES
 
 MISTAKES: Final = (
     *VALUES,

@@ -26,9 +26,9 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import Final
 
-from assistant.languages.rapid.segments import Segment, segments
-from assistant.languages.rapid.spacing import CLOSING, OPENING, Spacing
-from assistant.languages.rapid.tokens import Token
+from assistant.languages.rapid.layout.segments import Segment, segments
+from assistant.languages.rapid.layout.spacing import CLOSING, OPENING, Spacing
+from assistant.languages.rapid.layout.tokens import Token
 
 INDENT: Final = 4
 """Columns of a level."""

@@ -6,8 +6,8 @@ import re
 from dataclasses import replace
 from typing import Final
 
-from assistant.languages.rapid.broken import Broken, Repair, put
-from assistant.languages.rapid.lexemes import END, Lexeme, lexemes
+from assistant.languages.rapid.recovery.broken import Broken, Repair, put
+from assistant.languages.rapid.recovery.lexemes import END, Lexeme, lexemes
 
 HEADS: Final[dict[str, tuple[str, ...]]] = {
     "_IF": ("EXP", "_THEN"),

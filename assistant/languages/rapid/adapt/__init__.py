@@ -1,0 +1,1 @@
+"""The pseudo-program as RAPID can say it, with a finding for each change."""

@@ -1,0 +1,1 @@
+"""From the typed trees of RAPID to the pseudo-program."""

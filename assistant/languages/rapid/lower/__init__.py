@@ -1,0 +1,1 @@
+"""From the pseudo-program to the typed tree of RAPID."""
