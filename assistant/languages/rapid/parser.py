@@ -30,7 +30,7 @@ def parse(source: SourceText | str, *, runs: bool = True) -> File:
     if isinstance(reading, Diagnostic):
         return File((), None, Origin(text, ()), (reading,))
     (header, parts), findings = reading
-    if findings and "%%%" not in text.text:
+    if findings and not text.text.lstrip().startswith("%%%"):
         header = None  # a header that was put in to read on
     return File(parts, header, Origin(text, parts), (*files.notes(text), *findings))
 

@@ -152,3 +152,10 @@ def test_a_program_of_another_vendor_is_not_taken_for_an_encrypted_module() -> N
     found = languages.of_file("1.prg", data)
     assert found is not None
     assert found.name.startswith("melfa-basic")
+
+
+def test_prose_around_a_module_keeps_its_bytes() -> None:
+    data = b"See the module below, with %%% in it.\nMODULE m\nENDMODULE\n%%% end %%%\n"
+    tree = RAPID.parse(RAPID.decode(data))
+    assert tree.findings
+    assert RAPID.encode(tree) == data
