@@ -40,7 +40,7 @@ class Construct:
 def coverage(language: Language[Any], trees: Sequence[Any]) -> tuple[Construct, ...]:
     """The constructs of some trees, the most frequent first.
 
-    Each tree is looked at by itself; one with syntax errors counts as far as it was read.
+    Each tree is looked at by itself; none has syntax errors.
     """
     return total([map(_one, _constructs(language, tree)) for tree in trees])
 

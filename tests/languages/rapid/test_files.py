@@ -159,3 +159,16 @@ def test_prose_around_a_module_keeps_its_bytes() -> None:
     tree = RAPID.parse(RAPID.decode(data))
     assert tree.findings
     assert RAPID.encode(tree) == data
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "MODULE a ! note\n(SYSMODULE)\nENDMODULE\n",
+        "MODULE a\nPROC p()\nERROR ! note\n(ERR_DIVZERO)\nRETRY;\nENDPROC\nENDMODULE\n",
+    ],
+)
+def test_a_comment_may_stand_before_a_parenthesis(text: str) -> None:
+    tree = RAPID.parse(text)
+    assert not tree.findings
+    assert RAPID.render(tree) == text

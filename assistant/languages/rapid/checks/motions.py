@@ -29,7 +29,7 @@ def arguments(look: Look) -> Found:
     for run in look.all(s.MoveRunNode):
         for motion in run.run.motions:
             given = (motion.speed, motion.zone, motion.tool, motion.frame)
-            yield from _motion(look, named, run, *given)
+            yield from _motion(look, named, {}, run, *given)
     for call in look.all(s.ProcedureCall):
         if str(call.name).lower() in WORDS:
             yield from _call(look, named, call)
@@ -48,21 +48,29 @@ def _call(look: Look, named: set[str], node: s.ProcedureCall) -> Found:
         "",
     )
     names = [v.name if isinstance(v, s.NameRef) else "" for v in given[-3:]]
+    places = {v.name: v for v in given[-3:] if isinstance(v, s.NameRef)}
     if len(given) >= 4:
         speed, zone, tool = names
-        yield from _motion(look, named, node, speed, zone, tool, frame)
+        yield from _motion(look, named, places, node, speed, zone, tool, frame)
 
 
 def _motion(
-    look: Look, named: set[str], node: s.Node, speed: str, zone: str, tool: str, frame: str
+    look: Look,
+    named: set[str],
+    places: Mapping[str, s.NameRef],
+    node: s.Node,
+    *given: str,
 ) -> Found:
+    """given: names of speed, zone, tool and frame. places: where they stand, if not all over."""
+    speed, zone, tool, frame = given
     for name, type in ((speed, "speeddata"), (zone, "zonedata")):
         if name and name.lower() not in named and not look.find(name):
-            yield from unknown(look, node, name, type)
+            yield from unknown(look, places.get(name, node), name, type)
     for name, role, own in ((tool, "tool", "tool0"), (frame, "work object", "wobj0")):
         found = look.find(name) if name and name.lower() != own else None
         if found is not None and found.kind in ("VAR", "CONST"):
-            yield look.finding(rules.NOT_PERSISTENT, node, name=name, role=role)
+            place = places.get(name, node)
+            yield look.finding(rules.NOT_PERSISTENT, place, name=name, role=role)
 
 
 def unknown(look: Look, node: s.Node, name: str, type: str) -> Found:
