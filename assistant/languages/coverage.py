@@ -95,7 +95,7 @@ NAMED: Final[dict[type, str]] = {
 }
 """Constructs that do not begin with a word of the language."""
 
-_WORD: Final = re.compile(r"(?:\d+\s+)?([A-Za-z_]\w*)")
+_WORD: Final = re.compile(r"\s*(?:\d+\s+)?([A-Za-z_]\w*)")
 
 
 def _name(statement: p.Statement, text: str) -> str:

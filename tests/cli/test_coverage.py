@@ -70,3 +70,11 @@ def test_a_broken_program_is_said_to_be_broken(tmp_path: Path, capsys: Capture) 
     status, _, err = run(capsys, "coverage", str(file))
     assert status == 1
     assert "is missing" in err
+
+
+def test_rows_of_a_table_count_one_by_one(tmp_path: Path, capsys: Capture) -> None:
+    file = tmp_path / "m.mod"
+    target = "[[1,2,3],[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]"
+    rows = f"    MoveL {target},v100,fine,tool0;\n" * 20
+    file.write_text(f"MODULE m\n  PROC main()\n{rows}  ENDPROC\nENDMODULE\n")
+    assert table(capsys, str(file))["MoveL"] == (20, 0, 0)
