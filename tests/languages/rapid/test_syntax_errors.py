@@ -245,3 +245,9 @@ def test_long_rows_of_operators_are_read() -> None:
     again = RAPID.lower(RAPID.lift(tree))
     assert again == tree
     assert not [f for f in RAPID.check([tree]) if f.severity == "error"]
+
+
+def test_a_mistake_on_the_next_line_is_one_of_its_own() -> None:
+    body = "MoveL p1,v100,fine,tool0\nIF reg1 == 2 THEN\nSet do1;\nEND IF\n"
+    tree = RAPID.parse(f"MODULE m\nPROC main()\n{body}ENDPROC\nENDMODULE\n")
+    assert [finding.line for finding in tree.findings] == [3, 4, 6]

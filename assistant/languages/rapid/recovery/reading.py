@@ -210,7 +210,12 @@ class _Reading:
         if inside is not None:
             raise _Way(inside)
         self._lexer.state.line_ctr.char_pos = self.short.back(go_on)
-        line = self.text.find("\n", broken.words[broken.error].start)
+        place = broken.words[broken.error].start
+        if broken.error and go_on <= place:
+            before = broken.words[broken.error - 1].end
+            if "\n" in self.text[before:place]:  # what was missing stands on an earlier line
+                place = before
+        line = self.text.find("\n", place)
         ends = len(self.text) if line < 0 else line
         self._quiet_until = max(ends, go_on)
 
