@@ -85,19 +85,19 @@ class MelfaBasic(Language[File]):
         return layout(tree)
 
     def lift_trees(self, trees: Sequence[File], robot: Robot | None) -> Program:
-        from assistant.languages.melfa_basic.lift import lift
+        from assistant.languages.melfa_basic.lift.program import lift
 
         return lift(trees, robot)
 
     def adapt(
         self, program: Program, robot: Robot | None = None, *, most_targets: int | None = None
     ) -> Adapted:
-        from assistant.languages.melfa_basic.lower import adapt
+        from assistant.languages.melfa_basic.adapt.program import adapt
 
         return adapt(program, robot, self.name, most_targets)
 
     def build(self, program: Program, robot: Robot | None = None, unit: str | None = None) -> File:
-        from assistant.languages.melfa_basic.lower import build
+        from assistant.languages.melfa_basic.lower.program import build
 
         return build(program, robot, unit, self.name)
 

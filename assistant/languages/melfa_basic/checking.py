@@ -15,8 +15,8 @@ from assistant.languages.melfa_basic import printer, rules
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MVR, MoveRows, PositionRows
 from assistant.languages.melfa_basic.dialects import DIALECTS, LAST_STEP, Dialect
-from assistant.languages.melfa_basic.gathering import split_name
-from assistant.languages.melfa_basic.positions import Positions
+from assistant.languages.melfa_basic.lift.gathering import split_name
+from assistant.languages.melfa_basic.lift.positions import Positions
 from assistant.program.diagnostics import Diagnostic, Rule, Span
 
 MOST_ROWS: Final = 20
@@ -307,7 +307,7 @@ _PAIRS: Final = {
 
 
 def _opens(statement: s.Statement) -> str | None:
-    from assistant.languages.melfa_basic.blocks import opened
+    from assistant.languages.melfa_basic.lift.blocks import opened
 
     return opened(statement)
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from assistant import languages
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MoveRows, PositionRows
-from assistant.languages.melfa_basic.gathering import gathered, rows_as_lines
+from assistant.languages.melfa_basic.lift.gathering import gathered, rows_as_lines
 from assistant.languages.melfa_basic.parser import _line, parse
 from assistant.program.text import SourceText
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from assistant.languages.melfa_basic import poses
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import PositionRows
-from assistant.languages.melfa_basic.gathering import split_name
+from assistant.languages.melfa_basic.lift.gathering import split_name
 from assistant.program.geometry import UNUSED_AXIS, JointTarget, Pose, Target
 from assistant.program.path import UNSTATED, configuration_of
 

@@ -7,13 +7,14 @@ import math
 from collections.abc import Callable, Iterator
 from typing import Any, Final
 
-from assistant.languages.melfa_basic import blocks, poses, printer
+from assistant.languages.melfa_basic import poses, printer
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MoveRows
-from assistant.languages.melfa_basic.lift_expressions import SIGNALS, Meanings, Unliftable
-from assistant.languages.melfa_basic.lift_paths import Runs
+from assistant.languages.melfa_basic.lift import blocks
+from assistant.languages.melfa_basic.lift.expressions import SIGNALS, Meanings, Unliftable
+from assistant.languages.melfa_basic.lift.paths import Runs
+from assistant.languages.melfa_basic.lift.positions import joints_of, target_of
 from assistant.languages.melfa_basic.names import ARC_START
-from assistant.languages.melfa_basic.positions import joints_of, target_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import BASE, FLANGE, Pose

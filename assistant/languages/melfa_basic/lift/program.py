@@ -13,9 +13,9 @@ from assistant.languages.melfa_basic import poses
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MoveRows
 from assistant.languages.melfa_basic.header import Header
-from assistant.languages.melfa_basic.lift_expressions import Meanings
-from assistant.languages.melfa_basic.lift_statements import Reader
-from assistant.languages.melfa_basic.positions import Positions, joints_of, target_of
+from assistant.languages.melfa_basic.lift.expressions import Meanings
+from assistant.languages.melfa_basic.lift.positions import Positions, joints_of, target_of
+from assistant.languages.melfa_basic.lift.statements import Reader
 from assistant.program.expressions import Expression, JointValue, TargetValue
 from assistant.program.geometry import Frame, JointTarget, Target, Tool
 from assistant.program.program import Procedure, Program, Variable, identifier

@@ -13,15 +13,15 @@ from numpy.typing import NDArray
 from assistant.languages.melfa_basic import poses
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import KEYWORDS, MOV, MVR, MoveRows
-from assistant.languages.melfa_basic.gathering import rows_as_lines, split_name
+from assistant.languages.melfa_basic.lift.gathering import rows_as_lines, split_name
+from assistant.languages.melfa_basic.lift.positions import configurations
 from assistant.languages.melfa_basic.names import ARC_START
-from assistant.languages.melfa_basic.positions import configurations
 from assistant.program import statements as p
 from assistant.program.path import Kind, Path
 from assistant.program.program import identifier
 
 if TYPE_CHECKING:
-    from assistant.languages.melfa_basic.lift_statements import Reader
+    from assistant.languages.melfa_basic.lift.statements import Reader
 
 Ints = NDArray[np.int64]
 
@@ -90,7 +90,7 @@ class Runs:
         reader = self.reader
         if not isinstance(line, s.Line) or not isinstance(line.statement, s.Motion):
             return
-        from assistant.languages.melfa_basic.lift_expressions import Unliftable
+        from assistant.languages.melfa_basic.lift.expressions import Unliftable
 
         try:
             made += reader.move(line.statement)

@@ -1,0 +1,1 @@
+"""From the trees of MELFA-BASIC files to the pseudo-program."""
