@@ -13,10 +13,10 @@ from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MOV, MVR, MVS, MoveRows
 from assistant.languages.melfa_basic.dialects import Dialect
-from assistant.languages.melfa_basic.lower_expressions import Expressions, Unsayable, plain_number
+from assistant.languages.melfa_basic.lower.expressions import Expressions, Unsayable, plain_number
+from assistant.languages.melfa_basic.lower.settings import Settings, changes
 from assistant.languages.melfa_basic.names import ARC_START, Names
 from assistant.languages.melfa_basic.parser import statement as read_statement
-from assistant.languages.melfa_basic.settings import Settings, changes
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic

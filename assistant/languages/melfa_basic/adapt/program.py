@@ -12,8 +12,8 @@ import numpy as np
 from assistant.languages.language import Adapted
 from assistant.languages.melfa_basic import poses, rules
 from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.adapt_expressions import plain_expression, plain_statement
-from assistant.languages.melfa_basic.adapt_paths import (
+from assistant.languages.melfa_basic.adapt.expressions import plain_expression, plain_statement
+from assistant.languages.melfa_basic.adapt.paths import (
     MOST_TARGETS,
     joint_percent,
     plain_path,
@@ -127,7 +127,7 @@ class Context:
         return replace(target, configuration=configuration)
 
     def _in_reach(self, name: str, target: Target) -> Target:
-        from assistant.languages.melfa_basic.adapt_paths import MISS, SAME, over_the_back
+        from assistant.languages.melfa_basic.adapt.paths import MISS, SAME, over_the_back
         from assistant.robots import five_axis
 
         position = np.array([target.pose.position])
@@ -149,12 +149,12 @@ def adapt(
     program: Program, robot: Robot | None, dialect_name: str, most_targets: int | None = None
 ) -> Adapted:
     """The program in this dialect's terms; idempotent."""
-    from assistant.languages.melfa_basic.build import Unit, steps
+    from assistant.languages.melfa_basic.lower.program import Unit, steps
     from assistant.languages.melfa_basic.names import naming
 
     context = Context(program, DIALECTS[dialect_name], robot)
     if context.five_axis:
-        from assistant.languages.melfa_basic.adapt_paths import in_base
+        from assistant.languages.melfa_basic.adapt.paths import in_base
 
         program = context.program = in_base(context, program)
     adapted = _declared(context, program)
@@ -454,7 +454,7 @@ def mapped(
 
 def _shared(program: Program) -> Iterable[Diagnostic]:
     """Variables that several programs use, which each of them would have for itself."""
-    from assistant.languages.melfa_basic.writer import mentioned
+    from assistant.languages.melfa_basic.lower.statements import mentioned
 
     units: dict[str | None, set[str]] = {}
     for procedure in program.procedures:

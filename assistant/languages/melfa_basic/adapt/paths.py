@@ -22,7 +22,7 @@ from assistant.program.program import Procedure, Program, identifier, walk
 from assistant.robots.configurations import BACK
 
 if TYPE_CHECKING:
-    from assistant.languages.melfa_basic.adapt import Context
+    from assistant.languages.melfa_basic.adapt.program import Context
     from assistant.robots import Robot
 
 MOST_TARGETS: Final = 30_000
@@ -202,7 +202,7 @@ def in_base(context: Context, program: Program) -> Program:
     frames = {n.lower(): f.pose for n, f in program.frames.items()}
     used: dict[str, str] = {}
     targets = dict(program.targets)
-    from assistant.languages.melfa_basic.adapt import mapped
+    from assistant.languages.melfa_basic.adapt.program import mapped
 
     def moved(target: Target, pose: Pose) -> Target:
         return replace(target, pose=pose @ target.pose)
@@ -279,7 +279,7 @@ def split(context: Context, procedure: Procedure, most: int) -> Iterator[Procedu
     parts: list[Procedure] = []
     taken = {q.name for q in context.program.procedures}
     taken |= {q.unit for q in context.program.procedures if q.unit}
-    from assistant.languages.melfa_basic.adapt import mapped
+    from assistant.languages.melfa_basic.adapt.program import mapped
 
     lone = procedure.unit is not None and len(procedure.body) == 1
 

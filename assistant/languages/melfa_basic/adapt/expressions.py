@@ -14,7 +14,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 
 if TYPE_CHECKING:
-    from assistant.languages.melfa_basic.adapt import Context
+    from assistant.languages.melfa_basic.adapt.program import Context
 
 OPPOSITE: Final[dict[str, Any]] = {
     "=": "<>", "<>": "=", "<": ">=", ">=": "<", ">": "<=", "<=": ">", "and": "or", "or": "and",
@@ -53,7 +53,7 @@ def plain_expression(context: Context, value: e.Expression) -> e.Expression:
         case e.TargetValue(target=target):
             return e.TargetValue(context.target("a target", target))
         case e.JointValue(target=target):
-            from assistant.languages.melfa_basic.adapt import _joints
+            from assistant.languages.melfa_basic.adapt.program import _joints
 
             return e.JointValue(_joints(context, "a joint target", target))
     return value
@@ -144,7 +144,7 @@ def _waiting(context: Context, node: p.Statement) -> p.Statement:
 def _plain_opaque(context: Context, node: p.Opaque) -> p.Opaque:
     """The vendor text in its canonical layout, if this language has it."""
     from assistant.languages.melfa_basic import printer
-    from assistant.languages.melfa_basic.writer import opaque_line
+    from assistant.languages.melfa_basic.lower.statements import opaque_line
 
     line = opaque_line(node, context.dialect)
     if line is None:

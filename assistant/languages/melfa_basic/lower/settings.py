@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.dialects import Dialect
-from assistant.languages.melfa_basic.lower_expressions import numeric
+from assistant.languages.melfa_basic.lower.expressions import numeric
 from assistant.languages.melfa_basic.names import Names
 from assistant.program.motion import Blend, Speed
 

@@ -1,0 +1,1 @@
+"""An adapted pseudo-program as trees of MELFA-BASIC."""
