@@ -11,9 +11,10 @@ from __future__ import annotations
 
 import enum
 import string
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Any, Final, Self
 
 
 class Severity(enum.StrEnum):
@@ -149,6 +150,47 @@ def worst(findings: Iterable[Diagnostic]) -> Severity | None:
 
 def has_errors(findings: Iterable[Diagnostic]) -> bool:
     return any(f.severity is Severity.ERROR for f in findings)
+
+
+class Findings(list[Diagnostic]):
+    """Findings in the order in which they are made, each at the part of the source at hand."""
+
+    _span: Span | None = None
+
+    @contextmanager
+    def at(self, span: Span | None) -> Iterator[None]:
+        """Findings that are added in here stand at the span; with None, at the one around it.
+
+        A span of their own would be one in a fragment of text, and is left out.
+        """
+        before, self._span = self._span, span or self._span
+        try:
+            yield
+        finally:
+            self._span = before
+
+    def append(self, finding: Diagnostic) -> None:
+        super().append(self._placed(finding))
+
+    def extend(self, findings: Iterable[Diagnostic]) -> None:
+        super().extend(map(self._placed, findings))
+
+    def __iadd__(self, findings: Iterable[Diagnostic]) -> Self:
+        self.extend(findings)
+        return self
+
+    def _placed(self, finding: Diagnostic) -> Diagnostic:
+        if self._span is None:
+            return finding
+        return replace(
+            finding,
+            span=self._span,
+            line=None,
+            column=None,
+            excerpt=None,
+            end_line=None,
+            end_column=None,
+        )
 
 
 MOST_PLACES: Final = 3

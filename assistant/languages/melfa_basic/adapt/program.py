@@ -24,7 +24,7 @@ from assistant.languages.melfa_basic.dialects import DIALECTS, LAST_STEP, Dialec
 from assistant.program import expressions as e
 from assistant.program import rotations
 from assistant.program import statements as p
-from assistant.program.diagnostics import Diagnostic, fold
+from assistant.program.diagnostics import Diagnostic, Findings
 from assistant.program.geometry import BASE, FLANGE, IDENTITY, Frame, JointTarget, Target, Tool
 from assistant.program.motion import Blend, Speed
 from assistant.program.path import configuration_of, configuration_row
@@ -45,7 +45,7 @@ class Context:
 
     def __init__(self, program: Program, dialect: Dialect, robot: Robot | None) -> None:
         self.program, self.dialect, self.robot = program, dialect, robot
-        self.findings: list[Diagnostic] = []
+        self.findings = Findings()
         self.unstated = 0
         self.named = 0
 
@@ -181,7 +181,7 @@ def adapt(
         context.findings.append(rules.NO_CONFIGURATION(count=context.unstated))
     if context.named:
         context.findings.append(rules.NAMED(count=context.named))
-    return Adapted(adapted, fold(context.findings))
+    return Adapted(adapted, tuple(context.findings))
 
 
 def too_long(code: Iterable[s.Item], dialect: Dialect) -> Iterable[Diagnostic]:
@@ -333,7 +333,9 @@ def _body(
     context: Context, body: tuple[p.Statement, ...], entry: bool, selects: int
 ) -> Iterable[p.Statement]:
     for statement in body:
-        yield from _statement(context, statement, entry, selects)
+        with context.findings.at(statement.span):
+            for made in _statement(context, statement, entry, selects):
+                yield made if made.span else replace(made, span=statement.span)
 
 
 def _statement(

@@ -19,7 +19,7 @@ from assistant.languages.melfa_basic.names import ARC_START, Names
 from assistant.languages.melfa_basic.parser import statement as read_statement
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Diagnostic
+from assistant.program.diagnostics import Diagnostic, Findings
 from assistant.program.motion import Blend, Speed
 from assistant.program.path import Kind, Path
 from assistant.program.program import Procedure, Program
@@ -47,7 +47,7 @@ class Writer:
         self.program, self.dialect, self.names, self.unit = program, dialect, names, unit
         self.items: list[s.Item] = []
         self.paths: list[tuple[int, Path]] = []
-        self.findings: list[Diagnostic] = []
+        self.findings = Findings()
         self.state = Settings()
         self.previous: tuple[str, str, str] | None = None
         """Position variable, tool and frame of the move before, if that is known."""
@@ -125,7 +125,7 @@ class Writer:
 
     def body(self, statements: tuple[p.Statement, ...]) -> None:
         for statement in statements:
-            with self.saying():
+            with self.findings.at(statement.span), self.saying():
                 STATEMENTS[type(statement)](self, statement)
 
     # ---------------------------------------------------------------------------- moves

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from assistant.languages.rapid import rules
-from assistant.program.diagnostics import Diagnostic
+from assistant.program import diagnostics
 
 
-class Findings(list[Diagnostic]):
-    """In the order in which they are found."""
+class Findings(diagnostics.Findings):
+    """At the statements that they are about."""
 
     def changed(self, what: str, instead: str, hint: str, place: str | None = None) -> None:
         self.append(rules.CHANGED(what=what, instead=instead, hint=hint, place=place))

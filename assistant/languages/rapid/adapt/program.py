@@ -25,7 +25,7 @@ from assistant.languages.rapid.sequences import with_paths
 from assistant.languages.rapid.signals import uses, with_used
 from assistant.languages.rapid.tables import LONGEST_NAME, MOST_TARGETS
 from assistant.program import statements as p
-from assistant.program.diagnostics import Refused, fold, has_errors
+from assistant.program.diagnostics import Refused, has_errors
 from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import map_bodies
@@ -44,7 +44,7 @@ def adapt(program: Program, most_targets: int | None = None) -> Adapted:
     except Refused as refused:
         findings += refused.findings
         adapted = program
-    return Adapted(adapted, fold(findings))
+    return Adapted(adapted, tuple(findings))
 
 
 def _sayable(program: Program, findings: Findings) -> Program:

@@ -63,11 +63,16 @@ class StatementAdapter:
     def _body(self, body: tuple[p.Statement, ...]) -> tuple[p.Statement, ...]:
         out: list[p.Statement] = []
         for statement in body:
-            change = CHANGES.get(type(statement))
-            statement = map_head(map_bodies(statement, self._body), self._expression)
-            statement = with_conditions(statement, self.known)
-            out += [statement] if change is None else change(self, statement)
+            with self.findings.at(statement.span):
+                out += self._statement(statement)
         return tuple(out)
+
+    def _statement(self, statement: p.Statement) -> Changed:
+        change = CHANGES.get(type(statement))
+        node = map_head(map_bodies(statement, self._body), self._expression)
+        node = with_conditions(node, self.known)
+        made = [node] if change is None else change(self, node)
+        return [x if x.span else replace(x, span=statement.span) for x in made]
 
 
 def sayable_comment(text: str, findings: Findings) -> str:

@@ -16,6 +16,7 @@ from assistant.languages.rapid.lower.statements import Body
 from assistant.languages.rapid.naming import Naming, naming, spelt
 from assistant.languages.rapid.tables import TYPE_OF_VALUE
 from assistant.program import statements as p
+from assistant.program.diagnostics import Refused
 from assistant.program.program import Parameter, Procedure, Program, walk
 
 
@@ -68,11 +69,14 @@ def _routine(procedure: Procedure, program: Program, names: Naming) -> s.Routine
     variables = [
         variable_node(spelt(inner, n), v, body.expressions) for n, v in procedure.variables.items()
     ]
+    made = gathered([*variables, *body.statements(statements)])
+    if body.findings:
+        raise Refused(*body.findings)
     return s.Routine(
         "PROC" if procedure.result is None else "FUNC",
         procedure.local,
         names.get("procedures", procedure.name),
-        gathered([*variables, *body.statements(statements)]),
+        made,
         "" if procedure.result is None else TYPE_OF_VALUE[procedure.result],
         tuple(_parameter(q, spelt(inner, q.name)) for q in procedure.parameters),
         handlers,

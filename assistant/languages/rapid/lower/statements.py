@@ -16,13 +16,15 @@ from assistant.languages.rapid.naming import Naming, spelt
 from assistant.languages.rapid.tables import GRIPPER_SIGNAL, GRIPPER_VALUE, LOADED_FROM, SPEED_CAP
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.diagnostics import Findings, Refused
 from assistant.program.program import Procedure, Program
 
 
 class Body:
-    """What the statements of one procedure are lowered with; raises Refused as it goes.
+    """What the statements of one procedure are lowered with.
 
-    names: of the whole program. expressions: as they are seen in the procedure.
+    names: of the whole program. expressions: as they are seen in the procedure. findings: why
+    statements were left out.
     """
 
     def __init__(self, program: Program, names: Naming, procedure: Procedure) -> None:
@@ -34,10 +36,15 @@ class Body:
         self.lower = self.expressions.lower
         self.known = kinds(program, procedure)
         self.signals = {n.lower(): g for n, g in program.signals.items()}
+        self.findings = Findings()
 
     def statements(self, body: tuple[p.Statement, ...]) -> Iterator[s.StatementNode]:
         for statement in body:
-            yield from STATEMENTS[type(statement)](self, statement)
+            with self.findings.at(statement.span):
+                try:
+                    yield from STATEMENTS[type(statement)](self, statement)
+                except Refused as refused:
+                    self.findings += refused.findings
 
     def block(self, body: tuple[p.Statement, ...]) -> tuple[Any, ...]:
         return gathered(self.statements(body))
