@@ -1,44 +1,106 @@
-"""What MELFA-BASIC IV, V and VI do differently: one table, read by everything else."""
+"""What MELFA-BASIC IV, V and VI do differently: one table, read by everything else.
+
+Which statements, functions and status variables each has is in `vocabulary`.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 
-@dataclass(frozen=True, slots=True)
-class Dialect:
-    """One version of the language.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Nesting:
+    """How deep each construct may stand inside its like (CR1D 4-151, 4-159, 4-208, COSIROP)."""
 
-    level: a program of a lower one is accepted by a higher one as it stands.
-    upper: keywords are written in upper case. step: between step numbers that are written.
-    names, labels: most characters of a variable name and a label that is written.
-    longest: most characters that are accepted in what others wrote.
-    line: most bytes of a step without its line end.
-    blocks: `If … Then` may stand alone, up to `EndIf`. breaks: `Break` exists.
-    wide_wait: `Wait` takes any condition, not only `variable = constant`.
-    nested_select: a `Select` may stand inside another. functions: `Function … FEnd` exists.
-    inverse_sines: `ASin` and `ACos` exist.
-    groups: bits of a signal group → (input, output) status variable.
-    """
+    loops: int = 16
+    """`For` and `While` together."""
+    blocks: int = 8
+    """`If … EndIf`."""
+    calls: int = 8
+    """`CallP` that has not come back."""
+    gosubs: int = 800
+    """`GoSub` that has not come back."""
+    brackets: int = 16
+    """Values that wait while an expression is worked out."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Dialect:
+    """One version of the language. A source in brackets is a manual or tool of the maker."""
 
     name: str
     title: str
+    controllers: str
     level: int
+    """A program of a lower one is accepted by a higher one as it stands [CR1D 4-130]."""
+
+    # ------------------------------------------------------------------------- lines
     upper: bool
+    """Keywords are written in upper case; all three read both cases [COSIROP, CR1D 4.3.6]."""
     step: int
-    names: int
-    labels: int
-    longest: int
+    """Between step numbers that are written: the first one, too [COSIROP, RT ToolBox]."""
+    steps_needed: bool
+    """A source without step numbers is refused; RT ToolBox numbers the lines that it is given."""
     line: int
+    """Most bytes of a step without its line end [COSIROP, CR1D: 127]. For V and VI no limit is
+    published: programs with 204 bytes exist, and the link to the controller carries 255."""
+    labelled_statements: bool
+    """`*NAME:statement` on one step [CR1D 4.3.5]."""
+    line_targets: bool
+    """Jumps may name a step number. V and VI read it, their tools renumber steps [CR1D 4-208]."""
+
+    # ------------------------------------------------------------------------- names
+    names: int
+    """Most characters of a variable's name that is written [CR1D: 8; CR750 4-136]."""
+    labels: int
+    """Most characters of a label that is written [CR1D 4.3.5: 8]."""
+    longest: int
+    """Most characters of names and labels that others wrote. No manual states it for V and VI."""
+    label_underscores: bool
+    """`_` from the third character of a label [CR750]; before only as `L_`, a shared label."""
+    suffixes: str
+    """Type marks behind a name: text, 16 bit, 32 bit, single, double [CR750 4-394]."""
+    long_integers: bool
+    """`Def Long` and the mark `&` [RT ToolBox]."""
+
+    # -------------------------------------------------------------------- statements
     blocks: bool
+    """`If … Then` may stand alone, up to `EndIf` [CR1D 4-208]."""
     breaks: bool
+    """`Break` leaves If, For and While; out of a Select it leads in every version [CR1D 4-208]."""
     wide_wait: bool
+    """`Wait` takes any condition, not only `variable = constant` [COSIROP, RT ToolBox]."""
     nested_select: bool
+    """A `Select` may stand inside another [COSIROP]."""
+    singular_type: bool
+    """`Type c,2`: through a singular point [RT ToolBox]."""
+    fine_distance: bool
+    """`Fine mm,P` and `Fine deg,J` beside pulses [RT ToolBox]."""
+    numbered_frames: bool
+    """`Tool 1` and `Base 1` pick stored ones [RT ToolBox]."""
+    constants: bool
+    """`Const` [RT ToolBox]."""
+    shortest_wait: float
+    """Seconds that `Dly` waits at least [COSIROP]; V counts in hundredths."""
+
+    # -------------------------------------------------------------------- procedures
     functions: bool
+    """`Function … FEnd`, called by name [RT ToolBox]."""
+    references: bool
+    """`ByVal` and `ByRef` before a parameter [RT ToolBox]."""
+    includes: bool
+    """`#Include` of another program [RT ToolBox]."""
+    statics: bool
+    """`Static` before a definition [RT ToolBox]."""
+
+    # ------------------------------------------------------------------------ values
     inverse_sines: bool
+    """`ASin` and `ACos` exist [RT ToolBox]."""
     groups: Mapping[int, tuple[str, str]]
+    """Bits of a signal group → (input, output) status variable."""
+    nesting: Nesting
 
 
 LAST_STEP: Final = 32767
@@ -50,23 +112,83 @@ PROGRAM_NAME: Final = 12
 EMITTED_LINE: Final = 120
 """Bytes that a written line stays under, in every dialect."""
 
-_OLD = {8: ("M_INB", "M_OUTB"), 16: ("M_INW", "M_OUTW")}
-_NEW = {8: ("M_In8", "M_Out8"), 16: ("M_In16", "M_Out16"), 32: ("M_In32", "M_Out32")}
+FOUR: Final = Dialect(
+    name="melfa-basic-4",
+    title="MELFA-BASIC IV",
+    controllers="CR1 to CR9 (CRn-500)",
+    level=4,
+    upper=True,
+    step=10,
+    steps_needed=True,
+    line=127,
+    labelled_statements=False,
+    line_targets=True,
+    names=8,
+    labels=8,
+    longest=8,
+    label_underscores=False,
+    suffixes="$%!#",
+    long_integers=False,
+    blocks=False,
+    breaks=False,
+    wide_wait=False,
+    nested_select=False,
+    singular_type=False,
+    fine_distance=False,
+    numbered_frames=False,
+    constants=False,
+    shortest_wait=0.05,
+    functions=False,
+    references=False,
+    includes=False,
+    statics=False,
+    inverse_sines=False,
+    groups={8: ("M_INB", "M_OUTB"), 16: ("M_INW", "M_OUTW")},
+    nesting=Nesting(calls=7),
+)
 
-DIALECTS: Final = {
-    d.name: d
-    for d in (
-        Dialect(
-            "melfa-basic-4", "MELFA-BASIC IV", 4, True, 10, 8, 8, 8, 127,
-            False, False, False, False, False, False, _OLD,
-        ),
-        Dialect(
-            "melfa-basic-5", "MELFA-BASIC V", 5, False, 1, 16, 16, 40, 240,
-            True, True, True, True, False, True, _NEW,
-        ),
-        Dialect(
-            "melfa-basic-6", "MELFA-BASIC VI", 6, False, 1, 16, 16, 40, 240,
-            True, True, True, True, True, True, _NEW,
-        ),
-    )
-}  # fmt: skip
+FIVE: Final = replace(
+    FOUR,
+    name="melfa-basic-5",
+    title="MELFA-BASIC V",
+    controllers="CRnD-700, CRnQ-700, CR750, CR751",
+    level=5,
+    upper=False,
+    step=1,
+    steps_needed=False,
+    line=240,
+    labelled_statements=True,
+    line_targets=False,
+    names=16,
+    labels=16,
+    longest=40,
+    label_underscores=True,
+    suffixes="$%&!#",
+    long_integers=True,
+    blocks=True,
+    breaks=True,
+    wide_wait=True,
+    nested_select=True,
+    singular_type=True,
+    fine_distance=True,
+    numbered_frames=True,
+    constants=True,
+    shortest_wait=0.01,
+    inverse_sines=True,
+    groups={8: ("M_In8", "M_Out8"), 16: ("M_In16", "M_Out16"), 32: ("M_In32", "M_Out32")},
+    nesting=Nesting(),
+)
+
+SIX: Final = replace(
+    FIVE,
+    name="melfa-basic-6",
+    title="MELFA-BASIC VI",
+    controllers="CR800",
+    level=6,
+    functions=True,
+    references=True,
+    includes=True,
+    statics=True,
+)
+
+DIALECTS: Final = {dialect.name: dialect for dialect in (FOUR, FIVE, SIX)}

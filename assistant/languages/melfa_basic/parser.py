@@ -11,6 +11,7 @@ from typing import Any, Final
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MoveRows, PositionRows, rows_at
+from assistant.languages.melfa_basic.vocabulary import Role, words
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.text import SourceText
 from assistant.resources import read_grammar
@@ -123,7 +124,18 @@ def _grammar() -> Any:
     from lark import Lark
 
     grammar = read_grammar("melfa_basic.lark")
+    roles: tuple[Role, ...] = ("motion", "command")
+    for role in roles:
+        any_of = "|".join(sorted(map(_spaced, words(role)), key=len, reverse=True))
+        grammar += f"\n{role.upper()}.3: /({any_of})(?![A-Z0-9_])" + (
+            "|mxt(?=[0-9])/i" if role == "command" else "/i"
+        )
+    grammar = grammar.replace("%declare MOTION COMMAND", "")
     return Lark(grammar, start=["line", "data"], parser="lalr", maybe_placeholders=True)
+
+
+def _spaced(word: str) -> str:
+    return "end[ \\t]?if" if word == "EndIf" else word.replace(" ", "[ \\t]+")
 
 
 @cache
