@@ -94,7 +94,7 @@ def _read(text: str) -> s.Line | s.Data | tuple[int, str]:
 
     try:
         start = "data" if _DECLARED.match(text) else "line"
-        line: s.Line | s.Data = _nodes().transform(_grammar().parse(text, start=start))
+        line: s.Line | s.Data = _nodes().transform(grammar().parse(text, start=start))
     except UnexpectedInput as error:
         return max(error.pos_in_stream or 0, 0) if _placed(error) else len(text), _reason(error)
     except RecursionError:
@@ -120,18 +120,19 @@ def _reason(error: Any) -> str:
 
 
 @cache
-def _grammar() -> Any:
+def grammar() -> Any:
+    """The parser of one code line (start rule `line`) or variable line (`data`)."""
     from lark import Lark
 
-    grammar = read_grammar("melfa_basic.lark")
+    text = read_grammar("melfa_basic.lark")
     roles: tuple[Role, ...] = ("motion", "command")
     for role in roles:
         any_of = "|".join(sorted(map(_spaced, words(role)), key=len, reverse=True))
-        grammar += f"\n{role.upper()}.3: /({any_of})(?![A-Z0-9_])" + (
+        text += f"\n{role.upper()}.3: /({any_of})(?![A-Z0-9_])" + (
             "|mxt(?=[0-9])/i" if role == "command" else "/i"
         )
-    grammar = grammar.replace("%declare MOTION COMMAND", "")
-    return Lark(grammar, start=["line", "data"], parser="lalr", maybe_placeholders=True)
+    text = text.replace("%declare MOTION COMMAND", "")
+    return Lark(text, start=["line", "data"], parser="lalr", maybe_placeholders=True)
 
 
 def _spaced(word: str) -> str:
