@@ -127,7 +127,7 @@ def grammar() -> Any:
     text = read_grammar("melfa_basic.lark")
     roles: tuple[Role, ...] = ("motion", "command")
     for role in roles:
-        others = [word for word in words(role) if f"\n{word.upper()}.3:" not in grammar]
+        others = [word for word in words(role) if f"\n{word.upper()}.3:" not in text]
         any_of = "|".join(sorted(map(_spaced, others), key=len, reverse=True))
         text += f"\n{role.upper()}.3: /({any_of})(?![A-Z0-9_])" + (
             "|mxt(?=[0-9])/i" if role == "command" else "/i"
