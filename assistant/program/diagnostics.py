@@ -33,6 +33,11 @@ class Span:
     end: int
 
 
+def over(first: Span | None, last: Span | None) -> Span | None:
+    """From the begin of one to the end of the other, None if one of them is not known."""
+    return Span(first.start, last.end) if first and last else None
+
+
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
     """One finding.
@@ -175,7 +180,7 @@ class Findings(list[Diagnostic]):
     def extend(self, findings: Iterable[Diagnostic]) -> None:
         super().extend(map(self._placed, findings))
 
-    def __iadd__(self, findings: Iterable[Diagnostic]) -> Self:
+    def __iadd__(self, findings: Iterable[Diagnostic]) -> Self:  # type: ignore[override, misc]
         self.extend(findings)
         return self
 

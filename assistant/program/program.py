@@ -7,13 +7,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, Final, Literal
 
-from assistant.program.diagnostics import Rule, Severity
+from assistant.program.diagnostics import Rule, Severity, Span
 from assistant.program.expressions import Expression
 from assistant.program.geometry import Frame, JointTarget, Target, Tool
 from assistant.program.motion import Blend, Speed
 from assistant.program.statements import (
     For,
     If,
+    Spanned,
     Statement,
     Switch,
     While,
@@ -92,6 +93,7 @@ class Procedure:
 
     unit: the program unit (module, program file) that holds it; None for the main one. A
     program longer than a controller takes is spread over units that are loaded when called.
+    span: where in a source text it stood; not part of what it says.
     """
 
     name: str
@@ -101,10 +103,11 @@ class Procedure:
     result: ValueType | None = None
     unit: str | None = None
     local: bool = False
+    span: Span | None = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True)
-class Declaration:
+class Declaration(Spanned):
     """A declaration that only one vendor language can say, as its text."""
 
     language: str

@@ -245,7 +245,7 @@ class _Whiles:
                     as_while = self.as_while(x, procedure)
                     place = f"{procedure.name}, `for {x.variable}`"
                     if as_while is None:
-                        found = rules.COUNTER(name=x.variable, why=why, place=place)
+                        found = rules.COUNTER(name=x.variable, why=why, place=place, span=x.span)
                         self.found[place, "refused"] = found
                     else:
                         self.found[place, "changed"] = rules.CHANGED(
@@ -254,6 +254,7 @@ class _Whiles:
                             hint="a loop of RAPID has a variable of its own; "
                             "use another name if that is meant",
                             place=place,
+                            span=x.span,
                         )
                         self.changed = True
                         out += as_while

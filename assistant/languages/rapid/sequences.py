@@ -12,6 +12,7 @@ import numpy as np
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.diagnostics import over
 from assistant.program.geometry import Target
 from assistant.program.path import Kind, Path, configuration_row
 from assistant.program.program import Program, bodies
@@ -104,7 +105,7 @@ class _Gatherer:
         if count < 2 or (len(held) == 1 and isinstance(held[0], p.Follow)):
             return held
         paths = [self.path(statement) for statement in held]
-        return [p.Follow(join(paths[0].name, paths), span=held[0].span)]
+        return [p.Follow(join(paths[0].name, paths), span=over(held[0].span, held[-1].span))]
 
     def path(self, statement: p.Statement) -> Path:
         match statement:

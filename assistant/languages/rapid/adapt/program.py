@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from assistant.languages.language import Adapted
-from assistant.languages.rapid import rules
+from assistant.languages.rapid import rules, verbatim
 from assistant.languages.rapid.adapt.data import (
     sayable_frame,
     sayable_joints,
@@ -39,8 +39,7 @@ def adapt(program: Program, most_targets: int | None = None) -> Adapted:
         findings += loops
         adapted = split(with_paths(adapted), most_targets or MOST_TARGETS, findings)
         _find_names(adapted, findings)
-        if not has_errors(findings):
-            _find_unbuildable(adapted, findings)
+        _find_unbuildable(adapted, findings)
     except Refused as refused:
         findings += refused.findings
         adapted = program
@@ -48,6 +47,12 @@ def adapt(program: Program, most_targets: int | None = None) -> Adapted:
 
 
 def _sayable(program: Program, findings: Findings) -> Program:
+    for declaration in program.declarations:
+        if declaration.language != verbatim.LANGUAGE:
+            with findings.at(declaration.span):
+                findings.append(
+                    rules.OTHER_LANGUAGE(language=declaration.language, text=declaration.text[:60])
+                )
     motions = Motions(program, findings)
     targets = {n: sayable_target(t, n, findings) for n, t in program.targets.items()}
     joints = {n: sayable_joints(t, n, findings) for n, t in program.joint_targets.items()}
@@ -93,13 +98,14 @@ def _find_names(program: Program, findings: Findings) -> None:
 
 def _find_unbuildable(program: Program, findings: Findings) -> None:
     """A finding for each procedure or declaration that cannot be built."""
-    empty = replace(program, procedures=())
-    for tried in (empty, *(_alone(program, q) for q in program.procedures)):
+    data = [] if has_errors(findings) else [replace(program, procedures=())]
+    for tried in (*data, *(_alone(program, q) for q in program.procedures)):
         try:
             for unit in (None, *units(tried)):
                 build(tried, unit)
         except Refused as refused:
-            findings += refused.findings
+            known = {(f.code, f.message, f.span) for f in findings}
+            findings += [f for f in refused.findings if (f.code, f.message, f.span) not in known]
 
 
 def _alone(program: Program, procedure: Procedure) -> Program:

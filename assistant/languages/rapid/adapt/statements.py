@@ -37,6 +37,10 @@ class StatementAdapter:
         self._expression = partial(sayable_expression, findings=findings)
 
     def procedure(self, procedure: Procedure) -> Procedure:
+        with self.findings.at(procedure.span):
+            return self._procedure(procedure)
+
+    def _procedure(self, procedure: Procedure) -> Procedure:
         self.known = kinds(self.program, procedure)
         variables = {
             n: sayable_variable(v, n, self.findings) for n, v in procedure.variables.items()

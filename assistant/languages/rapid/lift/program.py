@@ -101,7 +101,7 @@ class _Lift:
                 case s.Data() if self.data.holds(item):
                     pass
                 case _:
-                    self.declarations.append(Declaration(verbatim.LANGUAGE, verbatim.of_item(item)))
+                    self.declarations.append(_declaration(item))
             self.comments += pending
             pending = []
         self.comments += pending
@@ -121,7 +121,7 @@ class _Lift:
             or (node.kind == "FUNC" and result is None)
             or any(isinstance(inner, s.TargetRunNode) for inner in node.body)
         ):
-            return Declaration(verbatim.LANGUAGE, verbatim.of_item(node))
+            return _declaration(node)
         variables: dict[str, Variable] = {}
         foreign: list[p.Opaque] = []
         for inner in node.body:
@@ -142,7 +142,9 @@ class _Lift:
             ),
         )
         name = self.original(node.name)
-        return Procedure(name, body, parameters, variables, result, unit, node.local)
+        return Procedure(
+            name, body, parameters, variables, result, unit, node.local, span=node.span
+        )
 
     def parameters(self, node: s.Routine) -> tuple[Parameter, ...] | None:
         """Those of a routine, None if the pseudo-program has none of the kind of one."""
@@ -157,3 +159,7 @@ class _Lift:
                 mode: Any = "inout" if q.mode else "in"
                 found.append(Parameter(self.original(q.name), type, mode))
         return tuple(found)
+
+
+def _declaration(item: s.Item) -> Declaration:
+    return Declaration(verbatim.LANGUAGE, verbatim.of_item(item), span=item.span)

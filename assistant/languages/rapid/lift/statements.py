@@ -17,7 +17,7 @@ from assistant.languages.rapid.standard import INSTRUCTIONS, OF_OPTIONS
 from assistant.languages.rapid.tables import LOADED_FROM
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Refused, Span
+from assistant.program.diagnostics import Refused, over
 from assistant.program.program import Program
 
 _STANDARD: Final = INSTRUCTIONS | OF_OPTIONS
@@ -135,13 +135,9 @@ class StatementLift:
                 ):
                     return None
                 unit = self._original(module)
-                return p.Call(self._original(name), given, unit, span=_over(first, last))
+                return p.Call(self._original(name), given, unit, span=over(first.span, last.span))
         return None
 
 
 def opaque(node: s.StatementNode) -> p.Opaque:
     return p.Opaque(verbatim.LANGUAGE, verbatim.of_statement(node), span=node.span)
-
-
-def _over(first: s.Node, last: s.Node) -> Span | None:
-    return Span(first.span.start, last.span.end) if first.span and last.span else None
