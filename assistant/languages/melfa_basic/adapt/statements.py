@@ -1,0 +1,212 @@
+"""Statements in the form that their text is read back as."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant.languages.melfa_basic import printer, rules
+from assistant.languages.melfa_basic.adapt.data import plain_variables
+from assistant.languages.melfa_basic.adapt.expressions import plain_expression
+from assistant.languages.melfa_basic.adapt.paths import plain_path
+from assistant.languages.melfa_basic.lower.statements import opaque_line
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.program import Procedure
+from assistant.program.rewriting import Body, map_bodies, map_head
+
+if TYPE_CHECKING:
+    from assistant.languages.melfa_basic.adapt.context import Context
+
+MOST_COMMENT: Final = 100
+"""Bytes of a comment line that is written."""
+
+
+def plain_procedure(context: Context, procedure: Procedure) -> Procedure:
+    """The procedure with its statements in plain form."""
+    context.enter(procedure)
+    body = _Plain(context, context.is_entry(procedure)).body(procedure.body)
+    while (
+        body and body[-1] in (p.Return(), p.Stop(end=True)) and _ends(body[-1], context, procedure)
+    ):
+        body = body[:-1]
+    return replace(
+        procedure,
+        body=body,
+        local=False,
+        variables=plain_variables(context, procedure.variables),
+    )
+
+
+def _ends(node: p.Statement, context: Context, procedure: Procedure) -> bool:
+    """Whether the statement says what the end of the procedure says by itself."""
+    return isinstance(node, p.Stop) == context.is_entry(procedure)
+
+
+def comment_lines(text: str) -> list[str]:
+    """A comment in lines that fit a step; control characters become blanks."""
+    plain = "".join(c if c.isprintable() else " " for c in text).strip()
+    lines: list[str] = []
+    while len(plain.encode("utf-8")) > MOST_COMMENT:
+        most = MOST_COMMENT
+        while len(plain[:most].encode("utf-8")) > MOST_COMMENT:
+            most -= 1
+        cut = plain.rfind(" ", most // 2, most)
+        cut = most if cut < 0 else cut
+        lines.append(plain[:cut].strip())
+        plain = plain[cut:].strip()
+    return [*lines, plain]
+
+
+class _Plain:
+    """The statements of one procedure. selects: how many `Switch` are around the place."""
+
+    def __init__(self, context: Context, entry: bool) -> None:
+        self.context, self.entry = context, entry
+        self.selects = 0
+
+    def body(self, body: Body) -> Body:
+        made: list[p.Statement] = []
+        for node in body:
+            with self.context.findings.at(node.span):
+                made += (x if x.span else replace(x, span=node.span) for x in self.statement(node))
+        return tuple(made)
+
+    def statement(self, node: p.Statement) -> Iterable[p.Statement]:
+        node = map_head(node, lambda x: plain_expression(self.context, x, deep=False))
+        change = CHANGES.get(type(node))
+        if change is not None:
+            return change(self, node)
+        return (map_bodies(node, self.body),)
+
+    # --------------------------------------------------------------------------- moves
+
+    def move(self, node: Any) -> Iterator[p.Statement]:
+        joint = isinstance(node, p.MoveJoints) or getattr(node, "kind", "") == "joint"
+        yield replace(node, motion=self.context.motion(node.motion, joint))
+
+    def follow(self, node: p.Follow) -> Iterator[p.Statement]:
+        if len(node.path):
+            yield replace(node, path=plain_path(self.context, node.path))
+
+    # ------------------------------------------------------------------------- signals
+
+    def set_signal(self, node: p.SetSignal) -> Iterator[p.Statement]:
+        yield replace(node, signal=self.context.spelled(node.signal))
+
+    def wait_signal(self, node: p.WaitSignal) -> Iterator[p.Statement]:
+        """One for another value than a number is a wait for a condition."""
+        signal = self.context.spelled(node.signal)
+        if isinstance(node.value, e.Number):
+            yield replace(node, signal=signal)
+            return
+        condition = e.Binary("=", e.Name(signal), node.value)
+        yield p.WaitUntil(condition, node.timeout, span=node.span)
+
+    def wait_until(self, node: p.WaitUntil) -> Iterator[p.Statement]:
+        """One for a signal and a number is a wait for the signal."""
+        match node.condition:
+            case e.Binary("=", e.Name(name), e.Number() as value) if self.context.is_signal(name):
+                yield p.WaitSignal(name, value, node.timeout, span=node.span)
+            case e.Name(name) if self.context.is_signal(name):
+                yield p.WaitSignal(name, e.Number(1), node.timeout, span=node.span)
+            case _:
+                yield node
+
+    # ------------------------------------------------------------------------- control
+
+    def for_(self, node: p.For) -> Iterator[p.Statement]:
+        if node.step is None:
+            node = replace(node, step=self.direction(node))
+        yield map_bodies(replace(node, variable=self.context.spelled(node.variable)), self.body)
+
+    def direction(self, node: p.For) -> e.Number:
+        """The step of a loop that counts towards its end, which MELFA-BASIC must be told."""
+        first, last = node.first, node.last
+        if isinstance(first, e.Number) and isinstance(last, e.Number):
+            return e.Number(1 if first.value <= last.value else -1)
+        self.context.findings.append(rules.UPWARDS(name=node.variable))
+        return e.Number(1)
+
+    def switch(self, node: p.Switch) -> Iterator[p.Statement]:
+        nested = self.selects and not self.context.dialect.nested_select
+        if nested or not _selectable(node):
+            if node.cases:
+                yield map_bodies(_as_if(node), self.body)
+            else:
+                yield from self.body(node.otherwise)
+            return
+        self.selects += 1
+        yield map_bodies(node, self.body)
+        self.selects -= 1
+
+    def call(self, node: p.Call) -> Iterator[p.Statement]:
+        """Calls say the unit of what they call, if that is another one."""
+        callee = self.context.program.procedure(node.procedure)
+        if callee is None:
+            yield node
+            return
+        unit = None if callee.unit == self.context.unit else callee.unit
+        yield replace(node, procedure=callee.name, unit=unit)
+
+    def return_(self, node: p.Return) -> Iterator[p.Statement]:
+        ends = self.entry and node.value is None
+        yield p.Stop(end=True, span=node.span) if ends else node
+
+    # ---------------------------------------------------------------------------- text
+
+    def comment(self, node: p.Comment) -> Iterator[p.Statement]:
+        for line in comment_lines(node.text):
+            yield replace(node, text=line)
+
+    def message(self, node: p.Message) -> Iterator[p.Statement]:
+        text = "".join(q.value if isinstance(q, e.Text) else "..." for q in node.parts)
+        line = next(iter(comment_lines("message: " + text)))
+        self.context.findings.append(rules.MESSAGE(text=line))
+        yield p.Comment(line)
+
+    def opaque(self, node: p.Opaque) -> Iterator[p.Statement]:
+        """The vendor text in its canonical layout, if this language has it."""
+        dialect = self.context.dialect
+        line = opaque_line(node, dialect)
+        if line is None:
+            yield node
+        else:
+            yield p.Opaque(dialect.name, printer.line(line, dialect.upper), span=node.span)
+
+
+def _selectable(node: p.Switch) -> bool:
+    """Whether each case is one number, all that `Case` can say."""
+    return bool(node.cases) and all(
+        len(c.values) == 1 and isinstance(c.values[0], e.Number) for c in node.cases
+    )
+
+
+def _as_if(node: p.Switch) -> p.If:
+    branches = []
+    for case in node.cases:
+        tests: list[e.Expression] = [e.Binary("=", node.subject, v) for v in case.values]
+        condition = tests[0]
+        for test in tests[1:]:
+            condition = e.Binary("or", condition, test)
+        branches.append(p.Branch(condition, case.body))
+    return p.If(tuple(branches), node.otherwise)
+
+
+CHANGES: Final[dict[type, Callable[[_Plain, Any], Iterable[p.Statement]]]] = {
+    p.Move: _Plain.move,
+    p.MoveCircular: _Plain.move,
+    p.MoveJoints: _Plain.move,
+    p.Follow: _Plain.follow,
+    p.SetSignal: _Plain.set_signal,
+    p.WaitSignal: _Plain.wait_signal,
+    p.WaitUntil: _Plain.wait_until,
+    p.For: _Plain.for_,
+    p.Switch: _Plain.switch,
+    p.Call: _Plain.call,
+    p.Return: _Plain.return_,
+    p.Comment: _Plain.comment,
+    p.Message: _Plain.message,
+    p.Opaque: _Plain.opaque,
+}
