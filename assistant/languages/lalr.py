@@ -1,0 +1,152 @@
+"""lark's tables without lark's parser: typed nodes are built as the rules of a grammar are met.
+
+What lark does with the same tables, without a tree, tokens and lines and columns in between,
+which are most of its time. How a language finds its words, and what it does where one does not
+fit, is its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant.program.diagnostics import Span
+
+if TYPE_CHECKING:
+    from lark import Lark
+    from lark.grammar import Rule
+
+END: Final = "$END"
+"""The terminal behind the last word of a text."""
+NOWHERE: Final = -1
+"""Offset of what stands for no text."""
+
+Rows = list[dict[str | None, Any]]
+"""For each state what a terminal does there: a state to shift to or a Reduction."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tables:
+    """The tables of one start rule: rows, first state and the one behind the whole text."""
+
+    rows: Rows
+    first: int
+    last: int
+
+    @staticmethod
+    def of(grammar: Lark, start: str) -> Tables:
+        """The tables of a LALR grammar."""
+        conf = grammar.parse_interactive("", start=start).parser_state.parse_conf
+        rules: dict[Any, Reduction] = {}
+        rows: Rows = [{} for _ in conf.states]
+        for state, actions in conf.states.items():
+            for terminal, (_, target) in actions.items():
+                if not isinstance(target, int):
+                    if target not in rules:
+                        rules[target] = Reduction.of(target)
+                    target = rules[target]
+                rows[int(state)][terminal] = target
+        return Tables(rows, int(conf.start_state), int(conf.end_state))
+
+
+@dataclass(frozen=True, slots=True)
+class Reduction:
+    """A rule of the grammar.
+
+    method: of the nodes, empty for a rule whose children go to the rule around it. children: rows
+    that are not left out, whether what they have is taken one by one, and the Nones before them.
+    behind: Nones behind the last. single: whether one child stands for the rule itself.
+    """
+
+    origin: str
+    size: int
+    method: str
+    children: tuple[tuple[int, bool, int], ...]
+    behind: int
+    single: bool
+    passes: bool
+    """One value that stays as it is."""
+
+    @staticmethod
+    def of(rule: Rule) -> Reduction:
+        options = rule.options
+        size = len(rule.expansion)
+        # lark says where a part in brackets is left out: True for it, False for a symbol
+        gaps = [0]
+        for empty in options.empty_indices or [False] * size:
+            if empty:
+                gaps[-1] += 1
+            else:
+                gaps.append(0)
+        children, nones = [], 0
+        for row, symbol in enumerate(rule.expansion):
+            nones += gaps[row]
+            if not (symbol.is_term and getattr(symbol, "filter_out", False)):
+                spread = not symbol.is_term and symbol.name.startswith("_")
+                children.append((row, spread, nones))
+                nones = 0
+        name = rule.alias or str(rule.origin.name)
+        single = bool(options.expand1) and not rule.alias
+        behind = nones + gaps[size]
+        return Reduction(
+            str(rule.origin.name),
+            size,
+            "" if name.startswith("_") else name,
+            tuple(children),
+            behind,
+            single,
+            single and size == 1 and children == [(0, False, 0)] and not behind,
+        )
+
+    def reduce(
+        self,
+        table: Sequence[dict[str | None, Any]],
+        states: list[int],
+        values: list[Any],
+        begins: list[int],
+        ends: list[int],
+        nodes: Any,
+    ) -> None:
+        """Puts what the rule makes in place of the values that it is made of.
+
+        nodes: has a method `(span, children)` for each rule that is a node.
+        """
+        size = self.size
+        if self.passes:
+            states[-1] = table[states[-2]][self.origin]
+            return
+        begin = end = NOWHERE
+        taken: list[Any] = []
+        if size:
+            taken = values[-size:]
+            begin, end = begins[-size], ends[-1]
+            if size > 1:
+                if begin == NOWHERE:
+                    begin = next((b for b in begins[-size:] if b != NOWHERE), NOWHERE)
+                if end == NOWHERE:
+                    end = next((e for e in reversed(ends[-size:]) if e != NOWHERE), NOWHERE)
+            del states[-size:], values[-size:], begins[-size:], ends[-size:]
+        children: list[Any] = []
+        for row, spread, nones in self.children:
+            if nones:
+                children += [None] * nones
+            if not spread:
+                children.append(taken[row])
+            elif children:
+                children += taken[row]
+            else:
+                children = taken[row]  # lists grow on their left: what they have is not copied
+        if self.behind:
+            children += [None] * self.behind
+        if self.single and len(children) == 1:
+            value = children[0]
+        elif self.method:
+            span = None if begin == NOWHERE else Span(begin, end)
+            value = getattr(nodes, self.method)(span, children)
+        else:
+            value = children
+        states.append(table[states[-1]][self.origin])
+        values.append(value)
+        begins.append(begin)
+        ends.append(end)
