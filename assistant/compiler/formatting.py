@@ -71,7 +71,7 @@ def format_text(source: SourceText, language: Language[Any]) -> Formatted:
     if text != source.text:
         again = language.parse(replace(source, text=text))
         mark = language.comment_mark
-        same = tree == again and _comments(source.text, mark) == _comments(text, mark)
+        same = language.same(tree, again) and _comments(source.text, mark) == _comments(text, mark)
         if not same or has_errors(again.findings):
             return Formatted(source, source.text, (NOT_THE_SAME(path=source.path),))
     return Formatted(source, text, tree.findings)

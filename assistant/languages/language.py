@@ -91,6 +91,10 @@ class Language(abc.ABC, Generic[T]):
     def format(self, tree: T) -> str:
         """Canonical layout of the same tree."""
 
+    def same(self, tree: T, other: T) -> bool:
+        """Whether two trees are one and the same program, however it is held."""
+        return tree == other
+
     def lift(self, trees: T | Sequence[T], robot: Robot | None = None) -> Program:
         """The pseudo-program that the trees of one program say.
 

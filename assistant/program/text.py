@@ -87,6 +87,14 @@ class SourceText:
         )
 
 
+def dominant_newline(text: str) -> str:
+    r"""`\r\n`, `\n` or `\r`: the one that ends most lines, `\r\n` for a text of one line."""
+    feeds, both = text.count("\n"), text.count("\r\n")
+    if not feeds:
+        return "\r" if "\r" in text else "\r\n"
+    return "\r\n" if 2 * both >= feeds else "\n"
+
+
 def comments(text: str, mark: str) -> Iterator[Span]:
     """Where comments stand, from the mark to the end of the line; none is in a string ("…")."""
     pattern = rf'"(?:[^"\r\n]|"")*+(?:"|(?=[\r\n])|\Z)|({re.escape(mark)}[^\r\n]*)'

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from assistant.languages.language import Adapted, Language, Precision
 from assistant.languages.melfa_basic.dialects import DIALECTS
 from assistant.languages.melfa_basic.syntax import CallP, File, Line, String
-from assistant.program.diagnostics import Diagnostic
+from assistant.program.diagnostics import Diagnostic, has_errors
 from assistant.program.program import Program
 from assistant.program.text import SourceText
 
@@ -75,14 +76,26 @@ class MelfaBasic(Language[File]):
         return parse(source, self.name)
 
     def render(self, tree: File) -> str:
-        from assistant.languages.melfa_basic.printer import render
+        from assistant.languages.melfa_basic.layout.rendering import render
 
         return render(tree)
 
     def format(self, tree: File) -> str:
-        from assistant.languages.melfa_basic.printer import layout
+        """The tree's text in the one layout; the text of a broken file as it is."""
+        from assistant.languages.melfa_basic.layout.lines import lay_out
 
-        return layout(tree)
+        if tree.items is not tree.parsed:
+            tree = self.parse(replace(tree.source or SourceText(""), text=self.render(tree)))
+        return self.render(tree) if has_errors(tree.findings) else lay_out(tree)
+
+    def same(self, tree: File, other: File) -> bool:
+        """Whether two trees are one; lines are the same in a table and on their own."""
+        from assistant.languages.melfa_basic.lift.gathering import gathered
+
+        return tree == other or (
+            tree.dialect == other.dialect
+            and tuple(gathered(tree.items)) == tuple(gathered(other.items))
+        )
 
     def lift_trees(self, trees: Sequence[File], robot: Robot | None) -> Program:
         from assistant.languages.melfa_basic.lift.program import lift

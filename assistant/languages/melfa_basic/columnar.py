@@ -105,9 +105,12 @@ def places_of(values: Floats, least: int = 2) -> int:
     return MOST_PLACES
 
 
-def position_text(rows: PositionRows, newline: bytes) -> str:
-    """The lines of a position table, each with its line end; raises ValueError for NaN."""
-    places = places_of(rows.values)
+def position_text(rows: PositionRows, newline: bytes, places: int | None = None) -> str:
+    """The lines of a position table, each with its line end; raises ValueError for NaN.
+
+    places: decimals, None for as many as the table needs.
+    """
+    places = places_of(rows.values) if places is None else places
     columns: list[Piece] = [
         rows.stem.encode("ascii"),
         Integer(rows.numbers),
@@ -121,27 +124,26 @@ def position_text(rows: PositionRows, newline: bytes) -> str:
     return rows_text(columns, len(rows)).decode("ascii")
 
 
-def move_text(rows: MoveRows, newline: bytes, upper: bool) -> str:
-    """The lines of a run of moves, each with its line end."""
+def move_text(rows: MoveRows, newline: bytes, upper: bool, indent: int = 0) -> str:
+    """The lines of a run of moves, each with its line end. indent: blanks more behind steps."""
     stem = rows.stem.encode("ascii")
-    arcs = np.flatnonzero(rows.kinds == MVR)
-    if not len(arcs):
-        words = [(w.upper() if upper else w).encode() + b" " + stem for w in KEYWORDS]
-        plain: list[Piece] = [
-            Integer(rows.steps), b" ", Chosen(rows.kinds, words), Integer(rows.end), newline
-        ]  # fmt: skip
-        return rows_text(plain, len(rows)).decode("ascii")
+    blanks = b" " * (1 + indent)
+    words = [(w.upper() if upper else w).encode() + b" " for w in KEYWORDS]
+    columns: list[Piece]
+    if not np.any(rows.kinds == MVR):
+        plain = Chosen(rows.kinds, [word + stem for word in words])
+        columns = [Integer(rows.steps), blanks, plain, Integer(rows.end), newline]
+        return rows_text(columns, len(rows)).decode("ascii")
     # an arc names two positions more: their digits are chosen, which an empty text leaves out
-    before = [(w.upper() if upper else w).encode() + b" " for w in KEYWORDS]
     arc = rows.kinds == MVR
-    blanked = [
+    start, via = (
         Decimal(np.where(arc, column, np.nan).astype(np.float64), 0, missing=b"")
         for column in (rows.start, rows.via)
-    ]
+    )
     isarc = arc.astype(np.int64)
-    columns: list[Piece] = [
-        Integer(rows.steps), b" ", Chosen(rows.kinds, before),
-        Chosen(isarc, (b"", stem)), blanked[0], Chosen(isarc, (b"", b"," + stem)), blanked[1],
+    columns = [
+        Integer(rows.steps), blanks, Chosen(rows.kinds, words),
+        Chosen(isarc, (b"", stem)), start, Chosen(isarc, (b"", b"," + stem)), via,
         Chosen(isarc, (b"", b",")), stem, Integer(rows.end), newline,
     ]  # fmt: skip
     return rows_text(columns, len(rows)).decode("ascii")

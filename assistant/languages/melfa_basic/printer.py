@@ -1,4 +1,4 @@
-"""Tree to text: what was read prints as it stood, what is new in the canonical layout."""
+"""The canonical text of code lines, statements and expressions."""
 
 from __future__ import annotations
 
@@ -6,84 +6,28 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, Final
 
-import numpy as np
-
 from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.columnar import (
-    MoveRows,
-    PositionRows,
-    move_text,
-    places_of,
-    position_text,
-)
-from assistant.languages.melfa_basic.dialects import DIALECTS
 from assistant.languages.melfa_basic.tables import (
     POWER_PRECEDENCE,
     PRECEDENCE,
     SIGN_PRECEDENCE,
 )
 
-
-def render(file: s.File) -> str:
-    """The text of a tree; items that were parsed print as the very text they came from."""
-    if file.source is None:
-        return layout(file)
-    text = file.source.text
-    if file.items is file.parsed:
-        return text
-    spans = {id(item): item.span for item in file.parsed}
-    newline = file.source.newline
-    parts: list[str] = []
-    for item in file.items:
-        span = spans.get(id(item))
-        part = _item(item, file.dialect, newline) if span is None else text[span.start : span.end]
-        if parts and parts[-1] and not parts[-1].endswith("\n"):
-            parts.append(newline)  # the last line of a file may have no line end
-        parts.append(part)
-    return "".join(parts)
+INDENT: Final = 4
+"""Blanks of a level (what RT ToolBox's editor indents by)."""
 
 
-def layout(file: s.File) -> str:
-    """The canonical text of a tree."""
-    newline = file.source.newline if file.source else "\r\n"
-    return "".join(_item(item, file.dialect, newline) for item in file.items)
-
-
-def _item(item: s.Item, dialect: str, newline: str) -> str:
-    upper = DIALECTS[dialect].upper
-    match item:
-        case PositionRows():
-            return position_text(item, newline.encode("ascii"))
-        case MoveRows():
-            return move_text(item, newline.encode("ascii"), upper)
-        case s.Line():
-            return line(item, upper) + newline
-        case s.Data():
-            return _data(item, upper) + newline
-        case s.Unread():
-            return item.text + newline
-        case s.Blank():
-            return newline
-
-
-def line(item: s.Line, upper: bool = False) -> str:
+def line(item: s.Line, upper: bool = False, level: int = 0) -> str:
     """A code line without its line end."""
     parts = [] if item.number is None else [str(item.number)]
     body = statement(item.statement, upper) if item.statement is not None else ""
     if item.label is not None:
         body = f"*{item.label}:{body}" if body else f"*{item.label}"
     parts += [part for part in (body, item.comment) if part]
+    if len(parts) > (item.number is not None):
+        at = item.number is not None
+        parts[at] = " " * (INDENT * level) + parts[at]
     return " ".join(parts)
-
-
-def _data(item: s.Data, upper: bool) -> str:
-    declared = f"Def {item.type} " if item.type else ""
-    name = expression(item.variable)
-    if isinstance(item.value, s.Constant):
-        value = constant(item.value, fixed=True)
-    else:
-        value = expression(item.value)
-    return f"{declared.upper() if upper else declared}{name}={value}"
 
 
 def statement(node: s.Statement, upper: bool = False) -> str:
@@ -95,12 +39,10 @@ def expression(node: s.Expression, upper: bool = False) -> str:
     return _Words(upper).expression(node)
 
 
-def constant(node: s.Constant, fixed: bool = False) -> str:
-    """A position or joint constant; fixed: with sign and at least two decimals."""
-    known = [v for v in node.values if v is not None]
-    places = places_of(np.array(known, dtype=np.float64)) if fixed else 0
+def constant(node: s.Constant, places: int | None = None) -> str:
+    """A position or joint constant. places: decimals, with a sign; None for what each needs."""
     values = [
-        "" if v is None else f"{v:+.{places}f}" if fixed else number(s.Number(v))
+        "" if v is None else number(s.Number(v)) if places is None else f"{v:+.{places}f}"
         for v in node.values
     ]
     text = f"({','.join(_unsigned_zero(v) for v in values)})"

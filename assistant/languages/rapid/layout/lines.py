@@ -29,6 +29,7 @@ from typing import Final
 from assistant.languages.rapid.layout.segments import Segment, segments
 from assistant.languages.rapid.layout.spacing import CLOSING, OPENING, Spacing
 from assistant.languages.rapid.layout.tokens import Token
+from assistant.program.text import dominant_newline
 
 INDENT: Final = 4
 """Columns of a level."""
@@ -54,14 +55,6 @@ def lay_out(text: str) -> str:
         else:
             lines += _lines(segment, indent, text)
     return "".join(piece for line in _aligned(lines) for piece in (line, newline))
-
-
-def dominant_newline(text: str) -> str:
-    r"""`\r\n`, `\n` or `\r`: the one that ends most lines, `\r\n` for a text of one line."""
-    feeds, both = text.count("\n"), text.count("\r\n")
-    if not feeds:
-        return "\r" if "\r" in text else "\r\n"
-    return "\r\n" if 2 * both >= feeds else "\n"
 
 
 # Levels and blank lines

@@ -1,0 +1,92 @@
+"""How deep each line of a program stands in its blocks."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from assistant.languages.melfa_basic import syntax as s
+
+_CLOSED: Final = {"EndIf": "If", "WEnd": "While", "End Select": "Select"}
+_DIVIDED: Final = {"Else": "If", "Default": "Select"}
+_DEEPER: Final = {"Select": 2}
+"""Levels that a block's inside is deeper, if not one: `Case` stands one level in."""
+
+
+class Levels:
+    """The level of line after line, from 0; what is closed but was never opened is passed over."""
+
+    def __init__(self) -> None:
+        self._open: list[str] = []
+        self._selects = False
+
+    @property
+    def inside(self) -> int:
+        """The level of a plain line that comes next."""
+        return sum(_DEEPER.get(kind, 1) for kind in self._open)
+
+    @property
+    def comment(self) -> int:
+        """The level of a line that is a comment; before the first `Case` it is that one's."""
+        return self.inside - self._selects
+
+    def of(self, item: s.Line) -> int:
+        """The level of a line, which comes next."""
+        if is_comment(item):
+            return self.comment
+        self._selects = isinstance(item.statement, s.Select)
+        return self._level(item.statement)
+
+    def _level(self, statement: s.Statement | None) -> int:
+        if isinstance(statement, s.Function):
+            self._open = ["Function"]
+            return 0
+        kind = opened(statement)
+        if kind:
+            level = self.inside
+            self._open.append(kind)
+            return level
+        if divides(statement):
+            return max(self.inside - 1, 0)
+        self._close(statement)
+        return self.inside
+
+    def _close(self, statement: s.Statement | None) -> None:
+        match statement:
+            case s.Command(keyword="FEnd"):
+                self._open = []
+            case s.Command(keyword=word) if word in _CLOSED:
+                self._leave(_CLOSED[word])
+            case s.Next(variables=variables):
+                for _ in variables or (None,):
+                    self._leave("For")
+
+    def _leave(self, kind: str) -> None:
+        if kind in self._open:
+            while self._open.pop() != kind:
+                pass
+
+
+def is_comment(item: s.Line) -> bool:
+    """Whether a line is a comment and nothing else."""
+    return item.statement is None and item.label is None and item.comment is not None
+
+
+def opened(statement: s.Statement | None) -> str | None:
+    """The kind of block that a statement opens, None if it opens none."""
+    match statement:
+        case s.If(then=None, otherwise=None):
+            return "If"
+        case s.For():
+            return "For"
+        case s.Select():
+            return "Select"
+        case s.Command(keyword="While"):
+            return "While"
+    return None
+
+
+def divides(statement: s.Statement | None) -> bool:
+    """Whether a statement parts a block: `Else`, `ElseIf`, `Case`, `Default`."""
+    if isinstance(statement, s.Command):
+        return statement.keyword in _DIVIDED
+    return isinstance(statement, s.ElseIf | s.Case)
