@@ -78,7 +78,7 @@ class _Pages:
                 continue
             yield from self._aligned(waiting)
             waiting = []
-            yield self._other(item, levels)
+            yield self._other(item, self._places[at], levels)
         yield from self._aligned(waiting)
 
     # Levels
@@ -186,21 +186,21 @@ class _Pages:
 
     # What is no line of code
 
-    def _other(self, item: s.Item, levels: Levels) -> str:
+    def _other(self, item: s.Item, places: int, levels: Levels) -> str:
         if isinstance(item, PositionRows | MoveRows):
             level = levels.inside if self._dialect.blocks else 0
             try:
-                return item_text(item, self._dialect.upper, self._newline, self._places, level)
+                return item_text(item, self._dialect.upper, self._newline, places, level)
             except ValueError:  # more digits than a number of that table holds
                 return self._source(item).replace("\r", "").replace("\n", self._newline)
         if isinstance(item, s.Data):
-            return self._data(item) + self._newline
+            return self._data(item, places) + self._newline
         return self._source(item).strip(" \t\f") + self._newline
 
-    def _data(self, item: s.Data) -> str:
+    def _data(self, item: s.Data, places: int) -> str:
         listed = tokens(self._source(item).strip(" \t\f"), "data" if item.type else "line")
         value = item.value
-        if isinstance(value, s.Constant) and exact(value, self._places):
+        if isinstance(value, s.Constant) and exact(value, places):
             head = [t for t in listed if t.kind != "POSITION"]
-            return code(head, self._dialect.upper) + constant(value, self._places)
+            return code(head, self._dialect.upper) + constant(value, places)
         return code(listed, self._dialect.upper)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import string
 from collections.abc import Iterator, Sequence
+from itertools import groupby
 
 import numpy as np
 
@@ -23,8 +25,8 @@ from assistant.languages.melfa_basic.printer import INDENT, constant, expression
 def print_items(items: Sequence[s.Item], dialect: str, newline: str) -> Iterator[str]:
     """The text of each item, with its line ends."""
     of = DIALECTS[dialect]
-    places, levels = decimals(items), Levels()
-    for item in items:
+    levels = Levels()
+    for item, places in zip(items, decimals(items), strict=True):
         level = levels.of(item) if isinstance(item, s.Line) else levels.inside
         yield item_text(item, of.upper, newline, places, level if of.blocks else 0)
 
@@ -53,19 +55,36 @@ def _data(item: s.Data, upper: bool, places: int) -> str:
     return f"{declared.upper() if upper else declared}{expression(item.variable)}={text}"
 
 
-def decimals(items: Sequence[s.Item]) -> int:
-    """Decimal places that print every position line without loss, as far as any number does."""
-    most = 2
-    for item in items:
-        match item:
-            case PositionRows(values=values):
-                most = max(most, places_of(values, most))
-            case s.Data(value=s.Constant() as value):
-                known = np.array([v for v in value.values if v is not None], dtype=np.float64)
-                places = places_of(known, most)
-                if places < MOST_PLACES or exact(value, MOST_PLACES):
-                    most = max(most, places)
-    return most
+def decimals(items: Sequence[s.Item]) -> list[int]:
+    """Decimal places of each item; neighbours whose names differ in the number only have the same.
+
+    They print every number without loss, as far as any decimals do.
+    """
+    places: list[int] = []
+    for _, group in groupby(items, _kind):
+        together = list(group)
+        places += [max(map(_needed, together))] * len(together)
+    return places
+
+
+def _kind(item: s.Item) -> object:
+    """What position lines have in common that may stand in one table."""
+    match item:
+        case PositionRows(stem=stem, values=values):
+            return stem, values.shape[1], False, True
+        case s.Data(variable=variable, value=s.Constant(values=elements, flags=flags)):
+            indexed = variable.arguments is not None
+            return variable.name.rstrip(string.digits), len(elements), indexed, flags is not None
+    return None
+
+
+def _needed(item: s.Item) -> int:
+    match item:
+        case PositionRows(values=values):
+            return places_of(values)
+        case s.Data(value=s.Constant() as value) if exact(value, MOST_PLACES):
+            return places_of(np.array([v for v in value.values if v is not None], dtype=np.float64))
+    return 2
 
 
 def exact(value: s.Constant, places: int) -> bool:
