@@ -150,5 +150,41 @@ OVER_THE_BACK = Rule(
     "turn the cell so that the arm reaches forward, or point the tool straight down",
 )  # fmt: skip
 
+AS_VARIABLES = Rule(
+    "MB223", I, "parameters and result of `{name}` are variables of the program",
+    "none is needed",
+)  # fmt: skip
+RECURSIVE = Rule(
+    "MB224", E, "`{name}` calls itself, but its parameters and variables exist only once",
+    "write a loop instead",
+)  # fmt: skip
+PLACE_READ = Rule(
+    "MB225", W, "the position is read in the tool and frame of the move before, not in {given}",
+    "let a move with that tool and frame stand before it",
+)  # fmt: skip
+TEXT_CHANGED = Rule(
+    "MB226", W, "the text {given} is written as {text}", "avoid quotes and control characters",
+)  # fmt: skip
+PERSISTENT = Rule(
+    "MB227", W, "the persistent `{name}` gets its first value at each start of the program",
+    "delete the assignment after the first start, or keep the value in an external variable",
+)  # fmt: skip
+SHARED_BRANCH = Rule(
+    "MB228", W, "targets of frame `{name}` differ in their arm branch, a product has the frame's",
+    "write frames as base instead of as products",
+)  # fmt: skip
+UNDECLARED = Rule(
+    "MB229", E, "`{name}` is not declared in what was read",
+    "give the file that declares it as well, or declare it",
+)  # fmt: skip
+MISSING = Rule(
+    "MB230", E, "the procedure `{name}` that is called is not in what was read",
+    "give the file that holds it as well, or take the call out",
+)  # fmt: skip
+ROUNDED_TEXT = Rule(
+    "MB231", W, "a number is written out without the zeros behind its last decimal",
+    "add them to the text where they matter",
+)  # fmt: skip
+
 ALL: Final = tuple(value for value in list(globals().values()) if isinstance(value, Rule))
 """Every rule of this room, for the docs."""
