@@ -148,14 +148,14 @@ def test_a_wrong_formatter_does_no_harm(left_out):
 
 
 @pytest.mark.parametrize("name", [name for name in languages.names() if name != "rapid"])
-def test_other_languages_are_formatted_or_left_alone(capsys, tmp_path, name):
+def test_programs_are_written_in_the_layout(capsys, tmp_path, name):
     source = Path(__file__).parents[2] / "samples" / "positioning.csv"
     robot = "rv-2aj" if name == "melfa-basic-4" else "rv-4frl"
     run(capsys, "compile", source, "-l", name, "-r", robot, "-o", tmp_path)
     (file,) = tmp_path.glob("*.prg")
-    language = languages.get(name)
-    file.write_bytes(file.read_bytes().replace(b",", b" , "))
-    tree = language.parse(language.read(file))
-    assert not tree.findings
-    assert run(capsys, "fmt", "--from", name, file)[0] in (0, 1)
-    assert language.parse(language.read(file)) == tree
+    written = file.read_bytes()
+    assert run(capsys, "fmt", "--check", file)[0] == 0
+    file.write_bytes(written.replace(b"=(", b" = ( "))
+    assert run(capsys, "fmt", "--check", file)[0] == 1
+    assert run(capsys, "fmt", file)[0] == 0
+    assert file.read_bytes() == written
