@@ -10,6 +10,7 @@ import numpy as np
 
 from assistant.checks import check
 from assistant.compiler.loading import language_of, load
+from assistant.compiler.places import Places
 from assistant.compiler.proof import Proof, prove
 from assistant.program.diagnostics import (
     Diagnostic,
@@ -25,6 +26,7 @@ from assistant.program.program import Origin, Program
 from assistant.program.rewriting import rewrite
 
 if TYPE_CHECKING:
+    from assistant.languages import Language
     from assistant.robots import Robot
 
 UNKNOWN_ROBOT = Rule("CO002", Severity.ERROR, "there is no robot `{name}`", "choose one of {names}")
@@ -49,18 +51,26 @@ class Compiled:
     """The outcome of a compilation.
 
     files: bytes by file name, empty if anything forbids writing them. program: the
-    pseudo-program as the language says it. findings: folded, the worst of them may be errors.
+    pseudo-program as the language says it. source: the one that it was made of. found: every
+    finding, the worst of them may be errors; those of the source have its spans alone.
     """
 
     program: Program
     language: str
     proof: Proof
+    source: Program
+    places: Places
     files: dict[str, bytes] = field(default_factory=dict)
-    findings: tuple[Diagnostic, ...] = ()
+    found: tuple[Diagnostic, ...] = ()
+
+    @property
+    def findings(self) -> tuple[Diagnostic, ...]:
+        """Those that were found, at their lines, folded."""
+        return fold(map(self.places.finding, self.found))
 
     @property
     def ok(self) -> bool:
-        return bool(self.files) and self.proof.holds and not has_errors(self.findings)
+        return bool(self.files) and self.proof.holds and not has_errors(self.found)
 
 
 def compile(
@@ -89,9 +99,22 @@ def compile(
         loaded = load(source, process=process, robot=robot_of(from_robot))
         program, findings = loaded.program, list(loaded.findings)
         findings = [f.within(str(source)) for f in findings]
-    written = program.origin
-    findings += check(program)
-    arm = robot_of(robot or program.robot)
+    places = Places(program)
+    compiled = compile_program(places.program, places, target, robot_of(robot), most_targets)
+    return replace(compiled, found=(*findings, *compiled.found))
+
+
+def compile_program(
+    source: Program,
+    places: Places,
+    target: Language[Any],
+    robot: Robot | None = None,
+    most_targets: int | None = None,
+) -> Compiled:
+    """A program, with the spans of its places, in the target language."""
+    program = source
+    findings = list(check(program))
+    arm = robot or robot_of(program.robot)
     if arm is not None:
         if program.robot not in (None, arm.name):
             program = _without_configurations(program)
@@ -109,28 +132,19 @@ def compile(
     adapted = target.adapt(program, arm, most_targets=most_targets)
     findings += adapted.findings
     program = adapted.program
+    compiled = Compiled(program, target.name, Proof(None), source, places)
     if has_errors(findings):
-        return Compiled(program, target.name, Proof(None), findings=fold(findings))
+        return replace(compiled, found=tuple(findings))
     units = dict.fromkeys([None, *(p.unit for p in program.procedures)])
     files = {
         target.file_name(program, unit): target.encode(target.build(program, arm, unit))
         for unit in units
     }
     proof = prove(target, program, files, arm)
-    findings += proof.findings if proof.holds else _own_faults(written) or proof.findings
+    own = () if proof.holds else _own_faults(program.origin)
+    findings += own or proof.findings
     kept = files if proof.holds else {}
-    return Compiled(program, target.name, proof, kept, fold(findings))
-
-
-def translate(
-    path: str | FilePath,
-    *,
-    to: str,
-    robot: str | Robot | None = None,
-    from_robot: str | Robot | None = None,
-) -> Compiled:
-    """A vendor program in another vendor's language, for another arm if one is named."""
-    return compile(path, language=to, robot=robot, from_robot=from_robot)
+    return replace(compiled, proof=proof, files=kept, found=tuple(findings))
 
 
 def robot_of(robot: str | Robot | None) -> Robot | None:

@@ -40,6 +40,15 @@ NO_PROGRAMS: Final = Rule(
     "the folder `{name}` holds no robot programs",
     "name the files, and their language with --from",
 )
+NO_STEPS: Final = Rule(
+    "CO404",
+    Severity.ERROR,
+    "`{name}` is {language}, which has no step numbers",
+    "leave --renumber out, or name MELFA-BASIC programs only",
+)
+
+Numbering = tuple[int, int]
+"""First step number, and what the next ones are more."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,28 +71,51 @@ class Formatted:
         return encode(replace(self.source, text=self.text))
 
 
-def format_text(source: SourceText, language: Language[Any]) -> Formatted:
-    """A text laid out, read back and compared: the same tree, with the same comments."""
+def format_text(
+    source: SourceText, language: Language[Any], numbering: Numbering | None = None
+) -> Formatted:
+    """A text laid out, read back and compared: the same tree, with the same comments.
+
+    numbering: of the steps, which are kept without it; the trees are the same but for that.
+    Raises Refused (exit status 2) for a numbering in a language without steps.
+    """
+    if numbering and not language.steps:
+        name = source.path or "input"
+        refused = NO_STEPS(path=source.path, name=name, language=language.title)
+        raise Refused(refused, exit_status=2)
     tree = language.parse(source)
     if has_errors(tree.findings):
         return Formatted(source, source.text, tree.findings)
-    text = language.format(tree)
+    try:
+        text = language.format(language.renumber(tree, *numbering) if numbering else tree)
+    except Refused as refused:
+        return Formatted(source, source.text, refused.findings)
     if text != source.text:
         again = language.parse(replace(source, text=text))
         mark = language.comment_mark
-        same = language.same(tree, again) and _comments(source.text, mark) == _comments(text, mark)
-        if not same or has_errors(again.findings):
+        same = _comments(source.text, mark) == _comments(text, mark)
+        if has_errors(again.findings) or not (same and _same(language, tree, again, numbering)):
             return Formatted(source, source.text, (NOT_THE_SAME(path=source.path),))
     return Formatted(source, text, tree.findings)
 
 
-def format_file(path: str | FilePath, language: str | None = None) -> Formatted:
+def _same(language: Language[Any], tree: Any, again: Any, numbering: Numbering | None) -> bool:
+    """Whether two trees that were read say the same. numbering: that the second is to have."""
+    if numbering is None:
+        return language.same(tree, again)
+    plain, kept = language.renumber(again, 1, 1), language.renumber(again, *numbering)
+    return language.same(language.renumber(tree, 1, 1), plain) and language.same(again, kept)
+
+
+def format_file(
+    path: str | FilePath, language: str | None = None, numbering: Numbering | None = None
+) -> Formatted:
     """A file laid out; nothing is written. language: if neither suffix nor text tell.
 
     Raises Unreadable, or Refused if the file is in no known language.
     """
     spoken, source = read_program(path, language)
-    return format_text(source, spoken)
+    return format_text(source, spoken, numbering)
 
 
 def read_program(
@@ -97,13 +129,15 @@ def read_program(
     return spoken, spoken.decode(data, str(path))
 
 
-def format_bytes(data: bytes, name: str, language: str | None = None) -> Formatted:
+def format_bytes(
+    data: bytes, name: str, language: str | None = None, numbering: Numbering | None = None
+) -> Formatted:
     """The same for bytes that are no file."""
     named = [language_of(language)] if language else map(languages.get, languages.names())
     spoken = next((one for one in named if language or one.recognises(data)), None)
     if spoken is None:
         raise Refused(NO_LANGUAGE(path=name, name=name), exit_status=2)
-    return format_text(spoken.decode(data, name), spoken)
+    return format_text(spoken.decode(data, name), spoken, numbering)
 
 
 def rewrite(formatted: Formatted) -> None:
@@ -146,5 +180,6 @@ def _looks_like_program(file: str) -> bool:
 
 
 def _comments(text: str, mark: str) -> list[str]:
-    """The comments of a text, wherever they stand, without outer blanks."""
-    return [text[span.start + len(mark) : span.end].strip() for span in comments(text, mark)]
+    """The comments of a text that say something, wherever they stand, without outer blanks."""
+    found = (text[span.start + len(mark) : span.end].strip() for span in comments(text, mark))
+    return [comment for comment in found if comment]

@@ -37,10 +37,14 @@ REFUSED_THERE = Rule(
 
 @dataclass(frozen=True, slots=True)
 class Proof:
-    """What was compared, and the findings if it did not hold."""
+    """What was compared, and the findings if it did not hold.
+
+    lifted: what the text that was read back says, None if it could not be read.
+    """
 
     comparison: Comparison | None
     findings: tuple[Diagnostic, ...] = ()
+    lifted: Program | None = None
 
     @property
     def holds(self) -> bool:
@@ -73,25 +77,31 @@ def prove(
     if has_errors(findings):
         return Proof(None, (*_reasons(NOT_READ_BACK, findings), *findings))
     findings += language.check(trees)
-    if has_errors(findings):
-        return Proof(None, (*_reasons(REFUSED_THERE, findings), *findings))
     try:
         lifted = language.lift(trees, robot)
     except Refused as refused:
         reasons = [NOT_READ_BACK(reason=f.message, place=f.place) for f in refused.findings]
         return Proof(None, tuple(reasons))
+    if has_errors(findings):
+        return Proof(None, (*_reasons(REFUSED_THERE, findings), *findings), lifted)
     precision = language.precision
     tolerance = Tolerance(precision.position, precision.angle, precision.number)
     comparison = compare(program, lifted, tolerance)
     otherwise = [SAYS_OTHERWISE(message=m.message, place=m.place) for m in comparison.mismatches]
-    return Proof(comparison, (*otherwise, *findings))
+    return Proof(comparison, (*otherwise, *findings), lifted)
 
 
 def _reasons(rule: Rule, findings: Sequence[Diagnostic]) -> list[Diagnostic]:
     """Why nothing is written, for each error in the text that was emitted."""
     return [
         rule(
-            path=f.path, line=f.line, column=f.column, reason=f.message, cure=f.cure, place=f.place
+            path=f.path,
+            span=f.span,
+            line=f.line,
+            column=f.column,
+            reason=f.message,
+            cure=f.cure,
+            place=f.place,
         )
         for f in findings
         if f.severity is Severity.ERROR

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import abc
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
-from assistant.program.diagnostics import Diagnostic
+from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.program import Origin, Program
 from assistant.program.text import SourceText, decode, read_bytes
 
@@ -21,6 +21,10 @@ class Tree(Protocol):
 
     @property
     def findings(self) -> tuple[Diagnostic, ...]: ...
+
+    @property
+    def source(self) -> SourceText | None:
+        """The text that it was read from, None if it was built."""
 
 
 T = TypeVar("T", bound=Tree)
@@ -36,6 +40,18 @@ class Precision:
     """degrees, of the whole rotation."""
     number: float = 1e-6
     """relative, of other numbers."""
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A declaration or statement as it stands in a text.
+
+    name: of what is declared. count: rows of a table, 1 for anything else.
+    """
+
+    span: Span
+    name: str | None = None
+    count: int = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +79,8 @@ class Language(abc.ABC, Generic[T]):
     """The two letters that the codes of its findings begin with."""
     fixed: tuple[str, ...]
     """How codes begin whose errors no project may turn down: unreadable, or cannot be said."""
+    steps: bool = False
+    """Whether its lines have step numbers."""
 
     def read(self, path: str | FilePath) -> SourceText:
         """A file decoded as this vendor's are; raises Unreadable."""
@@ -91,6 +109,13 @@ class Language(abc.ABC, Generic[T]):
     def format(self, tree: T) -> str:
         """Canonical layout of the same tree."""
 
+    def renumber(self, tree: T, first: int, step: int) -> T:
+        """The tree with steps numbered first, first + step …, and every jump to them.
+
+        Only of a language with `steps`. Raises Refused, with a finding, where that cannot be done.
+        """
+        raise NotImplementedError(f"{self.name} has no step numbers")
+
     def same(self, tree: T, other: T) -> bool:
         """Whether two trees are one and the same program, however it is held."""
         return tree == other
@@ -118,6 +143,14 @@ class Language(abc.ABC, Generic[T]):
         Idempotent. What cannot be said at all is a finding of severity error.
         most_targets: of one unit, None for the language's own limit.
         """
+
+    def parts(self, tree: T) -> Iterator[Part]:  # noqa: ARG002
+        """What a parsed tree holds that a report on it should name beside what is lifted.
+
+        Its data, and statements that lifting takes together (settings of the moves that
+        follow); no comments, labels and ends of blocks.
+        """
+        yield from ()
 
     @abc.abstractmethod
     def build(self, program: Program, robot: Robot | None = None, unit: str | None = None) -> T:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
-from assistant.languages.language import Adapted, Language, Precision
+from assistant.languages.language import Adapted, Language, Part, Precision
 from assistant.languages.rapid.syntax import File
 from assistant.program.diagnostics import Diagnostic, has_errors
 from assistant.program.program import Program
@@ -78,6 +78,11 @@ class Rapid(Language[File]):
         from assistant.languages.rapid.layout.lines import lay_out
 
         return lay_out(text)
+
+    def parts(self, tree: File) -> Iterator[Part]:
+        from assistant.languages.rapid.walk import data
+
+        return data(tree)
 
     def lift_trees(self, trees: Sequence[File], robot: Robot | None) -> Program:  # noqa: ARG002
         from assistant.languages.rapid.lift.program import lift

@@ -407,5 +407,9 @@ class File:
         return tuple(part for part in self.parts if isinstance(part, Module))
 
     @property
+    def source(self) -> SourceText | None:
+        return self.origin.source if self.origin else None
+
+    @property
     def path(self) -> str | None:
         return self.origin.source.path if self.origin else None

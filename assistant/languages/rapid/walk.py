@@ -6,7 +6,9 @@ from collections.abc import Iterator
 from dataclasses import fields
 from typing import Any, Final
 
+from assistant.languages.language import Part
 from assistant.languages.rapid import syntax as s
+from assistant.program.diagnostics import Span
 
 
 def nodes(root: Any) -> Iterator[Any]:
@@ -29,6 +31,19 @@ def inside(kind: type[s.Node]) -> tuple[str, ...]:
     if kind not in _FIELDS:
         _FIELDS[kind] = tuple(f.name for f in reversed(fields(kind)) if f.name != "span")
     return _FIELDS[kind]
+
+
+def data(file: s.File) -> Iterator[Part]:
+    """The data of modules and routines that have a place in the text."""
+    for module in file.modules:
+        for item in module.items:
+            inside = item.body if isinstance(item, s.Routine) else (item,)
+            for node in inside:
+                match node:
+                    case s.Data(span=Span() as span):
+                        yield Part(span, node.name)
+                    case s.TargetRunNode(span=Span() as span):
+                        yield Part(span, count=len(node.run))
 
 
 def blocks(statement: Any) -> tuple[tuple[s.StatementNode, ...], ...]:

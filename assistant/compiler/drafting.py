@@ -1,0 +1,128 @@
+"""Drafts: programs in which what the target language cannot say stands as comments.
+
+Each statement that cannot be said becomes a stop with its source text as comments behind it;
+declarations that cannot be said become comments at the head.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import replace
+from typing import Any, Final
+
+from assistant.compiler.compiling import Compiled, compile_program
+from assistant.compiler.places import Places, Trace
+from assistant.languages.language import Language
+from assistant.program import statements as p
+from assistant.program.diagnostics import Severity, Span
+from assistant.program.program import Procedure, Program
+from assistant.program.rewriting import Body, map_bodies
+
+HEADING: Final = (
+    "DRAFT: not for production. What could not be translated stands as comments behind",
+    "a stop each; replace these by hand, then delete the stops and this heading.",
+)
+NOT_SAID: Final = "not translated"
+QUOTED: Final = "| "
+"""Before each line of source text in a comment: it can be mistaken for nothing else there."""
+MOST_ROUNDS: Final = 8
+"""What is left out may be missed elsewhere (a label, a variable), but not for ever."""
+TABLES: Final = ("variables", "targets", "joint_targets", "tools", "frames", "signals")
+
+
+def draft(
+    compiled: Compiled,
+    target: Language[Any],
+    robot: Any = None,
+    most_targets: int | None = None,
+) -> Compiled:
+    """The program without what it cannot say there; the same if nothing comes of it."""
+    places, program = compiled.places, compiled.source
+    program = replace(program, comments=(*HEADING, *program.comments))
+    out: set[Span] = set()
+    for _ in range(MOST_ROUNDS):
+        spans, names = _unsayable(compiled)
+        shorter = _without(program, spans - out, names, places)
+        if shorter == program:
+            break
+        out |= spans
+        program = shorter
+        compiled = compile_program(program, places, target, robot, most_targets)
+        if compiled.ok:
+            return compiled
+    return compiled
+
+
+def _unsayable(compiled: Compiled) -> tuple[set[Span], set[str]]:
+    """Spans of statements and names of declarations that errors are about."""
+    trace = Trace(compiled.program, compiled.proof.lifted)
+    spans: set[Span] = set()
+    names: set[str] = set()
+    for finding in compiled.found:
+        if finding.severity is Severity.ERROR:
+            span = trace.source(finding)
+            if span is not None:
+                spans.add(span)
+            elif finding.place:
+                names.add(finding.place.lower())
+    return spans, names
+
+
+def _without(
+    program: Program, spans: Collection[Span], names: Collection[str], places: Places
+) -> Program:
+    """spans: of statements and declarations that go. names: of data that go, lower case."""
+    heads: list[str] = []
+    kept = []
+    for declaration in program.declarations:
+        if declaration.span in spans:
+            heads += _quoted(declaration.span, places, declaration.text)
+        else:
+            kept.append(declaration)
+    tables: dict[str, Any] = {}
+    parts = {part.name.lower(): part for part in places.parts() if part.name}
+    for table in TABLES:
+        given = getattr(program, table)
+        gone = [name for name in given if name.lower() in names]
+        if gone:
+            tables[table] = {n: v for n, v in given.items() if n not in gone}
+        for name in gone:
+            part = parts.get(name.lower())
+            heads += _quoted(part.span if part else None, places, name)
+    procedures = tuple(_procedure(q, spans, places) for q in program.procedures)
+    return replace(
+        program,
+        procedures=procedures,
+        declarations=tuple(kept),
+        comments=(*program.comments, *heads),
+        **tables,
+    )
+
+
+def _procedure(procedure: Procedure, spans: Collection[Span], places: Places) -> Procedure:
+    if procedure.span is not None and procedure.span in spans:
+        return replace(procedure, body=tuple(_stopped(procedure.span, places)), variables={})
+    return replace(procedure, body=tuple(_body(procedure.body, spans, places)))
+
+
+def _body(body: Body, spans: Collection[Span], places: Places) -> Iterator[p.Statement]:
+    for statement in body:
+        if statement.span is not None and statement.span in spans:
+            yield from _stopped(statement.span, places)
+        else:
+            yield map_bodies(statement, lambda b: tuple(_body(b, spans, places)))
+
+
+def _stopped(span: Span, places: Places) -> Iterator[p.Statement]:
+    """A stop, and the source text of a statement as comments."""
+    yield p.Stop(span=span)
+    for said in _quoted(span, places):
+        yield p.Comment(said, span=span)
+
+
+def _quoted(span: Span | None, places: Places, text: str = "") -> Iterator[str]:
+    """The text at a span as comments, or another one if nothing is known of it."""
+    place = places.of(span) if span is not None else None
+    yield f"{NOT_SAID}, line {place.line}:" if place else f"{NOT_SAID}:"
+    for line in (place.text if place else text).splitlines():
+        yield QUOTED + line.strip()

@@ -1,0 +1,197 @@
+"""Places: where in the texts that a program was lifted from its parts stood."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path as FilePath
+
+from assistant.compiler.loading import language_of
+from assistant.languages.language import Part
+from assistant.program import statements as p
+from assistant.program.diagnostics import Diagnostic, Span
+from assistant.program.program import Program, bodies
+from assistant.program.rewriting import Body, map_bodies
+from assistant.program.text import SourceText
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A part of a text. path: of its file, None for standard input. line: counted from 1."""
+
+    path: str | None
+    line: int
+    text: str
+
+
+class Places:
+    """The texts of a program that was lifted from a vendor language.
+
+    program: the same one, with spans that count on from one text to the next, so that those
+    of several files differ.
+    """
+
+    def __init__(self, program: Program) -> None:
+        self._texts: list[SourceText] = []
+        self._starts: list[int] = []
+        self.program = program
+        origin = program.origin
+        if origin is None:
+            return
+        end = 0
+        for tree in origin.trees:
+            source = tree.source or SourceText("")
+            self._texts.append(source)
+            self._starts.append(end)
+            end += len(source.text) + 1
+        if len(self._texts) > 1:
+            self.program = self._counted_on(program)
+
+    def parts(self) -> Iterator[Part]:
+        """What the trees hold beside their statements, in order of text."""
+        origin = self.program.origin
+        if origin is None:
+            return
+        language = language_of(origin.language)
+        for start, tree in zip(self._starts, origin.trees, strict=True):
+            for part in language.parts(tree):
+                yield replace(part, span=_moved(part.span, start))
+
+    def of(self, span: Span) -> Place | None:
+        """The place of a span, None if it is in no text."""
+        found = self._local(span)
+        if found is None:
+            return None
+        source, local = found
+        line, _ = source.line_column(local.start)
+        return Place(source.path, line, source.text[local.start : local.end])
+
+    def finding(self, finding: Diagnostic) -> Diagnostic:
+        """The finding with the file, the line and its text, if it has a span and no line."""
+        found = self._local(finding.span) if finding.span and finding.line is None else None
+        if found is None:
+            return finding
+        source, local = found
+        line, column = source.line_column(local.start)
+        end_line, end_column = source.line_column(local.end)
+        return replace(
+            finding,
+            path=source.path,
+            span=local,
+            line=line,
+            column=column,
+            excerpt=source.line_text(line),
+            end_line=end_line,
+            end_column=end_column,
+        )
+
+    def span(self, finding: Diagnostic) -> Span | None:
+        """The span of a finding that names the file of a text of its own."""
+        if finding.span is None:
+            return None
+        for start, source in zip(self._starts, self._texts, strict=True):
+            if source.path == finding.path:
+                return _moved(finding.span, start)
+        return None
+
+    def _local(self, span: Span) -> tuple[SourceText, Span] | None:
+        at = bisect_right(self._starts, span.start) - 1
+        if at < 0:
+            return None
+        source, start = self._texts[at], self._starts[at]
+        local = _moved(span, -start)
+        return (source, local) if local.end <= len(source.text) else None
+
+    def _counted_on(self, program: Program) -> Program:
+        """With the spans of each unit moved to where its text is."""
+        texts = [FilePath(source.path or "").stem.lower() for source in self._texts]
+        starts: dict[str | None, int | None] = {None: 0}
+        for unit in {q.unit for q in program.procedures} - {None}:
+            names = [(unit or "").lower(), _file_stem(program, unit)]
+            found = next((texts.index(n) for n in names if n in texts), None)
+            starts[unit] = None if found is None else self._starts[found]
+        procedures = tuple(
+            replace(
+                q,
+                body=_body(q.body, starts[q.unit]),
+                span=_in_text(q.span, starts[q.unit]),
+            )
+            for q in program.procedures
+        )
+        return replace(program, procedures=procedures)
+
+
+def _file_stem(program: Program, unit: str | None) -> str:
+    origin = program.origin
+    assert origin is not None
+    return FilePath(language_of(origin.language).file_name(program, unit)).stem.lower()
+
+
+def _body(body: Body, start: int | None) -> Body:
+    return tuple(
+        replace(map_bodies(x, lambda b: _body(b, start)), span=_in_text(x.span, start))
+        for x in body
+    )
+
+
+def _in_text(span: Span | None, start: int | None) -> Span | None:
+    return None if span is None or start is None else _moved(span, start)
+
+
+def _moved(span: Span, by: int) -> Span:
+    return Span(span.start + by, span.end + by)
+
+
+class Trace:
+    """Where statements of the source went in the text that was read back.
+
+    adapted: the program as the target language says it, its statements with the spans of
+    their source. written: as it was read back, None if it could not be.
+    """
+
+    def __init__(self, adapted: Program, written: Program | None) -> None:
+        self._there = Places(written) if written is not None else None
+        pairs = () if self._there is None else _pairs_of(adapted, self._there.program)
+        self._went: dict[Span, list[Span]] = {}
+        self._from: dict[Span, Span] = {}
+        for mine, its in pairs:
+            self._went.setdefault(mine, []).append(its)
+            self._from.setdefault(its, mine)
+
+    def written(self, span: Span) -> list[Place]:
+        """Where a statement of the source went, in order; none if that is not known."""
+        assert self._there is not None or not self._went
+        places = [self._there.of(s) for s in self._went.get(span, ())] if self._there else []
+        return [place for place in places if place is not None]
+
+    def source(self, finding: Diagnostic) -> Span | None:
+        """The span in the source that a finding is about, also one in the written text."""
+        if finding.line is None or self._there is None:
+            return finding.span if finding.line is None else None
+        span = self._there.span(finding)
+        if span is None:
+            return None
+        holding = [s for s in self._from if s.start <= span.start and span.end <= s.end]
+        inmost = min(holding, key=lambda s: s.end - s.start, default=None)
+        return self._from[inmost] if inmost is not None else None
+
+
+def _pairs_of(source: Program, written: Program) -> Iterator[tuple[Span, Span]]:
+    there = {q.name.lower(): q for q in written.procedures}
+    for procedure in source.procedures:
+        other = there.get(procedure.name.lower())
+        if other is not None:
+            for mine, its in _pairs(procedure.body, other.body):
+                if mine.span is not None and its.span is not None:
+                    yield mine.span, its.span
+
+
+def _pairs(one: Body, two: Body) -> Iterator[tuple[p.Statement, p.Statement]]:
+    """Statements that stand at the same place of two bodies; none where they differ."""
+    if list(map(type, one)) != list(map(type, two)):
+        return
+    for mine, its in zip(one, two, strict=True):
+        yield mine, its
+        for inner, other in zip(bodies(mine), bodies(its), strict=False):
+            yield from _pairs(inner, other)

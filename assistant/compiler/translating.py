@@ -1,0 +1,223 @@
+"""Translating: a vendor program in another language, with a report on each of its statements."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Final, Literal
+
+from assistant.compiler.compiling import Compiled, compile_program, robot_of
+from assistant.compiler.drafting import draft as drafted
+from assistant.compiler.loading import Loaded, language_of, load
+from assistant.compiler.places import Place, Places, Trace
+from assistant.compiler.proof import Proof
+from assistant.program import statements as p
+from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, Span, fold
+from assistant.program.program import Program, bodies, walk
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+
+NO_PROGRAM = Rule(
+    "CO005",
+    Severity.ERROR,
+    "`{name}` is no program in a robot language",
+    "name its language with --from, or compile it: `robot-assistant compile`",
+)
+
+Level = Literal["supported", "partial", "not"]
+LEVELS: Final[tuple[Level, ...]] = ("supported", "partial", "not")
+LONGEST_TEXT: Final = 100
+"""Characters of a statement that a row shows."""
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """What becomes of one statement or declaration of the source.
+
+    text: its first line. count: rows of a table or moves of a path, else 1.
+    reasons: why it is not said as it stands. went: where it is in the written files.
+    """
+
+    place: Place
+    text: str
+    level: Level
+    reasons: tuple[Diagnostic, ...] = ()
+    went: tuple[Place, ...] = ()
+    count: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Translation:
+    """A translated program. files: as they are to be written, none if something is not said.
+
+    rows: in order of the source. whole: findings on no statement of its own.
+    draft: whether the files are one, with stops for what is not said.
+    """
+
+    compiled: Compiled
+    language: str
+    rows: tuple[Row, ...]
+    whole: tuple[Diagnostic, ...]
+    files: Mapping[str, bytes] = field(default_factory=dict)
+    draft: bool = False
+
+    @property
+    def ok(self) -> bool:
+        """Whether everything is said and proven."""
+        return self.compiled.ok
+
+    @property
+    def findings(self) -> tuple[Diagnostic, ...]:
+        return self.compiled.findings
+
+    @property
+    def proof(self) -> Proof:
+        return self.compiled.proof
+
+    @property
+    def totals(self) -> dict[Level, int]:
+        """How many statements there are at each level; rows of a table count one by one."""
+        return {level: sum(r.count for r in self.rows if r.level == level) for level in LEVELS}
+
+
+def translate(
+    source: str | FilePath | Loaded,
+    *,
+    to: str,
+    robot: str | Robot | None = None,
+    from_robot: str | Robot | None = None,
+    language: str | None = None,
+    most_targets: int | None = None,
+    draft: bool = False,
+) -> Translation:
+    """A vendor program in another language, for another arm if one is named.
+
+    language: of the source, if neither suffix nor text tell. draft: gives files also if some
+    statements cannot be said: each stands as a comment behind a stop. from_robot: the arm that
+    it was written for. Raises Unreadable or Refused for what cannot be read at all.
+    """
+    target, arm = language_of(to), robot_of(robot)
+    loaded = source
+    if not isinstance(loaded, Loaded):
+        loaded = load(loaded, robot=robot_of(from_robot), language=language)
+    if loaded.language is None or loaded.program.origin is None:
+        raise Refused(NO_PROGRAM(name=source), exit_status=2)
+    places = Places(loaded.program)
+    compiled = compile_program(places.program, places, target, arm, most_targets)
+    written = compiled
+    if draft and not compiled.ok:
+        written = drafted(compiled, target, arm, most_targets)
+    rows, whole = _report(compiled, written)
+    return Translation(
+        compiled,
+        target.name,
+        rows,
+        (*loaded.findings, *whole),
+        dict(written.files) if written.ok else {},
+        draft=written is not compiled and written.ok,
+    )
+
+
+@dataclass(slots=True)
+class _Part:
+    """What a row is made of: a part of the source, and what is found about it.
+
+    names: that findings know it by. head: whether its first line stands for it. silent: left
+    out of the report unless something is found about it.
+    """
+
+    span: Span
+    count: int = 1
+    names: tuple[str, ...] = ()
+    head: bool = False
+    silent: bool = False
+    found: list[Diagnostic] = field(default_factory=list)
+
+
+def _report(
+    compiled: Compiled, written: Compiled
+) -> tuple[tuple[Row, ...], tuple[Diagnostic, ...]]:
+    """The rows, and the findings that belong to none of them."""
+    places = compiled.places
+    parts: dict[Span, _Part] = {}
+    names: dict[str, _Part] = {}
+    for part in _parts(compiled.source, places):
+        known = parts.setdefault(part.span, part)
+        known.silent = known.silent and part.silent
+        for name in part.names:
+            names.setdefault(name.lower(), known)
+    back = Trace(compiled.program, compiled.proof.lifted)
+    whole: list[Diagnostic] = []
+    for finding in compiled.found:
+        about = _about(finding, back.source(finding), parts, names)
+        if about is None:
+            whole.append(places.finding(finding))
+        elif finding.message not in [f.message for f in about.found]:
+            about.found.append(finding)
+    shown = [part for part in parts.values() if part.found or not part.silent]
+    shown.sort(key=lambda part: (part.span.start, -part.span.end))
+    trace = Trace(written.program, written.proof.lifted)
+    rows = [row for part in shown if (row := _row(part, places, trace)) is not None]
+    return tuple(rows), fold(whole)
+
+
+def _parts(program: Program, places: Places) -> Iterator[_Part]:
+    """Each part of the source once or twice: as it is lifted, then as it stands in the tree."""
+    for procedure in program.procedures:
+        if procedure.span is not None:
+            called = procedure.name, f"procedure {procedure.name}"
+            yield _Part(procedure.span, names=called, head=True)
+        for statement in walk(procedure.body):
+            match statement:
+                case p.Follow(path, span=Span() as span):
+                    called = path.name, f"path {path.name}"
+                    yield _Part(span, len(path), called, head=True)
+                case p.Comment(span=Span() as span) | p.Label(span=Span() as span):
+                    yield _Part(span, silent=True)
+                case _ if statement.span is not None:
+                    yield _Part(statement.span, head=bool(bodies(statement)))
+    for declaration in program.declarations:
+        if declaration.span is not None:
+            yield _Part(declaration.span, head=True)
+    for part in places.parts():
+        yield _Part(part.span, part.count, (part.name,) if part.name else (), head=True)
+
+
+def _about(
+    finding: Diagnostic,
+    span: Span | None,
+    parts: Mapping[Span, _Part],
+    names: Mapping[str, _Part],
+) -> _Part | None:
+    """The part that a finding is about, None if it is about the whole."""
+    if span is not None:
+        return parts.get(span)
+    return next((names[q] for q in _named(finding.place or "") if q in names), None)
+
+
+def _named(place: str) -> Iterator[str]:
+    """What a place in words may name: a target, `path x row 3`, `x_17`."""
+    words = place.lower().split()
+    yield place.lower()
+    if len(words) > 1:
+        yield " ".join(words[:2])
+    if words:
+        yield words[0]
+        yield words[0].rpartition("_")[0]
+
+
+def _row(part: _Part, places: Places, trace: Trace) -> Row | None:
+    place = places.of(part.span)
+    if place is None:
+        return None
+    level: Level = "supported"
+    if part.found:
+        errors = any(f.severity is Severity.ERROR for f in part.found)
+        level = "not" if errors else "partial"
+    lines = [line.strip() for line in place.text.splitlines() if line.strip()]
+    text = " ".join(lines[:1] if part.head else lines)
+    if len(text) > LONGEST_TEXT:
+        text = text[: LONGEST_TEXT - 1] + "…"
+    return Row(place, text, level, tuple(part.found), tuple(trace.written(part.span)), part.count)
