@@ -175,12 +175,18 @@ def fmt(
     diff: Annotated[
         bool, typer.Option("--diff", help="Write nothing; print what would change.")
     ] = False,
+    renumber: Annotated[
+        str | None,
+        typer.Option(
+            "--renumber", metavar="FIRST,STEP", help="Number the steps anew, jumps to them too."
+        ),
+    ] = None,
     from_language: FromLanguage = None,
 ) -> None:
     """Lay robot programs out: indentation, blanks, case of keywords. What they say stays."""
     from assistant.cli.formatting import run_fmt
 
-    raise typer.Exit(run_fmt(files, check, diff, from_language))
+    raise typer.Exit(run_fmt(files, check, diff, from_language, renumber))
 
 
 @app.command()

@@ -2,25 +2,38 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Iterator, Sequence
 from difflib import unified_diff
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from assistant.cli.compiling import STANDARD, TWICE, working
 from assistant.cli.presentation import print_findings, say
-from assistant.program.diagnostics import Refused, has_errors
+from assistant.program.diagnostics import Refused, Rule, Severity, has_errors
 
 if TYPE_CHECKING:
     from assistant.compiler.formatting import Formatted
 
 
-def run_fmt(paths: Sequence[str], check: bool, diff: bool, language: str | None) -> int:
+STEPS: Final = Rule(
+    "CL005",
+    Severity.ERROR,
+    "`{text}` does not say how steps are numbered",
+    "write the first number and the step, both from 1 on, as in --renumber 10,10",
+)
+_STEPS: Final = re.compile(r"[ ]*([0-9]{1,5})[ ]*(?:,[ ]*([0-9]{1,5})[ ]*)?")
+
+
+def run_fmt(
+    paths: Sequence[str], check: bool, diff: bool, language: str | None, renumber: str | None
+) -> int:
     """0 if all is well, 1 if a file is broken or, with check, would change, 2 if unreadable."""
     from assistant.compiler.formatting import format_bytes, format_file, rewrite
 
     if list(paths).count(STANDARD) > 1:
         raise Refused(TWICE(), exit_status=2)
+    numbering = None if renumber is None else _numbering(renumber)
     status = files = changed = 0
     for path in dict.fromkeys(paths):
         for name in _files(path, language):
@@ -29,9 +42,11 @@ def run_fmt(paths: Sequence[str], check: bool, diff: bool, language: str | None)
                     raise name
                 with working(f"formatting {name}"):
                     if name == STANDARD:
-                        done = format_bytes(sys.stdin.buffer.read(), "standard input", language)
+                        done = format_bytes(
+                            sys.stdin.buffer.read(), "standard input", language, numbering
+                        )
                     else:
-                        done = format_file(name, language)
+                        done = format_file(name, language, numbering)
                 if name == STANDARD and not (check or diff):
                     sys.stdout.buffer.write(done.encoded())
                 elif done.changed and not (check or diff):
@@ -51,6 +66,15 @@ def run_fmt(paths: Sequence[str], check: bool, diff: bool, language: str | None)
     if not diff and STANDARD not in paths:
         say(f"{files} file{'s' * (files != 1)}, {changed} {'would change' if check else 'changed'}")
     return status
+
+
+def _numbering(text: str) -> tuple[int, int]:
+    """First number and step; one number is both. Raises Refused for anything else."""
+    found = _STEPS.fullmatch(text)
+    first, step = (int(found[1]), int(found[2] or found[1])) if found else (0, 0)
+    if not (first and step):
+        raise Refused(STEPS(text=text), exit_status=2)
+    return first, step
 
 
 def _files(path: str, language: str | None) -> Iterator[str | Refused]:

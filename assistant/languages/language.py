@@ -81,6 +81,8 @@ class Language(abc.ABC, Generic[T]):
     """How codes begin whose errors no project may turn down: unreadable, or cannot be said."""
     steps: bool = False
     """Whether its lines have step numbers."""
+    steps: bool = False
+    """Whether its lines have step numbers."""
 
     def read(self, path: str | FilePath) -> SourceText:
         """A file decoded as this vendor's are; raises Unreadable."""
@@ -108,6 +110,13 @@ class Language(abc.ABC, Generic[T]):
     @abc.abstractmethod
     def format(self, tree: T) -> str:
         """Canonical layout of the same tree."""
+
+    def renumber(self, tree: T, first: int, step: int) -> T:
+        """The tree with steps numbered first, first + step …, and every jump to them.
+
+        Only of a language with `steps`. Raises Refused, with a finding, where that cannot be done.
+        """
+        raise NotImplementedError(f"{self.name} has no step numbers")
 
     def renumber(self, tree: T, first: int, step: int) -> T:
         """The tree with steps numbered first, first + step …, and every jump to them.

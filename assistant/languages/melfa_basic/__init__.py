@@ -48,6 +48,7 @@ class MelfaBasic(Language[File]):
     comment_mark = "'"
     family = "MB"
     fixed = ("MB0", "MB2")
+    steps = True
 
     def __init__(self, name: str) -> None:
         self.dialect = DIALECTS[name]
@@ -87,6 +88,11 @@ class MelfaBasic(Language[File]):
         if tree.items is not tree.parsed:
             tree = self.parse(replace(tree.source or SourceText(""), text=self.render(tree)))
         return self.render(tree) if has_errors(tree.findings) else lay_out(tree)
+
+    def renumber(self, tree: File, first: int, step: int) -> File:
+        from assistant.languages.melfa_basic.layout.renumbering import renumbered
+
+        return renumbered(tree, first, step)
 
     def same(self, tree: File, other: File) -> bool:
         """Whether two trees are one; lines are the same in a table and on their own."""

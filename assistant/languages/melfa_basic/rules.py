@@ -188,3 +188,10 @@ ROUNDED_TEXT = Rule(
 
 ALL: Final = tuple(value for value in list(globals().values()) if isinstance(value, Rule))
 """Every rule of this room, for the docs."""
+
+# ------------------------------------------------------------------------- renumbering
+PAST_LAST_STEP = Rule(
+    "MB401", E,
+    "{count} steps from {first} in steps of {step} end at {last}, the highest number is {most}",
+    "number in smaller steps, 1,1 at the least, or split the program",
+)  # fmt: skip
