@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
-from assistant.languages.language import Adapted, Language, Precision
+from assistant.languages.language import Adapted, Language, Part, Precision
 from assistant.languages.melfa_basic.dialects import DIALECTS
 from assistant.languages.melfa_basic.syntax import CallP, File, Line, String
 from assistant.program.diagnostics import Diagnostic, has_errors
@@ -102,6 +102,11 @@ class MelfaBasic(Language[File]):
             tree.dialect == other.dialect
             and tuple(gathered(tree.items)) == tuple(gathered(other.items))
         )
+
+    def parts(self, tree: File) -> Iterator[Part]:
+        from assistant.languages.melfa_basic.parts import parts
+
+        return parts(tree)
 
     def lift_trees(self, trees: Sequence[File], robot: Robot | None) -> Program:
         from assistant.languages.melfa_basic.lift.program import lift

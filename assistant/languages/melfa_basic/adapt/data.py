@@ -20,10 +20,11 @@ if TYPE_CHECKING:
 def with_plain_data(context: Context, program: Program) -> Program:
     """The program with everything but its procedures in plain form."""
     for declaration in program.declarations:
-        context.findings.append(rules.CANNOT_SAY(
-            what=f"the {declaration.language} declaration `{declaration.text[:40]}`",
-            cure="leave it out or say it in plain statements",
-        ))  # fmt: skip
+        with context.findings.at(declaration.span):
+            context.findings.append(rules.CANNOT_SAY(
+                what=f"the {declaration.language} declaration `{declaration.text[:40]}`",
+                cure="leave it out or say it in plain statements",
+            ))  # fmt: skip
     return replace(
         program,
         tools=dict(_tools(context, program)),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from bisect import bisect_right
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from assistant.languages.melfa_basic.lift.gathering import rows_as_lines, split_
 from assistant.languages.melfa_basic.lift.positions import configurations
 from assistant.languages.melfa_basic.names import ARC_START
 from assistant.program import statements as p
+from assistant.program.diagnostics import Span, over
 from assistant.program.path import Kind, Path
 from assistant.program.program import identifier
 
@@ -38,12 +39,15 @@ class Runs:
     """Collects moves for a Reader; `flush` puts the path that they make among the statements.
 
     previous: the position variable (upper case) where the robot stands, None if unknown.
+    at: where the entry that is read stands; what is made of it gets that span.
     """
 
     def __init__(self, reader: Reader) -> None:
         self.reader = reader
         self.changed = False
         self.previous: str | None = None
+        self.at: Span | None = None
+        self.span: Span | None = None
         self.stem = ""
         self.first = self.last = 0
         self.chunks: list[_Chunk] = []
@@ -93,9 +97,10 @@ class Runs:
         from assistant.languages.melfa_basic.lift.expressions import Unliftable
 
         try:
-            made += reader.move(line.statement)
+            moves = reader.move(line.statement)
         except Unliftable:
-            made.append(reader.opaque(line.statement))
+            moves = [reader.opaque(line.statement)]
+        made += [replace(move, span=self.at) for move in moves]
 
     def motion(self, node: s.Motion, made: list[p.Statement]) -> bool:
         """A single line that may go on with the path or begin one; False if it cannot."""
@@ -138,7 +143,8 @@ class Runs:
         )
         if not goes_on:
             self.flush(made)
-            self.stem, self.first = stem, first
+            self.stem, self.first, self.span = stem, first, self.at
+        self.span = over(self.span, self.at)
         self.reader.arc_pending = False
         self.last = first + len(kinds) - 1
         self.chunks.append(_Chunk(kinds, self.reader.now()))
@@ -209,7 +215,7 @@ class Runs:
             external=external,
             **_columns(chunks),
         )
-        made.append(p.Follow(path))
+        made.append(p.Follow(path, span=self.span))
 
     def name(self) -> str:
         at = self.range_of(self.stem, self.first)
@@ -225,7 +231,8 @@ class Runs:
         now, previous = reader.now(), self.previous
         reader.tcp, reader.joint, reader.blend, reader.tool, reader.frame = chunk.settings
         word = "Mov" if chunk.kinds[0] == Kind.JOINT else "Mvs"
-        made.append(reader.to(word, s.Variable(f"{self.stem}{self.first}"), None))
+        move = reader.to(word, s.Variable(f"{self.stem}{self.first}"), None)
+        made.append(replace(move, span=self.span))
         reader.tcp, reader.joint, reader.blend, reader.tool, reader.frame = now
         self.previous = previous
 

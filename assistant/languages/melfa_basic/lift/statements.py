@@ -102,6 +102,7 @@ class Reader:
     def entry(self, at: int, high: int, made: list[p.Statement]) -> int:
         """Reads one entry, or a whole block; gives the place after it."""
         item = self.code[at]
+        self.runs.at = item.span
         if isinstance(item, MoveRows):
             self.runs.rows(item, made)
             return at + 1
