@@ -42,6 +42,7 @@ class Variable:
     suffix: str = ""
     arguments: tuple[Expression | None, ...] | None = None
     component: str = ""
+    span: Span | None = field(default=None, compare=False, repr=False)
 
     @property
     def key(self) -> str:
@@ -58,6 +59,7 @@ class Constant:
 
     values: tuple[float | None, ...]
     flags: tuple[int | None, int | None] | None = None
+    span: Span | None = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +102,7 @@ class Target:
     """Where a jump goes: a label's name or a step number."""
 
     place: str | int
+    span: Span | None = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,8 +12,10 @@ from hypothesis import strategies as st
 from assistant import languages
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MoveRows, PositionRows
+from assistant.languages.melfa_basic.driver import Stop
 from assistant.languages.melfa_basic.lift.gathering import gathered, rows_as_lines
-from assistant.languages.melfa_basic.parser import _line, parse
+from assistant.languages.melfa_basic.parser import parse
+from assistant.languages.melfa_basic.reading import TooLarge, read_line
 from assistant.program.text import SourceText
 
 FIXTURES = FilePath(__file__).parent / "fixtures"
@@ -95,11 +97,12 @@ def test_any_lines_are_checked_and_lifted(lines: list[str]) -> None:
 
 def by_grammar(text: str) -> list[s.Item]:
     """What the grammar alone makes of each line."""
-    source, at, items = SourceText(text), 0, []
-    while at < len(text):
-        end = text.find("\n", at) + 1 or len(text)
-        items.append(_line(source, at, end)[0])
-        at = end
+    at, items = 0, []
+    for line in text.splitlines(keepends=True):
+        bare = line.rstrip("\r\n")
+        node = read_line(text, at, at + len(bare), at + len(line))
+        items.append(s.Unread(bare) if isinstance(node, Stop | TooLarge) else node)
+        at += len(line)
     return items
 
 

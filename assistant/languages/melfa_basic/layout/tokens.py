@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from typing import Final, NamedTuple
 
-from assistant.languages.melfa_basic.parser import grammar
+from assistant.languages.melfa_basic.reading import lexemes
 from assistant.languages.melfa_basic.tables import spelled
 
 _BLANKS: Final = re.compile(r"[ \t\f]+")
@@ -43,8 +43,7 @@ def tokens(line: str, start: str = "line") -> tuple[Token, ...]:
 
     start: the grammar's rule, `line` or `data`.
     """
-    lexed = grammar().parse_interactive(line, start=start).exhaust_lexer()
-    return tuple(Token(t.type, str(t), t.start_pos or 0) for t in lexed)
+    return tuple(Token(type, line[begin:end], begin) for type, begin, end in lexemes(line, start))
 
 
 def code(listed: Sequence[Token], upper: bool) -> str:

@@ -1,0 +1,112 @@
+"""The next word of a line, as what the rules have room for at that place.
+
+`*` begins a label or multiplies, `(` begins a constant, an empty list or a bracket, `Tool` is a
+statement or a name: the state that the tables are in decides, as it does in lark's own lexer.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from functools import cache
+from typing import Any, Final, NamedTuple
+
+from assistant.languages.melfa_basic.grammar import grammar, keywords, pattern
+
+Row = Mapping[str | None, Any]
+
+STRANGE: Final = "STRANGE"
+"""The type of what no terminal begins with."""
+
+
+class Lexeme(NamedTuple):
+    """type: a terminal of the grammar or STRANGE. start, end: offsets in the text."""
+
+    type: str
+    start: int
+    end: int
+
+
+class Lexer:
+    """Finds words; the patterns are those of the grammar."""
+
+    def __init__(self) -> None:
+        flags = re.IGNORECASE
+        named = ("NUMBER", "STRING", "COMMENT", "COMPARISON", "SHIFT", "SIGN", "TIMES")
+        groups = {"NAME": pattern("NAME")} | {name: pattern(name) for name in named}
+        listed = "|".join(f"(?P<{name}>{regexp})" for name, regexp in groups.items())
+        self._next = re.compile(rf"[ \t\f]*+(?:{listed}|(?P<MARK>.))", flags)
+        self._longer = {
+            name: re.compile(pattern(name), flags)
+            for name in ("POSITION", "EMPTY", "LABEL", "HEX", "BINARY", "REM", "INCLUDE")
+        }
+        marks = {t.pattern.value: t.name for t in grammar().terminals if t.pattern.type == "str"}
+        self._marks = marks | dict.fromkeys("$%!&#", "SUFFIX")
+        self._keywords = keywords()
+        self._pairs = {w: types for w, types in self._keywords.items() if " " in w}
+        self._pairs["END IF"] = self._keywords["ENDIF"]
+        self._openings = {pair.split()[0] for pair in self._pairs}
+
+    def next(self, text: str, at: int, end: int, row: Row) -> Lexeme | None:
+        """What stands behind an offset, None at the end.
+
+        row: what the tables do with each terminal there. A word that they have no room for is
+        given as what it looks like.
+        """
+        found = self._next.match(text, at, end)
+        if found is None:
+            return None
+        kind = found.lastgroup or STRANGE
+        start, stop = found.span(kind)
+        if kind == "NAME":
+            return self._word(text, start, stop, end, row)
+        if kind == "MARK" or kind == "TIMES":
+            return self._mark(text, start, end, row)
+        if kind == "NUMBER" and "STEP" in row and text[start:stop].isdigit():
+            kind = "STEP"
+        return Lexeme(kind, start, stop)
+
+    def _word(self, text: str, start: int, stop: int, end: int, row: Row) -> Lexeme:
+        word = text[start:stop].upper()
+        if word in self._openings and (two := _SECOND.match(text, stop, end)):
+            for type in self._pairs.get(f"{word} {two[1].upper()}", ()):
+                if type in row:
+                    return Lexeme(type, start, two.end())
+        for type in self._keywords.get(word, ()):
+            if type in row:
+                return Lexeme(type, start, stop)
+        if word == "REM" and "REM" in row:
+            return Lexeme("REM", start, end)
+        if word[:2] == "FN" and len(word) > 2 and "FN_NAME" in row:
+            return Lexeme("FN_NAME", start, stop)
+        if word[:3] == "MXT" and word[3:].isdigit() and "COMMAND" in row:
+            return Lexeme("COMMAND", start, start + 3)
+        return Lexeme("NAME", start, stop)
+
+    def _mark(self, text: str, start: int, end: int, row: Row) -> Lexeme:
+        """`*` and `/`, brackets and all single marks: the longest that there is room for."""
+        mark = text[start]
+        for type in _LONGER.get(mark, ()):
+            if type in row and (found := self._longer[type].match(text, start, end)):
+                return Lexeme(type, start, found.end())
+        if mark in "*/":
+            return Lexeme("TIMES", start, start + 1)
+        type = self._marks.get(mark, STRANGE)
+        if mark == "#" and "SUFFIX" not in row:
+            type = "HASH"
+        return Lexeme(type, start, start + 1)
+
+
+_LONGER: Final = {
+    "(": ("POSITION", "EMPTY"),
+    "*": ("LABEL",),
+    "&": ("HEX", "BINARY"),
+    "#": ("INCLUDE",),
+}
+_SECOND: Final = re.compile(r"[ \t]*+([A-Za-z]+)(?![A-Za-z0-9_])")
+
+
+@cache
+def lexer() -> Lexer:
+    """The one lexer."""
+    return Lexer()
