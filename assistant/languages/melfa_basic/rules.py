@@ -186,6 +186,9 @@ ROUNDED_TEXT = Rule(
     "add them to the text where they matter",
 )  # fmt: skip
 
+# --------------------------------------------------------------- from one dialect to another
+NOT_CONVERTED = Rule("MB501", E, "{title} cannot say {what}", "{cure}")
+
 ALL: Final = tuple(value for value in list(globals().values()) if isinstance(value, Rule))
 """Every rule of this room, for the docs."""
 
