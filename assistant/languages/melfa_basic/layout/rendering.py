@@ -2,25 +2,130 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+
+from assistant.languages.alignment import aligned, common_ends, same
 from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.layout.printing import print_items
+from assistant.languages.melfa_basic.columnar import MoveRows, PositionRows
+from assistant.languages.melfa_basic.dialects import DIALECTS
+from assistant.languages.melfa_basic.layout.changed_lines import changed_line, parts_of
+from assistant.languages.melfa_basic.layout.changed_rows import moves, positions
+from assistant.languages.melfa_basic.layout.levels import Levels
+from assistant.languages.melfa_basic.layout.printing import decimals, item_text, print_items
+from assistant.languages.melfa_basic.lift.gathering import as_rows
+from assistant.languages.melfa_basic.printer import INDENT
+from assistant.program.text import SourceText
 
 
 def render(file: s.File) -> str:
     """The text of a tree; lines that were read and not changed keep their bytes."""
     if file.source is None:
         return "".join(print_items(file.items, file.dialect, "\r\n"))
-    text = file.source.text
     if file.items is file.parsed:
-        return text
-    spans = {id(item): item.span for item in file.parsed}
-    newline = file.source.newline
+        return file.source.text
     parts: list[str] = []
-    printed = print_items(file.items, file.dialect, newline)
-    for item, part in zip(file.items, printed, strict=True):
-        span = spans.get(id(item))
-        part = part if span is None else text[span.start : span.end]
+    for part in _Changes(file, file.source).texts():
         if parts and parts[-1] and not parts[-1].endswith("\n"):
-            parts.append(newline)  # the last line of a file may have no line end
+            parts.append(file.source.newline)  # the last line of a file may have no line end
         parts.append(part)
     return "".join(parts)
+
+
+class _Changes:
+    """The items of a file against those that were read from its text."""
+
+    def __init__(self, file: s.File, source: SourceText) -> None:
+        self._new, self._old = file.items, file.parsed
+        self._text, self._newline = source.text, source.newline
+        self._dialect = DIALECTS[file.dialect]
+        self._partner = _partners(self._old, self._new)
+        kept = {
+            at
+            for at, item in zip(self._partner, self._new, strict=True)
+            if at is not None and same(self._old[at], item)
+        }
+        self._lost = [
+            (rows, _ended(self._source(item), self._newline))
+            for at, item in enumerate(self._old)
+            if at not in kept and isinstance(rows := as_rows(item), PositionRows)
+        ]
+        self._indents: dict[int, str] = {}
+
+    def texts(self) -> Iterator[str]:
+        """The text of each item, with its line ends."""
+        levels = Levels()
+        places = decimals(self._new)
+        for item, at, decimal in zip(self._new, self._partner, places, strict=True):
+            level = levels.of(item) if isinstance(item, s.Line) else levels.inside
+            level = level if self._dialect.blocks else 0
+            old = None if at is None else self._old[at]
+            if old is not None and same(old, item):
+                text = self._source(old)
+                if isinstance(item, MoveRows):
+                    self._indents[level] = _row_indent(text)
+                elif isinstance(item, s.Line) and (item.statement or item.label):
+                    self._indents[level] = parts_of(text, item).indent
+                yield text
+            else:
+                yield self._changed(item, old, level, decimal)
+
+    def _source(self, item: s.Item) -> str:
+        assert item.span is not None
+        return self._text[item.span.start : item.span.end]
+
+    def _changed(self, item: s.Item, old: s.Item | None, level: int, places: int) -> str:
+        """An item that is new or not what it was."""
+        upper = self._dialect.upper
+        match item, old:
+            case s.Line(), s.Line():
+                text = changed_line(self._source(old), old, item, upper)
+                self._indents[level] = parts_of(text, item).indent
+                return text
+            case MoveRows(), MoveRows():
+                text = self._source(old)
+                self._indents[level] = _row_indent(text)
+                indent = len(self._indents[level]) - 1
+                return moves(item, old, text, self._newline, upper, indent)
+            case ((PositionRows() | s.Data()), _):
+                rows = as_rows(item)
+                if isinstance(rows, PositionRows) and self._lost:
+                    return positions(rows, self._lost, self._newline)
+        text = item_text(item, upper, self._newline, places, 0)
+        if isinstance(item, s.Line) and (item.statement or item.label or item.comment):
+            head = "" if item.number is None else str(item.number)
+            indent = self._indent(level)
+            if not head and level not in self._indents:
+                indent = indent.removeprefix(" ")
+            return head + (indent or " " * bool(head)) + text.removeprefix(head).lstrip(" ")
+        return text
+
+    def _indent(self, level: int) -> str:
+        """The blanks behind the step number of lines as deep, as they are written around."""
+        known = [one for one in self._indents if one <= level]
+        if not known:
+            return " " * (1 + INDENT * level)
+        nearest = max(known)
+        return self._indents[nearest] + " " * (INDENT * (level - nearest))
+
+
+def _row_indent(text: str) -> str:
+    """The blanks behind the first step number of a table of moves, at least one."""
+    first = text[: text.index("\n")].lstrip("0123456789")
+    return first[: len(first) - len(first.lstrip(" "))]
+
+
+def _ended(text: str, newline: str) -> str:
+    return text if text.endswith("\n") else text + newline
+
+
+def _partners(old: Sequence[s.Item], new: Sequence[s.Item]) -> list[int | None]:
+    """For each item the index of the one that it was made from, None for a new one."""
+    head, tail = common_ends(old, new)
+    middle = aligned(old[head : len(old) - tail], new[head : len(new) - tail])
+    partner: list[int | None] = list(range(head))
+    partner += [None if at is None else head + at for at in middle]
+    partner += range(len(old) - tail, len(old))
+    return [
+        at if at is not None and type(old[at]) is type(item) else None
+        for at, item in zip(partner, new, strict=True)
+    ]

@@ -35,7 +35,7 @@ def gathered(items: Iterable[s.Item]) -> Iterator[s.Item]:
     """The same lines, neighbours of one stem as one table, lone ones as lines."""
     group: list[MoveRows] | list[PositionRows] = []
     for item in items:
-        rows = _as_rows(item)
+        rows = as_rows(item)
         if rows is not None and group and _same(group[-1], rows):
             group.append(rows)  # type: ignore[arg-type]
             continue
@@ -58,7 +58,8 @@ def _same(left: MoveRows | PositionRows, right: MoveRows | PositionRows) -> bool
     return True
 
 
-def _as_rows(item: s.Item) -> MoveRows | PositionRows | None:
+def as_rows(item: s.Item) -> MoveRows | PositionRows | None:
+    """A plain move or position line as a table of one row, a table as it is, else None."""
     match item:
         case MoveRows() | PositionRows():
             return item if len(item) else None
