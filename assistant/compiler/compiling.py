@@ -27,6 +27,7 @@ from assistant.program.rewriting import rewrite
 
 if TYPE_CHECKING:
     from assistant.languages import Language
+    from assistant.languages.language import Conversion
     from assistant.robots import Robot
 
 UNKNOWN_ROBOT = Rule("CO002", Severity.ERROR, "there is no robot `{name}`", "choose one of {names}")
@@ -115,16 +116,15 @@ def compile_program(
     program = source
     findings = list(check(program))
     arm = robot or robot_of(program.robot)
+    conversion = target.convert(program, arm) if most_targets is None else None
+    if conversion is not None:
+        return _converted(conversion, source, places, target, arm)
     if arm is not None:
         if program.robot not in (None, arm.name):
             program = _without_configurations(program)
         program = replace(program, robot=arm.name)
         if target.name not in arm.languages:
-            findings.append(
-                OTHER_MAKER(
-                    robot=arm.name, language=target.name, languages=", ".join(arm.languages)
-                )
-            )
+            findings.append(_other_maker(arm, target))
         from assistant import robots
 
         program, found = robots.configure(program, arm)
@@ -145,6 +145,33 @@ def compile_program(
     findings += own or proof.findings
     kept = files if proof.holds else {}
     return replace(compiled, proof=proof, files=kept, found=tuple(findings))
+
+
+def _converted(
+    conversion: Conversion[Any],
+    source: Program,
+    places: Places,
+    target: Language[Any],
+    arm: Robot | None,
+) -> Compiled:
+    """A program of a sister dialect, whose trees were converted."""
+    findings = [*check(source), *conversion.findings]
+    if arm is not None and target.name not in arm.languages:
+        findings.append(_other_maker(arm, target))
+    compiled = Compiled(source, target.name, Proof(None), source, places)
+    if has_errors(findings):
+        return replace(compiled, found=tuple(findings))
+    files = {name: target.encode(tree) for name, tree in conversion.files.items()}
+    proof = prove(target, source, files, arm, conversion.compared)
+    own = () if proof.holds else _own_faults(source.origin)
+    kept = files if proof.holds else {}
+    found = (*findings, *(own or proof.findings))
+    return replace(compiled, proof=proof, files=kept, found=found)
+
+
+def _other_maker(arm: Robot, target: Language[Any]) -> Diagnostic:
+    languages = ", ".join(arm.languages)
+    return OTHER_MAKER(robot=arm.name, language=target.name, languages=languages)
 
 
 def robot_of(robot: str | Robot | None) -> Robot | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -66,11 +66,13 @@ def prove(
     program: Program,
     files: Mapping[str, bytes],
     robot: Robot | None = None,
+    compared: Callable[[Sequence[Any]], tuple[Program, Program]] | None = None,
 ) -> Proof:
     """Reads the files back from their bytes and compares them with the program.
 
-    program: as the language adapted it. The findings of a proof that does not hold name the
-    place in the program.
+    program: as the language adapted it. compared: gives it and what the trees say in one
+    spelling, where that is more than what lifting them gives. The findings of a proof that does
+    not hold name the place in the program.
     """
     trees = [language.parse(language.decode(data, name)) for name, data in files.items()]
     findings = [finding for tree in trees for finding in tree.findings]
@@ -79,6 +81,7 @@ def prove(
     findings += language.check(trees)
     try:
         lifted = language.lift(trees, robot)
+        expected, actual = compared(trees) if compared else (program, lifted)
     except Refused as refused:
         reasons = [NOT_READ_BACK(reason=f.message, place=f.place) for f in refused.findings]
         return Proof(None, tuple(reasons))
@@ -86,7 +89,7 @@ def prove(
         return Proof(None, (*_reasons(REFUSED_THERE, findings), *findings), lifted)
     precision = language.precision
     tolerance = Tolerance(precision.position, precision.angle, precision.number)
-    comparison = compare(program, lifted, tolerance)
+    comparison = compare(expected, actual, tolerance)
     otherwise = [SAYS_OTHERWISE(message=m.message, place=m.place) for m in comparison.mismatches]
     return Proof(comparison, (*otherwise, *findings), lifted)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import abc
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
@@ -55,6 +55,19 @@ class Part:
 
 
 @dataclass(frozen=True, slots=True)
+class Conversion(Generic[T]):
+    """A program in another dialect of its own language, statement for statement.
+
+    files: trees by the names of their files, empty if a finding forbids it. compared: of the
+    trees that were read back from those files, the two programs that must be the same.
+    """
+
+    files: Mapping[str, T]
+    compared: Callable[[Sequence[T]], tuple[Program, Program]]
+    findings: tuple[Diagnostic, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class Adapted:
     """A program as one language will say it, with a finding for everything that changed."""
 
@@ -79,8 +92,6 @@ class Language(abc.ABC, Generic[T]):
     """The two letters that the codes of its findings begin with."""
     fixed: tuple[str, ...]
     """How codes begin whose errors no project may turn down: unreadable, or cannot be said."""
-    steps: bool = False
-    """Whether its lines have step numbers."""
     steps: bool = False
     """Whether its lines have step numbers."""
 
@@ -118,13 +129,6 @@ class Language(abc.ABC, Generic[T]):
         """
         raise NotImplementedError(f"{self.name} has no step numbers")
 
-    def renumber(self, tree: T, first: int, step: int) -> T:
-        """The tree with steps numbered first, first + step …, and every jump to them.
-
-        Only of a language with `steps`. Raises Refused, with a finding, where that cannot be done.
-        """
-        raise NotImplementedError(f"{self.name} has no step numbers")
-
     def same(self, tree: T, other: T) -> bool:
         """Whether two trees are one and the same program, however it is held."""
         return tree == other
@@ -142,6 +146,17 @@ class Language(abc.ABC, Generic[T]):
     @abc.abstractmethod
     def lift_trees(self, trees: Sequence[T], robot: Robot | None) -> Program:
         """What `lift` gives, without its origin."""
+
+    def convert(
+        self,
+        program: Program,  # noqa: ARG002
+        robot: Robot | None = None,  # noqa: ARG002
+    ) -> Conversion[T] | None:
+        """A program that was read in another dialect of this language, and is meant for its robot.
+
+        None if it comes from elsewhere, or is not as it was read any more.
+        """
+        return None
 
     @abc.abstractmethod
     def adapt(

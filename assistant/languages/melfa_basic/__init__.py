@@ -47,7 +47,7 @@ class MelfaBasic(Language[File]):
     precision = Precision(position=0.00501, angle=0.0151)
     comment_mark = "'"
     family = "MB"
-    fixed = ("MB0", "MB2")
+    fixed = ("MB0", "MB2", "MB5")
     steps = True
 
     def __init__(self, name: str) -> None:
@@ -112,6 +112,13 @@ class MelfaBasic(Language[File]):
         from assistant.languages.melfa_basic.lift.program import lift
 
         return lift(trees, robot)
+
+    def convert(self, program: Program, robot: Robot | None = None) -> Conversion[File] | None:
+        """Between the dialects, on the trees: see `convert`."""
+        from assistant.languages.melfa_basic.convert.program import conversion
+
+        names = [self.file_name(program)] * (1 if program.origin else 0)
+        return conversion(program, self.name, names, robot)
 
     def adapt(
         self, program: Program, robot: Robot | None = None, *, most_targets: int | None = None

@@ -1,0 +1,84 @@
+"""Whether a converted program says the same: both sides lifted, in one spelling."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.convert import memory as memories
+from assistant.languages.melfa_basic.convert import names, steps, words
+from assistant.languages.melfa_basic.convert.conversion import convert
+from assistant.languages.melfa_basic.convert.memory import Memory
+from assistant.languages.melfa_basic.dialects import DIALECTS
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.comparison import compare
+from assistant.program.program import Program
+from assistant.program.rewriting import rewrite
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+
+
+def compared(
+    before: Sequence[s.File], after: Sequence[s.File], robot: Robot | None
+) -> tuple[Program, Program]:
+    """The pseudo-programs of both, which must be the same.
+
+    A form that a lift reads in one dialect only is compared in the first one: the program is
+    converted back.
+    """
+    expected, actual = lifted(before, after, robot), lifted(after, before, robot)
+    if compare(expected, actual).same or not before:
+        return expected, actual
+    back = convert(after, before[0].dialect)
+    if not back.trees:
+        return expected, actual
+    found = lifted(before, back.trees, robot), lifted(back.trees, before, robot)
+    return found if compare(*found).same else (expected, actual)
+
+
+def lifted(trees: Sequence[s.File], others: Sequence[s.File], robot: Robot | None) -> Program:
+    """The pseudo-program of trees, in the words that the other ones share with them."""
+    from assistant.languages.melfa_basic.lift.program import lift
+
+    lowest = min(DIALECTS[tree.dialect].level for tree in (*trees, *others))
+    program: Program = rewrite(lift([_plain(t, lowest) for t in trees], robot), _without_dialect)
+    return program
+
+
+def _plain(tree: s.File, lowest: int) -> s.File:
+    items, memory = memories.taken_out(tree.items)
+    items, made = steps.labelled(items)
+    jumped = {label.upper() for label in made} | set(memory.steps)
+    order = [i.label.upper() for i in items if isinstance(i, s.Line) and i.label]
+    numbers = {label: f"ATSTEP{n}" for n, label in enumerate(x for x in order if x in jumped)}
+    if lowest == 4 and DIALECTS[tree.dialect].level > 4:
+        items = words.Words(DIALECTS["melfa-basic-4"], Memory(), _silent).lines(items)
+    named = {short: name.upper() for short, name in memory.named.items()}
+    labels = {short: name.upper() for short, name in memory.labelled.items()}
+    stems = {short: name.upper() for short, name in memory.stems.items()}
+    table = names.Names(named, stems, labels | numbers)
+    items = memories.renamed(names.renamed(items, table, upper=True), named)
+    return replace(tree, items=tuple(items), parsed=())
+
+
+def _silent(item: s.Item, what: str, cure: str) -> None:
+    """What cannot be said was found before."""
+
+
+def _without_dialect(part: Any) -> Any:
+    if isinstance(part, p.Opaque | e.Verbatim):
+        return replace(part, language="", text=_upper(part.text))
+    return part
+
+
+_STRING: Final = re.compile(r'("[^"]*")')
+
+
+def _upper(text: str) -> str:
+    """In upper case outside of strings."""
+    return "".join(t if t.startswith('"') else t.upper() for t in _STRING.split(text))

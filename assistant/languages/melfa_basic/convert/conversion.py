@@ -1,0 +1,271 @@
+"""From one dialect of MELFA-BASIC to another: the same statements, tree to tree."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import PurePath
+from typing import Final
+
+from assistant.languages.melfa_basic import printer, rules
+from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.convert import memory as memories
+from assistant.languages.melfa_basic.convert import names, steps, words
+from assistant.languages.melfa_basic.convert.blocks import to_blocks
+from assistant.languages.melfa_basic.convert.jumps import Jumps
+from assistant.languages.melfa_basic.convert.memory import Memory
+from assistant.languages.melfa_basic.convert.nesting import nested
+from assistant.languages.melfa_basic.dialects import DIALECTS, Dialect
+from assistant.program.diagnostics import Diagnostic
+
+
+@dataclass(frozen=True, slots=True)
+class Converted:
+    """The files of a program in another dialect.
+
+    trees: in the order of the given ones, parsed from what is written; empty after an error.
+    """
+
+    trees: tuple[s.File, ...]
+    findings: tuple[Diagnostic, ...] = ()
+
+
+def convert(trees: Sequence[s.File], to: str) -> Converted:
+    """The files of one program, without syntax errors, in another dialect.
+
+    What that dialect cannot say is a finding of severity error.
+    """
+    dialect = DIALECTS[to]
+    files = [_File(tree, dialect) for tree in trees]
+    for file in files:
+        file.restructure()
+    if dialect.level == 4:
+        short = names.shortened([file.items for file in files], dialect)
+        for file in files:
+            file.shorten(short)
+    findings = [finding for file in files for finding in file.findings]
+    written = [file.written() for file in files]
+    findings += [f for file in files for f in file.findings if f not in findings]
+    if any(f.severity == "error" for f in findings):
+        return Converted((), tuple(findings))
+    return Converted(tuple(written), tuple(findings))
+
+
+class _File:
+    """One file on its way."""
+
+    def __init__(self, tree: s.File, dialect: Dialect) -> None:
+        self.tree, self.dialect, self.before = tree, dialect, DIALECTS[tree.dialect]
+        self.items: list[s.Item] = list(tree.items)
+        self.memory = Memory()
+        self.as_steps: set[str] = set()
+        self.findings: list[Diagnostic] = []
+
+    def complain(self, item: s.Item, what: str, cure: str) -> None:
+        finding = self.find(item, what, cure)
+        if finding not in self.findings:
+            self.findings.append(finding)
+
+    def find(self, item: s.Item, what: str, cure: str) -> Diagnostic:
+        source, title = self.tree.source, self.dialect.title
+        if source is not None and item.span is not None:
+            rule = rules.NOT_CONVERTED
+            return source.finding(rule, item.span, title=title, what=what, cure=cure)
+        path = source.path if source else None
+        return rules.NOT_CONVERTED(path=path, title=title, what=what, cure=cure)
+
+    # --------------------------------------------------------------------------- passes
+
+    @property
+    def keeps_numbers(self) -> bool:
+        """V and VI take each other's lines as they stand."""
+        return 4 not in (self.dialect.level, self.before.level)
+
+    def restructure(self) -> None:
+        """Everything but names and numbers."""
+        if self.dialect.level == self.before.level:
+            return
+        if self.keeps_numbers:
+            self.sideways()
+        elif self.dialect.level == 4:
+            self.down()
+        else:
+            self.up()
+
+    def sideways(self) -> None:
+        if self.dialect.level < self.before.level:
+            self.items = words.Words(self.dialect, self.memory, self.complain).lines(self.items)
+
+    def down(self) -> None:
+        items, self.memory = memories.taken_out(self.items)
+        items, made = steps.labelled(items)
+        self.as_steps = {*made, *self.memory.steps}
+        self.memory.steps.clear()
+        items = _apart(steps.bare(items))
+        for line in words.unreachable_constants(items):
+            self.complain(
+                line, "a `Const` behind a jump or label", "move it to the head of the program"
+            )
+        blocks = nested(_fitted(items, self.dialect))
+        if blocks is None:
+            self.complain(self.items[0], "blocks that cross each other", "close each in order")
+            return
+        jumps = Jumps(self.dialect, steps.labels_of(items), self.complain)
+        items = jumps.lines(blocks)
+        self.items = words.Words(self.dialect, self.memory, self.complain).lines(items)
+
+    def up(self) -> None:
+        items, self.memory = memories.taken_out(self.items)
+        items, made = steps.labelled(items)
+        self.memory.steps |= dict.fromkeys(made)
+        items = to_blocks(steps.bare(items), self.dialect)
+        items = words.Words(self.dialect, self.memory, self.complain).lines(items)
+        items = words.restored(items, self.memory)
+        known = self.memory
+        given = {n.upper() for n in names.variables_of(items)}
+        back = {k: v for k, v in known.named.items() if v.upper() not in given}
+        labels = steps.labels_of(items)
+        tags = {k: v for k, v in known.labelled.items() if v.upper() not in labels}
+        table = names.Names(back, dict(known.stems), tags)
+        self.items = memories.renamed(names.renamed(items, table, upper=False), back)
+        for kind, used in (("named", back), ("stems", known.stems), ("labelled", tags)):
+            left = {k: v for k, v in getattr(known, kind).items() if k not in used}
+            setattr(known, kind, left)
+
+    def shorten(self, short: names.Names) -> None:
+        """Names that the dialect takes; what they were goes into the heading."""
+        if self.before.level == 4:
+            return
+        given = {n.upper(): n for n in names.variables_of(self.items)}
+        tables = names.stems_of(self.items)
+        written = {
+            i.label.upper(): i.label for i in self.items if isinstance(i, s.Line) and i.label
+        }
+        for name, shorter in short.variables.items():
+            if name in given:
+                self.memory.named[shorter] = given[name]
+        for stem, shorter in short.stems.items():
+            if stem in tables:
+                self.memory.stems[shorter] = stem
+        for label, shorter in short.labels.items():
+            if label in written:
+                self.memory.labelled[shorter] = written[label]
+        self.items = names.renamed(self.items, short, upper=self.dialect.upper)
+        self.items = memories.renamed(self.items, short.variables)
+
+    # -------------------------------------------------------------------------- writing
+
+    def written(self) -> s.File:
+        """The tree of the text that is written."""
+        from assistant.languages.melfa_basic import MelfaBasic
+
+        language = MelfaBasic(self.dialect.name)
+        source = self.tree.source
+        if self.keeps_numbers:
+            items = tuple(memories.put_in(self.items, self.memory, self.dialect.name))
+            changed = replace(self.tree, dialect=self.dialect.name, items=items)
+            return _read(language, language.render(changed), self.tree)
+        text = self.numbered_text(language, marked=False)
+        encoded = text.encode(source.encoding if source else "utf-8", "replace")
+        if not language.recognises(encoded):
+            text = self.numbered_text(language, marked=True)
+        return _read(language, text, self.tree)
+
+    def numbered_text(self, language: object, *, marked: bool) -> str:
+        from assistant.languages.melfa_basic import MelfaBasic
+
+        assert isinstance(language, MelfaBasic)
+        items = memories.put_in(self.items, self.memory, self.dialect.name, marked=marked)
+        lines = steps.numbered(items, self.dialect.step, self.as_steps)
+        if lines is None:
+            self.complain(self.items[0], "a program of so many lines", "split it into programs")
+            return ""
+        self.measure(lines)
+        text = language.render(s.File(self.dialect.name, tuple(lines)))
+        return language.format(language.parse(text))
+
+    def measure(self, lines: Sequence[s.Item]) -> None:
+        """Lines that are too long for the dialect."""
+        for line in lines:
+            if not isinstance(line, s.Line):
+                continue
+            length = len(printer.line(line, self.dialect.upper).encode("utf-8"))
+            if length > self.dialect.line:
+                self.complain(
+                    line,
+                    f"a line of {length} bytes, more than {self.dialect.line}",
+                    "split the statement, or write its comment on a line of its own",
+                )
+
+
+def _read(language: object, text: str, tree: s.File) -> s.File:
+    """The tree of a text as the file that it will be."""
+    from assistant.languages.melfa_basic import MelfaBasic
+    from assistant.program.text import SourceText
+
+    assert isinstance(language, MelfaBasic)
+    source = tree.source
+    if source is None:
+        return language.parse(SourceText(text))
+    plain = text.replace("\r\n", "\n").replace("\n", source.newline)
+    path = None if source.path is None else PurePath(source.path).stem + ".prg"
+    return language.parse(SourceText(plain, path, source.encoding, source.newline))
+
+
+def _apart(items: Sequence[s.Item]) -> list[s.Item]:
+    """The lines with each label on a line of its own."""
+    made: list[s.Item] = []
+    for item in items:
+        if isinstance(item, s.Line) and item.label is not None and item.statement is not None:
+            made += [s.Line(label=item.label, span=item.span), replace(item, label=None)]
+        else:
+            made.append(item)
+    return made
+
+
+def _fitted(items: Sequence[s.Item], dialect: Dialect) -> list[s.Item]:
+    """The lines with long comments above them, and over as many lines as they need."""
+    made: list[s.Item] = []
+    for item in items:
+        comment = item.comment if isinstance(item, s.Line) else None
+        if not isinstance(item, s.Line) or comment is None:
+            made.append(item)
+            continue
+        room = dialect.line - STEP
+        if item.statement is not None or item.label is not None:
+            jumps = JUMPS if isinstance(item.statement, s.If | s.ElseIf) else 0
+            if _bytes(printer.line(replace(item, number=None), True)) <= room - jumps:
+                made.append(item)
+                continue
+            made += [s.Line(comment=part, span=item.span) for part in _parts(comment, room)]
+            made.append(replace(item, comment=None))
+        else:
+            parts = _parts(comment, room)
+            made += [item] if len(parts) == 1 else [replace(item, comment=p) for p in parts]
+    return made
+
+
+STEP: Final = 6
+"""Characters of a step number and its blank."""
+
+JUMPS: Final = 24
+"""Characters that `IF` gets for jumps in the place of a block."""
+
+
+def _bytes(text: str) -> int:
+    return len(text.encode("utf-8"))
+
+
+def _parts(comment: str, most: int) -> list[str]:
+    """A comment cut between words, each part with the mark."""
+    if _bytes(comment) <= most:
+        return [comment]
+    parts, line = list[str](), ""
+    for piece in re.split(r"(?<= )", comment):
+        for char in piece if _bytes(piece) > most - 2 else [piece]:
+            if _bytes(line + char) > most:
+                parts.append(line.rstrip())
+                line = "' "
+            line += char
+    return [*parts, line.rstrip()]

@@ -1,0 +1,296 @@
+"""Blocks as MELFA-BASIC IV says them: with `IF … THEN` and jumps to labels.
+
+    IF M1>0 THEN *I1T1 ELSE *I1N1        If M1>0 Then
+    *I1T1
+    …                                      …
+    GOTO *I1Z                            Else
+    *I1N1
+    …                                      …
+    *I1Z                                 EndIf
+
+An `ElseIf` is the next `IF`, to `*I1T2` and `*I1N2`. A `Wait` for any condition is a loop from
+`*W1` to `*W1Z`; what `Break` leaves has the label `*B1Z` behind it; a `Select` inside another one
+is a row of `IF … THEN *S1C1`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+from assistant.languages.melfa_basic import printer, vocabulary
+from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.convert.nesting import Block, Node
+from assistant.languages.melfa_basic.dialects import EMITTED_LINE, Dialect
+
+Complain = Callable[[s.Item, str, str], None]
+"""Says of a line what cannot be said, and what to do."""
+
+SETTINGS: Final = ("Spd", "JOvrd", "Cnt", "Tool", "Base")
+"""Commands that hold for the moves below: they keep a line of their own."""
+
+PLAIN: Final = (s.Assign, s.Jump, s.CallP, s.Print, s.Input, s.Open, s.Close, s.Command)
+"""Statements that may follow `THEN` on its line."""
+
+
+@dataclass(slots=True)
+class Leave:
+    """Where `Break` goes: behind the innermost block.
+
+    kind: of that block. selecting: it is a `Select`, or inside one. letter: that the label
+    begins with. label: once something goes there, with its number.
+    """
+
+    kind: str
+    selecting: bool
+    letter: str
+    label: str | None = None
+
+
+class Jumps:
+    """Writes the blocks of one program. labels: those that it has, in upper case."""
+
+    def __init__(self, dialect: Dialect, labels: set[str], complain: Complain) -> None:
+        self.dialect, self.labels, self.complain = dialect, labels, complain
+        self.counts: dict[str, int] = {}
+        self.variables: list[str] = []
+
+    def name(self, letter: str) -> str:
+        """The beginning of labels that nothing else begins with: `I1`, `W2` …"""
+        while True:
+            number = self.counts[letter] = self.counts.get(letter, 0) + 1
+            made = f"{letter}{number}"
+            if not any(
+                label.startswith(made) and not label[len(made) :][:1].isdigit()
+                for label in self.labels
+            ):
+                return made
+
+    def lines(self, nodes: Sequence[Node], leave: Leave | None = None) -> list[s.Item]:
+        made: list[s.Item] = []
+        for node in nodes:
+            if not isinstance(node, Block):
+                made += self.line(node, leave)
+            elif node.kind == "If" and not self.dialect.blocks:
+                made += self.if_block(node, _selecting(leave))
+            elif node.kind == "Select" and _selecting(leave) and not self.dialect.nested_select:
+                made += self.chain(node)
+            else:
+                made += self.kept(node, leave)
+        return made
+
+    def kept(self, block: Block, leave: Leave | None) -> list[s.Item]:
+        """A block that stays one; behind it the place that `Break` goes to."""
+        out = Leave(block.kind, _selecting(leave) or block.kind == "Select", "B")
+        made: list[s.Item] = []
+        for part in block.parts:
+            made += [part.head, *self.lines(part.body, out)]
+        if block.end is not None:
+            made.append(block.end)
+        elif out.label is not None:
+            self.complain(
+                block.parts[0].head,
+                "a `Break` out of a loop whose `Next` ends several loops",
+                "write a `Next` for each loop",
+            )
+        if out.label is not None:
+            made.append(s.Line(label=out.label))
+        return made
+
+    # ----------------------------------------------------------------------------- If
+
+    def if_block(self, block: Block, selecting: bool) -> list[s.Item]:
+        """An `If` block on one line if it fits there, else with jumps."""
+        heads = [part.head for part in block.parts]
+        if all(len(part.body) == 1 for part in block.parts):
+            counts = dict(self.counts)
+            out = Leave("If", selecting, "I")
+            short = self.on_one_line(block, [self.lines(part.body, out) for part in block.parts])
+            if short is not None and out.label is None:
+                return [short]
+            self.counts = counts
+        out = Leave("If", selecting, "I", self.name("I") + "Z")
+        bodies = [self.lines(part.body, out) for part in block.parts]
+        return self.jumping(str(out.label), heads, bodies, block.end)
+
+    def jumping(
+        self,
+        last: str,
+        heads: Sequence[s.Line],
+        bodies: Sequence[list[s.Item]],
+        end: s.Line | None,
+    ) -> list[s.Item]:
+        """The lines of an `If` with jumps. last: the label at its end, `I1Z`."""
+        name = last[:-1]
+        made: list[s.Item] = []
+        branch = 0
+        for head, body in zip(heads, bodies, strict=True):
+            node = head.statement
+            if isinstance(node, s.If | s.ElseIf):
+                branch += 1
+                then, other = f"{name}T{branch}", f"{name}N{branch}"
+                test = s.If(node.condition, s.Target(then), s.Target(other))
+                made += [replace(head, statement=test), s.Line(label=then), *body]
+                made += [_goto(last), s.Line(label=other)]
+            else:  # its comment goes to the jump, which stands where the word stood
+                made[-2:] = [replace(_goto(last), comment=head.comment), made[-1], *body]
+        made.append(s.Line(label=last))
+        if end is not None and end.comment is not None:
+            made.append(s.Line(comment=end.comment))
+        return made
+
+    def on_one_line(self, block: Block, bodies: Sequence[list[s.Item]]) -> s.Line | None:
+        heads = [part.head for part in block.parts]
+        others = [*heads[1:], *([] if block.end is None else [block.end])]
+        first = heads[0].statement
+        if len(heads) > 2 or not isinstance(first, s.If) or any(line.comment for line in others):
+            return None
+        if len(heads) == 2 and heads[1].statement != s.Command("Else"):
+            return None
+        branches = [self.alone(body) for body in bodies]
+        if None in branches:
+            return None
+        line = replace(heads[0], statement=s.If(first.condition, *branches))
+        text = printer.line(line, self.dialect.upper)
+        return line if len(text) < EMITTED_LINE - 10 else None
+
+    @staticmethod
+    def alone(body: Sequence[s.Item]) -> s.Statement | None:
+        """The one statement of a body, if it may stand behind `THEN`."""
+        if len(body) != 1 or not isinstance(body[0], s.Line):
+            return None
+        line = body[0]
+        if line.label is not None or line.comment is not None:
+            return None
+        if not isinstance(line.statement, PLAIN):
+            return None
+        if isinstance(line.statement, s.Command) and line.statement.keyword in SETTINGS:
+            return None
+        return line.statement
+
+    # ------------------------------------------------------------------- nested Select
+
+    def chain(self, block: Block) -> list[s.Item]:
+        """A `Select` inside another one, its cases found by a row of `IF`."""
+        head, *cases = block.parts
+        name = self.name("S")
+        last = name + "Z"
+        out = Leave("chain", True, "S", last)
+        made: list[s.Item] = []
+        selected = head.head.statement
+        if not isinstance(selected, s.Select):
+            return made
+        subject = selected.subject
+        status = isinstance(subject, s.Variable) and vocabulary.status(subject.name) is not None
+        if not isinstance(subject, s.Variable) or subject.arguments is not None or status:
+            variable = s.Variable("M" + name)  # a value that may change is looked at once
+            self.variables.append(variable.name)
+            made.append(s.Line(statement=s.Assign(variable, subject), comment=head.head.comment))
+            subject = variable
+        elif head.head.comment is not None:
+            made.append(s.Line(comment=head.head.comment))
+        bodies: list[s.Item] = []
+        default = False
+        for number, part in enumerate(cases, 1):
+            node = part.head.statement
+            label = f"{name}C{number}"
+            comment = part.head.comment
+            if default:
+                self.complain(part.head, "a `Case` behind `Default`", "move `Default` to the end")
+            if isinstance(node, s.Case):
+                for item in node.items:
+                    jump = s.If(_test(subject, item), s.Target(label))
+                    made.append(s.Line(statement=jump, comment=comment))
+                    comment = None
+            else:
+                default = True
+                goto = s.Jump("GoTo", s.Target(label))
+                made.append(s.Line(statement=goto, comment=comment))
+            inner = self.lines(part.body, out)
+            while inner and inner[-1] == _goto(last):
+                inner.pop()
+            bodies += [s.Line(label=label), *inner, _goto(last)]
+        if not default:
+            made.append(_goto(last))
+        made += [*self.lines(head.body, out), *bodies, s.Line(label=last)]
+        if block.end is not None and block.end.comment is not None:
+            made.append(s.Line(comment=block.end.comment))
+        return made
+
+    # ----------------------------------------------------------------------- one line
+
+    def line(self, item: s.Item, leave: Leave | None) -> list[s.Item]:
+        if not isinstance(item, s.Line):
+            return [item]
+        match item.statement:
+            case s.Command(keyword="Break"):
+                return [replace(item, statement=self.left(item, leave))]
+            case s.Command(keyword="Wait", arguments=(condition,)) if (
+                condition is not None and self.loops(condition)
+            ):
+                return self.waited(item, condition)
+            case s.If(then=then) if then is not None and not self.dialect.blocks:
+                return self.one_line_if(item, item.statement, leave)
+        return [item]
+
+    def left(self, item: s.Line, leave: Leave | None) -> s.Statement:
+        if leave is None:
+            self.complain(item, "a `Break` outside of every block", "take it out")
+            return s.Command("Break")
+        if leave.kind == "Select":
+            return s.Command("Break")
+        if leave.label is None:
+            leave.label = self.name(leave.letter) + "Z"
+        return s.Jump("GoTo", s.Target(leave.label))
+
+    def loops(self, condition: s.Expression) -> bool:
+        if self.dialect.wide_wait:
+            return False
+        match condition:
+            case s.Binary(operator="=", left=s.Variable(), right=s.Number()):
+                return False
+        return True
+
+    def waited(self, item: s.Line, condition: s.Expression) -> list[s.Item]:
+        label = self.name("W")
+        test = s.If(condition, s.Target(label + "Z"), s.Target(label))
+        return [
+            s.Line(label=label), replace(item, statement=test), s.Line(label=label + "Z")
+        ]  # fmt: skip
+
+    def one_line_if(self, item: s.Line, node: s.If, leave: Leave | None) -> list[s.Item]:
+        """An `If` of one line; as a block where a branch needs several."""
+        given = [b for b in (node.then, node.otherwise) if b is not None]
+        bodies: list[list[s.Item]] = []
+        for branch in given:
+            goto = s.Jump("GoTo", branch) if isinstance(branch, s.Target) else branch
+            bodies.append(self.line(s.Line(statement=goto, span=item.span), leave))
+        if any(len(body) > 1 for body in bodies):
+            heads = [item, s.Line(statement=s.Command("Else"))][: len(bodies)]
+            return self.jumping(self.name("I") + "Z", heads, bodies, None)
+        branches = [
+            branch
+            if isinstance(branch, s.Target) or not isinstance(line, s.Line)
+            else line.statement
+            for branch, (line,) in zip(given, bodies, strict=True)
+        ]
+        changed = s.If(node.condition, *branches)
+        return [item if changed == node else replace(item, statement=changed)]
+
+
+def _selecting(leave: Leave | None) -> bool:
+    return leave is not None and leave.selecting
+
+
+def _goto(label: str) -> s.Line:
+    return s.Line(statement=s.Jump("GoTo", s.Target(label)))
+
+
+def _test(subject: s.Expression, item: s.CaseRange | s.CaseIs) -> s.Expression:
+    if isinstance(item, s.CaseIs):
+        return s.Binary(item.operator, subject, item.value)
+    if item.last is None:
+        return s.Binary("=", subject, item.first)
+    low, high = s.Binary(">=", subject, item.first), s.Binary("<=", subject, item.last)
+    return s.Binary("AND", low, high)

@@ -1,0 +1,47 @@
+"""A whole program that was read in another dialect, converted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import PurePath
+from typing import TYPE_CHECKING
+
+from assistant.languages.language import Conversion
+from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.convert.comparing import compared
+from assistant.languages.melfa_basic.convert.conversion import convert
+from assistant.languages.melfa_basic.dialects import DIALECTS
+from assistant.languages.melfa_basic.lift.program import lift
+from assistant.program.diagnostics import has_errors
+from assistant.program.program import Program
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+
+
+def conversion(
+    program: Program, dialect: str, names: Sequence[str], robot: Robot | None
+) -> Conversion[s.File] | None:
+    """The files in the dialect, None if the program is not as it was read in another one.
+
+    names: of the files of trees without a path. robot: that the program is to run on.
+    """
+    origin = program.origin
+    if origin is None or origin.language not in DIALECTS or origin.language == dialect:
+        return None
+    trees = origin.trees
+    if any(has_errors(tree.findings) for tree in trees):
+        return None
+    arms = [None] if robot is None else [None, robot]
+    read = next((arm for arm in arms if lift(trees, arm) == program), robot)
+    if read is robot and lift(trees, read) != program:
+        return None
+    if robot is not None and read is None and program.robot != robot.name:
+        return None  # another arm: its branches are chosen anew
+    converted = convert(trees, dialect)
+    files: dict[str, s.File] = {}
+    for at, tree in enumerate(converted.trees):
+        path = tree.source.path if tree.source else None
+        name = PurePath(path).stem + ".prg" if path and path != "-" else names[at]
+        files[name] = tree
+    return Conversion(files, lambda back: compared(trees, back, read), converted.findings)

@@ -1,0 +1,276 @@
+"""Statements, functions and variables that a dialect says in other words, or not at all."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any, Final
+
+from assistant.languages.melfa_basic import printer, vocabulary
+from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.convert.memory import Memory
+from assistant.languages.melfa_basic.convert.names import SUFFIXES, declared_types, is_own
+from assistant.languages.melfa_basic.dialects import DIALECTS, Dialect
+from assistant.program.rewriting import records, rewrite
+
+Complain = Callable[[s.Item, str, str], None]
+
+GROUPS: Final = {
+    name.upper(): (bits, out)
+    for dialect in DIALECTS.values()
+    for bits, names in dialect.groups.items()
+    for out, name in enumerate(names)
+}
+"""Status variables of signal groups: how many bits, and whether they are outputs."""
+
+IO_TYPES: Final = {4: {"DWORD": "Integer"}, 5: {"INTEGER": "DWord"}, 6: {"INTEGER": "DWord"}}
+"""`Def Io` of 32 bits in the levels of the dialects."""
+
+INITIAL: Final = {"Tool": "P_NTool", "Base": "P_NBase"}
+"""What number 0 stands for."""
+
+
+def word_of(statement: s.Statement) -> str | None:
+    """The word of the vocabulary that a statement is found by, None for the plainest ones."""
+    match statement:
+        case s.Command(keyword=word) | s.Motion(keyword=word):
+            return word
+        case s.DefNames(type=kind):
+            return f"Def {kind}"
+        case s.DefOther(kind=kind):
+            return f"Def {kind}"
+    return WORDS.get(type(statement))
+
+
+WORDS: Final[dict[type, str]] = {
+    s.ElseIf: "ElseIf", s.Const: "Const", s.Static: "Static", s.Include: "#Include",
+    s.Function: "Function", s.DefAct: "Def Act", s.DefFunction: "Def FN", s.DefIo: "Def Io",
+}  # fmt: skip
+
+
+class Words:
+    """Says the lines of one program in the words of a dialect; complains of what it lacks."""
+
+    def __init__(self, dialect: Dialect, memory: Memory, complain: Complain) -> None:
+        self.dialect, self.memory, self.complain = dialect, memory, complain
+        self.types: dict[str, str] = {}
+        self.declared: dict[str, str] = {}
+        self.suffixes: dict[str, str] = {}
+        self.here: s.Item = s.Blank()
+
+    def lines(self, items: Sequence[s.Item]) -> list[s.Item]:
+        self.types = declared_types(items)
+        made: list[s.Item] = []
+        for item in items:
+            made += self.line(item) if isinstance(item, s.Line) else [item]
+        if not self.declared:
+            return made
+        at = next((i for i, item in enumerate(made) if not _is_comment(item)), len(made))
+        kinds: dict[str, list[s.Variable]] = {}
+        for name, kind in self.declared.items():
+            kinds.setdefault(kind, []).append(s.Variable(name))
+        news = [s.Line(statement=s.DefNames(k, (v,))) for k, vs in kinds.items() for v in vs]
+        return [*made[:at], *news, *made[at:]]
+
+    def line(self, item: s.Line) -> list[s.Item]:
+        if item.statement is None:
+            return [item]
+        self.here = item
+        changed = rewrite(item, self.record)
+        if self.dialect.level == 4 and isinstance(changed.statement, s.Const):
+            return self.constant(changed, changed.statement)
+        return [changed]
+
+    # ------------------------------------------------------------------- records
+
+    def record(self, record: Any) -> Any:
+        """One part of a statement, after the parts in it."""
+        match record:
+            case s.Variable():
+                return self.variable(record)
+            case s.Number(suffix=mark) if mark and self.dialect.level == 4:
+                return replace(record, suffix="")
+            case s.DefNames(type="Long", variables=variables) if self.dialect.level == 4:
+                self.memory.long |= dict.fromkeys(v.key for v in variables)
+                return replace(record, type="Double")
+            case s.DefIo(type=kind):
+                known = IO_TYPES[self.dialect.level].get(kind.upper())
+                return record if known is None else replace(record, type=known)
+            case s.Command() | s.Motion() | s.DefAct() if self.dialect.level == 4:
+                record = self.narrowed(record)
+        if type(record) in WORDS or isinstance(
+            record, s.Command | s.Motion | s.DefNames | s.DefOther
+        ):
+            self.known(record)
+        return record
+
+    def known(self, statement: s.Statement) -> None:
+        word = word_of(statement)
+        if self.dialect.level == 4 and isinstance(statement, s.Const):
+            return  # becomes an assignment
+        entry = vocabulary.statement(word) if word else None
+        if entry is not None and self.dialect.level not in entry.dialects:
+            cure = entry.instead or "do without it, or stay with the dialect that has it"
+            self.complain(
+                self.here, f"`{entry.word}`", f"write instead: {cure}" if entry.instead else cure
+            )
+
+    def narrowed(self, record: Any) -> Any:
+        """What IV has, but not in this form."""
+        match record:
+            case s.Command(keyword="Tool" | "Base" as word, arguments=(s.Number(value=number),)):
+                if number == 0:
+                    return replace(record, arguments=(s.Variable(INITIAL[word]),))
+                said = printer.statement(record)
+                self.complain(
+                    self.here, f"`{said}`, a number", f"write its values: {word} (x,y,z,a,b,c)"
+                )
+            case s.Command(keyword="Fine", arguments=(_, s.Variable() as unit, *_)) if unit.key in (
+                "P",
+                "J",
+            ):
+                said = printer.statement(record)
+                self.complain(
+                    self.here, f"`{said}`, in mm or degrees", "write encoder pulses: Fine 100"
+                )
+            case s.Motion(type=(_, s.Number(value=2))):
+                self.complain(
+                    self.here,
+                    "`Type …,2`, a way through singular points",
+                    "move with Mov past them",
+                )
+            case s.DefAct(stop="F"):
+                self.complain(self.here, "`Def Act …,F`", "write S or L, or neither")
+        return record
+
+    # ----------------------------------------------------------------- variables
+
+    def variable(self, node: s.Variable) -> s.Variable:
+        level = self.dialect.level
+        group = GROUPS.get(node.key)
+        if group is not None:
+            bits, out = group
+            names = self.dialect.groups.get(bits)
+            if names is None:
+                self.complain(
+                    self.here,
+                    f"`{node.name}`",
+                    f"read or write {max(self.dialect.groups)} bits at a time",
+                )
+                return node
+            return node if names[out].upper() == node.key else replace(node, name=names[out])
+        entry = vocabulary.status(node.name)
+        if entry is not None:
+            if level not in entry.dialects:
+                self.complain(
+                    self.here,
+                    f"`{entry.name}`",
+                    "do without it, or stay with the dialect that has it",
+                )
+            return node
+        called = vocabulary.function(node.name) if node.arguments is not None else None
+        if called is not None:
+            if level not in called.dialects:
+                cure = (
+                    f"write instead: {called.instead}"
+                    if called.instead
+                    else "compute it another way"
+                )
+                self.complain(self.here, f"`{called.name}`", cure)
+            return node
+        return self.plain(node) if level == 4 and is_own(node.name) else node
+
+    def plain(self, node: s.Variable) -> s.Variable:
+        """Without a type mark, which is a declaration instead."""
+        mark = node.suffix
+        if not mark or node.key.startswith("FN"):
+            return node
+        if mark == "$":
+            if node.key.startswith("C"):
+                return node if self.types.get(node.key) != "Char" else replace(node, suffix="")
+            kind = "Char"
+        else:
+            kind = SUFFIXES[mark]
+        other = self.suffixes.setdefault(node.key, mark)
+        if (other == "$") != (mark == "$"):
+            self.complain(
+                self.here, f"both `{node.name}{other}` and `{node.name}{mark}`", "rename one"
+            )
+        if node.key not in self.types:
+            if node.arguments is not None:
+                self.complain(
+                    self.here, f"the array `{node.name}{mark}`",
+                    "name it by its type: M… for numbers, C…$ for texts",
+                )  # fmt: skip
+            if kind == "Long":
+                self.memory.long[node.key] = None
+            self.declared[node.key] = "Double" if kind == "Long" else kind
+        return replace(node, suffix="")
+
+    # ----------------------------------------------------------------- constants
+
+    def constant(self, line: s.Line, node: s.Const) -> list[s.Item]:
+        """`Const` as the assignment that stands where it stood."""
+        self.memory.constant[node.variable.key] = None
+        made: list[s.Item] = []
+        if node.type:
+            definition = s.DefNames(
+                "Double" if node.type == "Long" else node.type, (node.variable,)
+            )
+            made.append(s.Line(statement=definition, span=line.span))
+        return [*made, replace(line, statement=s.Assign(node.variable, node.value))]
+
+
+def restored(items: Sequence[s.Item], memory: Memory) -> list[s.Item]:
+    """The lines with whole numbers of 32 bits and constants declared as they were."""
+    made: list[s.Item] = []
+    for item in items:
+        if not isinstance(item, s.Line):
+            made.append(item)
+            continue
+        match item.statement:
+            case s.DefNames(type="Double", variables=variables) if all(
+                v.key in memory.long for v in variables
+            ):
+                item = replace(item, statement=s.DefNames("Long", variables))
+            case s.Assign(target=target, value=value, delay=None) if target.key in memory.constant:
+                del memory.constant[target.key]
+                kind = ""
+                match made[-1] if made else None:
+                    case s.Line(
+                        label=None, comment=None, statement=s.DefNames(type=kind, variables=(one,))
+                    ):
+                        if one == target:
+                            made.pop()
+                        else:
+                            kind = ""
+                item = replace(item, statement=s.Const(kind, target, value))
+        made.append(item)
+    memory.long.clear()
+    return made
+
+
+def unreachable_constants(items: Sequence[s.Item]) -> list[s.Line]:
+    """Constants that stand behind a label or a jump, where an assignment may not be passed."""
+    found: list[s.Line] = []
+    passed = False
+    for item in items:
+        if not isinstance(item, s.Line):
+            continue
+        passed = passed or item.label is not None
+        if isinstance(item.statement, s.Const):
+            if passed:
+                found.append(item)
+        else:
+            passed = passed or any(
+                isinstance(r, s.Target | s.CallP | s.If | s.For | s.Select | s.Function)
+                or r in (s.Command("Return"), s.Command("End"))
+                for r in records(item.statement)
+            )
+    return found
+
+
+def _is_comment(item: s.Item) -> bool:
+    if isinstance(item, s.Blank):
+        return True
+    return isinstance(item, s.Line) and item.statement is None and item.label is None
