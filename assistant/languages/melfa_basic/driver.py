@@ -4,17 +4,25 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
-from assistant.languages.lalr import END
+from assistant.languages.lalr import END, Reduction
 from assistant.languages.melfa_basic.grammar import tables
-from assistant.languages.melfa_basic.lexer import Lexeme, lexer
+from assistant.languages.melfa_basic.lexer import lexer
 from assistant.languages.melfa_basic.nodes import Nodes, Token
 
 MOST_WORDS: Final = 256
 """Words of a line that are read: no controller takes a step of more bytes."""
 MOST_NESTING: Final = 60
 """Brackets inside each other that are read. Controllers take 16."""
+
+
+class Lexeme(NamedTuple):
+    """type: a terminal of the grammar, STRANGE or END. start, end: offsets in the text."""
+
+    type: str
+    start: int
+    end: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,29 +51,31 @@ def drive(
     words: takes what was read.
     """
     found = tables(start)
-    table = found.rows
+    table, passing = found.rows, found.passing
     states, values, begins, ends = [found.first], list[Any](), list[int](), list[int]()
     following = lexer().next
     count = 0
     while True:
-        word = following(text, at, end, table[states[-1]]) or Lexeme(END, end, end)
+        word = following(text, at, end, table[states[-1]]) or (END, end, end)
         type, begin, at = word
         action = table[states[-1]].get(type)
-        if action is None or count > MOST_WORDS or len(states) > 2 * MOST_NESTING:
-            return Stop(word, tuple(states), start)
-        while not isinstance(action, int):
+        while action.__class__ is Reduction:
+            if action.passes:
+                states[-1], action = passing[states[-2], states[-1], type]
+                continue
             action.reduce(table, states, values, begins, ends, nodes)
-            if type == END and states[-1] == found.last and len(values) == 1:
+            if states[-1] == found.last:
                 return values[0]
-            if (action := table[states[-1]].get(type)) is None:
-                return Stop(word, tuple(states), start)
+            action = table[states[-1]].get(type)
+        if action is None or count > MOST_WORDS or len(states) > 2 * MOST_NESTING:
+            return Stop(Lexeme(*word), tuple(states), start)
         count += 1
         if words is not None:
-            words.append(word)
+            words.append(Lexeme(*word))
+        token = Token(text[begin:at])
+        token.type = type
         states.append(action)
-        value = Token(text[begin:at])
-        value.type = type
-        values.append(value)
+        values.append(token)
         begins.append(begin)
         ends.append(at)
 

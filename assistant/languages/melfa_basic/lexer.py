@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from functools import cache
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 from assistant.languages.melfa_basic.grammar import grammar, keywords, pattern
 
@@ -19,12 +19,8 @@ STRANGE: Final = "STRANGE"
 """The type of what no terminal begins with."""
 
 
-class Lexeme(NamedTuple):
-    """type: a terminal of the grammar or STRANGE. start, end: offsets in the text."""
-
-    type: str
-    start: int
-    end: int
+Found = tuple[str, int, int]
+"""A terminal of the grammar or STRANGE, and the offsets that it stands between."""
 
 
 class Lexer:
@@ -47,7 +43,7 @@ class Lexer:
         self._pairs["END IF"] = self._keywords["ENDIF"]
         self._openings = {pair.split()[0] for pair in self._pairs}
 
-    def next(self, text: str, at: int, end: int, row: Row) -> Lexeme | None:
+    def next(self, text: str, at: int, end: int, row: Row) -> Found | None:
         """What stands behind an offset, None at the end.
 
         row: what the tables do with each terminal there. A word that they have no room for is
@@ -64,37 +60,37 @@ class Lexer:
             return self._mark(text, start, end, row)
         if kind == "NUMBER" and "STEP" in row and text[start:stop].isdigit():
             kind = "STEP"
-        return Lexeme(kind, start, stop)
+        return (kind, start, stop)
 
-    def _word(self, text: str, start: int, stop: int, end: int, row: Row) -> Lexeme:
+    def _word(self, text: str, start: int, stop: int, end: int, row: Row) -> Found:
         word = text[start:stop].upper()
         if word in self._openings and (two := _SECOND.match(text, stop, end)):
             for type in self._pairs.get(f"{word} {two[1].upper()}", ()):
                 if type in row:
-                    return Lexeme(type, start, two.end())
+                    return (type, start, two.end())
         for type in self._keywords.get(word, ()):
             if type in row:
-                return Lexeme(type, start, stop)
+                return (type, start, stop)
         if word == "REM" and "REM" in row:
-            return Lexeme("REM", start, end)
+            return ("REM", start, end)
         if word[:2] == "FN" and len(word) > 2 and "FN_NAME" in row:
-            return Lexeme("FN_NAME", start, stop)
+            return ("FN_NAME", start, stop)
         if word[:3] == "MXT" and word[3:].isdigit() and "COMMAND" in row:
-            return Lexeme("COMMAND", start, start + 3)
-        return Lexeme("NAME", start, stop)
+            return ("COMMAND", start, start + 3)
+        return ("NAME", start, stop)
 
-    def _mark(self, text: str, start: int, end: int, row: Row) -> Lexeme:
+    def _mark(self, text: str, start: int, end: int, row: Row) -> Found:
         """`*` and `/`, brackets and all single marks: the longest that there is room for."""
         mark = text[start]
         for type in _LONGER.get(mark, ()):
             if type in row and (found := self._longer[type].match(text, start, end)):
-                return Lexeme(type, start, found.end())
+                return (type, start, found.end())
         if mark in "*/":
-            return Lexeme("TIMES", start, start + 1)
+            return ("TIMES", start, start + 1)
         type = self._marks.get(mark, STRANGE)
         if mark == "#" and "SUFFIX" not in row:
             type = "HASH"
-        return Lexeme(type, start, start + 1)
+        return (type, start, start + 1)
 
 
 _LONGER: Final = {

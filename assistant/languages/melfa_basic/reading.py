@@ -8,8 +8,7 @@ from functools import cache
 from typing import Final
 
 from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.driver import Stop, drive
-from assistant.languages.melfa_basic.lexer import Lexeme
+from assistant.languages.melfa_basic.driver import Lexeme, Stop, drive
 from assistant.languages.melfa_basic.nodes import Nodes
 from assistant.program.diagnostics import Span
 
@@ -49,7 +48,7 @@ def read_line(
         return TooLarge()
     if isinstance(node, s.Line):
         number = int(step.group(1)) if step else None
-        return replace(node, number=number, span=span)
+        return s.Line(number, node.label, node.statement, node.comment, span)
     if isinstance(node, s.Data):
         return replace(node, span=span)
     return node if isinstance(node, Stop) else TooLarge()
