@@ -122,6 +122,44 @@ def compile(
 
 
 @app.command()
+def translate(
+    programs: Annotated[
+        list[str], typer.Argument(help="Robot programs, or folders with them; - for input.")
+    ],
+    to: Annotated[str, typer.Option(help="Language to write.", autocompletion=_complete_language)],
+    robot: RobotOption = None,
+    from_robot: FromRobot = None,
+    process: Annotated[
+        Path | None,
+        typer.Option("--process", "-p", help="File with signals, tools, frames of the other cell."),
+    ] = None,
+    output: Annotated[str, typer.Option("--output", "-o", help="Folder for the files.")] = ".",
+    report: Annotated[
+        Path | None,
+        typer.Option(help="Write the report as well: .html, .json, or text."),
+    ] = None,
+    draft: Annotated[
+        bool,
+        typer.Option("--draft", help="Write programs that are not whole: a stop for each gap."),
+    ] = False,
+    from_language: FromLanguage = None,
+    format: FindingFormatOption = FindingFormat.TEXT,
+) -> None:
+    """Write robot programs in another language; tell of every statement what becomes of it."""
+    from assistant.cli.translating import Options, run_translate
+
+    options = Options(
+        to=to,
+        robot=robot,
+        from_robot=from_robot,
+        process=process,
+        from_language=from_language,
+        draft=draft,
+    )
+    raise typer.Exit(run_translate(programs, options, output=output, report=report, format=format))
+
+
+@app.command()
 def show(
     source: Source,
     robot: RobotOption = None,

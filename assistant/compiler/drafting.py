@@ -106,9 +106,13 @@ def _procedure(procedure: Procedure, spans: Collection[Span], places: Places) ->
 
 
 def _body(body: Body, spans: Collection[Span], places: Places) -> Iterator[p.Statement]:
+    stopped: Span | None = None
     for statement in body:
-        if statement.span is not None and statement.span in spans:
-            yield from _stopped(statement.span, places)
+        span = statement.span
+        if span is not None and span in spans and not isinstance(statement, p.Comment):
+            if span != stopped:  # one line of the source may be lifted as two statements
+                yield from _stopped(span, places)
+            stopped = span
         else:
             yield map_bodies(statement, lambda b: tuple(_body(b, spans, places)))
 

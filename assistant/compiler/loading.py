@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
@@ -42,7 +42,8 @@ def load(
 ) -> Loaded:
     """The pseudo-program of a drawing, table, `.pseudo` text or vendor program.
 
-    process: process file of a drawing or table. robot: the arm that a vendor program was
+    process: process file of a drawing or table; of a vendor program, whose tools, frames and
+    signals of those names it says anew. robot: the arm that a vendor program was
     written for, where its own header does not say. language: of a vendor program, if neither
     suffix nor text tell. Other units that a vendor program calls are read from beside it.
     Raises Unreadable or Refused.
@@ -55,16 +56,29 @@ def load(
     if spoken is None:
         reading = sources.read(source, process)
         return Loaded(reading.program, None, reading.findings)
-    return lift(spoken, [spoken.read(source)], robot, beside=source.parent)
+    lifted = lift(spoken, [spoken.read(source)], robot, beside=source.parent)
+    return lifted if process is None else _equipped(lifted, process)
 
 
 def load_text(
-    text: SourceText, *, robot: Robot | None = None, language: str | None = None
+    text: SourceText,
+    *,
+    process: str | FilePath | None = None,
+    robot: Robot | None = None,
+    language: str | None = None,
 ) -> Loaded:
     """The same for a text that is no file: a robot language's if named, else pseudo text."""
     if language is None:
         return Loaded(pseudo.parse(text))
-    return lift(language_of(language), [text], robot)
+    lifted = lift(language_of(language), [text], robot)
+    return lifted if process is None else _equipped(lifted, process)
+
+
+def _equipped(loaded: Loaded, process: str | FilePath) -> Loaded:
+    from assistant.compiler.equipping import equipped
+
+    program, findings = equipped(loaded.program, process)
+    return replace(loaded, program=program, findings=(*loaded.findings, *findings))
 
 
 def read_pseudo(path: str | FilePath) -> SourceText:

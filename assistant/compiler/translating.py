@@ -52,16 +52,20 @@ class Row:
 class Translation:
     """A translated program. files: as they are to be written, none if something is not said.
 
-    rows: in order of the source. whole: findings on no statement of its own.
-    draft: whether the files are one, with stops for what is not said.
+    compiled: all of it. written: what the files are made of, all of it or a draft, with stops
+    for what is not said. rows: in order of the source. whole: findings on no statement.
     """
 
     compiled: Compiled
+    written: Compiled
     language: str
     rows: tuple[Row, ...]
     whole: tuple[Diagnostic, ...]
     files: Mapping[str, bytes] = field(default_factory=dict)
-    draft: bool = False
+
+    @property
+    def draft(self) -> bool:
+        return self.written is not self.compiled and self.written.ok
 
     @property
     def ok(self) -> bool:
@@ -74,7 +78,7 @@ class Translation:
 
     @property
     def proof(self) -> Proof:
-        return self.compiled.proof
+        return self.written.proof
 
     @property
     def totals(self) -> dict[Level, int]:
@@ -88,20 +92,22 @@ def translate(
     to: str,
     robot: str | Robot | None = None,
     from_robot: str | Robot | None = None,
+    process: str | FilePath | None = None,
     language: str | None = None,
     most_targets: int | None = None,
     draft: bool = False,
 ) -> Translation:
     """A vendor program in another language, for another arm if one is named.
 
-    language: of the source, if neither suffix nor text tell. draft: gives files also if some
-    statements cannot be said: each stands as a comment behind a stop. from_robot: the arm that
-    it was written for. Raises Unreadable or Refused for what cannot be read at all.
+    from_robot: the arm that it was written for. process: file with tools, frames and signals
+    of the other cell. language: of the source, if neither suffix nor text tell. draft: gives
+    files also if some statements cannot be said: each stands as a comment behind a stop.
+    Raises Unreadable or Refused for what cannot be read at all.
     """
     target, arm = language_of(to), robot_of(robot)
     loaded = source
     if not isinstance(loaded, Loaded):
-        loaded = load(loaded, robot=robot_of(from_robot), language=language)
+        loaded = load(loaded, process=process, robot=robot_of(from_robot), language=language)
     if loaded.language is None or loaded.program.origin is None:
         raise Refused(NO_PROGRAM(name=source), exit_status=2)
     places = Places(loaded.program)
@@ -112,11 +118,11 @@ def translate(
     rows, whole = _report(compiled, written)
     return Translation(
         compiled,
+        written,
         target.name,
         rows,
         (*loaded.findings, *whole),
         dict(written.files) if written.ok else {},
-        draft=written is not compiled and written.ok,
     )
 
 

@@ -1,0 +1,61 @@
+"""A robot program in another cell: its tools, frames and signals as a process file states them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path as FilePath
+from typing import TypeVar
+
+from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from assistant.program.program import Program
+from assistant.sources.process import Process
+
+NOT_USED = Rule(
+    "CO006",
+    Severity.WARNING,
+    "the program has no {kind} `{name}`, so what the process file says of it changes nothing",
+    "write the name as the program does",
+)
+
+V = TypeVar("V")
+
+
+def equipped(program: Program, process: str | FilePath) -> tuple[Program, tuple[Diagnostic, ...]]:
+    """The program with the tools, frames and signals of the same name in a process file.
+
+    Raises Unreadable or Refused for a process file that cannot be used.
+    """
+    from assistant.sources.process_file import read_process
+
+    stated = read_process(process)
+    findings = [*stated.findings]
+    for kind, given, there in _tables(program, stated):
+        known = {name.lower() for name in there}
+        findings += [
+            NOT_USED(kind=kind, name=name, place=f"{kind}s.{name}", path=str(process))
+            for name in given
+            if name.lower() not in known
+        ]
+    return replace(
+        program,
+        tools=_with(program.tools, stated.tools),
+        frames=_with(program.frames, stated.frames),
+        signals=_with(program.signals, stated.signals),
+    ), tuple(findings)
+
+
+def _tables(
+    program: Program, stated: Process
+) -> tuple[tuple[str, Mapping[str, object], Mapping[str, object]], ...]:
+    return (
+        ("tool", stated.tools, program.tools),
+        ("frame", stated.frames, program.frames),
+        ("signal", stated.signals, program.signals),
+    )
+
+
+def _with(there: dict[str, V], given: Mapping[str, V]) -> dict[str, V]:
+    """Values by the program's own names."""
+    stated = {name.lower(): value for name, value in given.items()}
+    return {name: stated.get(name.lower(), value) for name, value in there.items()}

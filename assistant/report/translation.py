@@ -1,0 +1,140 @@
+"""The report on translated programs: lines of text, records for programs, a page of HTML."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import Any, Final
+
+from assistant.compiler.places import Place
+from assistant.compiler.translating import Row, Translation
+from assistant.findings.formats import finding_record
+from assistant.resources import resource
+
+STANDARD: Final = "standard input"
+
+
+@dataclass(frozen=True, slots=True)
+class Translated:
+    """A translation with what its source is called."""
+
+    source: str
+    translation: Translation
+
+
+def text(done: Sequence[Translated]) -> str:
+    """One line a statement, as compilers write them, and a line of totals each."""
+    return "".join(f"{line}\n" for one in done for line in lines(one))
+
+
+def lines(one: Translated) -> Iterator[str]:
+    translation = one.translation
+    for row in translation.rows:
+        yield f"{_at(row.place)}: {row.level}: {_statement(row)}{_went(row)}"
+        for reason in row.reasons:
+            yield f"    {reason.code} {reason.message}" + (
+                f"; {reason.cure}" if reason.cure else ""
+            )
+    yield f"{one.source}: {totals(translation)}"
+
+
+def totals(translation: Translation) -> str:
+    """How many statements there are at each level, in words."""
+    return ", ".join(f"{count:,} {level}" for level, count in translation.totals.items())
+
+
+def record(one: Translated) -> dict[str, Any]:
+    """The translation as plain data."""
+    translation = one.translation
+    comparison = translation.proof.comparison
+    return {
+        "source": one.source,
+        "language": translation.language,
+        "ok": translation.ok,
+        "draft": translation.draft,
+        "totals": translation.totals,
+        "statements": [_row(row) for row in translation.rows],
+        "findings": [finding_record(f) for f in translation.whole],
+        "files": sorted(translation.files),
+        "proof": None
+        if comparison is None
+        else {
+            "holds": translation.proof.holds,
+            "statements": comparison.statements,
+            "targets": comparison.targets,
+            "position_mm": comparison.position,
+            "angle_deg": comparison.angle,
+        },
+    }
+
+
+def page(done: Sequence[Translated]) -> str:
+    """The report as one HTML file without anything from outside."""
+    from jinja2 import Environment
+
+    environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    template = resource("templates", "translation.html").read_text(encoding="utf-8")
+    translations = [
+        {
+            **record(one),
+            "rows": [
+                {**_row(row), "went": list(map(_at, row.went))} for row in one.translation.rows
+            ],
+            "whole": one.translation.whole,
+            "proof": one.translation.proof.line(),
+            "files": [(n, _shown(data)) for n, data in one.translation.files.items()],
+        }
+        for one in done
+    ]
+    language = done[0].translation.language if done else ""
+    return environment.from_string(template).render(language=language, translations=translations)
+
+
+def _row(row: Row) -> dict[str, Any]:
+    return {
+        "path": row.place.path,
+        "line": row.place.line,
+        "text": row.text,
+        "count": row.count,
+        "level": row.level,
+        "reasons": [
+            {"code": f.code, "severity": f.severity, "message": f.message, "cure": f.cure}
+            for f in row.reasons
+        ],
+        "went": [{"file": place.path, "line": place.line} for place in row.went],
+    }
+
+
+def _at(place: Place) -> str:
+    return f"{place.path or STANDARD}:{place.line}"
+
+
+def _statement(row: Row) -> str:
+    return f"{row.text} ({row.count} rows)" if row.count > 1 else row.text
+
+
+def _went(row: Row) -> str:
+    return f" -> {_at(row.went[0])}" if row.went else ""
+
+
+def _shown(data: bytes) -> str:
+    return data.decode("utf-8", errors="replace")
+
+
+def _json(done: Sequence[Translated]) -> str:
+    return json.dumps([record(one) for one in done], indent=2, ensure_ascii=False) + "\n"
+
+
+WRITTEN: Final[dict[str, Callable[[Sequence[Translated]], str]]] = {
+    ".html": page,
+    ".json": _json,
+    ".txt": text,
+}
+"""What a report file is written as, by its suffix."""
+
+
+def written(done: Sequence[Translated], file: FilePath) -> bytes:
+    """The report as the suffix of its file asks for; text for any other."""
+    return WRITTEN.get(file.suffix.lower(), text)(done).encode("utf-8")
