@@ -23,50 +23,121 @@ QUOTES = Rule(
 )  # fmt: skip
 
 # ---------------------------------------------------------------------------- checking
+# more about checked programs in checks: flow_rules, value_rules, motion_rules
 NO_LABEL = Rule(
-    "MB101", E, "there is no label `*{name}` (controller error 3600)",
+    "MB101",
+    E,
+    "there is no label `*{name}`{where} (controller error 3600)",
     "add the label or correct the name",
-)  # fmt: skip
+)
 NO_STEP = Rule(
-    "MB102", E, "there is no line {name} (controller error 4230)", "jump to a label instead"
+    "MB102",
+    E,
+    "there is no line {name} (controller error 4230)",
+    "jump to a label instead",
 )
 TWO_LABELS = Rule(
-    "MB103", E, "the label `*{name}` stands twice (controller error 4440)", "rename one of them"
+    "MB103",
+    E,
+    "the label `*{name}` stands twice (controller error 4440)",
+    "rename one of them",
 )
 NO_POSITION = Rule(
-    "MB104", E, "the {kind} `{name}` has no value (controller error 3860)",
-    "add its line at the end of the program or assign it before it is used",
-)  # fmt: skip
-UNBALANCED = Rule(
-    "MB105", E, "`{word}` has no `{other}` (controller error {number})",
-    "close each block in the order it was opened",
-)  # fmt: skip
+    "MB104",
+    E,
+    "the {kind} `{name}` has no value (controller error 3860)",
+    "add its line at the end of the program, assign it first, or teach it on the controller",
+)
 LONG_NAME = Rule(
-    "MB106", E, "the name `{name}` is longer than {most} characters (controller error 4300)",
-    "shorten it",
-)  # fmt: skip
+    "MB106",
+    E,
+    "the name `{name}` is longer than {most} characters (controller error 4300)",
+    "shorten it, or state `name-length` in assistant.toml if your controller takes longer ones",
+)
 LONG_LINE = Rule(
-    "MB107", E, "the step is {length} bytes long, more than {most} (controller error 4210)",
-    "split the statement or shorten its comment",
-)  # fmt: skip
+    "MB107",
+    E,
+    "the step is {length} bytes long, more than {most} (controller error 4210)",
+    "split the statement or shorten its comment; `step-length` in assistant.toml sets the limit",
+)
 NOT_ASCENDING = Rule(
-    "MB108", E, "step {number} follows step {before}: steps are stored in ascending order",
+    "MB108",
+    E,
+    "step {number} follows step {before}: steps are stored in ascending order",
     "number the steps again",
-)  # fmt: skip
+)
 STEP_RANGE = Rule(
-    "MB109", E, "step number {number} is not 1 to {most} (controller error 4420)",
+    "MB109",
+    E,
+    "step number {number} is not 1 to {most} (controller error 4420)",
     "number the steps again in smaller steps or split the program",
-)  # fmt: skip
+)
 NO_STEP_NUMBER = Rule(
-    "MB110", W, "the line has no step number but others have (controller error 4470)",
+    "MB110",
+    W,
+    "{what} (controller error 4470)",
     "number every line",
-)  # fmt: skip
-NOT_IN_DIALECT = Rule(
-    "MB111", E, "{title} has no `{word}` (controller error 4220)",
-    "compile for a newer version of the language",
-)  # fmt: skip
+)
+NOT_IN_DIALECT = Rule("MB111", E, "{title} has no {word} (controller error 4220)", "{cure}")
 TWO_POSITIONS = Rule(
     "MB112", E, "`{name}` has two lines (controller error 4350)", "delete one of them"
+)
+NO_VALUE = Rule(
+    "MB113",
+    W,
+    "`{name}` is read, but nothing gives it a value",
+    "assign it first, or correct the name",
+)
+NO_EXTERNAL = Rule(
+    "MB114",
+    I,
+    "`{name}` is an external variable, which no file here gives a value",
+    "check the file together with the program that sets it, or set it on the controller",
+)
+NO_PROGRAM = Rule(
+    "MB115",
+    I,
+    "the program `{name}` is not among these files (controller error 4140 if it is missing)",
+    "put its file beside this one, or see that the controller has it",
+)
+UNUSED = Rule(
+    "MB116", I, "nothing uses {what} {names}", "remove {them}, or use {them} where it was meant"
+)
+LABEL_FORM = Rule(
+    "MB117",
+    W,
+    "{title} takes no `_` in the label `*{name}`, except behind an `L` that it begins with",
+    "leave out the `_`",
+)
+PROGRAM_NAME = Rule(
+    "MB118",
+    W,
+    "the controller takes no program named `{name}`: {what} (controller error {number})",
+    "name the file with at most 12 letters A to Z and digits",
+)
+NO_DIM = Rule(
+    "MB119",
+    W,
+    "`{name}` has subscripts, but no `Dim` declares it and no function is named so",
+    "write `Dim {name}(…)` in front, or correct the name",
+)
+DECLARED_TWICE = Rule(
+    "MB120",
+    W,
+    "`{name}` is declared twice (controller error 4350)",
+    "delete one of the declarations",
+)
+RESERVED_NAME = Rule(
+    "MB121",
+    E,
+    "`{name}` is a word of the language and names no {what} (controller error 4220)",
+    "use another name",
+)
+NO_CALL = Rule(
+    "MB122",
+    W,
+    "there is no Function `{name}`",
+    "correct its name, or include the file that defines it",
 )
 
 # ---------------------------------------------------------------------------- adapting

@@ -1,0 +1,85 @@
+"""MELFA-BASIC's own rules over the files of one program: what a controller would refuse."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Final
+
+from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.checks import (
+    flow,
+    kinds,
+    motions,
+    names,
+    programs,
+    steps,
+    undefined,
+    unused,
+    values,
+    words,
+)
+from assistant.languages.melfa_basic.checks.look import Calls, Look
+from assistant.languages.melfa_basic.dialects import DIALECTS, Dialect
+from assistant.program.diagnostics import Diagnostic
+
+__all__ = ["ADVICE", "RULES", "check"]
+
+RULES: Final[tuple[Callable[[Look], Iterator[Diagnostic]], ...]] = (
+    steps.order,
+    steps.lengths,
+    steps.labels,
+    names.spelling,
+    names.program,
+    names.declarations,
+    undefined.variables,
+    undefined.calls,
+    unused.twice,
+    flow.structure,
+    flow.loops,
+    flow.into_blocks,
+    flow.subroutines,
+    flow.unreachable,
+    words.missing,
+    kinds.assignments,
+    kinds.operands,
+    kinds.suffixes,
+    kinds.dimensions,
+    values.ranges,
+    values.counts,
+    values.types,
+    values.status,
+    motions.never_taught,
+    motions.flags,
+    motions.arcs,
+    motions.circles,
+    programs.missing,
+    programs.recursion,
+    programs.mechanisms,
+    programs.interrupts,
+    programs.files,
+)
+"""Every rule: it looks at one file, and sees the files that stand beside it."""
+
+ADVICE: Final[tuple[Callable[[Look], Iterator[Diagnostic]], ...]] = (
+    unused.unused,
+    motions.corners,
+    motions.tools,
+    values.units,
+)
+"""Rules of how a program is written. They are not asked about a file that was compiled: the
+program that it comes from has been checked, and its author wrote no MELFA-BASIC."""
+
+
+def check(trees: Sequence[s.File], dialect: Dialect | None = None) -> tuple[Diagnostic, ...]:
+    """Findings of every rule over the files of one program, each file in the order of its lines.
+
+    dialect: with the limits of a certain controller; without it that of each file.
+    """
+    calls = Calls(trees)
+    found: list[Diagnostic] = []
+    for tree in trees:
+        look = Look(tree, dialect or DIALECTS[tree.dialect], calls)
+        asked = RULES if look.compiled else (*RULES, *ADVICE)
+        of_file = (finding for rule in asked for finding in rule(look))
+        found += sorted(dict.fromkeys(of_file), key=lambda f: (f.line or 0, f.column or 0))
+    return tuple(found)

@@ -1,0 +1,331 @@
+"""Rules of blocks, jumps and subroutines."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.checks import flow_rules as rules
+from assistant.languages.melfa_basic.checks.look import Look, Scope
+from assistant.languages.melfa_basic.checks.ways import (
+    CLOSING,
+    Block,
+    Blocks,
+    Misfit,
+    Ways,
+    blocks_of,
+    middle,
+    ways_of,
+    word_of,
+)
+from assistant.languages.melfa_basic.columnar import MoveRows
+from assistant.program.diagnostics import Diagnostic
+
+Found = Iterator[Diagnostic]
+
+NUMBERS: Final = {"For": 3230, "While": 3250, "If": 3252, "Select": 3254}
+"""Kind of a block → what the controller shows where its words do not fit."""
+CLOSERS: Final = {kind: word for word, kind in CLOSING.items()}
+NESTING: Final = {"For": (16, 3240), "While": (16, 3240), "If": (8, 3253)}
+"""Kind → how deep blocks may stand (loops of both kinds together), and the error (CR1D 4-151)."""
+
+
+@dataclass(slots=True)
+class Part:
+    """A scope with its blocks, and the ways through it if they are sound."""
+
+    scope: Scope
+    blocks: Blocks
+    ways: Ways | None
+
+
+def parts(look: Look) -> list[Part]:
+    """Each scope of a file, worked out once."""
+    found = []
+    for scope in look.scopes:
+        blocks = blocks_of(look, scope)
+        found.append(Part(scope, blocks, ways_of(look, scope, blocks) if blocks.sound else None))
+    return found
+
+
+def line_at(look: Look, at: int) -> s.Line | MoveRows:
+    return look.code[at]
+
+
+def structure(look: Look) -> Found:
+    """Blocks that do not close, that close in another order, or that stand too deep."""
+    for part in look.once(parts):
+        for wrong in part.blocks.wrong:
+            yield from _misfit(look, wrong)
+        for block in part.blocks.all:
+            line, kind = look.code[block.first], block.kind
+            if block.last is None:
+                number = NUMBERS[kind]
+                yield look.at(
+                    rules.UNBALANCED, line, kind, word=kind, other=CLOSERS[kind], number=number
+                )
+            yield from _depth(look, block)
+            yield from _order(look, block)
+
+
+def _misfit(look: Look, wrong: Misfit) -> Found:
+    line, word = look.code[wrong.at], wrong.word
+    number = 3255 if word in ("Else", "ElseIf") else NUMBERS[wrong.kind]
+    if wrong.inside is None:
+        yield look.at(rules.UNBALANCED, line, word, word=word, other=wrong.kind, number=number)
+    elif wrong.inside.last is not None:  # else it is told that the inner one does not close
+        kind = wrong.inside.kind
+        yield look.at(rules.CROSSED, line, word, word=word, inner=kind, number=number)
+
+
+def _depth(look: Look, block: Block) -> Found:
+    line, kind = look.code[block.first], block.kind
+    if kind == "Select":
+        nested = any(b.kind == "Select" for b in block.chain if b is not block)
+        if nested and not look.dialect.nested_select:
+            yield look.at(rules.NESTED_SELECT, line, kind, title=look.dialect.title)
+        return
+    most, number = NESTING[kind]
+    loops = ("For", "While") if kind != "If" else ("If",)
+    depth = sum(b.kind in loops for b in block.chain)
+    if depth == most + 1:
+        yield look.at(rules.TOO_DEEP, line, kind, word=kind, depth=depth, most=most, number=number)
+
+
+def _order(look: Look, block: Block) -> Found:
+    """Branches behind Else, and cases behind Default that it makes unreachable."""
+    last = {"If": "Else", "Select": "Default"}.get(block.kind)
+    seen = False
+    for at in block.parts:
+        line = look.code[at]
+        word = word_of(line.statement) if isinstance(line, s.Line) else ""
+        if seen and (word == last or block.kind == "If"):
+            error = " (controller error 3255)" if block.kind == "If" else ""
+            yield look.at(rules.TWO_ELSE, line, word, word=word, other=last, error=error)
+        seen = seen or word == last
+
+
+def loops(look: Look) -> Found:
+    """Variables of For loops: changed inside, used by an inner loop, named wrongly by Next."""
+    for part in look.once(parts):
+        over: dict[int, s.Variable] = {}
+        told: set[int] = set()
+        for block in part.blocks.all:
+            line = look.code[block.first]
+            if (
+                block.kind == "For"
+                and isinstance(line, s.Line)
+                and isinstance(line.statement, s.For)
+            ):
+                variable = over[block.first] = line.statement.variable
+                outer = [over.get(b.first) for b in block.chain if b is not block]
+                if any(o is not None and o.key == variable.key for o in outer):
+                    yield look.at(rules.SAME_VARIABLE, line, variable.name, name=variable.name)
+        for at in part.scope.entries:
+            item = look.code[at]
+            if not isinstance(item, s.Line):
+                continue
+            if isinstance(item.statement, s.Next):
+                yield from _next(look, part, at, item, item.statement, over)
+            inner, target = part.blocks.around.get(at), _changed(item.statement)
+            if target is None or inner is None:
+                continue
+            for block in inner.chain:
+                same = block.first in over and over[block.first].key == target.key
+                if same and block.first not in told:  # some leave their loops so, at many places
+                    told.add(block.first)
+                    yield look.at(rules.LOOP_VARIABLE, item, target.name, name=target.name)
+
+
+def _changed(statement: s.Statement | None) -> s.Variable | None:
+    match statement:
+        case s.Assign(target) if target.arguments is None and not target.component:
+            return target
+        case s.If(_, s.Assign(target)) if target.arguments is None and not target.component:
+            return target
+    return None
+
+
+def _next(
+    look: Look, part: Part, at: int, line: s.Line, node: s.Next, over: dict[int, s.Variable]
+) -> Found:
+    closing = [block for block in part.blocks.all if block.last == at and block.kind == "For"]
+    for variable, block in zip(node.variables, reversed(closing), strict=False):
+        wanted = over.get(block.first)
+        if wanted is not None and wanted.key != variable.key:
+            yield look.at(
+                rules.WRONG_NEXT, line, variable.name, name=variable.name, wanted=wanted.name
+            )
+
+
+# --------------------------------------------------------------------------------------- jumps
+
+
+def into_blocks(look: Look) -> Found:
+    """Jumps from outside to labels inside of a block."""
+    for part in look.once(parts):
+        if part.ways is None:
+            continue
+        for at, places in part.ways.jumps.items():
+            here = {id(b) for b in _chain(part.blocks, at)}
+            for place in places:
+                missed = [b for b in _chain(part.blocks, place) if id(b) not in here]
+                line = look.code[place]
+                if missed and isinstance(line, s.Line) and isinstance(look.code[at], s.Line):
+                    kind = missed[-1].kind
+                    name = f"*{line.label}" if line.label else str(line.number)
+                    loop = kind in ("For", "While")
+                    error = f" (controller error {NUMBERS[kind]})" if loop else ""
+                    yield look.at(
+                        rules.INTO_BLOCK, look.code[at], name, name=name, kind=kind, error=error
+                    )
+
+
+def _chain(blocks: Blocks, at: int) -> list[Block]:
+    """The blocks around a line; the words of a block stand in it as well, but for its first."""
+    own = blocks.by_line.get(at)
+    if own is not None and at in own.parts:
+        return list(own.chain)
+    inner = blocks.around.get(at)
+    return list(inner.chain) if inner is not None else []
+
+
+def subroutines(look: Look) -> Found:
+    """Subroutines that are entered by the way, or left by none."""
+    for part in look.once(parts):
+        ways = part.ways
+        if ways is None or not part.scope.entries:
+            continue
+        yield from _entered(look, part, ways)
+        yield from _left(look, ways)
+
+
+def _returns(look: Look, places: set[int]) -> list[tuple[int, s.Command]]:
+    found = []
+    for at in sorted(places):
+        item = look.code[at]
+        statement = item.statement if isinstance(item, s.Line) else None
+        branches = (
+            (statement.then, statement.otherwise) if isinstance(statement, s.If) else (statement,)
+        )
+        found += [(at, b) for b in branches if isinstance(b, s.Command) and b.keyword == "Return"]
+    return found
+
+
+def _entered(look: Look, part: Part, ways: Ways) -> Found:
+    """Where control comes to a Return without having been called."""
+    start = part.scope.entries[0]
+    subs = ways.called | {place for place, (_, called) in ways.handlers.items() if called}
+    doors = {sub for sub in subs if _returns(look, ways.reached([sub]))}
+    # what is reached without going through the door of a subroutine
+    flow: set[int] = set()
+    left: list[tuple[int, int | None]] = [(start, None)]
+    entered: dict[int, int] = {}
+    while left:
+        at, before = left.pop()
+        if at in doors and at != start:
+            entered.setdefault(at, before if before is not None else at)
+            continue
+        if at not in flow:
+            flow.add(at)
+            left += [(place, at) for place in ways.after.get(at, ())]
+    for at, before in sorted(entered.items()):
+        line = look.code[at]
+        name = line.label if isinstance(line, s.Line) else ""
+        if at in ways.jumps.get(before, ()):
+            yield look.at(rules.JUMPED_INTO, look.code[before], f"*{name}", name=name)
+        else:
+            yield look.at(rules.FALLS_IN, line, f"*{name}", name=name)
+    for at, _ in _returns(look, flow):
+        yield look.at(rules.RETURN_ALONE, look.code[at], "Return")
+
+
+def _left(look: Look, ways: Ways) -> Found:
+    """Subroutines without a Return, and Returns of the wrong kind."""
+    normal: set[int] = set()
+    for at in sorted(ways.called):
+        reached = ways.reached([at])
+        normal |= reached
+        line = look.code[at]
+        if not _returns(look, reached) and isinstance(line, s.Line):
+            yield look.at(rules.NO_RETURN, line, f"*{line.label}", name=line.label)
+    handled: dict[int, str] = {}
+    for at, (_, called) in sorted(ways.handlers.items()):
+        line = look.code[at]
+        if called and isinstance(line, s.Line):
+            reached = ways.reached([at])
+            handled |= dict.fromkeys(reached, line.label or "")
+            if not _returns(look, reached):
+                yield look.at(rules.NO_RETURN, line, f"*{line.label}", name=line.label)
+    for at, command in _returns(look, set(handled)):
+        if not command.arguments and at not in normal:
+            yield look.at(rules.HANDLER_RETURN, look.code[at], "Return", name=handled[at])
+    for at in sorted(ways.called - set(handled)):
+        line = look.code[at]
+        for place, command in _returns(look, ways.reached([at])):
+            if command.arguments and place not in handled and isinstance(line, s.Line):
+                where = look.code[place]
+                yield look.at(rules.NUMBERED_RETURN, where, "Return", name=line.label)
+
+
+def unreachable(look: Look) -> Found:
+    """The first line of each stretch that nothing leads to; what is no statement does not count."""
+    for part in look.once(parts):
+        ways = part.ways
+        if ways is None or not part.scope.entries:
+            continue
+        starts = [part.scope.entries[0], *ways.handlers]
+        reached = ways.reached(starts, through_calls=True)
+        quiet = False
+        for at in part.scope.entries:
+            item = look.code[at]
+            if at in reached:
+                quiet = False
+                continue
+            if isinstance(item, s.Line):
+                if item.label is not None:
+                    quiet = True  # a label that nothing jumps to is a finding of its own
+                if item.statement is None or _declares(item.statement):
+                    continue
+            if _is_tail(item):
+                continue
+            if not quiet:
+                yield look.finding(rules.UNREACHABLE, item, before=_before(look, part, at))
+            quiet = True
+
+
+def _declares(statement: s.Statement) -> bool:
+    return isinstance(
+        statement,
+        s.DefNames | s.DefIo | s.DefFunction | s.DefOther | s.Dim | s.Const | s.Static | s.Include,
+    )
+
+
+TAILS: Final = frozenset({"End", "Hlt", "Return", "FEnd", "Break", "EndIf", "End Select", "WEnd"})
+"""Words that stand at an end as a habit, and do no harm where nothing comes to them."""
+
+
+def _is_tail(item: s.Line | MoveRows) -> bool:
+    if not isinstance(item, s.Line):
+        return False
+    if middle(item.statement) or isinstance(item.statement, s.Next | s.Jump):
+        return True
+    return word_of(item.statement) in TAILS
+
+
+def _before(look: Look, part: Part, at: int) -> str:
+    """What keeps control from running on to a line."""
+    entries = part.scope.entries
+    for place in reversed(entries[: entries.index(at)]):
+        item = look.code[place]
+        if not isinstance(item, s.Line) or item.statement is None:
+            continue
+        word = word_of(item.statement)
+        if isinstance(item.statement, s.Select):
+            return "it stands between `Select` and its first `Case`"
+        if word in CLOSING:
+            return "every way through the block above leaves it for good"
+        return f"`{word}` stands in front of it" if word else "what is above leaves for good"
+    return "nothing is above"

@@ -1,0 +1,178 @@
+"""Rules of lines: their numbers, their length, and where jumps go."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+
+from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.checks.look import Look
+from assistant.languages.melfa_basic.columnar import MoveRows
+from assistant.languages.melfa_basic.dialects import LAST_STEP
+from assistant.program.diagnostics import Diagnostic, Span
+
+Found = Iterator[Diagnostic]
+
+MOST_ROWS: Final = 20
+"""Findings about rows of one table; more say nothing new."""
+_NUMBER: Final = re.compile(r"[ \t]*([0-9]+)")
+
+
+def order(look: Look) -> Found:
+    """Step numbers ascend, fit, and stand at every line if at one."""
+    numbered = any(isinstance(i, MoveRows) or i.number is not None for i in look.code)
+    before = 0
+    for item in look.code:
+        if isinstance(item, MoveRows):
+            yield from _rows(look, item, before)
+            before = int(item.steps[-1])
+        elif item.number is None:
+            if numbered and (item.statement or item.label):
+                what = "the line has no step number, but others have"
+                yield look.finding(rules.NO_STEP_NUMBER, item, what=what)
+        else:
+            where = _number(look, item)
+            if not 1 <= item.number <= LAST_STEP:
+                yield look.finding(rules.STEP_RANGE, where, number=item.number, most=LAST_STEP)
+            if item.number <= before:
+                yield look.finding(rules.NOT_ASCENDING, where, number=item.number, before=before)
+            before = item.number
+    first = next((line for line in look.lines if line.statement or line.label), None)
+    if first is not None and not numbered and look.dialect.level == OLDEST:
+        what = f"{look.dialect.title} needs a step number at every line, and no line has one"
+        yield look.finding(rules.NO_STEP_NUMBER, first, what=what)
+
+
+OLDEST: Final = 4
+"""The version whose tools do not number lines by themselves."""
+
+
+def _rows(look: Look, rows: MoveRows, before: int) -> Found:
+    numbers = np.concatenate([[before], rows.steps])
+    for at in np.flatnonzero(numbers[1:] <= numbers[:-1])[:MOST_ROWS].tolist():
+        yield look.finding(
+            rules.NOT_ASCENDING,
+            row_span(look, rows, at),
+            number=numbers[at + 1],
+            before=numbers[at],
+        )
+    wrong = np.flatnonzero(rows.steps > LAST_STEP)
+    if len(wrong):
+        first = int(wrong[0])
+        yield look.finding(
+            rules.STEP_RANGE,
+            row_span(look, rows, first),
+            number=int(rows.steps[first]),
+            most=LAST_STEP,
+        )
+
+
+def row_span(look: Look, rows: s.Item, row: int, name: str = "") -> Span | None:
+    """Where a row of a table stands, without its line end; where a name stands in it, if given."""
+    source = look.tree.source
+    if source is None or rows.span is None:
+        return None
+    start = rows.span.start
+    for _ in range(row):
+        start = source.text.find("\n", start) + 1
+    end = source.text.find("\n", start)
+    text = source.text[start : rows.span.end if end < 0 else end].rstrip()
+    found = re.search(rf"\b{re.escape(name)}\b", text, re.IGNORECASE) if name else None
+    return (
+        Span(start + found.start(), start + found.end())
+        if found
+        else Span(start, start + len(text))
+    )
+
+
+def _number(look: Look, line: s.Line) -> Span | None:
+    if line.span is None or look.tree.source is None:
+        return None
+    found = _NUMBER.match(look.tree.source.text, line.span.start)
+    return Span(*found.span(1)) if found else line.span
+
+
+def lengths(look: Look) -> Found:
+    """Steps that are longer than a controller takes, in bytes of the file's own encoding."""
+    source = look.tree.source
+    encoding = source.encoding if source is not None else "utf-8"
+    most = look.dialect.line
+    for line in look.lines:
+        text = look.text_of(line)
+        if len(text) * 4 <= most:
+            continue
+        length = len(text.encode(encoding, "replace"))
+        if length > most:
+            yield look.finding(rules.LONG_LINE, line, length=length, most=most)
+
+
+# --------------------------------------------------------------------------------------- labels
+
+
+def labels(look: Look) -> Found:
+    """A label stands once, and what is jumped to is there; functions have their own."""
+    for scope in look.scopes:
+        lines = [line for at in scope.entries if isinstance(line := look.code[at], s.Line)]
+        seen: set[str] = set()
+        for line in lines:
+            if line.label is None:
+                continue
+            if line.label.upper() in seen:
+                yield look.at(rules.TWO_LABELS, line, f"*{line.label}", name=line.label)
+            seen.add(line.label.upper())
+        inside = scope.function is not None
+        for line in lines:
+            yield from _targets(look, line, seen, inside=inside)
+
+
+def _targets(look: Look, line: s.Line, seen: set[str], *, inside: bool) -> Found:
+    for target in targets(line.statement):
+        if isinstance(target.place, int):
+            if target.place not in look.once(_steps):
+                word = str(target.place)
+                yield look.at(rules.NO_STEP, line, word, name=target.place)
+            elif not look.dialect.line_targets:
+                yield look.at(
+                    rules.NOT_IN_DIALECT,
+                    line,
+                    str(target.place),
+                    title=look.dialect.title,
+                    word=f"jumps to line numbers such as {target.place}",
+                    cure="put a label in front of that line, and jump to it",
+                )
+        elif target.place.upper() not in seen:
+            other = target.place.upper() in look.once(_all_labels)
+            where = ""
+            if other:
+                where = " in this Function" if inside else " outside of the Functions"
+            yield look.at(rules.NO_LABEL, line, f"*{target.place}", name=target.place, where=where)
+
+
+def targets(statement: s.Statement | s.Target | None) -> Iterator[s.Target]:
+    """Where a statement jumps to."""
+    match statement:
+        case s.Target():
+            yield statement
+        case s.If(_, then, otherwise):
+            yield from targets(then)
+            yield from targets(otherwise)
+        case s.Jump(target=target) | s.OnCom(target=target) | s.DefAct(target=target):
+            yield target
+        case s.OnJump(targets=several):
+            yield from (target for target in several if target is not None)
+
+
+def _steps(look: Look) -> set[int]:
+    found = {line.number for line in look.lines if line.number is not None}
+    for item in look.code:
+        if isinstance(item, MoveRows):
+            found.update(item.steps.tolist())
+    return found
+
+
+def _all_labels(look: Look) -> set[str]:
+    return {line.label.upper() for line in look.lines if line.label is not None}

@@ -1,0 +1,134 @@
+"""Rules of variables, positions and functions that nothing defines."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+
+from assistant.languages.melfa_basic import rules, vocabulary
+from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.checks.known import Known, known
+from assistant.languages.melfa_basic.checks.look import Look
+from assistant.languages.melfa_basic.checks.steps import MOST_ROWS, row_span
+from assistant.languages.melfa_basic.checks.walk import nodes
+from assistant.languages.melfa_basic.columnar import MVR, MoveRows
+from assistant.program.diagnostics import Diagnostic, Severity
+
+Found = Iterator[Diagnostic]
+
+_PLACES: Final = ("Tool", "Base")
+
+
+def variables(look: Look) -> Found:
+    """Variables that are read, and moves to positions, that nothing gives a value."""
+    if look.has_strangers:
+        return
+    names = look.once(known)
+    moved = _moved_to(look)
+    seen: set[str] = set()
+    for line, use in look.uses:
+        variable, key = use.variable, use.variable.key
+        if use.role != "read" or key in seen or _is_call(look, variable):
+            continue
+        if key in names.given or names.has_row(key):
+            continue
+        seen.add(key)
+        if key[1:2] == "_":
+            stranger = key not in names.declared and vocabulary.status(key) is None
+            if stranger and not near_status(key):  # else it is told what is meant
+                yield look.at(rules.NO_EXTERNAL, line, variable.name, name=_named(variable))
+        elif variable.arguments is not None:
+            if key not in names.dimensioned:
+                yield look.at(rules.NO_DIM, line, variable.name, name=_named(variable))
+        elif key in moved or re.fullmatch(r"[PJ][0-9]+", key):
+            kind = "joint variable" if key[0] == "J" else "position"
+            # positions of a file that has no lines of any are taught on the controller
+            severity = None if names.taught else Severity.WARNING
+            name = variable.name
+            yield look.at(rules.NO_POSITION, line, name, kind=kind, name=name, severity=severity)
+        else:
+            yield look.at(rules.NO_VALUE, line, variable.name, name=_named(variable))
+    for item in look.code:
+        if isinstance(item, MoveRows):
+            yield from _undefined_rows(look, item, names)
+
+
+def _undefined_rows(look: Look, rows: MoveRows, names: Known) -> Found:
+    arc = rows.kinds == MVR
+    numbers = np.unique(np.concatenate([rows.end, rows.via[arc], rows.start[arc]]))
+    stem = rows.stem.upper()
+    found = np.zeros(len(numbers), dtype=bool)
+    for table in names.rows.get(stem, ()):
+        found |= np.isin(numbers, table)
+    severity = None if names.taught else Severity.WARNING
+    missing = [n for n in numbers[~found].tolist() if f"{stem}{n}" not in names.given]
+    for number in missing[:MOST_ROWS]:
+        fitting = (rows.end == number) | (rows.via == number) | (rows.start == number)
+        name = f"{rows.stem}{number}"
+        where = row_span(look, rows, int(np.argmax(fitting)), name)
+        yield look.finding(rules.NO_POSITION, where, kind="position", name=name, severity=severity)
+
+
+def _named(variable: s.Variable) -> str:
+    return variable.name + variable.suffix
+
+
+def _is_call(look: Look, variable: s.Variable) -> bool:
+    """Whether a name with or without arguments is a function's."""
+    key = variable.key
+    if vocabulary.function(key) is not None and variable.arguments is not None:
+        return True
+    return key in look.functions or key.startswith("FN") or key == "PLT"
+
+
+def _moved_to(look: Look) -> set[str]:
+    """Plain variables that moves, tools and bases name."""
+    found: set[str] = set()
+    for line, motion in look.all(s.Motion):
+        del line
+        for node in nodes(motion.arguments):
+            if isinstance(node, s.Variable) and node.key[0] in "PJ" and not node.component:
+                found.add(node.key)
+    for _, command in look.all(s.Command):
+        if command.keyword in _PLACES:
+            found |= {n.key for n in nodes(command.arguments) if isinstance(n, s.Variable)}
+    return found
+
+
+def calls(look: Look) -> Found:
+    """Functions of MELFA-BASIC VI that are called as a statement and are not there."""
+    if look.has_strangers:
+        return
+    for line, call in look.all(s.Call):
+        name = call.function.name
+        if not _is_call(look, call.function):
+            yield look.at(rules.NO_CALL, line, name, name=name)
+
+
+def near_status(key: str) -> str:
+    """The status variable that a name is one slip away from, empty for none."""
+    if key[2:].isdigit():
+        return ""
+    for name, row in vocabulary.variables().items():
+        if name[0] == key[0] and abs(len(name) - len(key)) <= 1 and len(name) > SHORT:
+            if one_slip(name, key):
+                return row.name
+    return ""
+
+
+SHORT: Final = 4
+"""Names so short that others are near them by chance."""
+
+
+def one_slip(name: str, key: str) -> bool:
+    """Whether one letter is wrong, left out, put in, or two are swapped."""
+    if len(name) > len(key):
+        name, key = key, name
+    at = next((i for i, (a, b) in enumerate(zip(name, key, strict=False)) if a != b), len(name))
+    if len(name) < len(key):
+        return name[at:] == key[at + 1 :]
+    swapped = name[:at] + name[at : at + 2][::-1] + name[at + 2 :]
+    return name[at + 1 :] == key[at + 1 :] or swapped == key

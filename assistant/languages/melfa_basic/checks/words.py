@@ -1,0 +1,177 @@
+"""Rules of what a version of the language does not have, with what to write instead."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, Final
+
+from assistant.languages.melfa_basic import rules, vocabulary
+from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.checks import kinds, value_rules
+from assistant.languages.melfa_basic.checks.flow import parts
+from assistant.languages.melfa_basic.checks.kinds import literal
+from assistant.languages.melfa_basic.checks.known import known
+from assistant.languages.melfa_basic.checks.look import Look
+from assistant.languages.melfa_basic.checks.undefined import near_status
+from assistant.languages.melfa_basic.checks.ways import word_of
+from assistant.program.diagnostics import Diagnostic
+
+Found = Iterator[Diagnostic]
+
+LEVELS: Final = {4: "MELFA-BASIC IV", 5: "MELFA-BASIC V", 6: "MELFA-BASIC VI"}
+JUMPS: Final = "write `If … Then GoTo` over the lines"
+NEWER: Final = "compile for a newer version of the language"
+FORMS: Final = {
+    s.Function: "Function", s.Include: "#Include", s.Static: "Static", s.Const: "Const",
+    s.ElseIf: "ElseIf",
+}  # fmt: skip
+"""Statements with a node of their own that not every version has."""
+GROUPS: Final = {
+    "M_IN8": "M_INB", "M_IN16": "M_INW", "M_OUT8": "M_OUTB", "M_OUT16": "M_OUTW",
+    "M_IN32": "two M_INW", "M_OUT32": "two M_OUTW",
+}  # fmt: skip
+"""Status variable → what an older version has."""
+
+
+def missing(look: Look) -> Found:
+    """Statements, functions, status variables and forms that the version lacks."""
+    for line in look.lines:
+        yield from _statement(look, line, line.statement)
+        if line.label and line.statement and not look.dialect.labelled_statements:
+            word = f"statement behind the label `*{line.label}`"
+            yield _lacks(look, line, f"*{line.label}", word, "write it on a line of its own")
+    yield from _breaks(look)
+    for line, move in look.all(s.Motion):
+        if move.type and literal(move.type[1]) == SINGULAR and not look.dialect.singular_type:
+            cure = "write `Type 0,1`, or move the points away from where axis 5 is 0"
+            yield _lacks(look, line, "Type", "`Type` through singular points", cure)
+    for line, command in look.all(s.Command):
+        yield from _forms(look, line, command)
+    yield from _names(look)
+
+
+SINGULAR: Final = 2
+
+
+def _lacks(look: Look, line: s.Line, at: str, word: str, cure: str) -> Diagnostic:
+    title = look.dialect.title
+    return look.at(rules.NOT_IN_DIALECT, line, at, title=title, word=word, cure=cure or NEWER)
+
+
+def _statement(look: Look, line: s.Line, statement: Any) -> Found:
+    level = look.dialect.level
+    match statement:
+        case s.If(_, then, otherwise):
+            if then is None and not look.dialect.blocks:
+                yield _lacks(look, line, "If", "`If` block", JUMPS)
+            for branch in (then, otherwise):
+                yield from _statement(look, line, branch)
+        case s.Motion(keyword=word) | s.Command(keyword=word):
+            yield from _word(look, line, word, word)
+        case s.DefOther(kind=kind) | s.DefNames(type=kind):
+            yield from _word(look, line, f"Def {kind}", kind)
+        case s.Static() | s.Function() | s.Include() | s.Const() | s.ElseIf():
+            word = FORMS[type(statement)]
+            yield from _word(look, line, word, word.lstrip("#"))
+        case s.Jump() | s.Target() | None:
+            return
+        case _ if level:
+            word = word_of(statement)
+            row = vocabulary.statement(word)
+            if row is not None and level not in row.dialects:
+                yield from _word(look, line, word, word)
+
+
+def _word(look: Look, line: s.Line, word: str, at: str) -> Found:
+    row = vocabulary.statement(word)
+    if row is not None and row.dialects and look.dialect.level not in row.dialects:
+        cure = f"write {row.instead}" if row.instead else _of_versions(row.dialects)
+        yield _lacks(look, line, at, f"`{row.word}`", cure)
+
+
+def _of_versions(levels: frozenset[int]) -> str:
+    named = " and ".join(LEVELS[level] for level in sorted(levels))
+    return f"leave it out, or use the file with {named}"
+
+
+def _breaks(look: Look) -> Found:
+    """Break out of loops and branches, where a version has it for Select only."""
+    if look.dialect.breaks:
+        return
+    for part in look.once(parts):
+        for at in part.scope.entries:
+            line = look.code[at]
+            if not isinstance(line, s.Line) or line.statement != s.Command("Break"):
+                continue
+            inner = part.blocks.around.get(at)
+            if not any(b.kind == "Select" for b in (inner.chain if inner else ())):
+                cure = "write `GoTo` a label behind the block"
+                yield _lacks(look, line, "Break", "`Break` out of loops", cure)
+
+
+def _forms(look: Look, line: s.Line, command: s.Command) -> Found:
+    """Arguments of statements that came with a later version."""
+    first = command.arguments[0] if command.arguments else None
+    match command.keyword:
+        case "Wait" if not look.dialect.wide_wait and not _is_narrow(first):
+            cure = "wait in a loop: `*W` on one line, `If … = 0 Then GoTo *W` on the next"
+            word = "`Wait` but for `variable = constant`"
+            yield _lacks(look, line, "Wait", word, cure)
+        case "Tool" | "Base" as word if not look.dialect.numbered_frames:
+            if kinds.of(look, first) == "M":
+                yield _lacks(look, line, word, f"`{word}` with a number", "write a position")
+        case "Fine" if not look.dialect.fine_distance and len(command.arguments) > 1:
+            if isinstance(second := command.arguments[1], s.Variable) and second.key in ("P", "J"):
+                yield _lacks(look, line, "Fine", "`Fine` with a distance", "write pulses")
+
+
+def _is_narrow(condition: s.Expression | None) -> bool:
+    """`variable = constant`, which every version waits for."""
+    return (
+        isinstance(condition, s.Binary)
+        and condition.operator == "="
+        and isinstance(condition.left, s.Variable)
+        and not isinstance(condition.right, s.Binary)
+    )
+
+
+def _names(look: Look) -> Found:
+    """Functions and status variables of other versions, and status variables that are none."""
+    level = look.dialect.level
+    names = look.once(known)
+    seen: set[str] = set()
+    for line, use in look.uses:
+        variable = use.variable
+        key = variable.key
+        own = key in names.declared or key in look.functions
+        if key in seen or own or use.role == "declared":
+            continue
+        function = vocabulary.function(key) if variable.arguments is not None else None
+        row = vocabulary.status(key)
+        if function is not None and level not in function.dialects:
+            seen.add(key)
+            cure = f"write {function.instead}" if function.instead else ""
+            cure = cure or _of_versions(function.dialects)
+            yield _lacks(look, line, variable.name, f"`{function.name}`", cure)
+        elif row is not None and level not in row.dialects:
+            seen.add(key)
+            cure = f"write {GROUPS[key]}" if key in GROUPS else _of_versions(row.dialects)
+            yield _lacks(look, line, variable.name, f"`{row.name}`", cure)
+        elif variable.suffix and variable.suffix not in look.dialect.suffixes:
+            seen.add(key)
+            name = variable.name + variable.suffix
+            word = f"mark `{variable.suffix}` behind a name such as `{name}`"
+            cure = f"write `{variable.name}#`, whose numbers reach further"
+            yield _lacks(look, line, variable.name, word, cure)
+        elif row is None and key[1:2] == "_" and key[0] in "MPJC":
+            near = near_status(key)
+            if near and use.role == "read" and key not in names.given:
+                seen.add(key)
+                yield look.at(
+                    value_rules.UNKNOWN_STATUS,
+                    line,
+                    variable.name,
+                    name=variable.name,
+                    title=look.dialect.title,
+                    cure=f"write `{near}` if that is meant",
+                )
