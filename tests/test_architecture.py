@@ -28,7 +28,7 @@ ROOMS: dict[str, frozenset[str]] = {
         }
     ),
     "findings": frozenset({"program", "sources", "robots", "languages", "compiler"}),
-    "report": frozenset({"program", "sources", "robots", "compiler"}),
+    "report": frozenset({"program", "sources", "robots", "compiler", "findings"}),
     "cli": frozenset(
         {
             *("program", "sources", "robots", "languages", "checks"),
