@@ -126,7 +126,7 @@ def read_bytes(path: str | FilePath, *, allow_empty: bool = False) -> bytes:
 
 
 def decode(data: bytes, path: str | None, encodings: Sequence[str]) -> SourceText:
-    """Decodes with the first encoding that fits; raises Unreadable if none does.
+    """Decodes with the first encoding that gives the bytes back; raises Unreadable if none does.
 
     `utf-8-sig` in the list is taken only for data that begins with its mark.
     """
@@ -135,9 +135,11 @@ def decode(data: bytes, path: str | None, encodings: Sequence[str]) -> SourceTex
         if encoding == "utf-8-sig" and not data.startswith(b"\xef\xbb\xbf"):
             continue
         try:
-            return SourceText(data.decode(encoding), path, encoding, newline)
+            text = data.decode(encoding)
         except UnicodeDecodeError:
             continue
+        if text.encode(encoding) == data:  # cp932 has characters with several codes
+            return SourceText(text, path, encoding, newline)
     name = path or "input"
     raise Unreadable(UNDECODABLE(path=path, name=name, encodings=", ".join(encodings)))
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 from assistant.languages.language import Adapted, Language, Part, Precision
 from assistant.languages.melfa_basic.dialects import DIALECTS
 from assistant.languages.melfa_basic.syntax import CallP, File, Line, String
+from assistant.program import japanese
 from assistant.program.diagnostics import Diagnostic, has_errors
 from assistant.program.program import Program
 from assistant.program.text import SourceText
@@ -42,7 +43,7 @@ class MelfaBasic(Language[File]):
     """One dialect of MELFA-BASIC."""
 
     suffixes = (".prg", ".mb4", ".mb5", ".mb6", ".pos")
-    encodings = ("ascii", "utf-8-sig", "utf-8", "cp932", "cp1252")
+    encodings = ("ascii", "utf-8-sig", "utf-8", "cp932", japanese.CODEC, "cp1252")
     # half a unit of the second decimal; the angle is that of three Euler angles together
     precision = Precision(position=0.00501, angle=0.0151)
     comment_mark = "'"
