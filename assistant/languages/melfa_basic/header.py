@@ -1,4 +1,4 @@
-"""The comment lines above a written program: what the language cannot say otherwise.
+r"""The comment lines above a written program: what the language cannot say otherwise.
 
     ' robot-assistant: melfa-basic-4
     ' program: seam_program
@@ -7,7 +7,8 @@
     ' path: P1-P35 = seam
     ' robot-assistant: end
 
-Whatever is malformed is left out: it is only a comment.
+Letters of names beyond ASCII are written as `\xf6` or `\u4e2d`. Whatever is malformed is left
+out: it is only a comment.
 """
 
 from __future__ import annotations
@@ -18,10 +19,13 @@ from dataclasses import dataclass, field
 from typing import Any, Final, cast
 
 from assistant.languages.melfa_basic.dialects import EMITTED_LINE
-from assistant.program.program import IDENTIFIER, Signal, ValueType
+from assistant.program.program import Signal, ValueType
 
 MARK: Final = "robot-assistant: "
 END: Final = MARK + "end"
+
+AS_IS: Final = ("robot",)
+"""Items that are no names of the program."""
 
 NAME_KINDS: Final = (
     "target", "joints", "tool", "frame", "loop", "procedure", "label", "unit", "first",
@@ -31,7 +35,10 @@ NAME_KINDS: Final = (
 
 @dataclass(slots=True)
 class Declared:
-    """A variable: original name, type, storage, procedure it belongs to, and marks."""
+    """A variable: original name, type, storage, procedure it belongs to, and marks.
+
+    storage: that of a `Variable`, or `parameter`. initial: the code begins with its first value.
+    """
 
     name: str
     type: ValueType
@@ -39,6 +46,7 @@ class Declared:
     owner: str = ""
     local: bool = False
     initial: bool = False
+    size: tuple[int, ...] = ()
 
 
 @dataclass(slots=True)
@@ -65,19 +73,20 @@ def lines(header: Header, dialect: str) -> Iterator[str]:
     yield MARK + dialect
     for key in ("program", "robot", "entry", "unit"):
         if (value := getattr(header, key)) is not None:
-            yield f"{key}: {value}"
+            yield f"{key}: {value if key in AS_IS else _written(value)}"
     for kind in NAME_KINDS:
-        yield from _packed(kind, (f"{s} = {o}" for s, o in header.names[kind].items()))
-    yield from _packed("path", (f"P{a}-P{b} = {n}" for a, b, n in header.paths))
+        yield from _packed(kind, (f"{s} = {_written(o)}" for s, o in header.names[kind].items()))
+    yield from _packed("path", (f"P{a}-P{b} = {_written(n)}" for a, b, n in header.paths))
     yield from _packed("inline", header.inline)
     for name, signal in header.signals.items():
         number = "-" if signal.number is None else signal.number
-        yield f"signal: {signal.kind} {signal.direction} {number} {signal.bits} = {name}"
+        yield f"signal: {signal.kind} {signal.direction} {number} {signal.bits} = {_written(name)}"
     for short, v in header.variables.items():
-        words = [v.type, v.storage, *(["local"] if v.local else [])]
+        words = [v.type, v.storage, *(["x".join(map(str, v.size))] if v.size else [])]
+        words += ["local"] if v.local else []
         words += ["initial"] if v.initial else []
-        words += [f"of {v.owner}"] if v.owner else []
-        yield f"variable: {short} = {v.name} {' '.join(words)}"
+        words += [f"of {_written(v.owner)}"] if v.owner else []
+        yield f"variable: {short} = {_written(v.name)} {' '.join(words)}"
     yield END
 
 
@@ -92,16 +101,29 @@ def _packed(kind: str, entries: Iterable[str]) -> Iterator[str]:
         yield line
 
 
-_PAIR: Final = re.compile(r"([A-Za-z0-9_-]+) = ([A-Za-z][A-Za-z0-9_]*)")
-_PATH: Final = re.compile(r"P([0-9]{1,9})-P([0-9]{1,9}) = ([A-Za-z][A-Za-z0-9_]*)")
+_ESCAPE: Final = r"\\(?:x[0-9a-f]{2}|u[0-9a-f]{4}|U[0-9a-f]{8})"
+_NAME: Final = rf"(?:[A-Za-z]|{_ESCAPE})(?:[A-Za-z0-9_]|{_ESCAPE})*"
+_PAIR: Final = re.compile(rf"([A-Za-z0-9_-]+) = ({_NAME})")
+_PATH: Final = re.compile(rf"P([0-9]{{1,9}})-P([0-9]{{1,9}}) = ({_NAME})")
 _SIGNAL: Final = re.compile(
-    r"(digital|analog|group) (input|output) (-|[0-9]{1,6}) ([0-9]{1,3}) = ([A-Za-z][A-Za-z0-9_]*)"
+    rf"(digital|analog|group) (input|output) (-|[0-9]{{1,6}}) ([0-9]{{1,3}}) = ({_NAME})"
 )
 _VARIABLE: Final = re.compile(
-    r"([A-Z][A-Z0-9]*) = ([A-Za-z][A-Za-z0-9_]*) "
-    r"(number|integer|truth|text|position|pose|joints) (constant|variable|persistent)"
-    r"( local)?( initial)?(?: of ([A-Za-z][A-Za-z0-9_]*))?"
+    rf"([A-Z][A-Z0-9]*) = ({_NAME}) (number|integer|truth|text|position|pose|joints) "
+    r"(constant|variable|persistent|parameter)( [0-9]{1,3}(?:x[0-9]{1,3}){0,2})?"
+    rf"( local)?( initial)?(?: of ({_NAME}))?"
 )
+
+
+def _written(name: str) -> str:
+    """A name in ASCII: a file may be opened in any code page."""
+    return name.encode("ascii", "backslashreplace").decode("ascii")
+
+
+def _meant(name: str) -> str:
+    """The name that was written; as it stands if that is none."""
+    meant = re.sub(_ESCAPE, lambda m: chr(min(int(m[0][2:], 16), 0x10FFFF)), name)
+    return meant if re.fullmatch(r"[^\W\d]\w*", meant) else name
 
 
 def read(texts: Iterable[str]) -> Header:
@@ -109,19 +131,19 @@ def read(texts: Iterable[str]) -> Header:
     header = Header()
     for text in texts:
         key, _, value = text.partition(": ")
-        if key in ("program", "unit") and IDENTIFIER.fullmatch(value):
-            setattr(header, key, value)
-        elif key == "entry" and (value == "-" or IDENTIFIER.fullmatch(value)):
-            header.entry = value
+        if key in ("program", "unit") and re.fullmatch(_NAME, value):
+            setattr(header, key, _meant(value))
+        elif key == "entry" and (value == "-" or re.fullmatch(_NAME, value)):
+            header.entry = _meant(value)
         elif key == "robot" and re.fullmatch(r"[A-Za-z0-9._/-]{1,64}", value):
             header.robot = value
         elif key in NAME_KINDS:
             found = (_PAIR.fullmatch(entry) for entry in value.split(", "))
-            header.names[key].update({f.group(1): f.group(2) for f in found if f})
+            header.names[key].update({f.group(1): _meant(f.group(2)) for f in found if f})
         elif key == "path":
             ranges = (_PATH.fullmatch(entry) for entry in value.split(", "))
             header.paths += [
-                (int(f.group(1)), int(f.group(2)), f.group(3))
+                (int(f.group(1)), int(f.group(2)), _meant(f.group(3)))
                 for f in ranges
                 if f and int(f.group(1)) <= int(f.group(2))
             ]
@@ -129,20 +151,21 @@ def read(texts: Iterable[str]) -> Header:
             header.inline.update(dict.fromkeys(re.findall(r"[PJ][0-9]{1,9}", value)))
         elif key == "signal" and (signal := _SIGNAL.fullmatch(value)):
             kind, direction, number, bits, name = signal.groups()
-            header.signals[name] = Signal(
+            header.signals[_meant(name)] = Signal(
                 cast(Any, kind),
                 cast(Any, direction),
                 None if number == "-" else int(number),
                 int(bits),
             )
         elif key == "variable" and (v := _VARIABLE.fullmatch(value)):
-            short, name, kind, storage, local, initial, owner = v.groups()
+            short, name, kind, storage, size, local, initial, owner = v.groups()
             header.variables[short] = Declared(
-                name,
+                _meant(name),
                 cast(ValueType, kind),
                 storage,
-                owner or "",
+                _meant(owner or ""),
                 bool(local),
                 bool(initial),
+                tuple(int(n) for n in size.split("x")) if size else (),
             )
     return header

@@ -7,17 +7,28 @@ share one space with the controller's own words; labels have a space of their ow
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Final
 
 from assistant.languages.melfa_basic.dialects import PROGRAM_NAME, Dialect
 from assistant.languages.melfa_basic.tables import RESERVED
-from assistant.program.program import Procedure, Program, ValueType, walk
+from assistant.program.program import (
+    Parameter,
+    Procedure,
+    Program,
+    ValueType,
+    Variable,
+    walk,
+)
 from assistant.program.statements import For, Label
 
 ARC_START: Final = "PSTART"
 """Holds the present position for an arc whose start is no known position."""
+
+MAIN: Final = "MAIN"
+"""The `Function` that a program of MELFA-BASIC VI begins with."""
 
 LETTERS: Final[dict[ValueType, str]] = {
     "number": "M", "integer": "M", "truth": "M", "text": "C",
@@ -61,15 +72,18 @@ def naming(program: Program, dialect: Dialect) -> Names:
         for name in given:
             group[name.lower()] = _variable(name, letter, dialect.names, taken)
     for procedure, owner in _owners(program):
-        variables = program.variables if procedure is None else procedure.variables
-        for name, variable in variables.items():
+        variables: Iterable[tuple[str, Variable | Parameter]] = program.variables.items()
+        if procedure is not None:
+            variables = [*((q.name, q) for q in procedure.parameters), *procedure.variables.items()]
+        for name, variable in variables:
             letter = LETTERS[variable.type]
             names.variables[owner, name.lower()] = _variable(name, letter, dialect.names, taken)
         for name in _loop_variables(program, procedure):
             short = _variable(name, "M", dialect.names, taken)
             names.loops[owner, name.lower()] = short
             names.original_loops[short] = name
-    labels: set[str] = set(RESERVED)
+    labels = taken if dialect.functions else set(RESERVED)
+    labels.add(MAIN)
     for entry in program.procedures:
         names.procedures[entry.name.lower()] = _label(entry.name, dialect.labels, labels)
     for entry in program.procedures:
@@ -110,13 +124,13 @@ def _loop_variables(program: Program, procedure: Procedure | None) -> Iterable[s
 
 
 def _variable(given: str, letter: str, most: int, taken: set[str]) -> str:
-    plain = re.sub(r"[^A-Z0-9]", "", given.upper().encode("ascii", "ignore").decode())
+    plain = _plain(given)
     name = plain if plain.startswith(letter) and len(plain) > 1 else letter + plain
     return _free(name, most, taken)
 
 
 def _label(given: str, most: int, taken: set[str]) -> str:
-    plain = re.sub(r"[^A-Z0-9]", "", given.upper().encode("ascii", "ignore").decode())
+    plain = _plain(given)
     if not plain[:1].isalpha() or _MADE_LABEL.fullmatch(plain):
         plain = "L" + plain
     return _free(plain, most, taken)
@@ -124,8 +138,14 @@ def _label(given: str, most: int, taken: set[str]) -> str:
 
 def program_name(given: str, taken: set[str]) -> str:
     """A program name: upper-case letters and digits, at most twelve."""
-    plain = re.sub(r"[^A-Z0-9]", "", given.upper().encode("ascii", "ignore").decode())
+    plain = _plain(given)
     return _free(plain or "MAIN", PROGRAM_NAME, taken)
+
+
+def _plain(given: str) -> str:
+    """Letters and digits of a name, in upper case; letters beyond ASCII as those below them."""
+    ascii = unicodedata.normalize("NFKD", given).encode("ascii", "ignore").decode()
+    return re.sub(r"[^A-Z0-9]", "", ascii.upper())
 
 
 def _free(name: str, most: int, taken: set[str]) -> str:

@@ -19,7 +19,8 @@ from assistant.program.rewriting import map_bodies
 Kinds = Mapping[str, str]
 """Lower-case names of values and functions: `text`, or anything else for other values."""
 
-_TEXTS: Final = ("text",)
+_TEXTS: Final = ("text", "fixed", "part")
+"""The type, and functions that give one."""
 _LITERALS: Final = (e.Number, e.Truth, e.TargetValue, e.JointValue, e.PoseValue)
 
 

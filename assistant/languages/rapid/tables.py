@@ -162,6 +162,8 @@ FUNCTIONS: Final[Mapping[str, str]] = {
     "min": "Min",
     "max": "Max",
     "text": "ValToStr",
+    "fixed": "NumToStr",
+    "part": "StrPart",
     "length": "StrLen",
     "offset": "Offs",
     "inverse": "PoseInv",

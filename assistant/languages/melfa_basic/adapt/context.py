@@ -33,9 +33,11 @@ NOMINAL_TCP: Final = 5000.0
 class Context:
     """What the steps of adapting share."""
 
-    def __init__(self, program: Program, dialect: Dialect, robot: Robot | None) -> None:
+    def __init__(
+        self, program: Program, dialect: Dialect, robot: Robot | None, findings: Findings
+    ) -> None:
         self.program, self.dialect, self.robot = program, dialect, robot
-        self.findings = Findings()
+        self.findings = findings
         self.unstated = 0
         self.named = 0
         self.unit: str | None = None

@@ -25,6 +25,9 @@ def with_plain_data(context: Context, program: Program) -> Program:
                 what=f"the {declaration.language} declaration `{declaration.text[:40]}`",
                 cure="leave it out or say it in plain statements",
             ))  # fmt: skip
+    for name, variable in program.variables.items():
+        if variable.storage == "persistent" and variable.initial is not None:
+            context.findings.append(rules.PERSISTENT(name=name, place=name))
     return replace(
         program,
         tools=dict(_tools(context, program)),

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.languages.melfa_basic import rules
 from assistant.program import expressions as e
 from assistant.program.rewriting import map_expressions
 
@@ -17,8 +18,6 @@ if TYPE_CHECKING:
 OPPOSITE: Final[dict[str, Any]] = {
     "=": "<>", "<>": "=", "<": ">=", ">=": "<", ">": "<=", "<=": ">", "and": "or", "or": "and",
 }  # fmt: skip
-
-MOVED: Final = ("relative", "offset")
 
 
 def plain_expression(context: Context, value: e.Expression, deep: bool = True) -> e.Expression:
@@ -36,11 +35,9 @@ def plain_expression(context: Context, value: e.Expression, deep: bool = True) -
         case e.Unary("not", operand):
             return opposite(operand)
         case e.Apply(function, arguments) if function.lower() in e.FUNCTIONS:
-            known = function.lower()
-            if known in MOVED:
-                while len(arguments) > 4 and arguments[-1] in (e.Number(0), e.Number(0.0)):
-                    arguments = arguments[:-1]
-            return e.Apply(known, arguments)
+            return _function(context, function.lower(), arguments)
+        case e.Text(text):
+            return _text(context, text)
         case e.Apply(function, arguments):
             return e.Apply(context.spelled_procedure(function), arguments)
         case e.Member(inner, field):
@@ -52,6 +49,38 @@ def plain_expression(context: Context, value: e.Expression, deep: bool = True) -
         case e.JointValue(target):
             return e.JointValue(context.joints("a joint target", target))
     return value
+
+
+def _function(context: Context, name: str, arguments: tuple[e.Expression, ...]) -> e.Expression:
+    match name, arguments:
+        case "relative" | "offset", _:
+            while len(arguments) > 4 and arguments[-1] in (e.Number(0), e.Number(0.0)):
+                arguments = arguments[:-1]
+        case "here", (_, *_):
+            given = " and ".join(f"`{a.name}`" for a in arguments if isinstance(a, e.Name))
+            context.findings.append(rules.PLACE_READ(given=given))
+            arguments = ()
+        case "fixed", (value, e.Number(places)):
+            return _rounded_text(context, value, int(places))
+    return e.Apply(name, arguments)
+
+
+def _rounded_text(context: Context, value: e.Expression, places: int) -> e.Expression:
+    """A number as text with so many decimals at most; none is written exactly."""
+    if places <= 0:
+        return e.Apply("text", (e.Apply("round", (value,)),))
+    context.findings.append(rules.ROUNDED_TEXT())
+    power = e.Number(10**places)
+    whole = e.Apply("round", (e.Binary("*", value, power),))
+    return e.Apply("text", (e.Binary("/", whole, power),))
+
+
+def _text(context: Context, text: str) -> e.Text:
+    """Without quotes, which end a text, and control characters."""
+    plain = "".join(c if c.isprintable() else " " for c in text).replace('"', "'")
+    if plain != text:
+        context.findings.append(rules.TEXT_CHANGED(given=repr(text), text=repr(plain)))
+    return e.Text(plain)
 
 
 def opposite(value: e.Expression) -> e.Expression:

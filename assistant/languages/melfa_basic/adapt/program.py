@@ -9,16 +9,23 @@ from typing import TYPE_CHECKING
 from assistant.languages.language import Adapted
 from assistant.languages.melfa_basic import printer, rules
 from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.adapt.arrays import with_filled_arrays
+from assistant.languages.melfa_basic.adapt.computed import with_computed_targets
 from assistant.languages.melfa_basic.adapt.context import Context
 from assistant.languages.melfa_basic.adapt.data import with_plain_data
 from assistant.languages.melfa_basic.adapt.five_axes import in_base
+from assistant.languages.melfa_basic.adapt.procedures import (
+    recursive,
+    with_fresh_variables,
+    without_parameters,
+)
 from assistant.languages.melfa_basic.adapt.splitting import MOST_TARGETS, split
 from assistant.languages.melfa_basic.adapt.statements import comment_lines, plain_procedure
 from assistant.languages.melfa_basic.dialects import DIALECTS, LAST_STEP, Dialect
 from assistant.languages.melfa_basic.lower.program import Unit, steps
-from assistant.languages.melfa_basic.lower.statements import mentioned
+from assistant.languages.melfa_basic.lower.writer import mentioned
 from assistant.languages.melfa_basic.names import naming
-from assistant.program.diagnostics import Diagnostic
+from assistant.program.diagnostics import Diagnostic, Findings
 from assistant.program.program import Procedure, Program
 
 if TYPE_CHECKING:
@@ -29,7 +36,9 @@ def adapt(
     program: Program, robot: Robot | None, dialect_name: str, most_targets: int | None = None
 ) -> Adapted:
     """The program in this dialect's terms; idempotent."""
-    context = Context(_headed(program, robot), DIALECTS[dialect_name], robot)
+    dialect, findings = DIALECTS[dialect_name], Findings()
+    program = _with_plain_procedures(_headed(program, robot), dialect, findings)
+    context = Context(program, dialect, robot, findings)
     if context.five_axis:
         context.program = in_base(context, context.program)
     adapted = with_plain_data(context, context.program)
@@ -45,6 +54,20 @@ def adapt(
     if context.named:
         context.findings.append(rules.NAMED(count=context.named))
     return Adapted(adapted, tuple(context.findings))
+
+
+def _with_plain_procedures(program: Program, dialect: Dialect, findings: Findings) -> Program:
+    """With variables, parameters and computed targets as the dialect has them."""
+    program = with_filled_arrays(program, findings)
+    fresh = (with_fresh_variables(q, q.name == program.entry) for q in program.procedures)
+    program = replace(program, procedures=tuple(fresh))
+    if not dialect.functions:
+        for procedure in recursive(program):
+            with findings.at(procedure.span):
+                findings.append(rules.RECURSIVE(name=procedure.name, place=procedure.name))
+        program = without_parameters(program, findings)
+    computed = (with_computed_targets(q, program) for q in program.procedures)
+    return replace(program, procedures=tuple(computed))
 
 
 def _headed(program: Program, robot: Robot | None) -> Program:

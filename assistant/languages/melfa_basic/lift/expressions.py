@@ -8,7 +8,7 @@ from assistant.languages.melfa_basic import printer
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.header import Header
 from assistant.languages.melfa_basic.lift.positions import Positions, joints_of, target_of
-from assistant.languages.melfa_basic.lower.expressions import OF_ANGLE, PLAIN, TO_ANGLE
+from assistant.languages.melfa_basic.functions import OF_ANGLE, PLAIN, TO_ANGLE
 from assistant.program import expressions as e
 from assistant.program.program import Signal, ValueType, Variable
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
@@ -12,6 +13,15 @@ import numpy as np
 from assistant.languages.melfa_basic import poses
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.dialects import Dialect
+from assistant.languages.melfa_basic.functions import (
+    ANALOG,
+    FIRST_REGISTER,
+    OF_ANGLE,
+    OPERATORS,
+    PLAIN,
+    TEXTS,
+    TO_ANGLE,
+)
 from assistant.languages.melfa_basic.names import Names
 from assistant.program import expressions as e
 from assistant.program.geometry import JointTarget, Target
@@ -25,22 +35,21 @@ if TYPE_CHECKING:
 class Unsayable(Exception):
     """MELFA-BASIC has no words for it."""
 
-    def __init__(self, what: str, cure: str) -> None:
+    def __init__(self, what: str, cure: str = "") -> None:
         super().__init__(what)
         self.what, self.cure = what, cure
 
 
-PLAIN: Final = {
-    "abs": "Abs", "sqrt": "Sqr", "exp": "Exp", "ln": "Ln", "round": "CInt", "trunc": "Fix",
-    "floor": "Int", "min": "Min", "max": "Max", "length": "Len", "distance": "Dist",
-    "inverse": "Inv", "text": "Str",
-}  # fmt: skip
-"""Functions that take and give the same units."""
-OF_ANGLE: Final = {"sin": "Sin", "cos": "Cos", "tan": "Tan"}
-TO_ANGLE: Final = {"atan": "Atn", "atan2": "Atn2", "asin": "ASin", "acos": "ACos"}
+class NoNumber(Unsayable):
+    """A signal that is known by name only; `what` is the name."""
 
-OPERATORS: Final = {"div": "\\", "mod": "MOD", "and": "AND", "or": "OR", "xor": "XOR", "@": "*"}
-RELATIONS: Final = ("=", "<>", "<", "<=", ">", ">=")
+
+class Undeclared(Unsayable):
+    """A name that stands for nothing; `what` is the name."""
+
+
+MOST_TEXT: Final = 127
+"""Characters of a text."""
 
 
 @dataclass(slots=True)
@@ -70,8 +79,23 @@ class Expressions:
         return text.upper() if self.dialect.upper else text
 
     def call(self, function: str, *arguments: s.Expression) -> s.Variable:
-        suffix = "$" if function == "Str" else ""
+        suffix = "$" if function in TEXTS else ""
         return s.Variable(self.word(function), suffix, arguments)
+
+    def argument(self, value: e.Expression) -> s.Expression:
+        """What a procedure is called with; a position has a variable."""
+        if isinstance(value, e.TargetValue | e.JointValue):
+            return self.target(value)
+        return self.of(value)
+
+    def place(self, value: e.Expression) -> s.Variable:
+        """What an assignment may assign to."""
+        if isinstance(value, e.Member):
+            return self.component(value.value, value.field)
+        place = self.of(value) if isinstance(value, e.Name | e.Index) else None
+        if not isinstance(place, s.Variable):
+            raise Unsayable("an assignment to an expression", "assign to a variable")
+        return place
 
     def of(self, value: e.Expression) -> s.Expression:
         """Any expression but a target."""
@@ -87,7 +111,10 @@ class Expressions:
             case e.TargetValue() | e.JointValue() | e.PoseValue():
                 return self.constant(value)
             case e.Member(value=inner, field=component):
-                return self.member(inner, component)
+                whole = self.component(inner, component)
+                return self.call("Deg", whole) if whole.component.startswith("J") else whole
+            case e.Index(value=inner, indices=indices):
+                return self.element(inner, indices)
             case e.Unary(operator="-", operand=operand):
                 return s.Unary("-", self.of(operand))
             case e.Unary(operand=operand):  # any value that is not zero counts as true
@@ -103,8 +130,8 @@ class Expressions:
         )
 
     def text(self, text: str) -> s.String:
-        if '"' in text or not text.isprintable() or len(text) > 100:
-            raise Unsayable("a text with quotes, line ends or over 100 characters", "shorten it")
+        if '"' in text or not text.isprintable() or len(text) > MOST_TEXT:
+            raise Unsayable(f"a text of over {MOST_TEXT} characters", "shorten it")
         return s.String(text)
 
     def verbatim(self, language: str, text: str) -> s.Expression:
@@ -122,6 +149,9 @@ class Expressions:
             return s.Variable(self.word("P_Curr"))
         if function == "joints_here" and not arguments:
             return s.Variable(self.word("J_Curr"))
+        callee = self.program.procedure(function)
+        if callee is not None and function not in e.FUNCTIONS:
+            return self.own(callee, arguments)
         values = tuple(self.of(a) for a in arguments)
         if function in PLAIN:
             return self.call(PLAIN[function], *values)
@@ -131,9 +161,17 @@ class Expressions:
             return self.call("Deg", self.call(TO_ANGLE[function], *values))
         raise Unsayable(f"the function `{function}` here", "compute the value another way")
 
+    def own(self, callee: Procedure, arguments: tuple[e.Expression, ...]) -> s.Expression:
+        """A call of a function of the program, which only MELFA-BASIC VI has."""
+        if not self.dialect.functions or callee.result is None:
+            raise Unsayable(f"`{callee.name}` inside an expression", "call it before")
+        values = tuple(self.argument(a) for a in arguments)
+        suffix = "$" if callee.result == "text" else ""
+        return s.Variable(self.names.procedures[callee.name.lower()], suffix, values)
+
     # --------------------------------------------------------------------------- names
 
-    def name(self, name: str) -> s.Variable:
+    def name(self, name: str) -> s.Expression:
         short = self.variable(name)
         if short is not None:
             return s.Variable(short, "$" if short.startswith("C") else "")
@@ -144,7 +182,13 @@ class Expressions:
         signal = next((v for k, v in self.program.signals.items() if k.lower() == key), None)
         if signal is not None:
             return self.signal(name, signal)
-        raise Unsayable(f"`{name}`, which is not declared", "declare it or correct the name")
+        raise Undeclared(name)
+
+    def element(self, inner: e.Expression, indices: tuple[e.Expression, ...]) -> s.Variable:
+        whole = self.of(inner)
+        if not isinstance(whole, s.Variable) or whole.component or whole.arguments is not None:
+            raise Unsayable("an element of an expression", "assign the expression first")
+        return s.Variable(whole.name, whole.suffix, tuple(self.of(i) for i in indices))
 
     def variable(self, name: str) -> str | None:
         owner = self.procedure.name.lower() if self.procedure else ""
@@ -155,34 +199,60 @@ class Expressions:
             or self.names.variables.get(("", key))
         )
 
-    def signal(self, name: str, signal: Signal) -> s.Variable:
-        """The status variable of a signal; raises Unsayable without a number."""
+    def signal(self, name: str, signal: Signal) -> s.Expression:
+        """The value of a signal; raises NoNumber without a number."""
+        variable, mask = self.register(name, signal)
+        return variable if mask is None else s.Binary("AND", variable, _bits(mask))
+
+    def output(self, name: str, value: s.Expression) -> tuple[s.Variable, s.Expression]:
+        """What to assign to, and what: the bits beside a group of an odd width stay."""
+        key = name.lower()
+        signal = next((v for k, v in self.program.signals.items() if k.lower() == key), None)
+        if signal is None:
+            raise Undeclared(name)
+        variable, mask = self.register(name, signal)
+        if mask is None:
+            return variable, value
+        width = next(w for w in self.dialect.groups if w >= signal.bits)
+        others = s.Binary("AND", variable, _bits((1 << width) - 1 - mask))
+        own = value if isinstance(value, s.Number) else s.Binary("AND", value, _bits(mask))
+        return variable, s.Binary("OR", others, own)
+
+    def register(self, name: str, signal: Signal) -> tuple[s.Variable, int | None]:
+        """The status variable of a signal, and the bits of it that are the signal if not all."""
         if signal.number is None:
-            raise Unsayable(f"the signal `{name}` without a number", "number")
+            raise NoNumber(name)
         out = signal.direction == "output"
+        mask = None
         if signal.kind == "digital":
             word = "M_Out" if out else "M_In"
-        elif signal.kind == "group" and signal.bits in self.dialect.groups:
-            word = self.dialect.groups[signal.bits][out]
+        elif signal.kind == "analog":
+            if signal.number < FIRST_REGISTER:
+                raise Unsayable(
+                    f"the analog signal `{name}` with the number {signal.number}",
+                    f"give the number of its register, {FIRST_REGISTER} or more",
+                )
+            word = ANALOG[out]
         else:
-            widths = ", ".join(str(w) for w in self.dialect.groups)
-            raise Unsayable(
-                f"the {signal.kind} signal `{name}` of {signal.bits} bits",
-                f"use single bits or groups of {widths} bits",
-            )
-        return s.Variable(self.word(word), "", (s.Number(signal.number),))
+            width = next((w for w in self.dialect.groups if w >= signal.bits), None)
+            if width is None:
+                raise Unsayable(
+                    f"the group signal `{name}` of {signal.bits} bits",
+                    f"use groups of at most {max(self.dialect.groups)} bits",
+                )
+            word = self.dialect.groups[width][out]
+            mask = None if width == signal.bits else (1 << signal.bits) - 1
+        return s.Variable(self.word(word), "", (s.Number(signal.number),)), mask
 
-    def member(self, inner: e.Expression, component: str) -> s.Expression:
+    def component(self, inner: e.Expression, component: str) -> s.Variable:
+        """A component as the controller keeps it: joints in radians."""
         base = self.of(inner)
         name = component.upper()
         if not isinstance(base, s.Variable) or base.component:
             raise Unsayable("a component of an expression", "assign the expression first")
-        whole = s.Variable(base.name, base.suffix, base.arguments, name)
-        if name in ("X", "Y", "Z"):
-            return whole
-        if len(name) == 2 and name[0] == "J" and name[1] in "123456":
-            return self.call("Deg", whole)
-        raise Unsayable(f"the component `{component}`", "use x, y, z or j1 to j6")
+        if name not in ("X", "Y", "Z") and not re.fullmatch("J[1-6]", name):
+            raise Unsayable(f"the component `{component}`", "use x, y, z or j1 to j6")
+        return s.Variable(base.name, base.suffix, base.arguments, name)
 
     # -------------------------------------------------------------------------- targets
 
@@ -264,3 +334,7 @@ def joint_constant(target: JointTarget, robot: Robot | None) -> s.Constant:
         joints.insert(3, 0.0)
     joints += [v for v in target.external[:2] if v == v]
     return s.Constant(tuple(round(0.0 if v != v else v, poses.PLACES) + 0.0 for v in joints))
+
+
+def _bits(mask: int) -> s.Number:
+    return s.Number(mask, 16)

@@ -4,28 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
-from assistant.languages.melfa_basic import header as headers
 from assistant.languages.melfa_basic import poses
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MoveRows, PositionRows
 from assistant.languages.melfa_basic.dialects import DIALECTS, LAST_STEP, Dialect
 from assistant.languages.melfa_basic.lift.gathering import gathered
-from assistant.languages.melfa_basic.lower.expressions import (
-    joint_constant,
-    position_constant,
-)
-from assistant.languages.melfa_basic.lower.statements import Writer
-from assistant.languages.melfa_basic.names import Names, naming
+from assistant.languages.melfa_basic.lower.expressions import joint_constant, position_constant
+from assistant.languages.melfa_basic.lower.heading import heading, named
+from assistant.languages.melfa_basic.lower.statements import STATEMENTS
+from assistant.languages.melfa_basic.lower.writer import Writer
+from assistant.languages.melfa_basic.names import LETTERS, Names, naming
 from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.program.geometry import Tool
-from assistant.program.program import Procedure, Program, Variable
+from assistant.program.program import Parameter, Procedure, Program, ValueType, Variable
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
+
+DEFINED: Final[dict[ValueType, str]] = {
+    "number": "Float", "truth": "Inte", "integer": "Inte", "text": "Char",
+    "position": "Pos", "pose": "Pos", "joints": "Jnt",
+}  # fmt: skip
+"""The word after `Def` for what all Functions of a file share."""
 
 
 def build(program: Program, robot: Robot | None, unit: str | None, dialect_name: str) -> s.File:
@@ -72,7 +75,11 @@ class Unit:
     ) -> None:
         self.program, self.robot, self.unit = program, robot, unit
         self.dialect, self.names = dialect, names
-        self.writer = Writer(program, dialect, names, robot, unit)
+        self.writer = Writer(program, dialect, names, robot, unit, STATEMENTS)
+        _, others = self.procedures()
+        self.writer.functions = dialect.functions and any(
+            q.parameters or q.result is not None for q in others
+        )
 
     @property
     def findings(self) -> list[Diagnostic]:
@@ -90,38 +97,96 @@ class Unit:
     def code(self) -> list[s.Item]:
         """The code lines without step numbers."""
         first, others = self.procedures()
-        writer = self.writer
         if first is None and not others:
-            return self.heading() if self.has_heading() else []
+            return heading(self) if self.has_heading() else []
+        if self.writer.functions:
+            self.as_functions(first, others)
+        else:
+            self.as_subroutines(first, others)
+        return [*heading(self), *self.writer.items]
+
+    def as_subroutines(self, first: Procedure | None, others: list[Procedure]) -> None:
+        """The first procedure, and what it calls behind its end."""
+        writer = self.writer
+        if first is not None and first.parameters:
+            writer.add(s.FPrm(tuple(self.variable(first, q) for q in first.parameters)))
+        self.definitions()
         self.initial_values()
         if first is not None:
-            writer.procedure(first)
+            writer.enter(first)
+            writer.body(first.body)
         writer.add(s.Command("End"))
         for procedure in others:
             writer.label(self.names.procedures[procedure.name.lower()])
-            writer.procedure(procedure)
+            writer.enter(procedure)
+            writer.body(procedure.body)
+            if procedure.parameters or procedure.result is not None:
+                writer.cannot(f"parameters or the result of `{procedure.name}`", "use variables")
             writer.add(s.Command("Return"))
-        return [*self.heading(), *writer.items]
+
+    def as_functions(self, first: Procedure | None, others: list[Procedure]) -> None:
+        """What all of them share, the entry as `Main`, and the others."""
+        writer = self.writer
+        self.definitions()
+        for procedure in [*([first] if first else []), *others]:
+            writer.add(self.head(procedure, procedure is first))
+            if procedure is first:
+                self.initial_values()
+            writer.enter(procedure)
+            writer.body(procedure.body)
+            writer.add(s.Command("FEnd"))
+
+    def head(self, procedure: Procedure, main: bool) -> s.Function:
+        name = "Main" if main else self.names.procedures[procedure.name.lower()]
+        letter = "V" if procedure.result is None else LETTERS[procedure.result]
+        suffix = "$" if procedure.result == "text" else ""
+        parameters = []
+        for q in procedure.parameters:
+            variable = self.variable(procedure, q)
+            mode: Literal["ByVal", "ByRef"] = "ByVal" if q.mode == "in" else "ByRef"
+            parameters.append(s.FunctionParameter(mode, variable.name, variable.suffix))
+        return s.Function(letter + suffix, name, "", tuple(parameters))
+
+    def variable(self, procedure: Procedure, parameter: Parameter) -> s.Variable:
+        short = self.names.variables[procedure.name.lower(), parameter.name.lower()]
+        return _whole(short)
 
     def has_heading(self) -> bool:
         p = self.program
         return bool(p.targets or p.joint_targets or p.tools or p.frames or p.variables or p.signals)
 
-    def initial_values(self) -> None:
-        """Declarations and first values of the variables, in the order of the heading."""
+    def definitions(self) -> None:
+        """What has a type of its own, or is an array, by type in the order of the heading.
+
+        Functions see of the others' variables only those that are defined before them.
+        """
+        lines: dict[str, list[s.Variable]] = {}
+        arrays = []
         for owner, name, variable in self.variables():
-            short = self.names.variables[owner, name.lower()]
-            whole = s.Variable(short, "$" if short.startswith("C") else "")
-            writer = self.writer
+            if not isinstance(variable, Variable):
+                continue
+            whole = _whole(self.names.variables[owner, name.lower()])
             if variable.size:
-                writer.cannot(f"the array `{name}`", "use single variables")
-            if variable.type == "integer":
-                writer.add(s.DefNames("Inte", (whole,)))
-            if variable.initial is not None:
+                extents = tuple(s.Number(n) for n in variable.size)
+                arrays.append(s.Dim((replace(whole, arguments=extents),)))
+            elif variable.type == "integer" or (self.writer.functions and not owner):
+                lines.setdefault(DEFINED[variable.type], []).append(whole)
+        for word, variables in lines.items():
+            for at in range(0, len(variables), MOST_DEFINED):
+                self.writer.add(s.DefNames(word, tuple(variables[at : at + MOST_DEFINED])))
+        for dim in arrays:
+            self.writer.add(dim)
+
+    def initial_values(self) -> None:
+        """First values of the variables, in the order of the heading."""
+        writer = self.writer
+        for owner, name, variable in self.variables():
+            if isinstance(variable, Variable) and variable.initial is not None:
+                whole = _whole(self.names.variables[owner, name.lower()])
                 with writer.saying(f"variable {name}"):
                     writer.add(s.Assign(whole, writer.expressions.of(variable.initial)))
 
-    def variables(self) -> Iterator[tuple[str, str, Variable]]:
+    def variables(self) -> Iterator[tuple[str, str, Variable | Parameter]]:
         """Owner (a procedure's name in lower case or empty), name and variable."""
         if self.unit is None:
             for name, variable in self.program.variables.items():
@@ -131,72 +196,16 @@ class Unit:
                 yield "", name, self.program.variables[name]
         for procedure in self.program.procedures:
             if procedure.unit == self.unit:
+                for parameter in procedure.parameters:
+                    yield procedure.name.lower(), parameter.name, parameter
                 for name, variable in procedure.variables.items():
                     yield procedure.name.lower(), name, variable
-
-    # ------------------------------------------------------------------------- heading
-
-    def heading(self) -> list[s.Item]:
-        head, names, program = headers.Header(), self.names, self.program
-        first, others = self.procedures()
-        head.program, head.robot, head.unit = program.name, program.robot, self.unit
-        if self.unit is None:
-            head.entry = first.name if first else "-"
-            units = dict.fromkeys(p.unit for p in program.procedures if p.unit is not None)
-            head.names["unit"] = {names.units[u]: u for u in units}
-            head.names["first"] = {
-                names.units[u]: next(p.name for p in program.procedures if p.unit == u)
-                for u in units
-            }
-        elif first is not None:
-            head.names["first"] = {names.units[self.unit]: first.name}
-        for procedure in others:
-            head.names["procedure"][names.procedures[procedure.name.lower()]] = procedure.name
-        self._name_labels(head)
-        for kind, table, given in self._named():
-            head.names[kind] = {table[n.lower()]: n for n in given}
-        for owner, name, variable in self.variables():
-            head.variables[names.variables[owner, name.lower()]] = headers.Declared(
-                name, variable.type, variable.storage,
-                next((p.name for p in program.procedures if p.name.lower() == owner), ""),
-                variable.local, variable.initial is not None,
-            )  # fmt: skip
-        head.signals = dict(program.signals)
-        inline = self.writer.expressions.inline
-        head.paths = [(k, k + len(p) - 1, p.name) for k, p in self.writer.paths if len(p)]
-        numbers = [f"P{k}" for k, _ in inline.positions] + [f"J{k}" for k, _ in inline.joints]
-        head.inline = dict.fromkeys(numbers)
-        above = program.comments if self.unit is None else ()
-        texts = [*above, *headers.lines(head, self.dialect.name)]
-        return [s.Line(comment=_comment(text)) for text in texts]
-
-    def _name_labels(self, head: headers.Header) -> None:
-        mine = {p.name.lower() for p in self.program.procedures if p.unit == self.unit}
-        for (owner, _), short in self.names.labels.items():
-            original = self.names.original_labels[short]
-            if owner in mine and short != original:
-                head.names["label"][short] = original
-        for (owner, _), short in self.names.loops.items():
-            if owner in mine:
-                head.names["loop"][short] = self.names.original_loops[short]
-
-    def _named(self) -> Iterator[tuple[str, dict[str, str], list[str]]]:
-        """Kind, names and members of the declared things that this unit holds."""
-        p, n, used = self.program, self.names, self.writer.used
-        for kind, table, given in (
-            ("target", n.targets, p.targets),
-            ("joints", n.joints, p.joint_targets),
-            ("tool", n.tools, p.tools),
-            ("frame", n.frames, p.frames),
-        ):
-            members = [m for m in given if self.unit is None or table[m.lower()] in used]
-            yield kind, table, members
 
     # ---------------------------------------------------------------------------- data
 
     def data(self) -> Iterator[s.Item]:
         """The variable lines: named positions first, then those of the paths."""
-        for kind, table, members in self._named():
+        for kind, table, members in named(self):
             for name in members:
                 yield s.Data(s.Variable(table[name.lower()]), self._constant(kind, name))
         inline = self.writer.expressions.inline
@@ -219,10 +228,13 @@ class Unit:
         if kind == "joints":
             return joint_constant(program.joint_targets[name], self.robot)
         if kind == "tool":
-            tool: Tool = program.tools[name]
-            return s.Constant(poses.plain_values(tool.tip), (0, 0))
+            return s.Constant(poses.plain_values(program.tools[name].tip), (0, 0))
         return s.Constant(poses.plain_values(program.frames[name].pose.inverse()), (0, 0))
 
 
-def _comment(text: str) -> str:
-    return "' " + text if text else "'"
+MOST_DEFINED: Final = 8
+"""Names of one `Def` line."""
+
+
+def _whole(short: str) -> s.Variable:
+    return s.Variable(short, "$" if short.startswith("C") else "")

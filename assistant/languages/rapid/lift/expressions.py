@@ -26,6 +26,8 @@ ARITY: Final = {
     "min": (2,),
     "max": (2,),
     "offset": (4,),
+    "fixed": (2,),
+    "part": (3,),
 }
 """Arguments that a function must have to be the pseudo-program's own; 1 if not named."""
 

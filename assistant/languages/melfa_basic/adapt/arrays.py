@@ -1,0 +1,86 @@
+"""Arrays: `Dim` gives no values, so the elements are given theirs one by one."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Final
+
+from assistant.languages.melfa_basic import rules
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.diagnostics import Findings
+from assistant.program.program import Procedure, Program, Variable
+
+MOST_DIMENSIONS: Final = 3
+MOST_ELEMENTS: Final = 999
+"""Of one dimension (COSIMIR help, Dim)."""
+
+
+def with_filled_arrays(program: Program, findings: Findings) -> Program:
+    """The program with the first values of its arrays as assignments.
+
+    Those of the program stand at the head of its entry, those of a procedure at its own.
+    """
+    variables, first = _filled(program.variables, findings)
+    procedures = []
+    for procedure in program.procedures:
+        own, filling = _filled(procedure.variables, findings)
+        if procedure.name == program.entry and procedure.unit is None:
+            filling = [*first, *filling]
+        if filling:
+            procedure = replace(procedure, body=(*filling, *procedure.body))
+        procedures.append(procedure if own == procedure.variables else _with(procedure, own))
+    return replace(program, variables=variables, procedures=tuple(procedures))
+
+
+def _with(procedure: Procedure, variables: dict[str, Variable]) -> Procedure:
+    return replace(procedure, variables=variables)
+
+
+def _filled(
+    variables: Mapping[str, Variable], findings: Findings
+) -> tuple[dict[str, Variable], list[p.Statement]]:
+    made: dict[str, Variable] = {}
+    first: list[p.Statement] = []
+    for name, variable in variables.items():
+        if not variable.size:
+            made[name] = variable
+            continue
+        if len(variable.size) > MOST_DIMENSIONS or max(variable.size) > MOST_ELEMENTS:
+            extents = " x ".join(map(str, variable.size))
+            findings.append(rules.CANNOT_SAY(
+                what=f"the array `{name}` of {extents} elements",
+                cure=f"use at most {MOST_DIMENSIONS} dimensions of {MOST_ELEMENTS} elements",
+                place=name,
+            ))  # fmt: skip
+        values = list(_elements(name, variable))
+        if variable.initial is not None and not values:
+            findings.append(rules.CANNOT_SAY(
+                what=f"the first values of the array `{name}`",
+                cure="write a value for each element",
+                place=name,
+            ))  # fmt: skip
+        first += values
+        type = "number" if variable.type == "integer" else variable.type
+        storage = "variable" if variable.storage == "constant" else variable.storage
+        made[name] = replace(variable, type=type, initial=None, storage=storage)
+    return made, first
+
+
+def _elements(name: str, variable: Variable) -> Iterator[p.Statement]:
+    """The assignments, none if the first value is no list for each dimension."""
+    places = list(itertools.product(*(range(1, n + 1) for n in variable.size)))
+    values = []
+    for place in places:
+        value = variable.initial
+        for index in place:
+            if not isinstance(value, e.Aggregate) or index > len(value.items):
+                return
+            value = value.items[index - 1]
+        values.append(value)
+    for place, value in zip(places, values, strict=True):
+        if value is not None:
+            indices = tuple(e.Number(i) for i in place)
+            yield p.Assign(e.Index(e.Name(name), indices), value)

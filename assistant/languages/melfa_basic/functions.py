@@ -1,0 +1,24 @@
+"""Functions and operators of the pseudo-program under the names that MELFA-BASIC has for them."""
+
+from __future__ import annotations
+
+from typing import Final
+
+PLAIN: Final = {
+    "abs": "Abs", "sqrt": "Sqr", "exp": "Exp", "ln": "Ln", "round": "CInt", "trunc": "Fix",
+    "floor": "Int", "min": "Min", "max": "Max", "length": "Len", "distance": "Dist",
+    "inverse": "Inv", "text": "Str", "part": "Mid",
+}  # fmt: skip
+"""Functions that take and give the same units."""
+TEXTS: Final = frozenset({"Str", "Mid", "Chr"})
+"""Those that give a text: their names end in `$`."""
+OF_ANGLE: Final = {"sin": "Sin", "cos": "Cos", "tan": "Tan"}
+TO_ANGLE: Final = {"atan": "Atn", "atan2": "Atn2", "asin": "ASin", "acos": "ACos"}
+
+OPERATORS: Final = {"div": "\\", "mod": "MOD", "and": "AND", "or": "OR", "xor": "XOR", "@": "*"}
+RELATIONS: Final = ("=", "<>", "<", "<=", ">", ">=")
+
+ANALOG: Final = ("M_DIn", "M_DOut")
+"""Registers of the network that an analog signal stands in: input, output."""
+FIRST_REGISTER: Final = 6000
+"""Number of the first of them (CC-Link)."""

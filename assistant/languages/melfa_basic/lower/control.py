@@ -1,0 +1,217 @@
+"""Control flow, calls and assignments as lines."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from assistant.languages.melfa_basic import printer, rules
+from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.dialects import EMITTED_LINE
+from assistant.languages.melfa_basic.lower.expressions import Unsayable
+from assistant.program import statements as p
+from assistant.program.program import Procedure
+from assistant.program.rewriting import Body
+
+if TYPE_CHECKING:
+    from assistant.languages.melfa_basic.lower.writer import Writer
+
+
+def call(w: Writer, node: p.Call) -> None:
+    callee = w.program.procedure(node.procedure)
+    if callee is None:
+        w.report(rules.MISSING(name=node.procedure))
+        return
+    arguments = tuple(w.expressions.argument(a) for a in node.arguments)
+    if len(arguments) != len(callee.parameters):
+        raise Unsayable(
+            f"{len(arguments)} arguments for the {len(callee.parameters)} of `{callee.name}`",
+            "give one for each parameter",
+        )
+    if callee.unit != w.unit:
+        if callee.unit is None or not w.is_first(callee):
+            raise Unsayable(
+                f"a call of `{callee.name}` inside another program",
+                "let it be the first procedure of its unit",
+            )
+        w.add(s.CallP(s.String(w.names.units[callee.unit]), arguments))
+    elif w.is_first(callee):
+        raise Unsayable(f"a call of `{callee.name}` from its own program", "move its body")
+    elif w.functions:
+        w.add(s.Call(s.Variable(w.names.procedures[callee.name.lower()], "", arguments)))
+    elif arguments:
+        raise Unsayable(f"the arguments of `{callee.name}`", "use variables instead")
+    else:
+        w.add(s.Jump("GoSub", s.Target(w.names.procedures[callee.name.lower()])))
+    w.forget()
+
+
+def assign(w: Writer, node: p.Assign) -> None:
+    target = w.expressions.place(node.target)
+    value = w.expressions.of(node.value)
+    if target.component.startswith("J"):
+        value = w.expressions.call("Rad", value)
+    w.add(s.Assign(target, value))
+    w.previous = None
+
+
+def return_(w: Writer, node: p.Return) -> None:
+    first = w.owner is not None and w.is_first(w.owner)
+    if node.value is not None:
+        if not w.functions or w.owner is None:
+            raise Unsayable("a result of a procedure", "use a variable instead")
+        w.add(s.Assign(result_of(w, w.owner), w.expressions.of(node.value)))
+        if node is w.owner.body[-1]:
+            return
+    if w.functions and not (first and w.unit is not None):
+        w.add(s.Command("Exit Function"))
+    else:
+        w.add(s.Command("End" if first else "Return"))
+
+
+def result_of(w: Writer, procedure: Procedure) -> s.Variable:
+    """What a Function's result is assigned to: its own name."""
+    suffix = "$" if procedure.result == "text" else ""
+    return s.Variable(w.names.procedures[procedure.name.lower()], suffix)
+
+
+def stop(w: Writer, node: p.Stop) -> None:
+    if node.end and w.unit is not None:
+        raise Unsayable("an end of everything in a called program", "end in the main program")
+    w.add(s.Command("End" if node.end else "Hlt"))
+    w.previous = None
+
+
+# ----------------------------------------------------------------------------- branches
+
+
+SHORT: Final = (p.Assign, p.SetSignal, p.Goto, p.Call, p.Stop, p.Return, p.Wait, p.Gripper)
+"""Statements that one line of an `If` may hold."""
+
+
+def if_(w: Writer, node: p.If) -> None:
+    if w.dialect.blocks:
+        _block(w, node)
+    elif not _one_line(w, node):
+        _jumping(w, node)
+
+
+def _block(w: Writer, node: p.If) -> None:
+    for i, branch in enumerate(node.branches):
+        condition = w.expressions.of(branch.condition)
+        w.add(s.If(condition, None) if i == 0 else s.ElseIf(condition))
+        w.forget()
+        w.body(branch.body)
+    if node.otherwise:
+        w.add(s.Command("Else"))
+        w.forget()
+        w.body(node.otherwise)
+    w.add(s.Command("EndIf"))
+    w.forget()
+
+
+def _one_line(w: Writer, node: p.If) -> bool:
+    """Writes an `If` of one short statement, or one for each case; False if it is another."""
+    if len(node.branches) != 1:
+        return False
+    (branch,) = node.branches
+    then, otherwise = _short(w, branch.body), _short(w, node.otherwise)
+    if then is None or (otherwise is None and node.otherwise):
+        return False
+    line = s.Line(statement=s.If(w.expressions.of(branch.condition), then, otherwise))
+    if len(printer.line(line, w.dialect.upper).encode()) > EMITTED_LINE - len("32767 "):
+        return False
+    w.items.append(line)
+    w.forget()
+    return True
+
+
+def _short(w: Writer, body: Body) -> s.Statement | s.Target | None:
+    """The one statement that a body is, None if it is another."""
+    if len(body) != 1 or not isinstance(body[0], SHORT):
+        return None
+    before = len(w.items)
+    w.write[type(body[0])](w, body[0])
+    made, w.items[before:] = w.items[before:], []
+    match made:
+        case [s.Line(statement=s.Jump("GoTo", target))]:
+            return target
+        case [s.Line(statement=statement)]:
+            return statement
+    return None
+
+
+def _jumping(w: Writer, node: p.If) -> None:
+    label = w.made_label("I")
+    for i, branch in enumerate(node.branches, start=1):
+        condition = w.expressions.of(branch.condition)
+        then, following = f"{label}T{i}", f"{label}N{i}"
+        w.add(s.If(condition, s.Target(then), s.Target(following)))
+        w.label(then)
+        w.body(branch.body)
+        w.add(s.Jump("GoTo", s.Target(label + "Z")))
+        w.label(following)
+    w.body(node.otherwise)
+    w.label(label + "Z")
+
+
+def switch(w: Writer, node: p.Switch) -> None:
+    w.add(s.Select(w.expressions.of(node.subject)))
+    for case in node.cases:
+        w.add(s.Case(tuple(s.CaseRange(w.expressions.of(v)) for v in case.values)))
+        w.forget()
+        w.body(case.body)
+        _leave(w)
+    if node.otherwise:
+        w.add(s.Command("Default"))
+        w.forget()
+        w.body(node.otherwise)
+        _leave(w)
+    w.add(s.Command("End Select"))
+    w.forget()
+
+
+def _leave(w: Writer) -> None:
+    """The word that people end a case with, where there is one."""
+    if w.dialect.breaks:
+        w.add(s.Command("Break"))
+
+
+def while_(w: Writer, node: p.While) -> None:
+    w.add(s.Command("While", (w.expressions.of(node.condition),)))
+    w.forget()
+    w.body(node.body)
+    w.add(s.Command("WEnd"))
+    w.forget()
+
+
+def for_(w: Writer, node: p.For) -> None:
+    short = w.expressions.variable(node.variable)
+    if short is None:
+        raise Unsayable(f"the loop variable `{node.variable}`", "give it another name")
+    variable = s.Variable(short)
+    first, last = w.expressions.of(node.first), w.expressions.of(node.last)
+    step = None if node.step is None or node.step == p.ONE else w.expressions.of(node.step)
+    w.add(s.For(variable, first, last, step))
+    w.forget()
+    w.body(node.body)
+    w.add(s.Next((variable,)))
+    w.forget()
+
+
+# --------------------------------------------------------------------------------- jumps
+
+
+def label(w: Writer, node: p.Label) -> None:
+    w.label(_place(w, node.name))
+
+
+def goto(w: Writer, node: p.Goto) -> None:
+    w.add(s.Jump("GoTo", s.Target(_place(w, node.label))))
+
+
+def _place(w: Writer, name: str) -> str:
+    owner = w.owner.name.lower() if w.owner else ""
+    short = w.names.labels.get((owner, name.lower()))
+    if short is None:
+        raise Unsayable(f"a jump to `{name}`, which is missing", "add the label")
+    return short

@@ -1,0 +1,150 @@
+"""Moves and paths as lines: what a move needs to hold, and the move."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.columnar import MOV, MVR, MVS, MoveRows
+from assistant.languages.melfa_basic.lower.expressions import Unsayable, plain_number
+from assistant.languages.melfa_basic.lower.settings import changes
+from assistant.languages.melfa_basic.names import ARC_START
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.motion import Blend, Speed
+from assistant.program.path import Kind, Path
+
+if TYPE_CHECKING:
+    from assistant.languages.melfa_basic.lower.writer import Writer
+
+
+def move(w: Writer, node: p.Move) -> None:
+    target = _destination(w, node.target)
+    _setting(w, node.motion)
+    w.add(s.Motion("Mov" if node.kind == "joint" else "Mvs", target))
+    _remember(w, target, node.motion)
+
+
+def move_joints(w: Writer, node: p.MoveJoints) -> None:
+    target = w.expressions.target(node.target)
+    _setting(w, node.motion)
+    w.add(s.Motion("Mov", (target,)))
+    w.previous = None
+
+
+def move_circular(w: Writer, node: p.MoveCircular) -> None:
+    via, target = w.expressions.target(node.via), w.expressions.target(node.target)
+    _setting(w, node.motion)
+    start = _arc_start(w, node.motion.tool, node.motion.frame)
+    w.add(s.Motion("Mvr", (start, via, target)))
+    _remember(w, (target,), node.motion)
+
+
+def follow(w: Writer, node: p.Follow) -> None:
+    path = node.path
+    if not len(path):
+        raise Unsayable(f"the empty path `{path.name}`", "leave it out")
+    first = w.number
+    w.number += len(path)
+    w.paths.append((first, path))
+    for start, stop in segments(path):
+        _segment(w, path, start, stop, first)
+    w.previous = None
+    if path.kinds[-1] != Kind.VIA:
+        last = len(path) - 1
+        tool, frame = path.tools[path.tool[last]], path.frames[path.frame[last]]
+        w.previous = f"P{first + last}", tool, frame
+
+
+def _setting(w: Writer, motion: p.Motion) -> None:
+    _settings(w, motion.speed, motion.blend, motion.tool, motion.frame)
+
+
+def _settings(
+    w: Writer, speed: Speed | e.Name, blend: Blend | e.Name, tool: str, frame: str
+) -> None:
+    """Writes what does not hold already."""
+    if isinstance(speed, e.Name) or isinstance(blend, e.Name):
+        raise Unsayable("a speed or blend by name", "declare its value")
+    for command in changes(w.state, speed, blend, tool, frame, w.names, w.dialect):
+        w.add(command)
+
+
+def _destination(w: Writer, value: e.Expression) -> tuple[s.Expression, ...]:
+    """The arguments of a move; a distance along the tool has a form of its own."""
+    match value:
+        case e.Apply(function="relative", arguments=(base, x, y, z)) if (
+            plain_number(x) == 0 and plain_number(y) == 0
+        ):
+            return w.expressions.target(base), w.expressions.of(z)
+    return (w.expressions.target(value),)
+
+
+def _remember(w: Writer, target: tuple[s.Expression, ...], motion: p.Motion) -> None:
+    """Where the robot stands, if the next arc may name it."""
+    w.previous = None
+    match target:
+        case (s.Variable(name=name, arguments=None, component=""),) if "_" not in name:
+            w.previous = name, motion.tool, motion.frame
+
+
+def _arc_start(w: Writer, tool: str, frame: str) -> s.Variable:
+    """The position that an arc starts at; read from the robot if it is not known."""
+    if w.previous is not None and w.previous[1:] == (tool, frame):
+        return s.Variable(w.previous[0])
+    name = w.owner.name if w.owner else "main"
+    w.report(rules.ARC_AT_START(name=name, place=f"procedure {name}"))
+    start = s.Variable(ARC_START)
+    w.add(s.Assign(start, s.Variable(w.expressions.word("P_Curr"))))
+    return start
+
+
+def _segment(w: Writer, path: Path, start: int, stop: int, first: int) -> None:
+    """Rows under the same settings."""
+    speed, blend = path.speeds[path.speed[start]], path.blends[path.blend[start]]
+    tool, frame = path.tools[path.tool[start]], path.frames[path.frame[start]]
+    _settings(w, speed, blend, tool, frame)
+    kinds = path.kinds[start:stop]
+    if kinds[0] == Kind.VIA:
+        known = f"P{first + start - 1}"
+        if start == 0 or w.previous != (known, tool, frame):
+            begin = _arc_start(w, tool, frame)
+            ends = (s.Variable(f"P{first + start}"), s.Variable(f"P{first + start + 1}"))
+            w.add(s.Motion("Mvr", (begin, *ends)))
+            start += 2
+            kinds = kinds[2:]
+    if start < stop:
+        w.items.append(_move_rows(kinds, first + start))
+    w.previous = f"P{first + stop - 1}", tool, frame
+
+
+def segments(path: Path) -> Iterator[tuple[int, int]]:
+    """Ranges of rows under the same settings; an arc's two rows are never apart."""
+    columns = np.column_stack([path.speed, path.blend, path.tool, path.frame])
+    differs = (columns[1:] != columns[:-1]).any(axis=1) & (path.kinds[1:] != Kind.END)
+    edges = [0, *(np.flatnonzero(differs) + 1).tolist(), len(path)]
+    yield from itertools.pairwise(edges)
+
+
+_KINDS: Final = np.array([MOV, MVS, -1, MVR], dtype=np.int64)
+
+
+def _move_rows(kinds: Any, first: int) -> MoveRows:
+    """The moves through P<first> … of rows of these kinds; an arc's two rows are one move."""
+    ends = np.flatnonzero(kinds != Kind.VIA)
+    code = _KINDS[kinds[ends]]
+    number = first + ends.astype(np.int64)
+    arc = code == MVR
+    return MoveRows(
+        "P",
+        np.zeros(len(ends), dtype=np.int64),
+        code,
+        np.where(arc, number - 2, -1),
+        np.where(arc, number - 1, -1),
+        number,
+    )

@@ -1,0 +1,87 @@
+"""Signals, waits and settings of the cell as lines."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.lower.expressions import Unsayable, numeric, plain_number
+from assistant.program import expressions as e
+from assistant.program import statements as p
+
+if TYPE_CHECKING:
+    from assistant.languages.melfa_basic.lower.writer import Writer
+
+TIMER: Final = 1
+"""The timer that time limits are measured with."""
+TIMED_OUT: Final = 9100
+"""The error that a wait ends with when its time is over: the program stops, as RAPID's does."""
+HANDS: Final = 8
+
+
+def wait(w: Writer, node: p.Wait) -> None:
+    w.add(s.Command("Dly", (w.expressions.of(node.seconds),)))
+
+
+def wait_signal(w: Writer, node: p.WaitSignal) -> None:
+    condition = s.Binary("=", w.expressions.name(node.signal), w.expressions.of(node.value))
+    if node.timeout is None:
+        w.add(s.Command("Wait", (condition,)))
+    else:
+        _limited(w, condition, node.timeout)
+
+
+def wait_until(w: Writer, node: p.WaitUntil) -> None:
+    condition = w.expressions.of(node.condition)
+    if node.timeout is not None:
+        _limited(w, condition, node.timeout)
+        return
+    if w.dialect.wide_wait:
+        w.add(s.Command("Wait", (condition,)))
+        return
+    label = w.made_label("W")
+    w.items.append(s.Line(label=label))
+    w.add(s.If(condition, s.Target(label + "Z"), s.Target(label)))
+    w.items.append(s.Line(label=label + "Z"))
+
+
+def _limited(w: Writer, condition: s.Expression, timeout: e.Expression) -> None:
+    """A wait that ends with an error when its time is over."""
+    timer = s.Variable(w.expressions.word("M_Timer"), "", (s.Number(TIMER),))
+    limit = _milliseconds(w, timeout)
+    label = w.made_label("W")
+    w.add(s.Assign(timer, s.Number(0)))
+    w.items.append(s.Line(label=label))
+    w.add(s.If(condition, s.Target(label + "Z")))
+    w.add(s.If(s.Binary("<", timer, limit), s.Target(label)))
+    w.add(s.Command("Error", (s.Number(TIMED_OUT),)))
+    w.items.append(s.Line(label=label + "Z"))
+
+
+def _milliseconds(w: Writer, seconds: e.Expression) -> s.Expression:
+    number = plain_number(seconds)
+    if number is not None:
+        return numeric(round(number * 1000, 6))
+    return s.Binary("*", w.expressions.of(seconds), s.Number(1000))
+
+
+def set_signal(w: Writer, node: p.SetSignal) -> None:
+    pulse = None if node.pulse is None else w.expressions.of(node.pulse)
+    value = w.expressions.of(node.value)
+    w.add(s.Assign(*w.expressions.output(node.signal, value), pulse))
+
+
+def gripper(w: Writer, node: p.Gripper) -> None:
+    if not 1 <= node.hand <= HANDS:
+        raise Unsayable(f"hand {node.hand}", f"use hands 1 to {HANDS}")
+    word = "HOpen" if node.action == "open" else "HClose"
+    w.add(s.Command(word, (s.Number(node.hand),)))
+
+
+def acceleration(w: Writer, node: p.SetAcceleration) -> None:
+    values = (node.acceleration, node.deceleration)
+    w.add(s.Command("Accel", tuple(w.expressions.of(v) for v in values)))
+
+
+def override(w: Writer, node: p.SetOverride) -> None:
+    w.add(s.Command("Ovrd", (w.expressions.of(node.percent),)))

@@ -1,0 +1,156 @@
+"""The code lines of one unit as they are written, and what is known where the writing is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.dialects import Dialect
+from assistant.languages.melfa_basic.lower.expressions import (
+    Expressions,
+    NoNumber,
+    Undeclared,
+    Unsayable,
+)
+from assistant.languages.melfa_basic.lower.settings import Settings
+from assistant.languages.melfa_basic.names import Names
+from assistant.program import statements as p
+from assistant.program.diagnostics import Diagnostic, Findings
+from assistant.program.path import Path
+from assistant.program.program import Procedure, Program
+from assistant.program.rewriting import records
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+
+
+class Writer:
+    """Writes the procedures of a unit.
+
+    write: how each kind of statement is written. functions: whether procedures are `Function`
+    blocks. items: code lines without step numbers. paths: first position number and path of
+    each `Follow`. used: names that the unit's code refers to. shared: the program's constants
+    that a unit needs a copy of. findings: what cannot be said.
+    """
+
+    def __init__(
+        self,
+        program: Program,
+        dialect: Dialect,
+        names: Names,
+        robot: Robot | None,
+        unit: str | None,
+        write: Mapping[type, Callable[[Writer, Any], None]],
+    ) -> None:
+        self.program, self.dialect, self.names, self.unit = program, dialect, names, unit
+        self.write = write
+        self.functions = False
+        self.items: list[s.Item] = []
+        self.paths: list[tuple[int, Path]] = []
+        self.findings = Findings()
+        self.state = Settings()
+        self.previous: tuple[str, str, str] | None = None
+        """Position variable, tool and frame of the move before, if that is known."""
+        self.number = names.position
+        self.made = 0
+        self.owner: Procedure | None = None
+        self.expressions = Expressions(program, dialect, names, robot, self.next_number)
+        self.used, self.shared = self._used()
+        self.elsewhere = {word for d in program.declarations for word in words(d.text)}
+        """Words of declarations that were refused already: what they declare is no news."""
+
+    def _used(self) -> tuple[set[str], list[str]]:
+        """Names that the unit refers to: targets, tools and frames; shared constants."""
+        if self.unit is None:
+            return set(), []
+        mine = tuple(q for q in self.program.procedures if q.unit == self.unit)
+        named = mentioned(mine)
+        n = self.names
+        used = {
+            table[w]
+            for table in (n.targets, n.joints, n.tools, n.frames)
+            for w in named
+            if w in table
+        }
+        return used, [v for v in self.program.variables if v.lower() in named]
+
+    # ------------------------------------------------------------------------- findings
+
+    def report(self, finding: Diagnostic) -> None:
+        self.findings.append(finding)
+
+    def cannot(self, what: str, cure: str, place: str | None = None) -> None:
+        where = place or (f"procedure {self.owner.name}" if self.owner else None)
+        self.report(rules.CANNOT_SAY(what=what, cure=cure, place=where))
+
+    @contextmanager
+    def saying(self, place: str | None = None) -> Iterator[None]:
+        """What cannot be said in here becomes a finding."""
+        try:
+            yield
+        except NoNumber as signal:
+            self.report(rules.NO_NUMBER(name=signal.what, place=place))
+        except Undeclared as name:
+            if name.what.lower() not in self.elsewhere:
+                self.report(rules.UNDECLARED(name=name.what, place=place))
+        except Unsayable as unsayable:
+            self.cannot(unsayable.what, unsayable.cure, place)
+
+    # ---------------------------------------------------------------------------- lines
+
+    def add(self, statement: s.Statement) -> None:
+        self.items.append(s.Line(statement=statement))
+
+    def label(self, name: str) -> None:
+        self.items.append(s.Line(label=name))
+        self.forget()
+
+    def forget(self) -> None:
+        """Nothing is known any more: another way may lead here."""
+        self.state.forget()
+        self.previous = None
+
+    def next_number(self) -> int:
+        self.number += 1
+        return self.number - 1
+
+    def made_label(self, letter: str) -> str:
+        self.made += 1
+        return f"{letter}{self.made}"
+
+    def enter(self, procedure: Procedure) -> None:
+        """The lines that follow are a procedure's."""
+        self.owner = self.expressions.procedure = procedure
+        self.forget()
+
+    def body(self, statements: tuple[p.Statement, ...]) -> None:
+        for statement in statements:
+            with self.findings.at(statement.span), self.saying():
+                self.write[type(statement)](self, statement)
+
+    def is_first(self, procedure: Procedure) -> bool:
+        """Whether its unit begins with it."""
+        if procedure.unit is None:
+            return procedure.name.lower() == (self.program.entry or "").lower()
+        return procedure is next(q for q in self.program.procedures if q.unit == procedure.unit)
+
+
+def words(text: str) -> Iterator[str]:
+    """The words of a text, in lower case."""
+    plain = "".join(c if c.isalnum() or c == "_" else " " for c in text)
+    return iter(plain.lower().split())
+
+
+def mentioned(value: Any) -> set[str]:
+    """Every name that statements refer to, in lower case."""
+    found: set[str] = set()
+    for record in records(value):
+        if isinstance(record, p.Follow):
+            found.update(n.lower() for n in (*record.path.tools, *record.path.frames))
+        for part in type(record).__dataclass_fields__:
+            if isinstance(text := getattr(record, part), str):
+                found.add(text.lower())
+    return found
