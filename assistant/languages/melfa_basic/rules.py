@@ -127,12 +127,6 @@ DECLARED_TWICE = Rule(
     "`{name}` is declared twice (controller error 4350)",
     "delete one of the declarations",
 )
-RESERVED_NAME = Rule(
-    "MB121",
-    E,
-    "`{name}` is a word of the language and names no {what} (controller error 4220)",
-    "use another name",
-)
 NO_CALL = Rule(
     "MB122",
     W,
