@@ -21,8 +21,11 @@ TOKENISED: Final = "ROBPRG"
 
 
 @uncollected()
-def parse(source: SourceText | str, dialect: str) -> s.File:
-    """The tree of a program or position list; what cannot be read is a finding, never raised."""
+def parse(source: SourceText | str, dialect: str, *, runs: bool = True) -> s.File:
+    """The tree of a program or position list; what cannot be read is a finding, never raised.
+
+    runs: False has the grammar read every line, which gives the same with a node a row.
+    """
     source = source if isinstance(source, SourceText) else SourceText(source)
     if source.text.startswith(TOKENISED):
         finding = rules.TOKENISED(path=source.path, line=1, column=1)
@@ -31,7 +34,7 @@ def parse(source: SourceText | str, dialect: str) -> s.File:
     text = source.text if "\n" in source.text else source.text.replace("\r", "\n")
     items: list[s.Item] = []
     findings: list[Diagnostic] = []
-    for start, end in _pieces(text, items):
+    for start, end in _pieces(text, items, runs):
         stop = start + len(text[start:end].rstrip("\r\n"))
         node = read_line(text, start, stop, end)
         if isinstance(node, Stop | TooLarge):
@@ -51,11 +54,11 @@ def _finding(source: SourceText, start: int, stop: int, why: Stop | TooLarge) ->
     return source.finding(rule, Span(at, at + 1), reason="cannot be read")
 
 
-def _pieces(text: str, items: list[s.Item]) -> Iterator[tuple[int, int]]:
+def _pieces(text: str, items: list[s.Item], runs: bool) -> Iterator[tuple[int, int]]:
     """The offsets of the lines that are left for the grammar; tables go straight to items."""
     at, size = 0, len(text)
     while at < size:
-        rows = rows_at(text, at)
+        rows = rows_at(text, at) if runs else None
         if rows is not None and rows.span is not None:
             items.append(rows)
             at = rows.span.end
