@@ -8,6 +8,8 @@ from dataclasses import fields, is_dataclass
 from difflib import SequenceMatcher
 from typing import Any, Final
 
+import numpy as np
+
 MOST_COMPARED: Final = 1 << 20
 """Pairs of a stretch that are compared in full; longer stretches only from both ends."""
 MOST_RELATED: Final = 1 << 12
@@ -119,7 +121,9 @@ def likeness(a: object, b: object) -> int:
     for field in fields(a):
         if field.compare:
             mine, other = getattr(a, field.name), getattr(b, field.name)
-            if mine and isinstance(mine, tuple) and isinstance(other, tuple):
+            if isinstance(mine, np.ndarray):
+                count += np.array_equal(mine, other)
+            elif mine and isinstance(mine, tuple) and isinstance(other, tuple):
                 count += not {id(x) for x in mine}.isdisjoint(id(x) for x in other)
             else:
                 count += bool(mine) and same(mine, other)

@@ -11,7 +11,8 @@ from assistant.languages.language import Adapted, Language, Part, Precision
 from assistant.languages.melfa_basic.dialects import DIALECTS
 from assistant.languages.melfa_basic.syntax import CallP, File, Line, String
 from assistant.program import japanese
-from assistant.program.diagnostics import Diagnostic, has_errors
+from assistant.program.comparison import Tolerance, compare
+from assistant.program.diagnostics import Diagnostic, Severity, has_errors
 from assistant.program.program import Program
 from assistant.program.text import SourceText
 
@@ -121,6 +122,24 @@ class MelfaBasic(Language[File]):
         names = [self.file_name(program)] * (1 if program.origin else 0)
         return conversion(program, self.name, names, robot)
 
+    def merge(self, tree: File, before: File, after: File) -> File:
+        """The tree changed where the built ones differ, if that says what `after` does."""
+        from assistant.languages.melfa_basic.layout.merging import merge
+
+        wanted = self.lift_trees((after,), None)
+        precision = self.precision
+        tolerance = Tolerance(precision.position, precision.angle, precision.number)
+        errors = _errors(tree)
+
+        def says(merged: File) -> bool:
+            source = merged.source or SourceText("")
+            again = self.parse(replace(source, text=self.render(merged)))
+            if _errors(again) > errors:
+                return False
+            return compare(wanted, self.lift_trees((again,), None), tolerance).same
+
+        return merge(tree, before, after, says)
+
     def adapt(
         self, program: Program, robot: Robot | None = None, *, most_targets: int | None = None
     ) -> Adapted:
@@ -164,3 +183,7 @@ def _level(head: bytes) -> int:
         return 4
     positions_only = not words and b"=(" in head and not re.search(rb"(?i)\b(mov|mvs|if)\b", head)
     return 4 if positions_only else 5
+
+
+def _errors(tree: File) -> int:
+    return sum(finding.severity is Severity.ERROR for finding in tree.findings)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from difflib import SequenceMatcher
 
-from assistant.languages.alignment import aligned, common_ends, same
+from assistant.languages.alignment import MOST_COMPARED, aligned, same
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MoveRows, PositionRows
 from assistant.languages.melfa_basic.dialects import DIALECTS
@@ -50,21 +51,33 @@ class _Changes:
             if at not in kept and isinstance(rows := as_rows(item), PositionRows)
         ]
         self._indents: dict[int, str] = {}
+        for item, level in self._levels(self._old):
+            if level not in self._indents:
+                self._note(item, self._source(item), level)
+
+    def _levels(self, items: Sequence[s.Item]) -> Iterator[tuple[s.Item, int]]:
+        """The items with the level that each stands at."""
+        levels = Levels()
+        for item in items:
+            level = levels.of(item) if isinstance(item, s.Line) else levels.inside
+            yield item, level if self._dialect.blocks else 0
+
+    def _note(self, item: s.Item, text: str, level: int) -> None:
+        """Keeps in mind how lines as deep are indented."""
+        if isinstance(item, MoveRows):
+            self._indents[level] = _row_indent(text)
+        elif isinstance(item, s.Line) and (item.statement or item.label):
+            self._indents[level] = parts_of(text, item).indent
 
     def texts(self) -> Iterator[str]:
         """The text of each item, with its line ends."""
-        levels = Levels()
         places = decimals(self._new)
-        for item, at, decimal in zip(self._new, self._partner, places, strict=True):
-            level = levels.of(item) if isinstance(item, s.Line) else levels.inside
-            level = level if self._dialect.blocks else 0
+        levels = self._levels(self._new)
+        for (item, level), at, decimal in zip(levels, self._partner, places, strict=True):
             old = None if at is None else self._old[at]
             if old is not None and same(old, item):
                 text = self._source(old)
-                if isinstance(item, MoveRows):
-                    self._indents[level] = _row_indent(text)
-                elif isinstance(item, s.Line) and (item.statement or item.label):
-                    self._indents[level] = parts_of(text, item).indent
+                self._note(old, text, level)
                 yield text
             else:
                 yield self._changed(item, old, level, decimal)
@@ -79,11 +92,11 @@ class _Changes:
         match item, old:
             case s.Line(), s.Line():
                 text = changed_line(self._source(old), old, item, upper)
-                self._indents[level] = parts_of(text, item).indent
+                self._note(item, text, level)
                 return text
             case MoveRows(), MoveRows():
                 text = self._source(old)
-                self._indents[level] = _row_indent(text)
+                self._note(old, text, level)
                 indent = len(self._indents[level]) - 1
                 return moves(item, old, text, self._newline, upper, indent)
             case ((PositionRows() | s.Data()), _):
@@ -119,13 +132,42 @@ def _ended(text: str, newline: str) -> str:
 
 
 def _partners(old: Sequence[s.Item], new: Sequence[s.Item]) -> list[int | None]:
-    """For each item the index of the one that it was made from, None for a new one."""
-    head, tail = common_ends(old, new)
-    middle = aligned(old[head : len(old) - tail], new[head : len(new) - tail])
-    partner: list[int | None] = list(range(head))
-    partner += [None if at is None else head + at for at in middle]
+    """For each item the index of the one that it was made from, None for a new one.
+
+    Lines that say the same are the same whatever their step numbers; what is left over between
+    such is taken for what it is like.
+    """
+    mine, theirs = list(map(_said, old)), list(map(_said, new))
+    most = min(len(old), len(new))
+    head = next((at for at in range(most) if mine[at] != theirs[at]), most)
+    most -= head
+    tail = next((at for at in range(most) if mine[-1 - at] != theirs[-1 - at]), most)
+    partner: list[int | None] = [*range(head), *[None] * (len(new) - head - tail)]
     partner += range(len(old) - tail, len(old))
+    at, to = head, head
+    for first, start, size in _blocks(mine[head : len(old) - tail], theirs[head : len(new) - tail]):
+        before = aligned(old[at : head + first], new[to : head + start])
+        partner[to : head + start] = [None if k is None else at + k for k in before]
+        at, to = head + first + size, head + start + size
+        partner[head + start : to] = range(head + first, at)
     return [
-        at if at is not None and type(old[at]) is type(item) else None
-        for at, item in zip(partner, new, strict=True)
+        k if k is not None and type(old[k]) is type(item) else None
+        for k, item in zip(partner, new, strict=True)
     ]
+
+
+def _said(item: s.Item) -> object:
+    """What an item says, whatever its step numbers; it can be compared and hashed."""
+    match item:
+        case s.Line(label=label, statement=statement, comment=comment):
+            return label, statement, comment
+        case MoveRows(stem=stem, kinds=kinds, start=start, via=via, end=end):
+            return stem, *(column.tobytes() for column in (kinds, start, via, end))
+    return item
+
+
+def _blocks(mine: Sequence[object], theirs: Sequence[object]) -> Sequence[tuple[int, int, int]]:
+    """Stretches that are the same; the last one is empty and stands at the end."""
+    if len(mine) * len(theirs) > MOST_COMPARED:
+        return [(len(mine), len(theirs), 0)]
+    return SequenceMatcher(None, mine, theirs, autojunk=False).get_matching_blocks()
