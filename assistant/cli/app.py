@@ -229,7 +229,9 @@ def fmt(
 
 @app.command()
 def coverage(
-    programs: Annotated[list[str], typer.Argument(help="Robot programs, or folders with them.")],
+    programs: Annotated[
+        list[str], typer.Argument(help="Robot programs, or folders with them; - for input.")
+    ],
     from_language: FromLanguage = None,
     format: FormatOption = Format.TEXT,
 ) -> None:

@@ -4,27 +4,39 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
+from typing import TYPE_CHECKING, Any, Final
 
-from assistant.cli.compiling import working
+from assistant.cli.compiling import STANDARD, TWICE, standard_input, working
 from assistant.cli.presentation import Format, print_findings, say
-from assistant.program.diagnostics import Refused, has_errors
+from assistant.program.diagnostics import Refused, Rule, Severity, has_errors
 
-HEADINGS = ("Construct", "Supported", "Partial", "Kept verbatim")
+if TYPE_CHECKING:
+    from assistant.languages import Language
+    from assistant.languages.coverage import Construct
+    from assistant.program.text import SourceText
+
+NO_LANGUAGE = Rule(
+    "CL006",
+    Severity.ERROR,
+    "the text does not show which robot language it is in",
+    "name it with --from",
+)
+HEADINGS: Final = ("Construct", "Supported", "Partial", "Kept verbatim")
 
 
 def run_coverage(paths: Sequence[str], language: str | None, format: Format) -> int:
     """0 if every program could be read, 1 if one has syntax errors, 2 if one is unreadable."""
-    from assistant.compiler.formatting import programs_in, read_program
     from assistant.languages.coverage import coverage, total
 
+    if list(paths).count(STANDARD) > 1:
+        raise Refused(TWICE(), exit_status=2)
     status, found = 0, []
     for path in dict.fromkeys(paths):
         try:
-            for name in programs_in(path, language):
+            for name, spoken, source in _programs(path, language):
                 with working(f"reading {name}"):
-                    spoken, source = read_program(name, language)
                     tree = spoken.parse(source)
                     print_findings(f.within(name) for f in tree.findings)
                     if has_errors(tree.findings):
@@ -34,11 +46,30 @@ def run_coverage(paths: Sequence[str], language: str | None, format: Format) -> 
         except Refused as refused:
             print_findings(f.within(str(path)) for f in refused.findings)
             status = max(status, refused.exit_status)
-    rows = total(found)
+    _show(total(found), format)
+    return status
+
+
+def _programs(path: str, language: str | None) -> Iterator[tuple[str, Language[Any], SourceText]]:
+    """Name, language and text of each program that a path stands for."""
+    from assistant.compiler.formatting import programs_in, read_program
+    from assistant.compiler.loading import language_of
+
+    if path != STANDARD:
+        for name in programs_in(path, language):
+            yield name, *read_program(name, language)
+        return
+    text, spoken = standard_input(language)
+    if spoken is None:
+        raise Refused(NO_LANGUAGE(path="standard input"), exit_status=2)
+    yield "standard input", language_of(spoken), text
+
+
+def _show(rows: Sequence[Construct], format: Format) -> None:
     if format is Format.JSON:
         json.dump([asdict(row) for row in rows], sys.stdout, indent=2)
         sys.stdout.write("\n")
-        return status
+        return
     counts = [(row.name, row.supported, row.partial, row.verbatim) for row in rows]
     sums = [sum(column) for column in zip(*(c[1:] for c in counts), strict=True)]
     lines = [HEADINGS, *counts, ("total", *(sums or (0, 0, 0)))]
@@ -46,4 +77,3 @@ def run_coverage(paths: Sequence[str], language: str | None, format: Format) -> 
     for first, *rest in lines:
         said = f"{first:{width}}" + "".join(f"{value:>15}" for value in rest)
         say(said.rstrip())
-    return status

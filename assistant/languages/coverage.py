@@ -110,18 +110,27 @@ def _name(statement: p.Statement, text: str) -> str:
 
 
 _STORED: Final = re.compile(r"(?:(?:LOCAL|TASK) )?(VAR|PERS|CONST) (\w+)", re.IGNORECASE)
+_ASSIGNED: Final = re.compile(r"[A-Za-z_]\w*[%!#&$]?(?:\([^=]*\)|\{[^=]*\}|\.\w+)*\s*:?=(?!=)")
+_CALLED: Final = re.compile(r"[A-Za-z_]\w*\s*\(.*\)\s*;?", re.DOTALL)
+_MARKED: Final = re.compile(r"\*[A-Za-z_]\w*|[A-Za-z_]\w*:(?!=)")
+_BEFORE: Final = ("LOCAL", "TASK")
+"""Words that stand before the one that says what is declared."""
 
 
 def _first_words(text: str) -> str:
-    """What a verbatim text begins with: storage and type of data, or a word or two in capitals."""
+    """What a verbatim text is: its own word, or storage and type of data."""
     stored = _STORED.match(text)
     if stored:
         return f"{stored[1].upper()} {stored[2].lower()}"
-    words = re.findall(r"[A-Za-z_]\w*|[^\sA-Za-z_]", text[:80])
-    if len(words) > 1 and words[1] in (":", "{", "."):
-        return "assignment" if ":=" in text else "label"
-    capitals = [w for w in words[:2] if w.isupper() and w.isalpha()]
-    return " ".join(capitals[-1:]) or (words[0] if words else "nothing")
+    for form, name in ((_ASSIGNED, "assignment"), (_MARKED, "label")):
+        if form.match(text):
+            return name
+    if _CALLED.fullmatch(text):
+        return NAMED[p.Call]
+    words: list[str] = re.findall(r"[A-Za-z_]\w*|[^\sA-Za-z_]", text[:80])
+    if len(words) > 1 and words[0].upper() in _BEFORE:
+        return words[1]
+    return words[0] if words else "nothing"
 
 
 def _level(statement: p.Statement) -> Level:

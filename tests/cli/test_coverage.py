@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 from pathlib import Path
 
@@ -78,3 +79,32 @@ def test_rows_of_a_table_count_one_by_one(tmp_path: Path, capsys: Capture) -> No
     rows = f"    MoveL {target},v100,fine,tool0;\n" * 20
     file.write_text(f"MODULE m\n  PROC main()\n{rows}  ENDPROC\nENDMODULE\n")
     assert table(capsys, str(file))["MoveL"] == (20, 0, 0)
+
+
+def test_standard_input_is_read_in_the_language_that_it_shows(
+    capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given(
+        monkeypatch,
+        "10 MOV P1\n20 SERVO ON\n30 M_01=1\n40 END\nP1=(1,2,3,0,0,0)(7,0)\n",
+    )
+    status, out, err = run(capsys, "coverage", "-", "--format", "json")
+    assert status == 0, err
+    rows = {row["name"]: row["verbatim"] for row in json.loads(out)}
+    assert rows["MOV"] == 0
+    assert rows["SERVO"] == 1
+    assert not {"10", "20", "ON"} & set(rows)
+
+
+def test_standard_input_that_shows_no_language_is_refused(
+    capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given(monkeypatch, "good morning\n")
+    status, _, err = run(capsys, "coverage", "-")
+    assert status == 2
+    assert "--from" in err
+
+
+def given(monkeypatch: pytest.MonkeyPatch, text: str) -> None:
+    """The text on standard input."""
+    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(text.encode())))
