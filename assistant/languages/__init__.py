@@ -34,13 +34,19 @@ def get(name: str) -> Language[Any]:
 
 
 def of_file(path: str | FilePath, data: bytes) -> Language[Any] | None:
-    """The language that a file is written in, by what it says, then by its suffix.
+    """The language that a file is written in, by what it says and by its suffix.
 
-    `.prg` is used by both vendors, so each candidate's `recognises` looks at the text.
+    `.prg` is used by both vendors, so each candidate's `recognises` looks at the text. A file
+    without a suffix, or a `.txt`, may be any language's, if it is text.
     """
     suffix = FilePath(path).suffix.lower()
-    for name in names():
-        language = get(name)
-        if suffix in language.suffixes and language.recognises(data):
-            return language
-    return None
+    spoken = [get(name) for name in names()]
+    foreign = [one for one in spoken if one.begins and data.startswith(one.begins)]
+    told = [one for one in foreign or spoken if suffix in one.suffixes]
+    if not told and (foreign or (suffix in UNTOLD and b"\0" not in data)):
+        told = foreign or spoken
+    return next((one for one in told if one.recognises(data, suffix)), None)
+
+
+UNTOLD: Final = ("", ".txt")
+"""Suffixes that say nothing."""

@@ -85,6 +85,8 @@ class Language(abc.ABC, Generic[T]):
     title: str
     suffixes: tuple[str, ...]
     encodings: tuple[str, ...]
+    begins: bytes = b""
+    """What its files begin with that are no text, empty where there are none."""
     precision: Precision
     comment_mark: str
     """Begins a comment to the end of the line, outside of a string in double quotes."""
@@ -103,8 +105,11 @@ class Language(abc.ABC, Generic[T]):
         return decode(data, path, self.encodings)
 
     @abc.abstractmethod
-    def recognises(self, data: bytes) -> bool:
-        """Whether a file's bytes look like this language."""
+    def recognises(self, data: bytes, suffix: str = "") -> bool:
+        """Whether a file's bytes look like this language.
+
+        suffix: of its name in lower case with the dot, which may tell dialects apart.
+        """
 
     @abc.abstractmethod
     def encode(self, tree: T) -> bytes:

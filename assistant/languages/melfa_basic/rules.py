@@ -11,7 +11,7 @@ E, W, I = Severity.ERROR, Severity.WARNING, Severity.INFO  # noqa: E741
 # ----------------------------------------------------------------------------- reading
 TOKENISED = Rule(
     "MB001", E, "this is a tokenised controller file (`ROBPRG`), not text",
-    "save the program as text (.prg) with the maker's tool, or read it line by line over the link",
+    "export the program as text (.prg) with RT ToolBox, or back it up as text over the link",
 )  # fmt: skip
 SYNTAX = Rule(
     "MB002", E, "the line {reason} (controller error 4220, syntax error)",

@@ -38,7 +38,7 @@ class Rapid(Language[File]):
     family = "RA"
     fixed = ("RA1", "RA3")
 
-    def recognises(self, data: bytes) -> bool:
+    def recognises(self, data: bytes, suffix: str = "") -> bool:  # noqa: ARG002
         from assistant.languages.rapid.files import recognises
 
         return recognises(data)
