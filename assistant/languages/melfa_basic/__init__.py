@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
-from assistant.languages.language import Adapted, Language, Part, Precision
+from assistant.languages.language import Adapted, Conversion, Language, Part, Precision
 from assistant.languages.melfa_basic.dialects import DIALECTS
+from assistant.languages.melfa_basic.files import READ, TOKENISED
 from assistant.languages.melfa_basic.syntax import CallP, File, Line, String
-from assistant.program import japanese
 from assistant.program.comparison import Tolerance, compare
 from assistant.program.diagnostics import Diagnostic, Severity, has_errors
 from assistant.program.program import Program
@@ -27,24 +26,12 @@ def language(name: str) -> MelfaBasic:
     return MelfaBasic(name)
 
 
-_CODE: Final = re.compile(
-    rb"^[ \t]*[0-9]+[ \t]*(\*|'|[A-Za-z])|^[ \t]*(?:DEF[ \t]+POS[ \t]+)?[A-Za-z_][A-Za-z0-9_]*"
-    rb"(?:\([0-9, ]+\))?=\([^)]*\)(?:\([^)]*\))?[ \t]*\r?$"
-    rb"|^[ \t]*(\*[A-Za-z]|MOV |MVS |OVRD |SPD |DEF |DLY |IF |FUNCTION |OPEN |SERVO )",
-    re.IGNORECASE | re.MULTILINE,
-)
-_RAPID: Final = re.compile(
-    rb"^[ \t]*(%%%|MODULE[ \t]+[A-Za-z]|ENDMODULE|(LOCAL[ \t]+)?PROC[ \t]+[A-Za-z])",
-    re.IGNORECASE | re.MULTILINE,
-)
-_MARK: Final = re.compile(rb"' robot-assistant: (melfa-basic-[456])")
-
-
 class MelfaBasic(Language[File]):
     """One dialect of MELFA-BASIC."""
 
     suffixes = (".prg", ".mb4", ".mb5", ".mb6", ".pos")
-    encodings = ("ascii", "utf-8-sig", "utf-8", "cp932", japanese.CODEC, "cp1252")
+    encodings = READ
+    begins = TOKENISED
     # half a unit of the second decimal; the angle is that of three Euler angles together
     precision = Precision(position=0.00501, angle=0.0151)
     comment_mark = "'"
@@ -56,22 +43,25 @@ class MelfaBasic(Language[File]):
         self.dialect = DIALECTS[name]
         self.name, self.title = name, self.dialect.title
 
-    def recognises(self, data: bytes) -> bool:
+    def recognises(self, data: bytes, suffix: str = "") -> bool:
         """Whether it looks like this dialect; a written file says which one it is in."""
-        if data.startswith(b"ROBPRG"):
-            return True
-        head = data[:200_000]
-        marked = _MARK.search(head)
-        if marked:
-            return marked.group(1).decode() == self.name
-        if _RAPID.search(head) or not _CODE.search(head):
-            return False
-        return self.dialect.level == _level(head)
+        from assistant.languages.melfa_basic.files import recognises
+
+        return recognises(data, self.dialect.level, suffix)
+
+    def decode(self, data: bytes, path: str | None = None) -> SourceText:
+        from assistant.languages.melfa_basic.files import read_text
+
+        return read_text(data, path)
 
     def encode(self, tree: File) -> bytes:
-        """The rendered text in the encoding that it was read in; new text in UTF-8."""
-        text = self.render(tree)
-        return text.encode(tree.source.encoding if tree.source else "utf-8")
+        """The rendered text in the encoding that it was read in, new text as controllers take it.
+
+        Raises Refused where a character is not in that encoding.
+        """
+        from assistant.languages.melfa_basic.files import write_text
+
+        return write_text(self.render(tree), tree.source)
 
     def parse(self, source: SourceText | str) -> File:
         from assistant.languages.melfa_basic.parser import parse
@@ -168,21 +158,6 @@ class MelfaBasic(Language[File]):
         from assistant.languages.melfa_basic.checking import check
 
         return check(trees)
-
-
-_SIX: Final = re.compile(rb"^[ \t]*[0-9]*[ \t]*(FUNCTION|#INCLUDE|STATIC)\b", re.I | re.M)
-_NUMBERED: Final = re.compile(rb"^[ \t]*[0-9]+[ \t]+([A-Za-z]+)", re.MULTILINE)
-
-
-def _level(head: bytes) -> int:
-    """The oldest version that a text may be: IV is numbered and in upper case throughout."""
-    if _SIX.search(head):
-        return 6
-    words = [m.group(1) for m in _NUMBERED.finditer(head)]
-    if words and all(word.isupper() for word in words):
-        return 4
-    positions_only = not words and b"=(" in head and not re.search(rb"(?i)\b(mov|mvs|if)\b", head)
-    return 4 if positions_only else 5
 
 
 def _errors(tree: File) -> int:
