@@ -17,9 +17,9 @@ from assistant.languages.melfa_basic.adapt.hoisting import Taken, hoisted
 from assistant.program import expressions as e
 from assistant.program import rotations
 from assistant.program import statements as p
-from assistant.program.geometry import Pose, Target
+from assistant.program.geometry import Configuration, Pose, Target
 from assistant.program.path import configuration_of
-from assistant.program.program import Procedure, Program, ValueType, Variable, identifier
+from assistant.program.program import Procedure, Program, Variable, identifier
 from assistant.program.rewriting import map_head, records
 from assistant.robots.configurations import from_confdata
 
@@ -58,12 +58,12 @@ class _Targets:
                 return value
             used += 1
             if parts is not None:
-                place = self.place("at", used, "position")
+                place = self.place("at", used)
                 made.before += _put_together(place, *parts)
                 return place
             assert shift is not None
             base, still, moved = shift
-            place = self.place("by", used, "pose")
+            place = self.place("by", used)
             made.before += _put_together(place, still, moved, added=False)
             return e.Binary("@", base, place)
 
@@ -83,18 +83,20 @@ class _Targets:
         made.statement = map_head(node, visit)
         return made
 
-    def place(self, stem: str, number: int, type: ValueType) -> e.Name:
+    def place(self, stem: str, number: int) -> e.Name:
         """A position variable of the procedure; the same ones serve every statement."""
         key = f"{stem}_{number}"
         if key not in self.known:
             name = identifier(key, self.taken)
             self.taken.add(name)
             self.known[key] = name
-            self.variables[name] = Variable(type)
+            self.variables[name] = Variable("position")
         return e.Name(self.known[key])
 
 
-def _shift(value: e.Expression) -> tuple[e.Expression, e.PoseValue, dict[str, e.Expression]] | None:
+def _shift(
+    value: e.Expression,
+) -> tuple[e.Expression, e.TargetValue, dict[str, e.Expression]] | None:
     """Of a target that is moved in its tool: target, what is known of the shift, what is not.
 
     A distance along the tool alone has a form of its own; a turn has to be known.
@@ -110,7 +112,8 @@ def _shift(value: e.Expression) -> tuple[e.Expression, e.PoseValue, dict[str, e.
             if sum(a != 0.0 for a in angles) > 1:
                 return None
             turn = rotations.from_euler(np.array(angles[::-1]), "ZYX")
-            return base, e.PoseValue(Pose.of(np.array(position), turn)), computed
+            moved = Target(Pose.of(np.array(position), turn), Configuration())
+            return base, e.TargetValue(moved), computed
     return None
 
 
