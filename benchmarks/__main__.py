@@ -11,7 +11,9 @@ import sys
 import time
 
 from benchmarks.emission import CASES
-from benchmarks.reading import READING, SIZES
+from benchmarks.reading import READING
+
+READ = {name: one.case for cases in READING.values() for name, one in cases.items()}
 
 HELP_LIMIT = 0.3
 """Seconds in which `robot-assistant --help` has to answer."""
@@ -21,9 +23,9 @@ def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__)
     arguments.add_argument("--points", type=int, default=1_000_000)
     arguments.add_argument("--runs", type=int, default=3, help="of each case; the best counts")
-    arguments.add_argument("--reading", action="store_true", help="only what reads RAPID")
+    arguments.add_argument("--reading", action="store_true", help="only what reads programs")
     arguments.add_argument(
-        "--case", choices=[*CASES, *READING], help="run one case here and print JSON"
+        "--case", choices=[*CASES, *READ], help="run one case here and print JSON"
     )
     chosen = arguments.parse_args()
     if chosen.case:
@@ -45,18 +47,21 @@ def _emission(points: int, runs: int) -> None:
 
 
 def _reading(runs: int) -> None:
-    """A line a case and size, with its time for a target beside that of the first line."""
-    print(f"\nRAPID modules of declared targets and moves, best of {runs} runs, a process each\n")
-    head = f"{'targets':>10}{'targets/s':>12}{'seconds':>10}{'peak MiB':>10}{'times':>8}"
-    print(f"{'case':<48}{head}")
-    fastest = 0.0
-    for case, sizes in SIZES.items():
-        for targets in sizes:
-            best = _best(case, targets, runs)
-            rate = targets / best["seconds"]
-            fastest = fastest or rate
-            numbers = f"{rate:>12,.0f}{best['seconds']:>10.2f}{best['peak']:>10.0f}"
-            print(f"{case:<48}{targets:>10,}{numbers}{fastest / rate:>8.1f}", flush=True)
+    """A line a case and size, with its time for one beside that of the language's first line."""
+    for title, cases in READING.items():
+        print(f"\n{title}: targets written out, a move through each; best of {runs} runs\n")
+        head = f"{'number':>10}{'a second':>12}{'seconds':>10}{'peak MiB':>10}{'times':>8}"
+        print(f"{'case':<56}{head}")
+        fastest = 0.0
+        for case, measured in cases.items():
+            for number in measured.sizes:
+                best = _best(case, number, runs)
+                rate = number / best["seconds"]
+                fastest = fastest or rate
+                numbers = f"{rate:>12,.0f}{best['seconds']:>10.2f}{best['peak']:>10.0f}"
+                times = f"{fastest / rate:>8.1f}" if measured.counted == "targets" else ""
+                shown = f"{case} ({measured.counted})"
+                print(f"{shown:<56}{number:>10,}{numbers}{times}", flush=True)
 
 
 def _best(case: str, points: int, runs: int) -> dict[str, float]:
@@ -64,7 +69,7 @@ def _best(case: str, points: int, runs: int) -> dict[str, float]:
 
 
 def _measured(case: str, points: int) -> dict[str, float]:
-    prepare, work = (CASES | READING)[case]
+    prepare, work = (CASES | READ)[case]
     given = prepare(points)
     start = time.perf_counter()
     work(given)

@@ -1,77 +1,173 @@
-"""Cases: a RAPID module of declared targets and moves, from bytes to columns with findings."""
+"""Cases: programs of written-out targets and moves, and of ordinary code, from bytes to trees.
+
+Each language has the same three beside each other: what `read` and `parse` give, a bare regular
+expression over the same bytes, and the grammar alone, every line by lark's tables.
+"""
 
 from __future__ import annotations
 
 import re
 import tempfile
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from importlib import import_module
 from multiprocessing import get_context
 from pathlib import Path as FilePath
-from typing import Final
+from typing import Any, Final
 
 from assistant import languages
+from benchmarks.code import LINES, code
 from benchmarks.emission import Case, emit, program
 
 _FOLDER: Final = tempfile.TemporaryDirectory(prefix="reading")
 
-
-def module(n: int) -> FilePath:
-    """A file of n declared targets and a move through each, written by another process.
-
-    So the memory of writing it does not count, nor does the time to load the grammar.
-    """
-    languages.get("rapid").parse("MODULE m\nENDMODULE\n")
-    path = FilePath(_FOLDER.name) / "scan.mod"
-    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
-        pool.submit(_write, n, path).result()
-    return path
-
-
-def _write(n: int, path: FilePath) -> None:
-    rapid = languages.get("rapid")
-    said = rapid.adapt(program(n), most_targets=n).program
-    (content,) = emit((rapid, said)).values()
-    path.write_bytes(content)
-
-
-def read(path: FilePath) -> None:
-    """What `rapid.read` and `rapid.parse` give: columns, spans and findings."""
-    rapid = languages.get("rapid")
-    tree = rapid.parse(rapid.read(path))
-    if tree.findings:
-        raise SystemExit(f"findings in a sound module: {tree.findings[:3]}")
-
-
-def grammar_only(path: FilePath) -> None:
-    """The same tree from lark alone, every line by the grammar."""
-    from assistant.languages.rapid.parser import parse
-
-    parse(languages.get("rapid").read(path), runs=False)
-
-
 _NUMBER: Final = rb"([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)"
 _PARTS: Final = rb"\],\[".join(rb",".join([_NUMBER] * n) for n in (3, 4, 4, 6))
-_LINE: Final = re.compile(
-    rb"CONST robtarget (\w+):=\[\[" + _PARTS + rb"\]\];"
-    rb"|Move([LJ]) (\w+),(\w+),(\w+),(\w+)(?:\\WObj:=(\w+))?;"
+
+
+@dataclass(frozen=True, slots=True)
+class Spoken:
+    """A language as its cases need it.
+
+    room: of its parser. most: targets of one file, None for all in one. smallest: the shortest
+    sound program. arguments: of the parser beside the source. line: a target or a move.
+    """
+
+    name: str
+    title: str
+    room: str
+    most: int | None
+    smallest: str
+    arguments: tuple[str, ...]
+    line: re.Pattern[bytes]
+
+
+SPOKEN: Final = (
+    Spoken(
+        "rapid",
+        "RAPID",
+        "rapid",
+        None,
+        "MODULE m\nENDMODULE\n",
+        (),
+        re.compile(
+            rb"CONST robtarget (\w+):=\[\[" + _PARTS + rb"\]\];"
+            rb"|Move([LJ]) (\w+),(\w+),(\w+),(\w+)(?:\\WObj:=(\w+))?;"
+        ),
+    ),
+    Spoken(
+        "melfa-basic-6",
+        "MELFA-BASIC VI",
+        "melfa_basic",
+        30_000,
+        "1 End\r\n",
+        ("melfa-basic-6",),
+        re.compile(
+            rb"(\w+)=\(" + rb",".join([_NUMBER] * 6) + rb"\)\(([0-9]+),([0-9]+)\)\r?\n"
+            rb"|([0-9]+) M(?:ov|vs) (\w+)\r?\n"
+        ),
+    ),
 )
 
 
-def bare_scan(path: FilePath) -> None:
+# ----------------------------------------------------------------------------- files
+
+
+def written(spoken: Spoken, write: Callable[[int, str, FilePath, int], None]) -> Any:
+    """What prepares a case: files in a folder, written by another process.
+
+    So the memory of writing them does not count, nor does the time to load the grammar.
+    """
+
+    def prepare(n: int) -> list[FilePath]:
+        languages.get(spoken.name).parse(spoken.smallest)
+        folder = FilePath(_FOLDER.name)
+        with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+            pool.submit(write, n, spoken.name, folder, spoken.most or n).result()
+        return sorted(folder.iterdir())
+
+    return prepare
+
+
+def targets(n: int, name: str, folder: FilePath, most: int) -> None:
+    """Files of n targets that are written out and a move through each."""
+    language = languages.get(name)
+    said = language.adapt(program(n), most_targets=most).program
+    for file, content in emit((language, said)).items():
+        (folder / file).write_bytes(content)
+
+
+def ordinary(n: int, name: str, folder: FilePath, _: int) -> None:
+    """Files of n lines of code, no two of them alike."""
+    for file, content in code(name, n).items():
+        (folder / file).write_bytes(content)
+
+
+# -------------------------------------------------------------------------------- work
+
+
+def reading(spoken: Spoken) -> Callable[[list[FilePath]], None]:
+    """What `read` and `parse` give: columns, spans and findings, all of it kept."""
+
+    def read(files: list[FilePath]) -> None:
+        language = languages.get(spoken.name)
+        trees = [language.parse(language.read(file)) for file in files]
+        for tree in trees:
+            if tree.findings:
+                raise SystemExit(f"findings in a sound program: {tree.findings[:3]}")
+
+    return read
+
+
+def grammar_only(spoken: Spoken) -> Callable[[list[FilePath]], None]:
+    """The same trees without columns, every line by the grammar."""
+
+    def read(files: list[FilePath]) -> None:
+        parse = import_module(f"assistant.languages.{spoken.room}.parser").parse
+        language = languages.get(spoken.name)
+        kept = [parse(language.read(file), *spoken.arguments, runs=False) for file in files]
+        assert kept
+
+    return read
+
+
+def bare_scan(spoken: Spoken) -> Callable[[list[FilePath]], None]:
     """Names and numbers of each line as bytes, nothing checked and nothing converted."""
-    for match in _LINE.finditer(path.read_bytes()):
-        match.groups()
+
+    def scan(files: list[FilePath]) -> None:
+        for file in files:
+            for match in spoken.line.finditer(file.read_bytes()):
+                match.groups()
+
+    return scan
 
 
-READING: Final[dict[str, Case]] = {
-    "read RAPID": (module, read),
-    "a bare regular expression over the same bytes": (module, bare_scan),
-    "lark alone": (module, grammar_only),
-}
+# ------------------------------------------------------------------------------- cases
 
-SIZES: Final = {
-    "read RAPID": (1_000_000, 10_000),
-    "a bare regular expression over the same bytes": (1_000_000, 10_000),
-    "lark alone": (2_000, 10_000),
-}
-"""Targets of each case; lark alone would take half an hour for a million."""
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """What is measured. sizes: numbers of what is counted, `targets` or `lines`."""
+
+    case: Case
+    sizes: tuple[int, ...]
+    counted: str = "targets"
+
+
+def _cases(spoken: Spoken) -> dict[str, Reading]:
+    prepare = written(spoken, targets)
+    lines = Reading((written(spoken, ordinary), reading(spoken)), (LINES,), "lines")
+    large, small = (1_000_000, 10_000), (2_000, 10_000)
+    return {
+        f"read {spoken.title}": Reading((prepare, reading(spoken)), large),
+        f"bare regular expression, the same {spoken.title}": Reading(
+            (prepare, bare_scan(spoken)), large
+        ),
+        f"grammar alone, the same {spoken.title}": Reading((prepare, grammar_only(spoken)), small),
+        f"read {spoken.title}, ordinary code": lines,
+    }
+
+
+READING: Final[dict[str, dict[str, Reading]]] = {spoken.title: _cases(spoken) for spoken in SPOKEN}
+"""Title → the cases of that language; the grammar alone would take long for a million."""

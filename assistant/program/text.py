@@ -9,8 +9,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path as FilePath
-from typing import Any
+from typing import Any, Final
 
+from assistant.program import japanese
 from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, Span, Unreadable
 
 NOT_FOUND = Rule("IN001", Severity.ERROR, "there is no file `{name}`", "check the name and folder")
@@ -32,6 +33,9 @@ UNWRITABLE = Rule(
     "`{character}` cannot be written in the file's encoding, {encoding}",
     "write it in other characters, or save the file as UTF-8 before the change",
 )
+
+SEVERAL_CODES: Final = ("cp932", japanese.CODEC)
+"""Encodings that have characters twice, so that a text need not give its bytes back."""
 
 
 @dataclass(frozen=True)
@@ -138,7 +142,7 @@ def decode(data: bytes, path: str | None, encodings: Sequence[str]) -> SourceTex
             text = data.decode(encoding)
         except UnicodeDecodeError:
             continue
-        if text.encode(encoding) == data:  # cp932 has characters with several codes
+        if encoding not in SEVERAL_CODES or text.encode(encoding) == data:
             return SourceText(text, path, encoding, newline)
     name = path or "input"
     raise Unreadable(UNDECODABLE(path=path, name=name, encodings=", ".join(encodings)))
