@@ -122,7 +122,7 @@ def loops(look: Look) -> Found:
                 variable = over[block.first] = line.statement.variable
                 outer = [over.get(b.first) for b in block.chain if b is not block]
                 if any(o is not None and o.key == variable.key for o in outer):
-                    yield look.at(rules.SAME_VARIABLE, line, variable.name, name=variable.name)
+                    yield look.at(rules.SAME_VARIABLE, line, variable, name=variable.name)
         for at in part.scope.entries:
             item = look.code[at]
             if not isinstance(item, s.Line):
@@ -136,7 +136,7 @@ def loops(look: Look) -> Found:
                 same = block.first in over and over[block.first].key == target.key
                 if same and block.first not in told:  # some leave their loops so, at many places
                     told.add(block.first)
-                    yield look.at(rules.LOOP_VARIABLE, item, target.name, name=target.name)
+                    yield look.at(rules.LOOP_VARIABLE, item, target, name=target.name)
 
 
 def _changed(statement: s.Statement | None) -> s.Variable | None:
@@ -155,9 +155,7 @@ def _next(
     for variable, block in zip(node.variables, reversed(closing), strict=False):
         wanted = over.get(block.first)
         if wanted is not None and wanted.key != variable.key:
-            yield look.at(
-                rules.WRONG_NEXT, line, variable.name, name=variable.name, wanted=wanted.name
-            )
+            yield look.at(rules.WRONG_NEXT, line, variable, name=variable.name, wanted=wanted.name)
 
 
 # --------------------------------------------------------------------------------------- jumps

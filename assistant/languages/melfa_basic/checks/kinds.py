@@ -167,11 +167,11 @@ def _assigned(look: Look, item: s.Item, target: s.Variable, value: s.Expression)
         return
     plain = not target.suffix and not target.component and target.key not in look.once(declared)
     if given == "C" and wanted == "M" and plain:
-        yield look.at(rules.NO_TEXT_MARK, item, target.name, name=target.name)
+        yield look.at(rules.NO_TEXT_MARK, item, target, name=target.name)
         return
     name = target.name + target.suffix + (f".{target.component}" if target.component else "")
     said, got = SPOKEN[wanted], SPOKEN[given]
-    yield look.at(rules.ASSIGNED_TYPE, item, target.name, name=name, wanted=said, given=got)
+    yield look.at(rules.ASSIGNED_TYPE, item, target, name=name, wanted=said, given=got)
 
 
 def _is_function_result(look: Look, target: s.Variable) -> bool:
@@ -191,7 +191,7 @@ def _range(look: Look, line: s.Item, target: s.Variable, value: s.Expression) ->
         yield look.at(
             rules.INTEGER_RANGE,
             line,
-            target.name,
+            target,
             name=name,
             value=f"{number:g}",
             low=low,
@@ -224,9 +224,10 @@ def operands(look: Look) -> Found:
         if {left, right} == {"M", "C"} or (
             {"C"} & {left, right} and left and right and left != right
         ):
+            named = next((n for n in (node.left, node.right) if isinstance(n, s.Variable)), None)
             yield look.finding(
                 rules.OPERAND_TYPE,
-                line,
+                (named and look.place(line, named)) or line,
                 operator=node.operator,
                 left=SPOKEN[left],
                 right=SPOKEN[right],
@@ -249,7 +250,7 @@ def suffixes(look: Look) -> Found:
         yield look.at(
             rules.SUFFIX,
             line,
-            variable.name,
+            variable,
             name=name,
             marked=NUMBERS[marked],
             declared=NUMBERS[kind],
@@ -274,7 +275,7 @@ def dimensions(look: Look) -> Found:
             if what:
                 cure = f"use one to {MOST_DIMENSIONS} dimensions of 1 to {MOST_ELEMENTS}"
                 yield look.at(
-                    rules.DIMENSIONS, line, variable.name, name=variable.name, what=what, cure=cure
+                    rules.DIMENSIONS, line, variable, name=variable.name, what=what, cure=cure
                 )
     parameters = {p.name.upper() for f in look.functions.values() for p in f.parameters or ()}
     for line, use in look.uses:
@@ -295,7 +296,7 @@ def dimensions(look: Look) -> Found:
         if what:
             cure = f"it has the elements 1 to {' by '.join(map(str, size))}"
             yield look.at(
-                rules.DIMENSIONS, line, variable.name, name=variable.name, what=what, cure=cure
+                rules.DIMENSIONS, line, variable, name=variable.name, what=what, cure=cure
             )
 
 

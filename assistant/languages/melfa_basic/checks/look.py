@@ -19,6 +19,8 @@ from assistant.program.diagnostics import Diagnostic, Rule, Span
 N = TypeVar("N")
 T = TypeVar("T")
 Entry = s.Line | MoveRows
+Named = s.Variable | s.Target
+"""Nodes that know where they stand."""
 
 _TOKEN: Final = re.compile(r"\"[^\"\r\n]*\"?|'.*|(?i:\brem\b.*)|[^\s]")
 """A string, a comment, or any other character of a line."""
@@ -176,15 +178,24 @@ class Look:
             span = self._trimmed(span)
         return source.finding(rule, span, **words)
 
-    def at(self, rule: Rule, line: s.Item, word: str, /, turn: int = 0, **words: Any) -> Diagnostic:
-        """The rule's finding at a word of an item; at the whole item if it is not found there."""
-        return self.finding(rule, self.word(line, word, turn) or line, **words)
+    def at(self, rule: Rule, line: s.Item, what: str | Named, /, **words: Any) -> Diagnostic:
+        """The rule's finding at a word or node of an item; at all of it if that is not found."""
+        where = self.word(line, what) if isinstance(what, str) else self.place(line, what)
+        return self.finding(rule, where or line, **words)
 
-    def word(self, item: s.Item, word: str, turn: int = 0) -> Span | None:
-        """Where a word stands in an item: not in a string, not in a comment, in any case.
+    def place(self, item: s.Item, node: Named) -> Span | None:
+        """Where the name of a node stands; a node that came from elsewhere is looked for."""
+        name = node.name + node.suffix if isinstance(node, s.Variable) else f"*{node.place}"
+        source, span = self.tree.source, node.span
+        if source is not None and span is not None and item.span is not None:
+            end = span.start + len(name)
+            inside = item.span.start <= span.start and end <= item.span.end
+            if inside and source.text[span.start : end].upper() == name.upper():
+                return Span(span.start, end)
+        return self.word(item, node.name if isinstance(node, s.Variable) else name)
 
-        turn: which of several, counted from 0.
-        """
+    def word(self, item: s.Item, word: str) -> Span | None:
+        """Where a word first stands in an item: not in a string or comment, in any case."""
         if item.span is None or self.tree.source is None:
             return None
         text = self.tree.source.text
@@ -200,9 +211,7 @@ class Look:
                 return None
             found = pattern.match(text, token.start(), end)
             if found and _is_whole(text, found.start(), found.end()):
-                if turn == 0:
-                    return Span(*found.span())
-                turn -= 1
+                return Span(*found.span())
             at = token.end()
             if text[token.start()].isalnum():  # the rest of a name is no name
                 while at < end and (text[at].isalnum() or text[at] == "_"):

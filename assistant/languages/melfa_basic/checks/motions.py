@@ -293,7 +293,7 @@ def _end(look: Look, item: s.Line | MoveRows, row: int) -> tuple[str, Any]:
     motion = item.statement
     end = motion.arguments[-1] if isinstance(motion, s.Motion) else None
     if isinstance(end, s.Variable):
-        return end.name, look.word(item, end.name) or item
+        return end.name, look.place(item, end) or item
     return "the end", item
 
 
@@ -334,7 +334,7 @@ def _start(look: Look, item: s.Line | MoveRows, row: int) -> tuple[str, Any]:
     motion = item.statement
     first = motion.arguments[0] if isinstance(motion, s.Motion) else None
     if isinstance(first, s.Variable):
-        return first.name, look.word(item, first.name) or item
+        return first.name, look.place(item, first) or item
     return "the start", item
 
 

@@ -95,7 +95,7 @@ def declarations(look: Look) -> Found:
                 continue
             for variable in _declared(line.statement):
                 if variable.key in seen:
-                    yield look.at(rules.DECLARED_TWICE, line, variable.name, name=variable.name)
+                    yield look.at(rules.DECLARED_TWICE, line, variable, name=variable.name)
                 seen.add(variable.key)
 
 

@@ -149,7 +149,7 @@ def _targets(look: Look, line: s.Line, seen: set[str], *, inside: bool) -> Found
             where = ""
             if other:
                 where = " in this Function" if inside else " outside of the Functions"
-            yield look.at(rules.NO_LABEL, line, f"*{target.place}", name=target.place, where=where)
+            yield look.at(rules.NO_LABEL, line, target, name=target.place, where=where)
 
 
 def targets(statement: s.Statement | s.Target | None) -> Iterator[s.Target]:

@@ -39,10 +39,10 @@ def variables(look: Look) -> Found:
         if key[1:2] == "_":
             stranger = key not in names.declared and vocabulary.status(key) is None
             if stranger and not near_status(key):  # else it is told what is meant
-                yield look.at(rules.NO_EXTERNAL, line, variable.name, name=_named(variable))
+                yield look.at(rules.NO_EXTERNAL, line, variable, name=_named(variable))
         elif variable.arguments is not None:
             if key not in names.dimensioned:
-                yield look.at(rules.NO_DIM, line, variable.name, name=_named(variable))
+                yield look.at(rules.NO_DIM, line, variable, name=_named(variable))
         elif key in moved or re.fullmatch(r"[PJ][0-9]+", key):
             kind = "joint variable" if key[0] == "J" else "position"
             # positions of a file that has no lines of any are taught on the controller
@@ -50,7 +50,7 @@ def variables(look: Look) -> Found:
             name = variable.name
             yield look.at(rules.NO_POSITION, line, name, kind=kind, name=name, severity=severity)
         else:
-            yield look.at(rules.NO_VALUE, line, variable.name, name=_named(variable))
+            yield look.at(rules.NO_VALUE, line, variable, name=_named(variable))
     for item in look.code:
         if isinstance(item, MoveRows):
             yield from _undefined_rows(look, item, names)

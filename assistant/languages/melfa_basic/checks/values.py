@@ -131,12 +131,10 @@ def _in(
         value = literal(argument)
         if one is not None and value is not None and not one.holds(value):
             text = f"{abs(value):g}"
-            turn = 0
             yield look.at(
                 rules.OUT_OF_RANGE,
                 line,
                 text,
-                turn,
                 what=one.what,
                 value=f"{value:g}",
                 range=one.range,
@@ -168,12 +166,12 @@ def counts(look: Look) -> Found:
         function = _function(look, variable)
         if function is not None and variable.arguments is not None:
             given = len(variable.arguments)
-            yield from _count(look, line, variable.name, function.least, function.most, given, 3120)
+            yield from _count(look, line, variable, function.least, function.most, given, 3120)
         own = look.functions.get(variable.key)
         if own is not None and variable.arguments is not None:
             wanted = len(own.parameters or ())
             given = len(variable.arguments)
-            yield from _count(look, line, variable.name, wanted, wanted, given, 3120)
+            yield from _count(look, line, variable, wanted, wanted, given, 3120)
 
 
 MOST_PARAMETERS: Final = 16
@@ -190,7 +188,13 @@ def _function(look: Look, variable: s.Variable) -> vocabulary.Function | None:
 
 
 def _count(
-    look: Look, line: s.Line, word: str, least: int, most: int | None, given: int, number: int = 0
+    look: Look,
+    line: s.Line,
+    what: str | s.Variable,
+    least: int,
+    most: int | None,
+    given: int,
+    number: int = 0,
 ) -> Found:
     if given < least or (most is not None and given > most):
         if most is None:
@@ -200,8 +204,9 @@ def _count(
         else:
             wanted = f"{least} to {most} arguments"
         code = number or (4220 if given < least else 3120)
+        word = what if isinstance(what, str) else what.name
         yield look.at(
-            rules.ARGUMENT_COUNT, line, word, word=word, wanted=wanted, given=given, number=code
+            rules.ARGUMENT_COUNT, line, what, word=word, wanted=wanted, given=given, number=code
         )
 
 
@@ -220,7 +225,7 @@ def types(look: Look) -> Found:
         if function is not None:
             for at, argument in enumerate(variable.arguments or ()):
                 wanted = function.arguments[min(at, len(function.arguments) - 1)].types
-                yield from _type(look, line, variable.name, at, argument, wanted)
+                yield from _type(look, line, variable, at, argument, wanted)
     for line, motion in look.all(s.Motion):
         points = 1 if motion.keyword in ("Mov", "Mvs", "Mva") else 3
         wanted = "PJ" if motion.keyword == "Mov" else "P"
@@ -245,7 +250,12 @@ def types(look: Look) -> Found:
 
 
 def _type(
-    look: Look, line: s.Line, word: str, at: int, argument: s.Expression | None, wanted: str
+    look: Look,
+    line: s.Line,
+    what: str | s.Variable,
+    at: int,
+    argument: s.Expression | None,
+    wanted: str,
 ) -> Found:
     given = kinds.of(look, argument)
     if wanted == "PM":
@@ -256,8 +266,8 @@ def _type(
         yield look.at(
             rules.ARGUMENT_TYPE,
             line,
-            word,
-            word=word,
+            argument if isinstance(argument, s.Variable) else what,
+            word=what if isinstance(what, str) else what.name,
             which=ORDER[min(at, 3)],
             given=kinds.SPOKEN[given],
             wanted=said,
@@ -293,13 +303,13 @@ def units(look: Look) -> Found:
         angle, value = assign.target.component in ANGLES, literal(assign.value)
         if angle and value is not None and abs(value) > TURN:
             what = f"`{assign.target.name}.{assign.target.component}`"
-            yield look.at(rules.DEGREES, line, assign.target.name, what=what, value=f"{value:g}")
+            yield look.at(rules.DEGREES, line, assign.target, what=what, value=f"{value:g}")
     for line, variable in look.all(s.Variable):
         if variable.key in CIRCULAR and variable.arguments:
             value = literal(variable.arguments[0])
             if value is not None and abs(value) > TURN:
                 what = f"the angle of `{variable.name}`"
-                yield look.at(rules.DEGREES, line, variable.name, what=what, value=f"{value:g}")
+                yield look.at(rules.DEGREES, line, variable, what=what, value=f"{value:g}")
 
 
 def _is(value: s.Expression, key: str) -> bool:
@@ -324,9 +334,9 @@ def status(look: Look) -> Found:
                 cure = f"outputs are `{better.name}`"
             elif variable.key in SETTERS:
                 cure = f"write `{SETTERS[variable.key]}`"
-            yield look.at(rules.READ_ONLY, line, variable.name, name=row.name, cure=cure)
+            yield look.at(rules.READ_ONLY, line, variable, name=row.name, cure=cure)
         elif use.role == "read" and not row.readable:
-            yield look.at(rules.WRITE_ONLY, line, variable.name, name=row.name)
+            yield look.at(rules.WRITE_ONLY, line, variable, name=row.name)
 
 
 SETTERS: Final = {

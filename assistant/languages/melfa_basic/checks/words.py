@@ -53,7 +53,7 @@ def missing(look: Look) -> Found:
 SINGULAR: Final = 2
 
 
-def _lacks(look: Look, line: s.Line, at: str, word: str, cure: str) -> Diagnostic:
+def _lacks(look: Look, line: s.Line, at: str | s.Variable, word: str, cure: str) -> Diagnostic:
     title = look.dialect.title
     return look.at(rules.NOT_IN_DIALECT, line, at, title=title, word=word, cure=cure or NEWER)
 
@@ -152,17 +152,17 @@ def _names(look: Look) -> Found:
             seen.add(key)
             cure = f"write {function.instead}" if function.instead else ""
             cure = cure or _of_versions(function.dialects)
-            yield _lacks(look, line, variable.name, f"`{function.name}`", cure)
+            yield _lacks(look, line, variable, f"`{function.name}`", cure)
         elif row is not None and level not in row.dialects:
             seen.add(key)
             cure = f"write {GROUPS[key]}" if key in GROUPS else _of_versions(row.dialects)
-            yield _lacks(look, line, variable.name, f"`{row.name}`", cure)
+            yield _lacks(look, line, variable, f"`{row.name}`", cure)
         elif variable.suffix and variable.suffix not in look.dialect.suffixes:
             seen.add(key)
             name = variable.name + variable.suffix
             word = f"mark `{variable.suffix}` behind a name such as `{name}`"
             cure = f"write `{variable.name}#`, whose numbers reach further"
-            yield _lacks(look, line, variable.name, word, cure)
+            yield _lacks(look, line, variable, word, cure)
         elif row is None and key[1:2] == "_" and key[0] in "MPJC":
             near = near_status(key)
             if near and use.role == "read" and key not in names.given:
@@ -170,7 +170,7 @@ def _names(look: Look) -> Found:
                 yield look.at(
                     value_rules.UNKNOWN_STATUS,
                     line,
-                    variable.name,
+                    variable,
                     name=variable.name,
                     title=look.dialect.title,
                     cure=f"write `{near}` if that is meant",
