@@ -7,8 +7,10 @@ from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import TypeVar
 
+from assistant.program import expressions as e
 from assistant.program.diagnostics import Diagnostic, Rule, Severity
-from assistant.program.program import Program
+from assistant.program.program import Program, Signal
+from assistant.program.rewriting import records
 from assistant.sources.process import Process
 
 NOT_USED = Rule(
@@ -24,12 +26,14 @@ V = TypeVar("V")
 def equipped(program: Program, process: str | FilePath) -> tuple[Program, tuple[Diagnostic, ...]]:
     """The program with the tools, frames and signals of the same name in a process file.
 
+    Signals of other programs in the same cell may be in it as well.
     Raises Unreadable or Refused for a process file that cannot be used.
     """
     from assistant.sources.process_file import read_process
 
     stated = read_process(process)
     findings = [*stated.findings]
+    program = _with_read(program, stated.signals)
     for kind, given, there in _tables(program, stated):
         known = {name.lower() for name in there}
         findings += [
@@ -45,13 +49,25 @@ def equipped(program: Program, process: str | FilePath) -> tuple[Program, tuple[
     ), tuple(findings)
 
 
+def _with_read(program: Program, stated: Mapping[str, Signal]) -> Program:
+    """With the signals that expressions read: only the cell knows that those are no data."""
+    known = {name.lower() for name in (*program.signals, *program.variables)}
+    given = {name.lower(): signal for name, signal in stated.items()}
+    found: dict[str, Signal] = {}
+    for part in records(program.procedures):
+        if isinstance(part, e.Name) and part.name.lower() in given:
+            if part.name.lower() not in known:
+                known.add(part.name.lower())
+                found[part.name] = given[part.name.lower()]
+    return replace(program, signals={**program.signals, **found})
+
+
 def _tables(
     program: Program, stated: Process
 ) -> tuple[tuple[str, Mapping[str, object], Mapping[str, object]], ...]:
     return (
         ("tool", stated.tools, program.tools),
         ("frame", stated.frames, program.frames),
-        ("signal", stated.signals, program.signals),
     )
 
 

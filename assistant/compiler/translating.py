@@ -157,7 +157,8 @@ def _report(
     back = Trace(compiled.program, compiled.proof.lifted)
     whole: list[Diagnostic] = []
     for finding in compiled.found:
-        about = _about(finding, back.source(finding), parts, names)
+        proven = finding in compiled.proof.findings  # its places in words are in another tree
+        about = _about(finding, back.source(finding), parts, {} if proven else names)
         if about is None:
             whole.append(places.finding(finding))
         elif finding.message not in [f.message for f in about.found]:
