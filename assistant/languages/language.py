@@ -6,7 +6,8 @@ import abc
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Generic, Literal, Protocol, Self, TypeVar
 
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.program import Origin, Program
@@ -68,11 +69,24 @@ class Conversion(Generic[T]):
 
 
 @dataclass(frozen=True, slots=True)
+class Setting:
+    """A limit of a controller that a project may state: a whole number. meaning: one sentence."""
+
+    least: int
+    most: int
+    meaning: str
+
+
+@dataclass(frozen=True, slots=True)
 class Adapted:
     """A program as one language will say it, with a finding for everything that changed."""
 
     program: Program
     findings: tuple[Diagnostic, ...] = ()
+
+
+Frames = Literal["base", "product"]
+"""How a language without work objects says what frame a target is in."""
 
 
 class Language(abc.ABC, Generic[T]):
@@ -94,6 +108,10 @@ class Language(abc.ABC, Generic[T]):
     """The two letters that the codes of its findings begin with."""
     fixed: tuple[str, ...]
     """How codes begin whose errors no project may turn down: unreadable, or cannot be said."""
+    table: str = ""
+    """The table of a project's file that holds its settings."""
+    settings: Mapping[str, Setting] = MappingProxyType({})
+    """What a project may state about its controllers, by key."""
     steps: bool = False
     """Whether its lines have step numbers."""
 
@@ -163,6 +181,16 @@ class Language(abc.ABC, Generic[T]):
         """
         return None
 
+    def with_frames(self, frames: Frames) -> Self:  # noqa: ARG002
+        """The language with frames written in a way; itself where it has work objects.
+
+        `base`: the robot's base is set to the frame, so that every position is the one that is
+        taught and shown in it; what runs meanwhile sees that base as well. `product`: the base
+        stays, and each target is multiplied by its frame, which is also where the arm branch
+        comes from; positions cannot be taught in the frame.
+        """
+        return self
+
     @abc.abstractmethod
     def adapt(
         self, program: Program, robot: Robot | None = None, *, most_targets: int | None = None
@@ -196,6 +224,14 @@ class Language(abc.ABC, Generic[T]):
     @abc.abstractmethod
     def check(self, trees: Sequence[T]) -> tuple[Diagnostic, ...]:
         """Findings of the language's own rules over the trees of one program."""
+
+    def companions(self, tree: T) -> tuple[str, ...]:  # noqa: ARG002
+        """Names of files that run beside a program: checked with it, but no part of it."""
+        return ()
+
+    def configured(self, settings: Mapping[str, int]) -> Language[T]:  # noqa: ARG002
+        """The same language with what a project states about its controllers."""
+        return self
 
     def program_of(self, path: FilePath) -> FilePath:
         """What a file is a part of: files with the same answer are checked as one program.

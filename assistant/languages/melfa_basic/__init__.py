@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
-from assistant.languages.language import Adapted, Conversion, Language, Part, Precision
-from assistant.languages.melfa_basic.dialects import DIALECTS
+from assistant.languages.language import (
+    Adapted,
+    Conversion,
+    Frames,
+    Language,
+    Part,
+    Precision,
+    Setting,
+)
+from assistant.languages.melfa_basic.dialects import DIALECTS, Dialect
 from assistant.languages.melfa_basic.files import READ, TOKENISED
 from assistant.languages.melfa_basic.syntax import CallP, File, Line, String
 from assistant.program.comparison import Tolerance, compare
@@ -26,6 +35,18 @@ def language(name: str) -> MelfaBasic:
     return MelfaBasic(name)
 
 
+SETTINGS: Final = {
+    "name-length": Setting(
+        8, 255, "say how many characters of a variable's name or a label the controller takes"
+    ),
+    "step-length": Setting(
+        40, 1000, "say how many bytes of a line, without its line end, the controller takes"
+    ),
+}
+SETTINGS_OF: Final = {"name-length": "longest", "step-length": "line"}
+"""Setting of a project → what it is in the table of dialects."""
+
+
 class MelfaBasic(Language[File]):
     """One dialect of MELFA-BASIC."""
 
@@ -38,10 +59,20 @@ class MelfaBasic(Language[File]):
     family = "MB"
     fixed = ("MB0", "MB2", "MB5")
     steps = True
+    frames: Frames = "base"
 
     def __init__(self, name: str) -> None:
         self.dialect = DIALECTS[name]
         self.name, self.title = name, self.dialect.title
+
+    def with_frames(self, frames: Frames) -> MelfaBasic:
+        made = copy(self)
+        made.frames = frames
+        return made
+
+    @property
+    def _products(self) -> bool:
+        return self.frames == "product"
 
     def recognises(self, data: bytes, suffix: str = "") -> bool:
         """Whether it looks like this dialect; a written file says which one it is in."""
@@ -135,12 +166,12 @@ class MelfaBasic(Language[File]):
     ) -> Adapted:
         from assistant.languages.melfa_basic.adapt.program import adapt
 
-        return adapt(program, robot, self.name, most_targets)
+        return adapt(program, robot, self.name, most_targets, self._products)
 
     def build(self, program: Program, robot: Robot | None = None, unit: str | None = None) -> File:
         from assistant.languages.melfa_basic.lower.program import build
 
-        return build(program, robot, unit, self.name)
+        return build(program, robot, unit, self.name, self._products)
 
     def file_name(self, program: Program, unit: str | None = None) -> str:
         from assistant.languages.melfa_basic.names import naming
@@ -155,9 +186,16 @@ class MelfaBasic(Language[File]):
         return tuple(f"{name}.prg" for name in dict.fromkeys(called))
 
     def check(self, trees: Sequence[File]) -> tuple[Diagnostic, ...]:
-        from assistant.languages.melfa_basic.checking import check
+        from assistant.languages.melfa_basic.checks import check
 
-        return check(trees)
+        return check(trees, self.dialect)
+
+    def companions(self, tree: File) -> tuple[str, ...]:
+        """Programs that a file runs or loads in other slots, and those that it includes."""
+        from assistant.languages.melfa_basic.checks.programs import called
+
+        names = [name for _, name, _ in called(tree)]
+        return tuple(f"{name}.prg" for name in dict.fromkeys(names))
 
 
 def _errors(tree: File) -> int:

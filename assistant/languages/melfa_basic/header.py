@@ -24,6 +24,9 @@ from assistant.program.program import Signal, ValueType
 MARK: Final = "robot-assistant: "
 END: Final = MARK + "end"
 
+PRODUCTS: Final = "frames: product"
+"""Says that frames are no `Base`, but what targets are multiplied by."""
+
 AS_IS: Final = ("robot",)
 """Items that are no names of the program."""
 
@@ -53,14 +56,16 @@ class Declared:
 class Header:
     """program, entry, robot, unit: None where not stated. names: by kind, short → original.
 
-    paths: (first, last, name) ranges of P numbers. inline: position and joint variables
-    that stand for a value. signals in their order. variables: short → declaration.
+    products: whether targets are multiplied by frames. paths: (first, last, name) ranges of P
+    numbers. inline: position and joint variables that stand for a value. signals in their
+    order. variables: short → declaration.
     """
 
     program: str | None = None
     robot: str | None = None
     entry: str | None = None
     unit: str | None = None
+    products: bool = False
     names: dict[str, dict[str, str]] = field(default_factory=lambda: {k: {} for k in NAME_KINDS})
     paths: list[tuple[int, int, str]] = field(default_factory=list)
     inline: dict[str, None] = field(default_factory=dict)
@@ -74,6 +79,8 @@ def lines(header: Header, dialect: str) -> Iterator[str]:
     for key in ("program", "robot", "entry", "unit"):
         if (value := getattr(header, key)) is not None:
             yield f"{key}: {value if key in AS_IS else _written(value)}"
+    if header.products:
+        yield PRODUCTS
     for kind in NAME_KINDS:
         yield from _packed(kind, (f"{s} = {_written(o)}" for s, o in header.names[kind].items()))
     yield from _packed("path", (f"P{a}-P{b} = {_written(n)}" for a, b, n in header.paths))
@@ -135,6 +142,8 @@ def read(texts: Iterable[str]) -> Header:
             setattr(header, key, _meant(value))
         elif key == "entry" and (value == "-" or re.fullmatch(_NAME, value)):
             header.entry = _meant(value)
+        elif text == PRODUCTS:
+            header.products = True
         elif key == "robot" and re.fullmatch(r"[A-Za-z0-9._/-]{1,64}", value):
             header.robot = value
         elif key in NAME_KINDS:

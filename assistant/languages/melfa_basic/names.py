@@ -43,6 +43,8 @@ _MADE_LABEL: Final = re.compile(r"[IW][0-9]+([TN][0-9]+|Z)?")
 class Names:
     """MELFA-BASIC names by original name (lower case); variables also by procedure.
 
+    products: a target is multiplied by its frame; else `Base` is set to the frame.
+
     position: the first number that `P<number>` and `J<number>` may have.
     """
 
@@ -58,11 +60,12 @@ class Names:
     original_labels: dict[str, str] = field(default_factory=dict)
     original_loops: dict[str, str] = field(default_factory=dict)
     position: int = 1
+    products: bool = False
 
 
-def naming(program: Program, dialect: Dialect) -> Names:
+def naming(program: Program, dialect: Dialect, products: bool = False) -> Names:
     """The names of a whole program; the same program always gets the same."""
-    names, taken = Names(), {ARC_START, *RESERVED}
+    names, taken = Names(products=products), {ARC_START, *RESERVED}
     for group, letter, given in (
         (names.targets, "P", program.targets),
         (names.joints, "J", program.joint_targets),

@@ -34,10 +34,15 @@ class Context:
     """What the steps of adapting share."""
 
     def __init__(
-        self, program: Program, dialect: Dialect, robot: Robot | None, findings: Findings
+        self,
+        program: Program,
+        dialect: Dialect,
+        robot: Robot | None,
+        findings: Findings,
+        products: bool = False,
     ) -> None:
         self.program, self.dialect, self.robot = program, dialect, robot
-        self.findings = findings
+        self.findings, self.products = findings, products
         self.unstated = 0
         self.named = 0
         self.unit: str | None = None

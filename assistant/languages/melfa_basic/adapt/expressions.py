@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.melfa_basic import rules
 from assistant.program import expressions as e
+from assistant.program.geometry import BASE
 from assistant.program.rewriting import map_expressions
 
 if TYPE_CHECKING:
@@ -58,8 +59,15 @@ def _function(context: Context, name: str, arguments: tuple[e.Expression, ...]) 
                 arguments = arguments[:-1]
         case "here", (_, *_):
             given = " and ".join(f"`{a.name}`" for a in arguments if isinstance(a, e.Name))
+            if context.products and len(arguments) > 1 and arguments[1] != e.Name(BASE):
+                context.findings.append(rules.CANNOT_SAY(
+                    what=f"the present position in {given}, with frames as products",
+                    cure="write frames as base",
+                ))  # fmt: skip
             context.findings.append(rules.PLACE_READ(given=given))
             arguments = ()
+        case "here", () if context.program.frames and not context.products:
+            context.findings.append(rules.PLACE_READ(given=f"`{BASE}`"))
         case "fixed", (value, e.Number(places)):
             return _rounded_text(context, value, int(places))
     return e.Apply(name, arguments)

@@ -22,10 +22,11 @@ from assistant.languages.melfa_basic.adapt.procedures import (
 from assistant.languages.melfa_basic.adapt.splitting import MOST_TARGETS, split
 from assistant.languages.melfa_basic.adapt.statements import comment_lines, plain_procedure
 from assistant.languages.melfa_basic.dialects import DIALECTS, LAST_STEP, Dialect
-from assistant.languages.melfa_basic.lower.program import Unit, steps
+from assistant.languages.melfa_basic.lower.program import Unit, branches_in, steps
 from assistant.languages.melfa_basic.lower.writer import mentioned
 from assistant.languages.melfa_basic.names import naming
 from assistant.program.diagnostics import Diagnostic, Findings
+from assistant.program.geometry import BASE
 from assistant.program.program import Procedure, Program
 
 if TYPE_CHECKING:
@@ -33,12 +34,19 @@ if TYPE_CHECKING:
 
 
 def adapt(
-    program: Program, robot: Robot | None, dialect_name: str, most_targets: int | None = None
+    program: Program,
+    robot: Robot | None,
+    dialect_name: str,
+    most_targets: int | None = None,
+    products: bool = False,
 ) -> Adapted:
-    """The program in this dialect's terms; idempotent."""
+    """The program in this dialect's terms; idempotent.
+
+    products: targets are multiplied by their frames, else `Base` is set.
+    """
     dialect, findings = DIALECTS[dialect_name], Findings()
     program = _with_plain_procedures(_headed(program, robot), dialect, findings)
-    context = Context(program, dialect, robot, findings)
+    context = Context(program, dialect, robot, findings, products)
     if context.five_axis:
         context.program = in_base(context, context.program)
     adapted = with_plain_data(context, context.program)
@@ -103,7 +111,11 @@ def _shared(program: Program) -> Iterator[Diagnostic]:
 
 def _written(context: Context, program: Program) -> Iterator[Diagnostic]:
     """What is found as each unit is written."""
-    names = naming(program, context.dialect)
+    names = naming(program, context.dialect, context.products)
+    if context.products:
+        for name, branches in branches_in(program, context.robot).items():
+            if name != BASE and len(branches) > 1:
+                yield rules.SHARED_BRANCH(name=name, place=name)
     for unit in dict.fromkeys([None, *(q.unit for q in program.procedures)]):
         writing = Unit(program, context.robot, unit, context.dialect, names)
         code = writing.code()

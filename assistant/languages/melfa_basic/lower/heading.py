@@ -36,6 +36,7 @@ def heading(unit: Unit) -> list[s.Item]:
         short = names.variables[owner, name.lower()]
         head.variables[short] = _declared(unit, owner, name, variable)
     head.signals = dict(program.signals)
+    head.products = names.products
     inline = unit.writer.expressions.inline
     head.paths = [(k, k + len(p) - 1, p.name) for k, p in unit.writer.paths if len(p)]
     numbers = [f"P{k}" for k, _ in inline.positions] + [f"J{k}" for k, _ in inline.joints]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -11,11 +12,13 @@ import numpy as np
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MOV, MVR, MVS, MoveRows
+from assistant.languages.melfa_basic.lift.gathering import rows_as_lines
 from assistant.languages.melfa_basic.lower.expressions import Unsayable, plain_number
 from assistant.languages.melfa_basic.lower.settings import changes
 from assistant.languages.melfa_basic.names import ARC_START
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.geometry import BASE
 from assistant.program.motion import Blend, Speed
 from assistant.program.path import Kind, Path
 
@@ -24,7 +27,7 @@ if TYPE_CHECKING:
 
 
 def move(w: Writer, node: p.Move) -> None:
-    target = _destination(w, node.target)
+    target = _destination(w, node.target, node.motion.frame)
     _setting(w, node.motion)
     w.add(s.Motion("Mov" if node.kind == "joint" else "Mvs", target))
     _remember(w, target, node.motion)
@@ -38,10 +41,11 @@ def move_joints(w: Writer, node: p.MoveJoints) -> None:
 
 
 def move_circular(w: Writer, node: p.MoveCircular) -> None:
+    frame = node.motion.frame
     via, target = w.expressions.target(node.via), w.expressions.target(node.target)
     _setting(w, node.motion)
-    start = _arc_start(w, node.motion.tool, node.motion.frame)
-    w.add(s.Motion("Mvr", (start, via, target)))
+    start = _arc_start(w, node.motion.tool, frame)
+    w.add(s.Motion("Mvr", (start, _placed(w, via, frame), _placed(w, target, frame))))
     _remember(w, (target,), node.motion)
 
 
@@ -71,32 +75,43 @@ def _settings(
     """Writes what does not hold already."""
     if isinstance(speed, e.Name) or isinstance(blend, e.Name):
         raise Unsayable("a speed or blend by name", "declare its value")
-    for command in changes(w.state, speed, blend, tool, frame, w.names, w.dialect):
+    base = BASE if w.names.products else frame
+    for command in changes(w.state, speed, blend, tool, base, w.names, w.dialect):
         w.add(command)
 
 
-def _destination(w: Writer, value: e.Expression) -> tuple[s.Expression, ...]:
+def _placed(w: Writer, target: s.Expression, frame: str) -> s.Expression:
+    """A target in its frame: as it stands where `Base` is the frame, else multiplied by it."""
+    if not w.names.products or frame.lower() == BASE:
+        return target
+    return s.Binary("*", s.Variable(w.names.frames[frame.lower()]), target)
+
+
+def _destination(w: Writer, value: e.Expression, frame: str) -> tuple[s.Expression, ...]:
     """The arguments of a move; a distance along the tool has a form of its own."""
     match value:
         case e.Apply(function="relative", arguments=(base, x, y, z)) if (
             plain_number(x) == 0 and plain_number(y) == 0
         ):
-            return w.expressions.target(base), w.expressions.of(z)
-    return (w.expressions.target(value),)
+            return _placed(w, w.expressions.target(base), frame), w.expressions.of(z)
+    return (_placed(w, w.expressions.target(value), frame),)
 
 
 def _remember(w: Writer, target: tuple[s.Expression, ...], motion: p.Motion) -> None:
     """Where the robot stands, if the next arc may name it."""
     w.previous = None
     match target:
+        case (s.Binary("*", s.Variable(), inner),) if _placed(w, inner, motion.frame) == target[0]:
+            target = (inner,)
+    match target:
         case (s.Variable(name=name, arguments=None, component=""),) if "_" not in name:
             w.previous = name, motion.tool, motion.frame
 
 
-def _arc_start(w: Writer, tool: str, frame: str) -> s.Variable:
+def _arc_start(w: Writer, tool: str, frame: str) -> s.Expression:
     """The position that an arc starts at; read from the robot if it is not known."""
     if w.previous is not None and w.previous[1:] == (tool, frame):
-        return s.Variable(w.previous[0])
+        return _placed(w, s.Variable(w.previous[0]), frame)
     name = w.owner.name if w.owner else "main"
     w.report(rules.ARC_AT_START(name=name, place=f"procedure {name}"))
     start = s.Variable(ARC_START)
@@ -114,13 +129,25 @@ def _segment(w: Writer, path: Path, start: int, stop: int, first: int) -> None:
         known = f"P{first + start - 1}"
         if start == 0 or w.previous != (known, tool, frame):
             begin = _arc_start(w, tool, frame)
-            ends = (s.Variable(f"P{first + start}"), s.Variable(f"P{first + start + 1}"))
+            numbers = (first + start, first + start + 1)
+            ends = (_placed(w, s.Variable(f"P{n}"), frame) for n in numbers)
             w.add(s.Motion("Mvr", (begin, *ends)))
             start += 2
             kinds = kinds[2:]
     if start < stop:
-        w.items.append(_move_rows(kinds, first + start))
+        rows = _move_rows(kinds, first + start)
+        w.items += (
+            [rows] if frame.lower() == BASE or not w.names.products else _lines(w, rows, frame)
+        )
     w.previous = f"P{first + stop - 1}", tool, frame
+
+
+def _lines(w: Writer, rows: MoveRows, frame: str) -> Iterator[s.Line]:
+    """Moves in columns as lines, each target in its frame."""
+    for line in rows_as_lines(rows):
+        if isinstance(line, s.Line) and isinstance(line.statement, s.Motion):
+            targets = (_placed(w, a, frame) for a in line.statement.arguments if a is not None)
+            yield s.Line(statement=replace(line.statement, arguments=tuple(targets)))
 
 
 def segments(path: Path) -> Iterator[tuple[int, int]]:

@@ -18,8 +18,12 @@ from assistant.languages.melfa_basic.lower.heading import heading, named
 from assistant.languages.melfa_basic.lower.statements import STATEMENTS
 from assistant.languages.melfa_basic.lower.writer import Writer
 from assistant.languages.melfa_basic.names import LETTERS, Names, naming
+from assistant.program import expressions as e
+from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.path import configuration_row
 from assistant.program.program import Parameter, Procedure, Program, ValueType, Variable
+from assistant.program.rewriting import records
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
@@ -31,10 +35,19 @@ DEFINED: Final[dict[ValueType, str]] = {
 """The word after `Def` for what all Functions of a file share."""
 
 
-def build(program: Program, robot: Robot | None, unit: str | None, dialect_name: str) -> s.File:
-    """The tree of one unit; raises Refused with findings for what the language cannot say."""
+def build(
+    program: Program,
+    robot: Robot | None,
+    unit: str | None,
+    dialect_name: str,
+    products: bool = False,
+) -> s.File:
+    """The tree of one unit; raises Refused with findings for what the language cannot say.
+
+    products: targets are multiplied by their frames, else `Base` is set.
+    """
     dialect = DIALECTS[dialect_name]
-    unit_of = Unit(program, robot, unit, dialect, naming(program, dialect))
+    unit_of = Unit(program, robot, unit, dialect, naming(program, dialect, products))
     code = unit_of.code()
     findings = [f for f in unit_of.findings if f.severity == "error"]
     if findings:
@@ -229,9 +242,41 @@ class Unit:
             return joint_constant(program.joint_targets[name], self.robot)
         if kind == "tool":
             return s.Constant(poses.plain_values(program.tools[name].tip), (0, 0))
-        return s.Constant(poses.plain_values(program.frames[name].pose.inverse()), (0, 0))
+        pose = program.frames[name].pose
+        if not self.names.products:
+            return s.Constant(poses.plain_values(pose.inverse()), (0, 0))
+        branches = list(branches_in(program, self.robot).get(name.lower(), ()))
+        return s.Constant(poses.plain_values(pose), branches[0] if branches else USUAL)
 
 
+def branches_in(program: Program, robot: Robot | None) -> dict[str, dict[tuple[int, int], None]]:
+    """The flags of the targets in each frame (lower case), in the order of their first use.
+
+    A product of positions has those of its left factor, the frame.
+    """
+    found: dict[str, dict[tuple[int, int], None]] = {}
+    targets = {name.lower(): target for name, target in program.targets.items()}
+    for node in program.statements():
+        if isinstance(node, p.Follow):
+            path = node.path
+            flags = poses.flags_of(path.configurations, robot)
+            for row, name in enumerate(path.frames):
+                rows = np.unique(flags[path.frame == row], axis=0).tolist()
+                found.setdefault(name.lower(), {}).update(dict.fromkeys(rows))
+        elif isinstance(node, p.Move | p.MoveCircular):
+            for value in records((node.target, getattr(node, "via", None))):
+                target = value.target if isinstance(value, e.TargetValue) else None
+                if isinstance(value, e.Name):
+                    target = targets.get(value.name.lower())
+                if target is not None:
+                    row = np.array([configuration_row(target.configuration)], dtype=np.int8)
+                    first, second = poses.flags_of(row, robot)[0].tolist()
+                    found.setdefault(node.motion.frame.lower(), {})[first, second] = None
+    return found
+
+
+USUAL: Final = (7, 0)
+"""Flags of most positions: right, above, not flipped."""
 MOST_DEFINED: Final = 8
 """Names of one `Def` line."""
 
