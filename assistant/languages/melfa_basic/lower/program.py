@@ -261,16 +261,17 @@ def branches_in(program: Program, robot: Robot | None) -> dict[str, dict[tuple[i
             path = node.path
             flags = poses.flags_of(path.configurations, robot)
             for row, name in enumerate(path.frames):
-                rows = np.unique(flags[path.frame == row], axis=0).tolist()
-                found.setdefault(name.lower(), {}).update(dict.fromkeys(rows))
+                branches = found.setdefault(name.lower(), {})
+                for first, second in np.unique(flags[path.frame == row], axis=0):
+                    branches[int(first), int(second)] = None
         elif isinstance(node, p.Move | p.MoveCircular):
             for value in records((node.target, getattr(node, "via", None))):
                 target = value.target if isinstance(value, e.TargetValue) else None
                 if isinstance(value, e.Name):
                     target = targets.get(value.name.lower())
                 if target is not None:
-                    row = np.array([configuration_row(target.configuration)], dtype=np.int8)
-                    first, second = poses.flags_of(row, robot)[0].tolist()
+                    branch = np.array([configuration_row(target.configuration)], dtype=np.int8)
+                    first, second = poses.flags_of(branch, robot)[0].tolist()
                     found.setdefault(node.motion.frame.lower(), {})[first, second] = None
     return found
 
