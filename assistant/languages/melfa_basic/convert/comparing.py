@@ -8,14 +8,14 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.convert import comments, names, steps, words
 from assistant.languages.melfa_basic.convert import memory as memories
-from assistant.languages.melfa_basic.convert import names, steps, words
 from assistant.languages.melfa_basic.convert.conversion import convert
 from assistant.languages.melfa_basic.convert.memory import Memory
 from assistant.languages.melfa_basic.dialects import DIALECTS
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.comparison import compare
+from assistant.program.comparison import Tolerance, compare
 from assistant.program.program import Program
 from assistant.program.rewriting import rewrite
 
@@ -32,13 +32,17 @@ def compared(
     converted back.
     """
     expected, actual = lifted(before, after, robot), lifted(after, before, robot)
-    if compare(expected, actual).same or not before:
+    if compare(expected, actual, ROUNDING).same or not before:
         return expected, actual
     back = convert(after, before[0].dialect)
     if not back.trees:
         return expected, actual
     found = lifted(before, back.trees, robot), lifted(back.trees, before, robot)
-    return found if compare(*found).same else (expected, actual)
+    return found if compare(*found, ROUNDING).same else (expected, actual)
+
+
+ROUNDING: Final = Tolerance(1e-9, 1e-9, 0.0)
+"""Of the comparison itself: numbers are not computed anew."""
 
 
 def lifted(trees: Sequence[s.File], others: Sequence[s.File], robot: Robot | None) -> Program:
@@ -57,7 +61,8 @@ def _plain(tree: s.File, lowest: int) -> s.File:
     order = [i.label.upper() for i in items if isinstance(i, s.Line) and i.label]
     numbers = {label: f"ATSTEP{n}" for n, label in enumerate(x for x in order if x in jumped)}
     if lowest == 4 and DIALECTS[tree.dialect].level > 4:
-        items = words.Words(DIALECTS["melfa-basic-4"], Memory(), _silent).lines(items)
+        lower = DIALECTS["melfa-basic-4"]
+        items = words.Words(lower, Memory(), _silent).lines(comments.fitted(items, lower))
     named = {short: name.upper() for short, name in memory.named.items()}
     labels = {short: name.upper() for short, name in memory.labelled.items()}
     stems = {short: name.upper() for short, name in memory.stems.items()}

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import PurePath
-from typing import Final
 
 from assistant.languages.melfa_basic import printer, rules
 from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.convert import comments, names, steps, words
 from assistant.languages.melfa_basic.convert import memory as memories
-from assistant.languages.melfa_basic.convert import names, steps, words
 from assistant.languages.melfa_basic.convert.blocks import to_blocks
 from assistant.languages.melfa_basic.convert.jumps import Jumps
 from assistant.languages.melfa_basic.convert.memory import Memory
@@ -107,7 +105,7 @@ class _File:
             self.complain(
                 line, "a `Const` behind a jump or label", "move it to the head of the program"
             )
-        blocks = nested(_fitted(items, self.dialect))
+        blocks = nested(comments.fitted(items, self.dialect))
         if blocks is None:
             self.complain(self.items[0], "blocks that cross each other", "close each in order")
             return
@@ -168,7 +166,7 @@ class _File:
             return _read(language, language.render(changed), self.tree)
         text = self.numbered_text(language, marked=False)
         encoded = text.encode(source.encoding if source else "utf-8", "replace")
-        if not language.recognises(encoded):
+        if any(MelfaBasic(d).recognises(encoded) for d in DIALECTS if d != language.name):
             text = self.numbered_text(language, marked=True)
         return _read(language, text, self.tree)
 
@@ -222,50 +220,3 @@ def _apart(items: Sequence[s.Item]) -> list[s.Item]:
         else:
             made.append(item)
     return made
-
-
-def _fitted(items: Sequence[s.Item], dialect: Dialect) -> list[s.Item]:
-    """The lines with long comments above them, and over as many lines as they need."""
-    made: list[s.Item] = []
-    for item in items:
-        comment = item.comment if isinstance(item, s.Line) else None
-        if not isinstance(item, s.Line) or comment is None:
-            made.append(item)
-            continue
-        room = dialect.line - STEP
-        if item.statement is not None or item.label is not None:
-            jumps = JUMPS if isinstance(item.statement, s.If | s.ElseIf) else 0
-            if _bytes(printer.line(replace(item, number=None), True)) <= room - jumps:
-                made.append(item)
-                continue
-            made += [s.Line(comment=part, span=item.span) for part in _parts(comment, room)]
-            made.append(replace(item, comment=None))
-        else:
-            parts = _parts(comment, room)
-            made += [item] if len(parts) == 1 else [replace(item, comment=p) for p in parts]
-    return made
-
-
-STEP: Final = 6
-"""Characters of a step number and its blank."""
-
-JUMPS: Final = 24
-"""Characters that `IF` gets for jumps in the place of a block."""
-
-
-def _bytes(text: str) -> int:
-    return len(text.encode("utf-8"))
-
-
-def _parts(comment: str, most: int) -> list[str]:
-    """A comment cut between words, each part with the mark."""
-    if _bytes(comment) <= most:
-        return [comment]
-    parts, line = list[str](), ""
-    for piece in re.split(r"(?<= )", comment):
-        for char in piece if _bytes(piece) > most - 2 else [piece]:
-            if _bytes(line + char) > most:
-                parts.append(line.rstrip())
-                line = "' "
-            line += char
-    return [*parts, line.rstrip()]

@@ -80,7 +80,8 @@ def shortened(files: Sequence[Sequence[s.Item]], dialect: Dialect) -> Names:
 
 
 def _plain_label(name: str, dialect: Dialect) -> bool:
-    return len(name) <= dialect.labels and not (dialect.upper and "_" in name)
+    plain = not dialect.upper or "_" not in name.removeprefix("L_")  # `*L_…`: of the base program
+    return len(name) <= dialect.labels and plain
 
 
 def _labels(items: Sequence[s.Item]) -> Iterator[str]:

@@ -1,0 +1,239 @@
+"""From one dialect of MELFA-BASIC to another: what each construct becomes, and back."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import assistant
+from assistant import languages
+from assistant.compiler.loading import load_text
+from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.convert.conversion import Converted, convert
+from assistant.program.diagnostics import Severity
+from assistant.program.text import SourceText
+
+IV, V, VI = "melfa-basic-4", "melfa-basic-5", "melfa-basic-6"
+
+
+def read(text: str, dialect: str) -> s.File:
+    tree = languages.get(dialect).parse(SourceText(text, "WORK.prg", newline="\n"))
+    assert not tree.findings
+    return tree
+
+
+def converted(text: str, dialect: str, to: str) -> Converted:
+    return convert([read(text, dialect)], to)
+
+
+def said(text: str, dialect: str, to: str) -> list[str]:
+    """The converted lines without step numbers and layout, those of the heading left out."""
+    result = converted(text, dialect, to)
+    assert not [f for f in result.findings if f.severity is Severity.ERROR], result.findings
+    lines = [line.strip() for line in languages.get(to).render(result.trees[0]).splitlines()]
+    code = [line.split(" ", 1)[1].strip() if line[:1].isdigit() else line for line in lines]
+    end = "' robot-assistant: end"
+    return code[code.index(end) + 1 :] if end in code else code
+
+
+def errors(text: str, dialect: str, to: str) -> list[str]:
+    result = converted(text, dialect, to)
+    assert not result.trees
+    return [f.message for f in result.findings if f.severity is Severity.ERROR]
+
+
+CASES = {
+    "words and names": (
+        "Mov pHome Wth M_Out(5)=1\nDly 0.5\n",
+        ["MOV PHOME WTH M_OUT(5)=1", "DLY 0.5"],
+    ),
+    "comments and blank lines": (
+        "' head\nMov P1 ' first\n\nRem next\nHlt\n",
+        ["' head", "MOV P1 ' first", "", "Rem next", "HLT"],
+    ),
+    "a label before a statement": (
+        "*Again:M1=M1+1\nGoTo *Again\n",
+        ["*AGAIN", "M1=M1+1", "GOTO *AGAIN"],
+    ),
+    "a short block": ("If M1>0 Then\nM2=1\nElse\nM2=2\nEndIf\n", ["IF M1>0 THEN M2=1 ELSE M2=2"]),
+    "a block": (
+        "If M1>0 Then ' one\nMov P1\nMov P2\nElseIf M1<0 Then\nHlt\nElse\nEnd\nEndIf\n",
+        [
+            "IF M1>0 THEN *I1T1 ELSE *I1N1 ' one", "*I1T1", "MOV P1", "MOV P2", "GOTO *I1Z",
+            "*I1N1", "IF M1<0 THEN *I1T2 ELSE *I1N2", "*I1T2", "HLT", "GOTO *I1Z",
+            "*I1N2", "END", "*I1Z",
+        ],
+    ),
+    "a wait for any condition": (
+        "Wait M_In(5)<>0\nWait M_In(6)=1\n",
+        ["*W1", "IF M_IN(5)<>0 THEN *W1Z ELSE *W1", "*W1Z", "WAIT M_IN(6)=1"],
+    ),
+    "leaving a loop": (
+        "For M1=1 To 9\nIf M2=1 Then Break\nM2=M2+1\nNext M1\n",
+        ["FOR M1=1 TO 9", "IF M2=1 THEN GOTO *B1Z", "M2=M2+1", "NEXT M1", "*B1Z"],
+    ),
+    "a selection in a selection": (
+        "Select M1\nCase 1\nSelect M2\nCase 2 To 3\nM3=1\nDefault\nM3=2\nEnd Select\nEnd Select\n",
+        [
+            "SELECT M1", "CASE 1", "IF M2>=2 AND M2<=3 THEN *S1C1", "GOTO *S1C2",
+            "*S1C1", "M3=1", "GOTO *S1Z", "*S1C2", "M3=2", "GOTO *S1Z", "*S1Z", "END SELECT",
+        ],
+    ),
+    "groups of signals": ("M_Out8(16)=M_In16(32)\n", ["M_OUTB(16)=M_INW(32)"]),
+    "type marks": (
+        "Count%=1\nCName$=\"a\"\nHlt\n",
+        ["DEF INTE COUNT", "COUNT=1", 'CNAME$="a"', "HLT"],
+    ),
+    "constants": ("Const LIMIT=11\nM1=LIMIT\n", ["LIMIT=11", "M1=LIMIT"]),
+    "whole numbers of 32 bits": ("Def Long MBIG\nMBIG=1\n", ["DEF DOUBLE MBIG", "MBIG=1"]),
+    "32 signals": ("Def Io PORT=DWord,64\nPORT=1\n", ["DEF IO PORT=INTEGER,64", "PORT=1"]),
+    "the tool of the flange": ("Tool 0\nBase 0\n", ["TOOL P_NTOOL", "BASE P_NBASE"]),
+    "long names": (
+        "MLongCounter=1\nGoSub *Long_Subroutine\nEnd\n*Long_Subroutine\nMLongCountess=2\nReturn\n",
+        [
+            "MLONGCOU=1", "GOSUB *LONGSUBR", "END", "*LONGSUBR", "MLONGCO2=2", "RETURN",
+        ],
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_first_dialect_says_it(case: str) -> None:
+    text, expected = CASES[case]
+    assert said(text, V, IV) == expected
+
+
+KEPT = {
+    "comments and blank lines": [],
+    "a block": [], "a wait for any condition": [], "leaving a loop": [],
+    "a selection in a selection": [], "groups of signals": [], "constants": [],
+    "whole numbers of 32 bits": [], "32 signals": [], "long names": [],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", KEPT)
+def test_it_comes_back_as_it_was(case: str) -> None:
+    text, _ = CASES[case]
+    there = converted(text, V, IV)
+    back = convert(there.trees, V)
+    lines = languages.get(V).render(back.trees[0]).splitlines()
+    code = [line.split(" ", 1)[1].strip() if line[:1].isdigit() else line for line in lines]
+    assert code == text.splitlines()
+
+
+def test_steps_become_labels_and_steps_again() -> None:
+    text = "10 M1=0\n20 M1=M1+1\n30 IF M1<5 THEN 20\n40 GOSUB *SUB\n50 END\n60 *SUB\n70 RETURN\n"
+    assert said(text, IV, V) == [
+        "M1=0", "*L20", "M1=M1+1", "If M1<5 Then *L20", "GoSub *SUB", "End", "*SUB", "Return",
+    ]  # fmt: skip
+    back = convert(converted(text, IV, V).trees, IV)
+    assert languages.get(IV).render(back.trees[0]) == text
+
+
+def test_the_numbers_are_those_of_the_dialect() -> None:
+    tree = converted("Mov P1\nHlt\n", V, IV).trees[0]
+    assert [i.number for i in tree.items if isinstance(i, s.Line)] == [10, 20]
+    tree = converted("10 MOV P1\n30 HLT\n", IV, V).trees[0]
+    assert [i.number for i in tree.items if isinstance(i, s.Line)] == [1, 2]
+
+
+def test_jumps_that_are_no_block_stay() -> None:
+    text = "10 IF M1=1 THEN *I1T1 ELSE *I1N1\n20 *I1T1\n30 M2=1\n40 GOTO *I1Z\n50 *I1N1\n60 *I1Z\n"
+    assert said(text, IV, V) == ["If M1=1 Then", "M2=1", "EndIf"]
+    from_outside = text + "70 GOTO *I1T1\n"
+    assert "*I1T1" in said(from_outside, IV, V)
+    crossing = text.replace("30 M2=1", "30 FOR M2=1 TO 3") + "70 NEXT M2\n"
+    assert "*I1T1" in said(crossing, IV, V)
+
+
+def test_a_higher_dialect_takes_the_text_as_it_is() -> None:
+    text = "1 mov p1   ' slow\n2 If m1 = 1 Then Break\n\n"
+    (tree,) = converted(text, V, VI).trees
+    assert languages.get(VI).render(tree) == text
+
+
+UNSAYABLE = {
+    "Fine 0.5,P": "`Fine 0.5,P`, in mm or degrees",
+    "Tool 3": "`Tool 3`, a number",
+    "Mov P1 Type 0,2": "`Type …,2`",
+    "M1=ASin(0.5)": "`ASin`",
+    "M1=M_In32(0)": "`M_In32`",
+    "Fsc On,1,1,1": "`Fsc`",
+    "*A\nConst X=1": "`Const` behind a jump or label",
+    "Break": "`Break` outside of every block",
+    "For M1=1 To 2\nFor M2=1 To 2\nBreak\nNext M2,M1": "whose `Next` ends several loops",
+    "Dim MFIELD%(3)\nMFIELD%(1)=1": "the array `MFIELD%`",
+    "MX$=\"a\"\nMX%=1\nHlt": "both",
+    'Print #1,"' + "a" * 130 + '"': "a line of",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("text", UNSAYABLE)
+def test_what_the_first_dialect_lacks_is_an_error(text: str) -> None:
+    found = errors(text + "\n", V, IV)
+    assert any(UNSAYABLE[text] in message for message in found), found
+
+
+def test_an_error_names_the_line() -> None:
+    (finding,) = converted("Mov P1\nFine 0.5,P\n", V, IV).findings
+    assert (finding.path, finding.line, finding.code) == ("WORK.prg", 2, "MB501")
+    assert "Fine 100" in finding.cure
+
+
+def test_long_comments_are_kept_on_lines_of_their_own() -> None:
+    words = " ".join(["word"] * 40)
+    lines = said(f"Mov P1 ' {words}\n", V, IV)
+    assert lines[-1] == "MOV P1"
+    assert " ".join(line.removeprefix("' ") for line in lines[:-1]) == words
+    assert max(map(len, lines)) < 127
+
+
+def test_files_that_call_each_other_share_their_names() -> None:
+    main = read('M_SharedNumber=1\nCallP "PART"\nEnd\n', V)
+    part = read("M_SharedNumbers=1\nM_SharedNumber=2\nEnd\n", V)
+    first, second = convert([main, part], IV).trees
+    texts = [languages.get(IV).render(t) for t in (first, second)]
+    assert "M_SHARED=1" in texts[0]
+    assert "M_SHARED=2" in texts[1]
+    assert "M_SHARE2=1" in texts[1]
+
+
+def test_compiling_goes_over_the_trees() -> None:
+    text = "Mov P1 ' there\nIf M_In8(8)>3 Then\nHlt\nEndIf\n"
+    text += "P1=(+1.00,+2.00,+3.00,+0.00,+90.00,+0.00)(7,0)\n"
+    loaded = load_text(SourceText(text, "WORK.prg"), language=V)
+    compiled = assistant.compile(loaded.program, language=IV)
+    assert compiled.ok
+    assert compiled.files["WORK.prg"].decode().splitlines() == [
+        "10 MOV P1 ' there", "20 IF M_INB(8)>3 THEN HLT",
+        "P1=(+1.00,+2.00,+3.00,+0.00,+90.00,+0.00)(7,0)",
+    ]  # fmt: skip
+
+
+def test_what_is_wrong_in_the_source_is_said_of_it() -> None:
+    loaded = load_text(SourceText("Mov P1\nFine 0.5,P\n", "WORK.prg"), language=V)
+    compiled = assistant.compile(loaded.program, language=IV)
+    assert not compiled.files
+    assert "MB501" in {f.code for f in compiled.findings}
+
+
+def test_a_written_program_keeps_its_names(tmp_path: Path) -> None:
+    source = tmp_path / "seam.pseudo"
+    source.write_text(
+        "program my_long_program\n\n"
+        "target the_parking_position [400, 0, 500] [1, 0, 0, 0]\n\n"
+        "procedure main\n"
+        "  move joint the_parking_position speed 100 mm/s joint 10 % blend fine\n"
+        "end\n"
+    )
+    later = assistant.compile(source, language=V)
+    assert later.ok
+    ((name, data),) = later.files.items()
+    loaded = load_text(SourceText(data.decode(), name), language=V)
+    earlier = assistant.compile(loaded.program, language=IV)
+    assert earlier.ok
+    ((name, data),) = earlier.files.items()
+    back = load_text(SourceText(data.decode(), name), language=IV).program
+    assert list(back.targets) == ["the_parking_position"]
+    assert back.name == "my_long_program"
