@@ -1,0 +1,106 @@
+"""Random programs from dialect to dialect and back."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import zip_longest
+
+import numpy as np
+from hypothesis import HealthCheck, assume, given, settings
+
+from assistant import languages
+from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.columnar import MoveRows
+from assistant.languages.melfa_basic.convert import memory, names, steps
+from assistant.languages.melfa_basic.convert.comparing import ROUNDING, compared
+from assistant.languages.melfa_basic.convert.conversion import convert
+from assistant.languages.melfa_basic.lift.gathering import gathered
+from assistant.program.comparison import compare
+from tests.languages.melfa_basic.files import files
+
+IV, V, VI = "melfa-basic-4", "melfa-basic-5", "melfa-basic-6"
+
+
+def parsed(tree: s.File) -> s.File:
+    language = languages.get(tree.dialect)
+    return language.parse(language.render(tree))
+
+
+def through(tree: s.File, *dialects: str) -> s.File | None:
+    """The tree after one conversion after another, None if one is refused."""
+    for dialect in dialects:
+        converted = convert([tree], dialect)
+        if not converted.trees:
+            assert converted.findings
+            return None
+        (tree,) = converted.trees
+        assert not tree.findings, [languages.get(dialect).render(tree), tree.findings]
+    return tree
+
+
+def normal(tree: s.File) -> list[s.Item]:
+    """What every conversion keeps: not the steps, the case of names, labels beside statements."""
+    items, _ = memory.taken_out(tree.items)
+    items, _ = steps.labelled(items)
+    order = {label: f"LABEL{n}" for n, label in enumerate(_defined(items))}
+    items = names.renamed(items, names.Names(labels=order), upper=True)
+    return [
+        _without_step(i)
+        for item in gathered(items)
+        for i in _apart(item)
+        if not isinstance(i, s.Blank)  # the layout decides on their number
+    ]
+
+
+def _without_step(item: s.Item) -> s.Item:
+    if isinstance(item, MoveRows):
+        return replace(item, steps=np.zeros_like(item.steps))
+    return replace(item, number=None) if isinstance(item, s.Line) else item
+
+
+def _defined(items: list[s.Item]) -> Iterator[str]:
+    yield from dict.fromkeys(
+        i.label.upper() for i in items if isinstance(i, s.Line) and i.label is not None
+    )
+
+
+def _apart(item: s.Item) -> tuple[s.Item, ...]:
+    if isinstance(item, s.Line) and item.label is not None and item.statement is not None:
+        return s.Line(label=item.label), replace(item, label=None)
+    return (item,)
+
+
+def _is_first(line: str) -> bool:
+    """Whether the first version takes a line too: its length, and two arguments."""
+    return len(line.encode()) < 120 and not re.search(r"(?i)def act.*,f\b|type .*,2\b", line)
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(files(4))
+def test_the_first_dialect_comes_back(tree: s.File) -> None:
+    tree = parsed(tree)
+    assume(all(map(_is_first, languages.get(IV).render(tree).splitlines())))
+    back = through(tree, V, VI, V, IV)
+    assert back is not None
+    for came, went in zip_longest(normal(back), normal(tree)):
+        assert came == went
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(files(5))
+def test_a_lower_dialect_says_the_same_or_says_why_not(tree: s.File) -> None:
+    tree = parsed(tree)
+    lower = through(tree, IV)
+    if lower is not None:
+        assert compare(*compared([tree], [lower], None), ROUNDING).same
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(files(5))
+def test_a_higher_dialect_takes_the_lower_as_it_stands(tree: s.File) -> None:
+    tree = parsed(tree)
+    higher = through(tree, VI)
+    assert higher is not None
+    assert languages.get(VI).render(higher) == languages.get(V).render(tree)
