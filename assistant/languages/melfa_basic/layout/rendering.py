@@ -15,7 +15,7 @@ from assistant.languages.melfa_basic.layout.levels import Levels
 from assistant.languages.melfa_basic.layout.printing import decimals, item_text, print_items
 from assistant.languages.melfa_basic.lift.gathering import as_rows
 from assistant.languages.melfa_basic.printer import INDENT
-from assistant.program.text import SourceText
+from assistant.program.text import dominant_newline
 
 
 def render(file: s.File) -> str:
@@ -24,20 +24,22 @@ def render(file: s.File) -> str:
         return "".join(print_items(file.items, file.dialect, "\r\n"))
     if file.items is file.parsed:
         return file.source.text
+    text = file.source.text
+    newline = dominant_newline(text) if "\n" in text else file.source.newline
     parts: list[str] = []
-    for part in _Changes(file, file.source).texts():
+    for part in _Changes(file, text, newline).texts():
         if parts and parts[-1] and not parts[-1].endswith("\n"):
-            parts.append(file.source.newline)  # the last line of a file may have no line end
+            parts.append(newline)  # the last line of a file may have no line end
         parts.append(part)
     return "".join(parts)
 
 
 class _Changes:
-    """The items of a file against those that were read from its text."""
+    """The items of a file against those that were read from its text. newline: of new lines."""
 
-    def __init__(self, file: s.File, source: SourceText) -> None:
+    def __init__(self, file: s.File, text: str, newline: str) -> None:
         self._new, self._old = file.items, file.parsed
-        self._text, self._newline = source.text, source.newline
+        self._text, self._newline = text, newline
         self._dialect = DIALECTS[file.dialect]
         self._partner = _partners(self._old, self._new)
         kept = {
