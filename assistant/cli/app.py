@@ -8,7 +8,7 @@ from typing import Annotated, Final
 import typer
 
 from assistant import __version__
-from assistant.cli.presentation import FindingFormat, Format
+from assistant.cli.presentation import FindingFormat, Format, FramesAs
 
 DEMO: Final = Path("out/demo")
 
@@ -63,6 +63,10 @@ ProcessOption = Annotated[
     Path | None,
     typer.Option("--process", "-p", help="Process file; default NAME.process.toml beside it."),
 ]
+FramesOption = Annotated[
+    FramesAs,
+    typer.Option(help="Work objects in MELFA-BASIC: as Base, or as factors of the targets."),
+]
 FindingFormatOption = Annotated[
     FindingFormat,
     typer.Option("--format", help="For people, programs, code scanning or pull requests."),
@@ -99,6 +103,7 @@ def compile(
         int | None,
         typer.Option(help="Targets of one program unit; default the language's own limit."),
     ] = None,
+    frames: FramesOption = FramesAs.BASE,
     from_language: FromLanguage = None,
     from_robot: FromRobot = None,
     format: FindingFormatOption = FindingFormat.TEXT,
@@ -114,6 +119,7 @@ def compile(
             process=process,
             output=output,
             most_targets=most_targets,
+            frames=frames,
             from_language=from_language,
             from_robot=from_robot,
             format=format,
@@ -142,6 +148,7 @@ def translate(
         bool,
         typer.Option("--draft", help="Write programs that are not whole: a stop for each gap."),
     ] = False,
+    frames: FramesOption = FramesAs.BASE,
     from_language: FromLanguage = None,
     format: FindingFormatOption = FindingFormat.TEXT,
 ) -> None:
@@ -153,6 +160,7 @@ def translate(
         robot=robot,
         from_robot=from_robot,
         process=process,
+        frames=frames,
         from_language=from_language,
         draft=draft,
     )

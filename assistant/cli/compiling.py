@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.cli.presentation import (
     FindingFormat,
+    FramesAs,
     console,
     print_findings,
     print_for_programs,
@@ -59,6 +60,7 @@ def run_compile(
     process: Path | None,
     output: str,
     most_targets: int | None,
+    frames: FramesAs,
     from_language: str | None,
     from_robot: str | None,
     format: FindingFormat,
@@ -79,6 +81,7 @@ def run_compile(
                 process=process,
                 from_robot=from_robot,
                 most_targets=most_targets,
+                frames=frames.value,
             )
         done.append((source, compiled))
     files, clash = _together(done)

@@ -31,6 +31,13 @@ class FindingFormat(enum.StrEnum):
     GITHUB = "github"
 
 
+class FramesAs(enum.StrEnum):
+    """How work objects are written where a language has none."""
+
+    BASE = "base"
+    PRODUCT = "product"
+
+
 MOST_EXPLAINED: Final = 8
 """Codes that the last line below findings names."""
 STYLES = {Severity.ERROR: "bold red", Severity.WARNING: "yellow", Severity.INFO: "cyan"}

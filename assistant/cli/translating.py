@@ -18,6 +18,7 @@ from assistant.cli.compiling import (
 )
 from assistant.cli.presentation import (
     FindingFormat,
+    FramesAs,
     print_findings,
     print_for_programs,
     print_json,
@@ -40,6 +41,7 @@ class Options:
     robot: str | None
     from_robot: str | None
     process: Path | None
+    frames: FramesAs
     from_language: str | None
     draft: bool
 
@@ -108,6 +110,7 @@ def _translated(name: str, options: Options) -> Translated:
         robot=options.robot,
         from_robot=options.from_robot,
         process=options.process,
+        frames=options.frames.value,
         language=options.from_language,
         draft=options.draft,
     )

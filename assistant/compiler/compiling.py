@@ -27,7 +27,7 @@ from assistant.program.rewriting import rewrite
 
 if TYPE_CHECKING:
     from assistant.languages import Language
-    from assistant.languages.language import Conversion
+    from assistant.languages.language import Conversion, Frames
     from assistant.robots import Robot
 
 UNKNOWN_ROBOT = Rule("CO002", Severity.ERROR, "there is no robot `{name}`", "choose one of {names}")
@@ -82,15 +82,17 @@ def compile(
     process: str | FilePath | None = None,
     from_robot: str | Robot | None = None,
     most_targets: int | None = None,
+    frames: Frames = "base",
 ) -> Compiled:
     """The source as a program of the language, read back and compared before it is given out.
 
     robot: whose arm runs it; chooses configurations and checks reach and limits. Without one
     the program's own. process: process file of a drawing or table. from_robot: the arm that a
     vendor program was written for. most_targets: of one unit, for controllers that take less.
+    frames: how a language without work objects says them, see `Language.with_frames`.
     Raises Unreadable or Refused for input that cannot be used at all.
     """
-    target = language_of(language)
+    target = language_of(language).with_frames(frames)
     if most_targets is not None and most_targets < LEAST_TARGETS:
         raise Refused(TOO_FEW(most=most_targets, least=LEAST_TARGETS), exit_status=2)
     findings: list[Diagnostic] = []

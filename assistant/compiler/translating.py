@@ -17,6 +17,7 @@ from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, S
 from assistant.program.program import Program, bodies, walk
 
 if TYPE_CHECKING:
+    from assistant.languages.language import Frames
     from assistant.robots import Robot
 
 NO_PROGRAM = Rule(
@@ -95,16 +96,18 @@ def translate(
     process: str | FilePath | None = None,
     language: str | None = None,
     most_targets: int | None = None,
+    frames: Frames = "base",
     draft: bool = False,
 ) -> Translation:
     """A vendor program in another language, for another arm if one is named.
 
     from_robot: the arm that it was written for. process: file with tools, frames and signals
-    of the other cell. language: of the source, if neither suffix nor text tell. draft: gives
+    of the other cell. language: of the source, if neither suffix nor text tell.
+    frames: how a language without work objects says them, see `Language.with_frames`. draft: gives
     files also if some statements cannot be said: each stands as a comment behind a stop.
     Raises Unreadable or Refused for what cannot be read at all.
     """
-    target, arm = language_of(to), robot_of(robot)
+    target, arm = language_of(to).with_frames(frames), robot_of(robot)
     loaded = source
     if not isinstance(loaded, Loaded):
         loaded = load(loaded, process=process, robot=robot_of(from_robot), language=language)
