@@ -159,3 +159,35 @@ def test_a_loop_that_counts_down_by_itself_is_read_so() -> None:
     (loop,) = RAPID.lift(RAPID.parse(text)).procedures[0].body
     assert isinstance(loop, p.For)
     assert loop.step == e.Number(-1)
+
+
+def test_a_loop_between_constants_counts_in_the_direction_that_they_say() -> None:
+    text = """MODULE m
+    CONST num nRows:=3;
+    CONST num nNone:=0;
+    PROC main()
+        FOR i FROM 1 TO nRows DO
+            TPWrite "up";
+        ENDFOR
+        FOR i FROM nRows TO nNone DO
+            TPWrite "down";
+        ENDFOR
+    ENDPROC
+    PROC another(num nRows)
+        FOR i FROM 1 TO nRows DO
+            TPWrite "who knows";
+        ENDFOR
+    ENDPROC
+ENDMODULE
+"""
+    fixed = text.replace("num nRows)", "num nCount)").replace(
+        '1 TO nRows DO\n            TPWrite "w', '1 TO nCount DO\n            TPWrite "w'
+    )
+    assert steps(fixed) == [p.ONE, e.Number(-1), None]
+    assert steps(text) == [None, None, None]
+
+
+def steps(text: str) -> list[e.Expression | None]:
+    """How each loop of a module counts."""
+    found = RAPID.lift(RAPID.parse(text)).statements()
+    return [x.step for x in found if isinstance(x, p.For)]

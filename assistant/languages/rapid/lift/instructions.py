@@ -24,16 +24,22 @@ class Meaning:
     """What the names in instructions stand for.
 
     original: gives a shortened name back. speeds, blends: the declared ones by lower-case name.
+    numbers: values of constants whose names mean nothing else anywhere, by lower-case name.
     used: signals as instructions use them, filled as statements are lifted.
     """
 
     original: Callable[[str], str] = str
     speeds: Mapping[str, Speed] = field(default_factory=dict)
     blends: Mapping[str, Blend] = field(default_factory=dict)
+    numbers: Mapping[str, e.Number] = field(default_factory=dict)
     used: list[tuple[str, Signal]] = field(default_factory=list)
 
     def expression(self, node: s.Expression) -> e.Expression:
         return lift(node, self.original)
+
+    def known(self, value: e.Expression) -> e.Expression:
+        """The number that a constant stands for; anything else as it is."""
+        return self.numbers.get(value.name.lower(), value) if isinstance(value, e.Name) else value
 
     def motion(self, speed: str, zone: str, tool: str, frame: str) -> p.Motion:
         """frame: empty for none."""

@@ -19,6 +19,8 @@ from assistant.languages.rapid.messages import with_values
 from assistant.languages.rapid.sequences import with_paths
 from assistant.languages.rapid.signals import uses, with_used
 from assistant.languages.rapid.tables import VALUE_OF_TYPE
+from assistant.languages.rapid.walk import nodes
+from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Declaration, Parameter, Procedure, Program, Variable
 
@@ -43,7 +45,7 @@ class _Lift:
         self.own = {r.name.lower() for r in routines}
         self.data = DataLift(modules, self.original)
         self.paths = PathLift(modules, self.data, self.original)
-        self.meaning = Meaning(self.original, self.data.speeds, self.data.blends)
+        self.meaning = Meaning(self.original, self.data.speeds, self.data.blends, self._constants())
         self.statements = StatementLift(self.meaning, self.paths, self.own)
         self.procedures: list[Procedure] = []
         self.declarations: list[Declaration] = []
@@ -51,6 +53,27 @@ class _Lift:
 
     def original(self, name: str) -> str:
         return self.names.get(name.lower(), name)
+
+    def _constants(self) -> dict[str, e.Number]:
+        """Numbers of constants, by names that no routine declares or counts with."""
+        values = {
+            n.lower(): v.initial
+            for n, v in self.data.variables.items()
+            if v.storage == "constant" and isinstance(v.initial, e.Number)
+        }
+        if not values:
+            return values
+        for node in nodes(tuple(i for m in self.modules for i in m.items)):
+            match node:
+                case s.Routine(body=body):
+                    for inner in body:
+                        if isinstance(inner, s.Data):
+                            values.pop(self.original(inner.name).lower(), None)
+                case s.ParameterNode(name=name):
+                    values.pop(self.original(name).lower(), None)
+                case s.ForLoop(variable=str(name)):
+                    values.pop(self.original(name).lower(), None)
+        return values
 
     def program(self) -> Program:
         header = self.headers[self.main]

@@ -88,7 +88,8 @@ class StatementLift:
                 yield p.If((p.Branch(expression(condition), body),), span=span)
             case s.ForLoop(variable, first, last, step, inner):
                 bounds = expression(first), expression(last)
-                upwards = {True: p.ONE, False: e.Number(-1), None: None}[ascends(*bounds)]
+                known = map(self._meaning.known, bounds)
+                upwards = {True: p.ONE, False: e.Number(-1), None: None}[ascends(*known)]
                 by = upwards if step is None else expression(step)
                 yield p.For(original(variable), *bounds, self.block(inner), by, span=span)
             case s.WhileLoop(condition, inner):
