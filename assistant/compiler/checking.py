@@ -10,7 +10,15 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant import checks, languages, sources
 from assistant.compiler.compiling import robot_of
-from assistant.compiler.loading import files_in, language_of, load, read_pseudo, read_trees
+from assistant.compiler.loading import (
+    files_in,
+    language_of,
+    load,
+    read_companions,
+    read_pseudo,
+    read_trees,
+)
+from assistant.compiler.project import configured
 from assistant.program import pseudo
 from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, has_errors
 from assistant.program.program import Program
@@ -100,7 +108,9 @@ def check_files(
                 found = _check_program(spoken, files, arm, checked)
             else:
                 found = _check_source(files[0], process, arm, checked)
-            checked.findings += [f.within(where) for f in dict.fromkeys(found)]
+            checked.findings += [f.within(where) for f in found]
+    # a file that others call is looked at with each of them
+    checked.findings = list(dict.fromkeys(checked.findings))
     return checked
 
 
@@ -214,7 +224,11 @@ def _check_texts(
         checked.texts[text.path or ""] = Text(text, language.comment_mark, complete)
     if not complete:
         return found
-    found += language.check(trees)
+    folder = FilePath(texts[0].path or "").absolute().parent
+    beside_it = [] if beside is None else read_companions(language, trees, beside)
+    strangers = {tree.source.path for tree in beside_it}
+    said = configured(language, folder).check([*trees, *beside_it])
+    found += (finding for finding in said if finding.path not in strangers)
     try:
         program = language.lift(trees, arm)
     except Refused as refused:

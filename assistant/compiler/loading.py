@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
@@ -137,18 +137,40 @@ def read_trees(
     return trees
 
 
+def read_companions(language: Language[Any], trees: Sequence[Any], folder: FilePath) -> list[Any]:
+    """The trees of files in a folder that run beside a program, and of what these call."""
+
+    def names(tree: Any) -> tuple[str, ...]:
+        return (*language.called_files(tree), *language.companions(tree))
+
+    known = [name for tree in trees for name in language.called_files(tree)]
+    return _named(language, trees, names, known, folder)
+
+
 def _called(
     language: Language[Any], trees: Sequence[Tree], paths: Sequence[str | None], folder: FilePath
 ) -> list[Tree]:
     """The trees of the files in the folder that trees call, and of those that these call."""
+    known = [FilePath(path).name for path in paths if path]
+    return _named(language, trees, language.called_files, known, folder)
+
+
+def _named(
+    language: Language[Any],
+    trees: Sequence[Any],
+    names: Callable[[Any], tuple[str, ...]],
+    known: Iterable[str],
+    folder: FilePath,
+) -> list[Any]:
+    """The trees of the files in a folder that trees name, but for those that are known."""
     there = {file.name.lower(): file for file in folder.iterdir() if file.is_file()}
-    known = {FilePath(path).name.lower() for path in paths if path}
-    found: list[Tree] = []
+    seen = {name.lower() for name in known}
+    found: list[Any] = []
     pending = list(trees)
     while pending:
-        for name in language.called_files(pending.pop(0)):
-            if name.lower() in there and name.lower() not in known:
-                known.add(name.lower())
+        for name in names(pending.pop(0)):
+            if name.lower() in there and name.lower() not in seen:
+                seen.add(name.lower())
                 found.append(language.parse(language.read(there[name.lower()])))
                 pending.append(found[-1])
     return found

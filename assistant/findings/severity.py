@@ -10,17 +10,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
-from typing import Any, Final
+from typing import Final
 
+from assistant import languages
+from assistant.compiler.project import Project, project_of
 from assistant.findings import rulebook
-from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, Span, has_errors
-from assistant.program.text import SourceText, decode, read_bytes
+from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, has_errors
 
-FILES: Final[Mapping[str, tuple[str, ...]]] = {
-    "assistant.toml": (),
-    "pyproject.toml": ("tool", "robot-assistant"),
-}
-"""Name of a file → the table in it that is ours; the first that is there counts."""
 TABLE: Final = "severity"
 OFF: Final = "off"
 LEVELS: Final = (OFF, *(str(s) for s in reversed(Severity)))
@@ -82,27 +78,10 @@ def severities_for(folder: FilePath) -> Severities:
 
     Raises Unreadable or Refused, both of exit status 2, if that file is broken.
     """
-    for here in (folder, *folder.parents):
-        for name, table in FILES.items():
-            file = here / name
-            if file.is_file() and (found := read_severities(file, table)) is not None:
-                return found
-    return AS_THEY_ARE
-
-
-def read_severities(file: FilePath, table: tuple[str, ...]) -> Severities | None:
-    """The settings in a file, None if our table is not in it; raises Unreadable or Refused."""
-    from assistant.sources.process_file import read_toml
-    from assistant.sources.process_lines import key_spans
-
-    source = decode(read_bytes(file, allow_empty=True), str(file), ("utf-8-sig", "utf-8"))
-    content: Any = read_toml(source).content
-    for key in table:
-        content = content.get(key) if isinstance(content, Mapping) else None
-    if content is None:
-        return None
-    page = _Page(source, key_spans(source.text), table)
-    found = page.severities(content)
+    project = project_of(folder)
+    if project is None:
+        return AS_THEY_ARE
+    found = _Page(project).severities(project.content)
     if has_errors(found.findings):
         raise Refused(*found.findings, exit_status=2)
     return found
@@ -110,21 +89,20 @@ def read_severities(file: FilePath, table: tuple[str, ...]) -> Severities | None
 
 @dataclass(slots=True)
 class _Page:
-    source: SourceText
-    spans: Mapping[tuple[str, ...], Span]
-    table: tuple[str, ...]
+    project: Project
     findings: list[Diagnostic] = field(default_factory=list)
 
     def severities(self, content: object) -> Severities:
         levels: dict[str, Severity | None] = {}
         if not isinstance(content, Mapping):
-            self.say(NO_TABLE, (), key=".".join(self.table))
+            self.say(NO_TABLE, (), key=".".join(self.project.table))
             return Severities(findings=tuple(self.findings))
         wanted = content.get(TABLE, {})
-        for key in content.keys() - {TABLE}:
-            self.say(UNKNOWN_KEY, (key,), key=key, table=".".join((*self.table, TABLE)))
+        table = ".".join((*self.project.table, TABLE))
+        for key in content.keys() - {TABLE, *_tables()}:
+            self.say(UNKNOWN_KEY, (key,), key=key, table=table)
         if not isinstance(wanted, Mapping):
-            self.say(NO_TABLE, (TABLE,), key=".".join((*self.table, TABLE)))
+            self.say(NO_TABLE, (TABLE,), key=".".join((*self.project.table, TABLE)))
             wanted = {}
         for code, value in wanted.items():
             if value not in LEVELS:
@@ -147,8 +125,12 @@ class _Page:
                     self.say(NOT_LOWERED, at, code=code)
 
     def say(self, rule: Rule, at: tuple[str, ...], /, **fields: object) -> None:
-        span = self.spans.get((*self.table, *at), Span(0, 0))
-        self.findings.append(self.source.finding(rule, span, **fields))
+        self.findings.append(self.project.finding(rule, at, **fields))
+
+
+def _tables() -> set[str]:
+    """Tables of a project's file that languages read."""
+    return {language.table for language in map(languages.get, languages.names())} - {""}
 
 
 def adjusted(findings: Iterable[Diagnostic], severities: Severities) -> list[Diagnostic]:

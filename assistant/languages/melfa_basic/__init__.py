@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.language import (
     Adapted,
@@ -16,7 +16,7 @@ from assistant.languages.language import (
     Precision,
     Setting,
 )
-from assistant.languages.melfa_basic.dialects import DIALECTS, Dialect
+from assistant.languages.melfa_basic.dialects import DIALECTS
 from assistant.languages.melfa_basic.files import READ, TOKENISED
 from assistant.languages.melfa_basic.syntax import CallP, File, Line, String
 from assistant.program.comparison import Tolerance, compare
@@ -60,6 +60,8 @@ class MelfaBasic(Language[File]):
     fixed = ("MB0", "MB2", "MB5")
     steps = True
     frames: Frames = "base"
+    table = "melfa-basic"
+    settings = SETTINGS
 
     def __init__(self, name: str) -> None:
         self.dialect = DIALECTS[name]
@@ -68,6 +70,12 @@ class MelfaBasic(Language[File]):
     def with_frames(self, frames: Frames) -> MelfaBasic:
         made = copy(self)
         made.frames = frames
+        return made
+
+    def configured(self, settings: Mapping[str, int]) -> MelfaBasic:
+        limits: dict[str, Any] = {SETTINGS_OF[key]: value for key, value in settings.items()}
+        made = copy(self)
+        made.dialect = replace(self.dialect, **limits)
         return made
 
     @property

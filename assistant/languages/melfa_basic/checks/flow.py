@@ -151,8 +151,7 @@ def _changed(statement: s.Statement | None) -> s.Variable | None:
 def _next(
     look: Look, part: Part, at: int, line: s.Line, node: s.Next, over: dict[int, s.Variable]
 ) -> Found:
-    closing = [block for block in part.blocks.all if block.last == at and block.kind == "For"]
-    for variable, block in zip(node.variables, reversed(closing), strict=False):
+    for variable, block in zip(node.variables, part.blocks.closing.get(at, ()), strict=False):
         wanted = over.get(block.first)
         if wanted is not None and wanted.key != variable.key:
             yield look.at(rules.WRONG_NEXT, line, variable, name=variable.name, wanted=wanted.name)

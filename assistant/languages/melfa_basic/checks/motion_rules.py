@@ -23,7 +23,7 @@ FLAGS: Final = Rule(
 ARC_STRAIGHT: Final = Rule(
     "MB703",
     WARNING,
-    "{what}{more}: the controller moves straight to the end",
+    "{what}: the controller moves straight to the end{more}",
     "use `Mvs`, or put the second point beside the line",
 )
 ARC_START: Final = Rule(
@@ -47,8 +47,8 @@ CNT_LEFT: Final = Rule(
 NO_GETM: Final = Rule(
     "MB707",
     ERROR,
-    "`{by}` runs this program in slot {slot}, but it moves without `GetM` (controller error 3280)",
-    "write `RelM` in the program of slot 1, and `GetM 1` in front of the first move here",
+    "`{name}` runs in slot {slot} and moves the robot without `GetM` (controller error 3280)",
+    "write `RelM` in the program of slot 1, and `GetM 1` in front of the first move of `{name}`",
 )
 NO_ACT: Final = Rule(
     "MB708",

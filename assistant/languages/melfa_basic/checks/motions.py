@@ -282,7 +282,7 @@ MOST: Final = 5
 
 
 def _more(count: int) -> str:
-    return f", and so are {count} more" if count > 0 else ""
+    return f" and {count} more like it" if count > 0 else ""
 
 
 def _end(look: Look, item: s.Line | MoveRows, row: int) -> tuple[str, Any]:

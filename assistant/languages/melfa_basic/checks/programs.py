@@ -103,18 +103,21 @@ def _depth(look: Look, name: str, above: tuple[str, ...]) -> int:
 
 
 def mechanisms(look: Look) -> Found:
-    """Programs of slots other than 1 that move the robot without having asked for it."""
-    name = program_name(look.tree).upper()
-    first = next((i for i in look.code if _moves(i)), None)
-    asked = any(command.keyword == "GetM" for _, command in look.all(s.Command))
-    if first is None or asked or not name:
-        return
-    for tree in look.calls.trees:
-        for _, other, slot in called(tree):
-            if slot is not None and slot > 1 and other.upper().removesuffix(".PRG") == name:
-                by = program_name(tree)
-                yield look.finding(motion_rules.NO_GETM, first, by=by, slot=slot)
-                return
+    """Programs that are run in slots other than 1, and move the robot without having asked."""
+    seen: set[str] = set()
+    for line, name, slot in called(look.tree):
+        tree = look.calls.by_name.get(name.upper().removesuffix(".PRG"))
+        if tree is None or slot is None or slot <= 1 or name.upper() in seen:
+            continue
+        code = [item for item in tree.items if isinstance(item, s.Line | MoveRows)]
+        if any(map(_moves, code)) and not any(map(_asks, code)):
+            seen.add(name.upper())
+            yield look.at(motion_rules.NO_GETM, line, f'"{name}"', name=name, slot=slot)
+
+
+def _asks(item: s.Line | MoveRows) -> bool:
+    statement = item.statement if isinstance(item, s.Line) else None
+    return isinstance(statement, s.Command) and statement.keyword == "GetM"
 
 
 def _moves(item: s.Line | MoveRows) -> bool:

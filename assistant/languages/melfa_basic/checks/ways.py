@@ -63,6 +63,8 @@ class Blocks:
     wrong: list[Misfit] = field(default_factory=list)
     by_line: dict[int, Block] = field(default_factory=dict)
     """Place of any word of a block → the block."""
+    closing: dict[int, list[Block]] = field(default_factory=dict)
+    """Place of a closing word → the blocks that it closes, the innermost first."""
 
     @property
     def sound(self) -> bool:
@@ -129,6 +131,7 @@ def blocks_of(look: Look, scope: Scope) -> Blocks:
             if inner is not None and inner.kind == CLOSING[word]:
                 inner.last = at
                 found.by_line[at] = inner
+                found.closing.setdefault(at, []).append(inner)
                 inner = inner.around
             else:
                 wrong = _misfit(at, word, CLOSING[word], inner)
@@ -334,7 +337,7 @@ class _Maker:
         match statement:
             case s.Next() | s.Command(keyword="WEnd"):
                 # a Next of several variables goes back to any of its loops
-                return [b.first for b in self.blocks.all if b.last == at]
+                return [b.first for b in self.blocks.closing.get(at, ())]
             case s.Command(keyword="EndIf" | "End Select"):
                 return self.on(at)
             case s.For():

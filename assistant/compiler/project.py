@@ -1,0 +1,119 @@
+"""A project's own file: `assistant.toml`, or our table of `pyproject.toml`.
+
+[melfa-basic]        # in assistant.toml; `[tool.robot-assistant.melfa-basic]` in pyproject.toml
+name-length = 16
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, Span
+from assistant.program.text import SourceText, decode, read_bytes
+
+if TYPE_CHECKING:
+    from assistant.languages import Language
+
+FILES: Final[Mapping[str, tuple[str, ...]]] = {
+    "assistant.toml": (),
+    "pyproject.toml": ("tool", "robot-assistant"),
+}
+"""Name of a file → the table in it that is ours; the first that is there counts."""
+
+NO_SETTING: Final = Rule(
+    "CO304", Severity.ERROR, "`{key}` is no setting of {table}", "write one of {settings}"
+)
+NOT_ALLOWED: Final = Rule(
+    "CO305", Severity.ERROR, "`{key}` is {value}, no whole number from {least} to {most}",
+    "{meaning}",
+)  # fmt: skip
+NO_SETTINGS: Final = Rule(
+    "CO306",
+    Severity.ERROR,
+    "`{table}` is no table",
+    "write lines such as {setting} = {least} in it",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Project:
+    """Our table of a project's file.
+
+    table: where in the file it is. spans: where keys stand, by their path from the top.
+    content: of the table, a mapping in a sound file.
+    """
+
+    source: SourceText
+    table: tuple[str, ...]
+    spans: Mapping[tuple[str, ...], Span]
+    content: Any
+
+    def finding(self, rule: Rule, at: tuple[str, ...], /, **fields: object) -> Diagnostic:
+        """The rule's finding at a key of our table."""
+        return self.source.finding(rule, self.spans.get((*self.table, *at), Span(0, 0)), **fields)
+
+
+def project_of(folder: FilePath) -> Project | None:
+    """The nearest file with a table of ours, in a folder or above it; raises Unreadable."""
+    for here in (folder, *folder.parents):
+        for name, table in FILES.items():
+            file = here / name
+            if file.is_file() and (found := read_project(file, table)) is not None:
+                return found
+    return None
+
+
+def read_project(file: FilePath, table: tuple[str, ...]) -> Project | None:
+    """Our table in a file, None if it is not there; raises Unreadable."""
+    from assistant.sources.process_file import read_toml
+    from assistant.sources.process_lines import key_spans
+
+    source = decode(read_bytes(file, allow_empty=True), str(file), ("utf-8-sig", "utf-8"))
+    content: Any = read_toml(source).content
+    for key in table:
+        content = content.get(key) if isinstance(content, Mapping) else None
+    if content is None:
+        return None
+    return Project(source, table, key_spans(source.text), content)
+
+
+def configured(language: Language[Any], folder: FilePath) -> Language[Any]:
+    """The language with what the project of a folder says about its controllers.
+
+    Raises Unreadable or Refused, both of exit status 2, if the project's file is broken.
+    """
+    if not language.settings:
+        return language
+    project = project_of(folder)
+    content = project.content if project is not None else None
+    if project is None or not isinstance(content, Mapping) or language.table not in content:
+        return language
+    return language.configured(_settings(project, language, content[language.table]))
+
+
+def _settings(project: Project, language: Language[Any], given: object) -> dict[str, int]:
+    at = (language.table,)
+    table = "[" + ".".join((*project.table, *at)) + "]"
+    if not isinstance(given, Mapping):
+        name, first = next(iter(language.settings.items()))
+        finding = project.finding(
+            NO_SETTINGS, at, table=language.table, setting=name, least=first.least
+        )
+        raise Refused(finding, exit_status=2)
+    found: list[Diagnostic] = []
+    for key, value in given.items():
+        setting = language.settings.get(key)
+        if setting is None:
+            known = ", ".join(language.settings)
+            found.append(
+                project.finding(NO_SETTING, (*at, key), key=key, table=table, settings=known)
+            )
+        elif type(value) is not int or not setting.least <= value <= setting.most:
+            fields = {"least": setting.least, "most": setting.most, "meaning": setting.meaning}
+            found.append(project.finding(NOT_ALLOWED, (*at, key), key=key, value=value, **fields))
+    if found:
+        raise Refused(*found, exit_status=2)
+    return dict(given)
