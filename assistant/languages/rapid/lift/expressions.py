@@ -141,6 +141,8 @@ def _call(node: s.FunctionCall, original: Original) -> e.Expression:
         if all(p is not None for p in points):
             return e.Apply("distance", tuple(p for p in points if p is not None))
         return verbatim
+    if name == "testdi" and len(given) == 1:
+        return e.Binary("=", given[0], e.Number(1))
     if name in _POWERS and len(given) == 2:
         return e.Binary(_POWERS[name], *given)  # type: ignore[arg-type]
     if name in _FUNCTIONS:

@@ -194,6 +194,25 @@ def _override(m: Meaning, given: Given, _: Options) -> p.Statement | None:
     return p.SetOverride(m.expression(given[0]))
 
 
+def _added(operator: Any, one: bool) -> Lifted:
+    """one: by 1; else by what the second argument says."""
+
+    def lifted(m: Meaning, given: Given, _: Options) -> p.Statement | None:
+        if not isinstance(given[0], s.NameRef | s.Element | s.Component):
+            return None
+        place = m.expression(given[0])
+        by = e.Number(1) if one else m.expression(given[1])
+        return p.Assign(place, e.Binary(operator, place, by))
+
+    return lifted
+
+
+def _clear(m: Meaning, given: Given, _: Options) -> p.Statement | None:
+    if not isinstance(given[0], s.NameRef | s.Element | s.Component):
+        return None
+    return p.Assign(m.expression(given[0]), e.Number(0))
+
+
 def _stop(_: Meaning, _given: Given, _options: Options) -> p.Statement | None:
     return p.Stop()
 
@@ -232,6 +251,10 @@ INSTRUCTIONS: Final[Mapping[str, Form]] = {
     "pulsedo": Form(1, _pulse, ("high", "plength")),
     "accset": Form(2, _acceleration),
     "velset": Form(2, _override),
+    "incr": Form(1, _added("+", one=True)),
+    "decr": Form(1, _added("-", one=True)),
+    "add": Form(2, _added("+", one=False)),
+    "clear": Form(1, _clear),
     "stop": Form(0, _stop),
     "tpwrite": Form(1, _message, ("num",)),
 }
