@@ -22,33 +22,34 @@ WRITTEN = """\
 3 Spd 100
 4 Tool PT
 5 *LOOP
-6 Mov PHOME
-7 If M_In(3)=1 Then
-8   GoSub *PICK
-9 EndIf
-10 Mvs P1
-11 Mvs P2
-12 Mvr P2,P3,P4
-13 Cnt 1,5,8
-14 Mvs P5
-15 M1 = M1 + 1
-16 If M1 > 10 Then *FIN Else *LOOP
-17 *FIN
-18 Hlt
-19 End
-20 *PICK 'get it
-21 HClose 1
-22 Mov P9,-50
-23 Mvs P9
-24 M_Out(17)=1 Dly 0.2
-25 Select M1
-26 Case 1
-27 Mov P9
-28 Break
-29 Case 2
-30 Dly 1
-31 End Select
-32 Return
+6 Cnt 0
+7 Mov PHOME
+8 If M_In(3)=1 Then
+9   GoSub *PICK
+10 EndIf
+11 Mvs P1
+12 Mvs P2
+13 Mvr P2,P3,P4
+14 Cnt 1,5,8
+15 Mvs P5
+16 M1 = M1 + 1
+17 If M1 > 10 Then *FIN Else *LOOP
+18 *FIN
+19 Hlt
+20 End
+21 *PICK 'get it
+22 HClose 1
+23 Mov P9,-50
+24 Mvs P9
+25 M_Out(17)=1 Dly 0.2
+26 Select M1
+27 Case 1
+28 Mov P9
+29 Break
+30 Case 2
+31 Dly 1
+32 End Select
+33 Return
 PT=(+0.00,+0.00,+100.00,+0.00,+0.00,+0.00)(0,0)
 PHOME=(+400.00,+0.00,+600.00,+180.00,+0.00,+180.00)(7,0)
 P1=(+10.00,+0.00,+600.00,+180.00,+0.00,+180.00)(7,0)
@@ -88,7 +89,8 @@ def test_written_program() -> None:
     assert again.otherwise == (p.Goto("LOOP"),)
     assert (fin, stop) == (p.Label("FIN"), p.Stop())
     assert pick.name == "PICK"
-    hand, back, down, glue, switch = pick.body
+    note, hand, back, down, glue, switch = pick.body
+    assert note == p.Comment("get it")
     assert hand == p.Gripper("close", 1)
     relative = e.Apply("relative", (e.Name("P9"), e.Number(0), e.Number(0), e.Number(-50)))
     assert back == p.Move("joint", relative, motion)

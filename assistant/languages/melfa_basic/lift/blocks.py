@@ -10,6 +10,7 @@ from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MoveRows
 
 Entry = s.Line | MoveRows
+Code = Sequence[Entry]
 
 _MIDDLE: Final = {"Else": "If", "Default": "Select"}
 _CLOSING: Final = {"EndIf": "If", "WEnd": "While", "End Select": "Select"}
@@ -38,7 +39,7 @@ def opened(statement: s.Statement | None) -> str | None:
     return None
 
 
-def structure(code: Sequence[Entry]) -> dict[int, list[int]]:
+def structure(code: Code) -> dict[int, list[int]]:
     """First line of each block → the places of all its keywords, the last one included.
 
     A block that is not closed, or not in order, is not in it.
@@ -60,7 +61,8 @@ def structure(code: Sequence[Entry]) -> dict[int, list[int]]:
         elif isinstance(statement, s.Case):
             middle = "Select"
         elif isinstance(statement, s.Next):
-            _close(stack, "For", at, found, item.label is None and len(statement.variables) < 2)
+            for _ in range(max(1, len(statement.variables))):  # one may close several
+                _close(stack, "For", at, found, item.label is None)
             continue
         if middle and stack and stack[-1][0] == middle and item.label is None:
             stack[-1][1].append(at)
@@ -83,7 +85,7 @@ def _close(
 _THEN: Final = re.compile(r"(I[0-9]+)T1")
 
 
-def _jumping(code: Sequence[Entry]) -> dict[int, list[int]]:
+def _jumping(code: Code) -> dict[int, list[int]]:
     """The same for an `If` that is written with jumps to labels `I1T1`, `I1N1` … `I1Z`.
 
     Places: for each branch its `If`, the jump to the end, the label of the next; the end.
@@ -107,9 +109,7 @@ def _jumping(code: Sequence[Entry]) -> dict[int, list[int]]:
     return found
 
 
-def _branches(
-    code: Sequence[Entry], labels: Mapping[str, int], at: int, name: str
-) -> list[int] | None:
+def _branches(code: Code, labels: Mapping[str, int], at: int, name: str) -> list[int] | None:
     places: list[int] = []
     branch = 1
     end = labels.get(name + "Z", -1)
@@ -136,7 +136,7 @@ def _branches(
         at = after + 1
 
 
-def labels_in(code: Sequence[Entry], low: int, high: int) -> set[str]:
+def labels_in(code: Code, low: int, high: int) -> set[str]:
     """Labels of a range, in upper case."""
     return {
         item.label.upper()
@@ -145,33 +145,8 @@ def labels_in(code: Sequence[Entry], low: int, high: int) -> set[str]:
     }
 
 
-def procedure_starts(
-    code: Sequence[Entry],
-    blocks: Mapping[int, list[int]],
-    named: Mapping[str, str],
-    own: bool,
-) -> list[tuple[int, str]]:
-    """Place and label (upper case) of each procedure after the first.
-
-    Own files name them in the heading. In others a procedure is what `GoSub` calls, if
-    nothing runs into it from above and what stands before the next one leaves for good.
-    """
-    depth = _depths(code, blocks)
-    wanted = set(named) if own else _called(code)
-    starts: list[tuple[int, str]] = []
-    for at, item in enumerate(code):
-        if not isinstance(item, s.Line) or item.label is None or depth[at]:
-            continue
-        label = item.label.upper()
-        if label not in wanted or item.statement is not None:
-            continue
-        if own or _leaves(code, at):
-            starts.append((at, label))
-            wanted.discard(label)
-    return starts
-
-
-def _depths(code: Sequence[Entry], blocks: Mapping[int, list[int]]) -> list[int]:
+def depths(code: Code, blocks: Mapping[int, list[int]]) -> list[int]:
+    """In how many blocks each line stands, its first and last line included."""
     change = [0] * (len(code) + 1)
     for first, places in blocks.items():
         change[first] += 1
@@ -183,31 +158,21 @@ def _depths(code: Sequence[Entry], blocks: Mapping[int, list[int]]) -> list[int]
     return depth
 
 
-def _called(code: Sequence[Entry]) -> set[str]:
-    """Labels that `GoSub` statements name."""
-    found: set[str] = set()
-    for item in code:
-        statement = item.statement if isinstance(item, s.Line) else None
-        for node in (statement, *_branch_statements(statement)):
-            if isinstance(node, s.Jump) and node.keyword == "GoSub":
-                found.add(str(node.target.place).upper())
-    return found
-
-
-def _branch_statements(statement: s.Statement | None) -> tuple[object, ...]:
-    return (statement.then, statement.otherwise) if isinstance(statement, s.If) else ()
-
-
-def _leaves(code: Sequence[Entry], at: int) -> bool:
-    """Whether control never runs into the place from the line above it."""
-    at -= 1
-    while at >= 0:
-        item = code[at]
-        if isinstance(item, s.Line) and item.statement is None and item.label is None:
-            at -= 1
-            continue
-        statement = item.statement if isinstance(item, s.Line) else None
-        return statement in (s.Command("End"), s.Command("Return")) or (
-            isinstance(statement, s.Jump) and statement.keyword == "GoTo"
+def is_word_of_block(statement: s.Statement | None) -> bool:
+    """Whether it opens, divides or closes a block."""
+    if isinstance(statement, s.Command):
+        return (
+            statement.keyword in _MIDDLE
+            or statement.keyword in _CLOSING
+            or (statement.keyword == "While")
         )
-    return False
+    return isinstance(statement, s.ElseIf | s.Case | s.Next) or opened(statement) is not None
+
+
+def innermost_ends(count: int, blocks: Mapping[int, list[int]]) -> dict[int, int]:
+    """By line, the last line of the innermost block that it stands in."""
+    ends: dict[int, int] = {}
+    for first in sorted(blocks):  # inner ones overwrite what holds them
+        last = blocks[first][-1]
+        ends.update(dict.fromkeys(range(first + 1, min(last, count)), last))
+    return ends

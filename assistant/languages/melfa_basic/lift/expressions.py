@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final, cast
+import math
+from typing import Any, Final
+
+import numpy as np
 
 from assistant.languages.melfa_basic import printer
 from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.header import Header
-from assistant.languages.melfa_basic.lift.positions import Positions, joints_of, target_of
-from assistant.languages.melfa_basic.functions import OF_ANGLE, PLAIN, TO_ANGLE
+from assistant.languages.melfa_basic.functions import ANALOG, OF_ANGLE, PLAIN, TO_ANGLE
+from assistant.languages.melfa_basic.lift.meanings import SIGNALS, Meanings, Unliftable
+from assistant.languages.melfa_basic.lift.positions import target_of
+from assistant.languages.melfa_basic.vocabulary import function, status
 from assistant.program import expressions as e
-from assistant.program.program import Signal, ValueType, Variable
+from assistant.program import rotations
+from assistant.program.geometry import BASE, FLANGE
+from assistant.program.program import ValueType
 
-if TYPE_CHECKING:
-    from assistant.robots import Robot
-
+# PLAIN, OF_ANGLE and TO_ANGLE are read backwards here: one row adds a function both ways.
 _PLAIN: Final = {melfa.upper(): name for name, melfa in PLAIN.items()}
 _OF_ANGLE: Final = {melfa.upper(): name for name, melfa in OF_ANGLE.items()}
 _TO_ANGLE: Final = {melfa.upper(): name for name, melfa in TO_ANGLE.items()}
@@ -22,52 +26,47 @@ _OPERATORS: Final = {
     "\\": "div", "MOD": "mod", "AND": "and", "OR": "or", "XOR": "xor", "><": "<>", "=<": "<=",
     "=>": ">=",
 }  # fmt: skip
-
-SIGNALS: Final[dict[str, tuple[str, str, int]]] = {
-    "M_IN": ("digital", "input", 1), "M_OUT": ("digital", "output", 1),
-    "M_INB": ("group", "input", 8), "M_IN8": ("group", "input", 8),
-    "M_OUTB": ("group", "output", 8), "M_OUT8": ("group", "output", 8),
-    "M_INW": ("group", "input", 16), "M_IN16": ("group", "input", 16),
-    "M_OUTW": ("group", "output", 16), "M_OUT16": ("group", "output", 16),
-    "M_IN32": ("group", "input", 32), "M_OUT32": ("group", "output", 32),
-}  # fmt: skip
-"""Status variable → kind, direction and bits of the signal that it addresses."""
-
-
-class Unliftable(Exception):
-    """The pseudo-program has no words for it."""
+_REGISTERS: Final = tuple(word.upper() for word in ANALOG)
+RELATIONS: Final = ("=", "<>", "<", "<=", ">", ">=")
+LOGICAL: Final = ("and", "or", "xor")
+DEGREE: Final = math.pi / 180.0
+FROM_LETTER: Final[dict[str, ValueType]] = {
+    "P": "position",
+    "J": "joints",
+    "C": "text",
+    "M": "number",
+}
 
 
-class Meanings:
-    """What the names of one file mean; it notes those that it meets.
+def operator_name(written: str) -> str:
+    return _OPERATORS.get(written, written)
 
-    variables, signals: of the whole program. owner: the procedure whose body is read.
-    """
 
-    def __init__(
-        self,
-        header: Header,
-        positions: Positions,
-        robot: Robot | None,
-        dialect: str,
-        signals: dict[str, Signal],
-        variables: dict[str, Variable],
-        targets: set[str],
-    ) -> None:
-        self.header, self.positions, self.robot, self.dialect = header, positions, robot, dialect
-        self.signals, self.variables, self.targets = signals, variables, targets
-        self.types: dict[str, ValueType] = {}
-        self.spelling = {name.upper(): name for name in variables}
-        self.by_address = {
-            (s_.kind, s_.direction, s_.bits, s_.number): n for n, s_ in signals.items()
-        }
+class Expressions:
+    """Lifts the expressions of one file; what it has no words for raises Unliftable."""
+
+    def __init__(self, meanings: Meanings) -> None:
+        self.m = meanings
+
+    # ------------------------------------------------------------------------- any value
 
     def of(self, node: s.Expression) -> e.Expression:
         """Any value; what the pseudo-program cannot say stays as its text."""
         try:
             return self.plain(node)
         except Unliftable:
-            return e.Verbatim(self.dialect, printer.expression(node, self.dialect.endswith("-4")))
+            return self.verbatim(node)
+
+    def condition(self, node: s.Expression) -> e.Expression:
+        """A value that counts as true or false."""
+        try:
+            return self.truth(node)
+        except Unliftable:
+            return self.verbatim(node)
+
+    def verbatim(self, node: s.Expression) -> e.Verbatim:
+        upper = self.m.dialect.endswith("-4")
+        return e.Verbatim(self.m.dialect, printer.expression(node, upper))
 
     def plain(self, node: s.Expression) -> e.Expression:
         match node:
@@ -80,136 +79,307 @@ class Meanings:
             case s.Unary(operator="-", operand=s.Number(value=value)):
                 return e.Number(-value)
             case s.Unary(operator="-", operand=operand):
-                return e.Unary("-", self.plain(operand))
+                return e.Unary("-", self.number(operand))
             case s.Unary(operator="+", operand=operand):
                 return self.plain(operand)
             case s.Binary(operator=operator, left=left, right=right):
-                return self.binary(operator, left, right)
+                return self.binary(operator_name(operator), left, right)
             case s.Constant(flags=flags):
                 if flags is None:
                     raise Unliftable
-                return e.TargetValue(target_of(node, self.robot))
+                return e.TargetValue(target_of(node, self.m.robot))
         raise Unliftable
 
+    def number(self, node: s.Expression) -> e.Expression:
+        """A value that is no truth, as the operand of a sum."""
+        if not self.m.own and isinstance(node, s.Binary):
+            if operator_name(node.operator) in RELATIONS:
+                raise Unliftable
+        return self.plain(node)
+
     def binary(self, operator: str, left: s.Expression, right: s.Expression) -> e.Expression:
-        if isinstance(right, s.Constant) and operator in "+*":
-            return self.moved(operator, left, right)
-        if operator == "*" and self.is_position(left) and self.is_position(right):
-            return e.Binary("@", self.plain(left), self.plain(right))
-        if operator in ("<<", ">>"):
+        group = self.group(operator, left, right)
+        if group is not None:
+            return group
+        kinds = self.type_of(left), self.type_of(right)
+        if "position" in kinds or isinstance(right, s.Constant):
+            return self.placed(operator, left, right)
+        if operator in ("<<", ">>") or ("joints" in kinds and not self.m.own):
             raise Unliftable
-        name = _OPERATORS.get(operator, operator)
-        return e.Binary(name, self.plain(left), self.plain(right))  # type: ignore[arg-type]
+        if operator in LOGICAL and not self.m.own:  # of bits; that of truths is no number
+            raise Unliftable
+        return e.Binary(operator, self.number(left), self.number(right))  # type: ignore[arg-type]
 
-    def is_position(self, node: s.Expression) -> bool:
-        return isinstance(node, s.Variable) and node.key.startswith("P") and not node.component
+    def group(self, operator: str, left: s.Expression, right: s.Expression) -> e.Name | None:
+        """`M_In8(5) And &H0F`: a group of fewer bits than the variable has."""
+        match operator, left, right:
+            case "and", s.Variable(arguments=(first,)), s.Number(value=mask) if left.key in SIGNALS:
+                kind, direction, width = SIGNALS[left.key]
+                number, bits = self.m.value(first), int(mask).bit_length()
+                plain = mask == (1 << bits) - 1 and 0 < bits < width
+                if kind == "group" and plain and isinstance(number, float):
+                    return e.Name(self.m.signal_at(kind, direction, bits, round(number)))
+        return None
 
-    def moved(self, operator: str, left: s.Expression, shift: s.Constant) -> e.Expression:
-        values = [0.0 if v is None else v for v in shift.values]
-        values += [0.0] * (6 - len(values))
-        if shift.flags is not None or any(values[6:]):
+    # ---------------------------------------------------------------------------- truths
+
+    def truth(self, node: s.Expression) -> e.Expression:
+        """A condition. Other than truths, MELFA-BASIC's own logic works on bits."""
+        match node:
+            case s.Binary(operator=written, left=left, right=right):
+                operator = operator_name(written)
+                if operator in LOGICAL and self.group(operator, left, right) is None:
+                    if not (self.is_truth(left) and self.is_truth(right)):
+                        raise Unliftable
+                    return e.Binary(operator, self.truth(left), self.truth(right))  # type: ignore[arg-type]
+                if operator in RELATIONS:
+                    return self.binary(operator, left, right)
+            case s.Number(value=value) if not self.m.own:
+                return e.Truth(value != 0)
+        plain = self.plain(node)
+        if self.m.own or self.type_of(node) == "truth":
+            return plain
+        if self.is_bit(node):
+            return e.Binary("=", plain, e.Number(1))
+        if self.type_of(node) not in ("number", "integer"):
             raise Unliftable
-        turned = values[3:6]
-        if sum(v != 0.0 for v in turned) > (1 if operator == "*" else 0):
-            raise Unliftable
-        used = values[:6] if any(turned) else values[:3]
-        while len(used) > 3 and used[-1] == 0.0:
-            used.pop()
-        name = "offset" if operator == "+" else "relative"
-        return e.Apply(name, (self.plain(left), *(e.Number(v) for v in used)))
+        return e.Binary("<>", plain, e.Number(0))
+
+    def is_truth(self, node: s.Expression) -> bool:
+        """Whether it is 0 or 1 (or a truth), so that bits and truths are the same."""
+        match node:
+            case s.Binary(operator=written, left=left, right=right):
+                operator = operator_name(written)
+                if operator in LOGICAL:
+                    return self.is_truth(left) and self.is_truth(right)
+                return operator in RELATIONS
+            case s.Variable():
+                return self.is_bit(node) or self.type_of(node) == "truth" or self.m.own
+        return self.m.own
+
+    def is_bit(self, node: s.Expression) -> bool:
+        if not isinstance(node, s.Variable) or node.component:
+            return False
+        known = SIGNALS.get(node.key) if node.arguments else None
+        if known is not None:
+            return known[0] == "digital"
+        return node.key in self.m.io and self.m.io[node.key][0] == 1
+
+    # ------------------------------------------------------------------------------ types
+
+    def type_of(self, node: s.Expression | None) -> ValueType:
+        match node:
+            case s.String():
+                return "text"
+            case s.Constant(flags=flags):
+                return "joints" if flags is None and len(node.values) < 3 else "position"
+            case s.Pallet():
+                return "position"
+            case s.Variable(component=component) if component:
+                return "integer" if component.startswith("FL") else "number"
+            case s.Variable():
+                return self.type_of_name(node)
+            case s.Unary(operand=operand):
+                return self.type_of(operand)
+            case s.Binary(operator=operator, left=left, right=right):
+                name = operator_name(operator)
+                if name in RELATIONS:
+                    return "truth"
+                kinds = (self.type_of(left), self.type_of(right))
+                for kind in ("position", "joints", "text", "number"):
+                    if kind in kinds:
+                        return kind
+                return "number" if name in ("/", "^") else kinds[0]
+            case s.Number(value=value):
+                return "integer" if float(value).is_integer() else "number"
+        return "number"
+
+    def type_of_name(self, node: s.Variable) -> ValueType:
+        key = node.key
+        if node.arguments is not None and (known := function(key)) is not None:
+            if key in ("CINT", "FIX", "INT", "LEN", "ASC"):
+                return "integer"
+            return FROM_LETTER[known.result[0]]
+        if (known_status := status(key)) is not None:
+            return "integer" if key in SIGNALS else FROM_LETTER[known_status.type]
+        return self.m.type_of_key(key)
+
+    # -------------------------------------------------------------------------- variables
 
     def variable(self, node: s.Variable) -> e.Expression:
         if node.component:
             return self.component(node)
         key = node.key
+        if key in self.m.io and not self.m.is_shadowed(key):
+            return e.Name(self.m.io_signal(node, "input"))
+        inside = self.m.inside
+        if inside is not None and key == inside.key and node.arguments is None:
+            if inside.result is None:
+                raise Unliftable
+            return e.Name(inside.result)
+        if key in self.m.routines and not self.m.is_shadowed(key):
+            return self.applied(node)
         if node.arguments is not None:
             return self.called(node, key)
-        if key == "P_CURR":
-            return e.Apply("here")
-        if key == "J_CURR":
-            return e.Apply("joints_here")
+        if key in ("P_CURR", "J_CURR"):
+            return self.here(key)
         if key in ("M_ON", "M_OFF"):
             return e.Number(int(key == "M_ON"))
-        return self.name(node)
+        if key == "M_PI":
+            return e.Number(math.pi)
+        return self.m.name(node)
 
-    def name(self, node: s.Variable) -> e.Expression:
-        """A variable by its original name; inline positions by their value."""
-        key, names = node.key, self.header.names
-        if key in self.header.inline:
-            constant = self.positions.constant(key)
-            if constant is None:
-                raise Unliftable
-            if key[0] == "J":
-                return e.JointValue(joints_of(constant, self.robot))
-            return e.TargetValue(target_of(constant, self.robot))
-        for kind in ("target", "joints", "loop"):
-            if key in names[kind]:
-                return e.Name(names[kind][key])
-        if key in self.header.variables:
-            return e.Name(self.header.variables[key].name)
-        if key[1:2] == "_":
+    def here(self, key: str) -> e.Expression:
+        """Where the robot stands, seen with the tool and base that hold."""
+        if key == "J_CURR":
+            return e.Apply("joints_here")
+        tool, frame = self.m.placing
+        if self.m.own or (tool, frame) == (FLANGE, BASE):
+            return e.Apply("here")
+        if not isinstance(tool, str) or not isinstance(frame, str):
             raise Unliftable
-        if self.positions.constant(key) is not None:
-            self.targets.add(key)
-            return e.Name(node.name)
-        if key not in self.spelling:
-            self.spelling[key] = node.name
-            self.variables[node.name] = Variable(self.type_of(node))
-        return e.Name(self.spelling[key])
+        return e.Apply("here", (e.Name(tool), e.Name(frame)))
 
-    def type_of(self, node: s.Variable) -> ValueType:
-        if node.key in self.types:
-            return self.types[node.key]
-        if node.suffix == "$":
-            return "text"
-        if node.suffix in ("%", "&"):
-            return "integer"
-        letters: dict[str, ValueType] = {"P": "position", "J": "joints"}
-        return letters.get(node.key[0], "number")
+    def applied(self, node: s.Variable) -> e.Expression:
+        """A call of a function of the user's own."""
+        routine = self.m.routines[node.key]
+        given = node.arguments or ()
+        if routine.parameters is None or routine.result is None:
+            raise Unliftable
+        name = self.m.variants.get(node.key, routine.name)
+        return e.Apply(name, self.arguments(routine.parameters, given))
+
+    def arguments(self, parameters: Any, given: Any) -> tuple[e.Expression, ...]:
+        if len(parameters) != len(given) or any(a is None for a in given):
+            raise Unliftable
+        made = tuple(self.number(a) for a in given)
+        for parameter, value in zip(parameters, made, strict=True):
+            if parameter.mode == "inout" and not isinstance(value, e.Name | e.Member | e.Index):
+                raise Unliftable
+        return made
 
     def component(self, node: s.Variable) -> e.Expression:
+        """X, Y, Z in mm; joints are read in radian."""
+        whole = s.Variable(node.name, node.suffix, node.arguments)
         if node.component in ("X", "Y", "Z"):
-            whole = s.Variable(node.name, node.suffix, node.arguments)
             return e.Member(self.variable(whole), node.component.lower())
+        if node.component[:1] == "J" and not self.m.own:
+            return e.Binary("*", self.degrees(node), e.Number(DEGREE))
         raise Unliftable
 
     def called(self, node: s.Variable, key: str) -> e.Expression:
+        """An element of an array, a signal, or a function of the language."""
         arguments = node.arguments or ()
         if any(a is None for a in arguments):
             raise Unliftable
         values = [a for a in arguments if a is not None]
-        if key in SIGNALS and len(values) == 1 and isinstance(values[0], s.Number):
-            return e.Name(self.signal(key, int(values[0].value)))
+        if self.m.size_of(key):
+            indices = tuple(self.index(v) for v in values)
+            whole = self.m.name(s.Variable(node.name, node.suffix))
+            return e.Index(whole, indices)
+        if (key in SIGNALS or key in _REGISTERS) and len(values) == 1:
+            number = self.m.value(values[0])
+            if not isinstance(number, float):
+                raise Unliftable
+            if key in _REGISTERS:
+                direction = ("input", "output")[_REGISTERS.index(key)]
+                return e.Name(self.m.signal_at("analog", direction, 1, round(number)))
+            return e.Name(self.m.signal(key, round(number)))
+        if key in ("P_CURR", "J_CURR") and values == [s.Number(1)]:
+            return self.here(key)
         if key in _OF_ANGLE and len(values) == 1:
-            match values[0]:
-                case s.Variable(arguments=(inner,)) as rad if (
-                    rad.key == "RAD" and inner is not None
-                ):
-                    return e.Apply(_OF_ANGLE[key], (self.plain(inner),))
-            raise Unliftable
-        if key == "DEG" and len(values) == 1 and isinstance(values[0], s.Variable):
+            return e.Apply(_OF_ANGLE[key], (self.degrees(values[0]),))
+        if key == "DEG" and len(values) == 1:
             return self.degrees(values[0])
+        if (key in _TO_ANGLE or key == "RAD") and not self.m.own:
+            return e.Binary("*", self.degrees(node), e.Number(DEGREE))
         if key in _PLAIN:
-            return e.Apply(_PLAIN[key], tuple(self.plain(v) for v in values))
+            return e.Apply(_PLAIN[key], tuple(self.number(v) for v in values))
         raise Unliftable
 
-    def degrees(self, inner: s.Variable) -> e.Expression:
-        if inner.key in _TO_ANGLE and inner.arguments:
-            values = tuple(self.plain(a) for a in inner.arguments if a is not None)
-            return e.Apply(_TO_ANGLE[inner.key], values)
-        if inner.component[:1] == "J":
-            whole = s.Variable(inner.name, inner.suffix, inner.arguments)
-            return e.Member(self.variable(whole), inner.component.lower())
+    def index(self, node: s.Expression) -> e.Expression:
+        """A subscript; one that is no whole number is rounded."""
+        value = self.number(node)
+        if self.m.own or self.type_of(node) == "integer" or isinstance(node, s.Number):
+            return value
+        return value if isinstance(value, e.Name) else e.Apply("round", (value,))
+
+    # ----------------------------------------------------------------------------- angles
+
+    def degrees(self, node: s.Expression) -> e.Expression:
+        """The degrees of a value that is an angle in radian."""
+        match node:
+            case s.Variable(key="RAD", arguments=(inner,)) if inner is not None:
+                return self.number(inner)
+            case s.Variable(component=component) if component[:1] == "J":
+                whole = s.Variable(node.name, node.suffix, node.arguments)
+                if component not in ("J1", "J2", "J3", "J4", "J5", "J6"):
+                    raise Unliftable
+                return e.Member(self.variable(whole), component.lower())
+            case s.Variable(arguments=tuple(given)) if node.key in _TO_ANGLE and not node.component:
+                values = tuple(self.number(a) for a in given if a is not None)
+                return e.Apply(_TO_ANGLE[node.key], values)
+        if self.m.own:
+            raise Unliftable
+        match node:
+            case s.Number(value=value):
+                return e.Number(math.degrees(value) if value else 0)
+            case s.Unary(operator="-", operand=operand):
+                turned = self.degrees(operand)
+                if isinstance(turned, e.Number):
+                    return e.Number(-turned.value)
+                return e.Unary("-", turned)
+            case s.Binary(operator=("+" | "-") as sign, left=left, right=right):
+                return e.Binary(sign, self.degrees(left), self.degrees(right))
+            case s.Binary(operator=("*" | "/") as sign, left=left, right=right) if self.is_angle(
+                left
+            ):
+                return e.Binary(sign, self.degrees(left), self.number(right))
+        return e.Binary("/", self.number(node), e.Number(DEGREE))
+
+    def is_angle(self, node: s.Expression) -> bool:
+        """Whether it is of the kind that comes in radian."""
+        if not isinstance(node, s.Variable):
+            return False
+        return node.component[:1] == "J" or node.key == "RAD" or node.key in _TO_ANGLE
+
+    # --------------------------------------------------------------------------- positions
+
+    def placed(self, operator: str, left: s.Expression, right: s.Expression) -> e.Expression:
+        """A position moved by a constant; a product of positions."""
+        shift = self.shift(right)
+        if operator in "+-*" and shift is not None and self.type_of(left) == "position":
+            return self.moved(operator, left, shift)
+        positions = self.type_of(left) == self.type_of(right) == "position"
+        if operator == "*" and positions and self.m.own:
+            return e.Binary("@", self.plain(left), self.plain(right))
         raise Unliftable
 
-    def signal(self, key: str, number: int) -> str:
-        """The name of a signal by its address."""
-        kind, direction, bits = SIGNALS[key]
-        address = (cast(Any, kind), cast(Any, direction), bits, number)
-        if address not in self.by_address:
-            letter = {"digital": "d", "group": "g"}[kind]
-            width = f"{bits}_" if kind == "group" else ""
-            name = f"{letter}{'o' if direction == 'output' else 'i'}_{width}{number}"
-            self.signals[name] = Signal(address[0], address[1], number, bits)
-            self.by_address[address] = name
-        return self.by_address[address]
+    def shift(self, node: s.Expression) -> s.Constant | None:
+        """The constant that a position is moved by, also by the name of one that never changes."""
+        if isinstance(node, s.Constant):
+            return node
+        if isinstance(node, s.Variable) and node.arguments is None and not node.component:
+            if not self.m.own and node.key not in self.m.constants.assigned:
+                return self.m.positions.constant(node.key)
+        return None
+
+    def moved(self, operator: str, left: s.Expression, shift: s.Constant) -> e.Expression:
+        values = [0.0 if v is None else float(v) for v in shift.values]
+        values += [0.0] * (6 - len(values))
+        five_axis = self.m.robot is not None and self.m.robot.five_axis
+        if any(values[6:]) or (five_axis and any(values[3:]) and not self.m.own):
+            raise Unliftable
+        if operator == "-":
+            values = [-v + 0.0 for v in values]
+        turned = values[3:6]
+        if operator != "*" and any(turned):
+            raise Unliftable
+        if sum(v != 0.0 for v in turned) > 1:  # turned about x, then the new y, then the new z
+            whole = rotations.from_euler(np.array(turned[::-1]), "ZYX")
+            values[3:6] = [round(float(v), 9) + 0.0 for v in rotations.to_euler(whole, "XYZ")]
+        used = values[:6] if any(turned) else values[:3]
+        while len(used) > 3 and used[-1] == 0.0:
+            used.pop()
+        name = "relative" if operator == "*" else "offset"
+        return e.Apply(name, (self.plain(left), *(e.Number(v) for v in used)))

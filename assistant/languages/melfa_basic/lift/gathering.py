@@ -131,6 +131,15 @@ def _positions(group: list[PositionRows]) -> PositionRows:
     )
 
 
+def cut(rows: MoveRows, low: int, high: int) -> MoveRows:
+    """Some of the rows."""
+    part = slice(low, high)
+    return MoveRows(
+        rows.stem, rows.steps[part], rows.kinds[part], rows.start[part], rows.via[part],
+        rows.end[part],
+    )  # fmt: skip
+
+
 def rows_as_lines(rows: MoveRows | PositionRows) -> Iterator[s.Line | s.Data]:
     """The rows as the nodes that the grammar gives for their lines; for few, not for many."""
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import itertools
+import math
 from bisect import bisect_right
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,18 +15,26 @@ from numpy.typing import NDArray
 from assistant.languages.melfa_basic import poses
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import KEYWORDS, MOV, MVR, MoveRows
-from assistant.languages.melfa_basic.lift.gathering import rows_as_lines, split_name
+from assistant.languages.melfa_basic.lift.blocks import Entry
+from assistant.languages.melfa_basic.lift.gathering import cut, rows_as_lines, split_name
+from assistant.languages.melfa_basic.lift.meanings import Meanings
 from assistant.languages.melfa_basic.lift.positions import configurations
+from assistant.languages.melfa_basic.lift.settings import FRAME, JOINT, TCP, TOOL, UNKNOWN
 from assistant.languages.melfa_basic.names import ARC_START
 from assistant.program import statements as p
 from assistant.program.diagnostics import Span, over
+from assistant.program.motion import Speed
 from assistant.program.path import Kind, Path
 from assistant.program.program import identifier
 
-if TYPE_CHECKING:
-    from assistant.languages.melfa_basic.lift.statements import Reader
-
 Ints = NDArray[np.int64]
+Values = tuple[Any, ...]
+"""Settings of a move, by TCP, JOINT, BLEND, TOOL and FRAME."""
+Place = tuple[str, Any, Any]
+"""Where the robot stands: a position variable (upper case), the tool and the frame."""
+
+One = Callable[[s.Motion, Values, Span | None], list[p.Statement]]
+"""Makes the statements of a move that is part of no path."""
 
 
 @dataclass(slots=True)
@@ -32,36 +42,50 @@ class _Chunk:
     """Consecutive rows of a path under one state."""
 
     kinds: NDArray[np.uint8]
-    settings: tuple[Any, ...]
+    settings: Values
+    span: Span | None
+
+
+def sayable(values: Values, joint: bool) -> bool:
+    """Whether every setting is known that a move of that kind depends on."""
+    return all(v is not UNKNOWN for k, v in enumerate(values) if k != (TCP if joint else JOINT))
+
+
+def speed_of(values: Values, joint: bool) -> Speed:
+    """The speed of a move; a joint move does not depend on that of the tool."""
+    tcp = math.inf if values[TCP] is UNKNOWN else values[TCP]
+    return Speed(tcp, joint=values[JOINT] if joint else None)
 
 
 class Runs:
-    """Collects moves for a Reader; `flush` puts the path that they make among the statements.
+    """Collects moves; `flush` puts the path that they make among the statements.
 
-    previous: the position variable (upper case) where the robot stands, None if unknown.
-    at: where the entry that is read stands; what is made of it gets that span.
+    own: the file says itself which positions are paths. previous: where the robot stands, None
+    if that is not known. arc_pending: the start of an arc was just read from the robot.
     """
 
-    def __init__(self, reader: Reader) -> None:
-        self.reader = reader
-        self.changed = False
-        self.previous: str | None = None
+    def __init__(self, meanings: Meanings, code: Sequence[Entry], own: bool, one: One) -> None:
+        self.meanings, self.own, self.one = meanings, own, one
+        self.previous: Place | None = None
+        self.arc_pending = False
         self.at: Span | None = None
-        self.span: Span | None = None
         self.stem = ""
         self.first = self.last = 0
         self.chunks: list[_Chunk] = []
         self.names: set[str] = set()
         self.taken: list[tuple[str, int, int]] = []
-        head = reader.meanings.header
-        self.ranges = sorted(head.paths)
+        self.ranges = sorted(meanings.header.paths)
         self.starts = [first for first, _, _ in self.ranges]
-        self.single = {} if reader.own else _used_once(reader.code)
+        self.single = {} if own else _used_once(code)
 
     # ------------------------------------------------------------------------ gathering
 
-    def rows(self, rows: MoveRows, made: list[p.Statement]) -> None:
+    def rows(self, rows: MoveRows, values: Values, made: list[p.Statement]) -> None:
         """Moves in columns: runs of consecutive numbers go to the path, the rest one by one."""
+        self.at = rows.span
+        if not all(sayable(values, joint) for joint in set((rows.kinds == MOV).tolist())):
+            self.one_by_one(rows, values, made)
+            return
         arc = rows.kinds == MVR
         odd = arc & ((rows.start != rows.via - 1) | (rows.via != rows.end - 1))
         first = np.where(arc, rows.via, rows.end)
@@ -73,38 +97,34 @@ class Runs:
             breaks |= np.isin(first, starts)
         edges = [*np.flatnonzero(breaks).tolist(), len(rows)]
         for low, high in itertools.pairwise(edges):
-            self.run(_cut(rows, low, high), made, bool(odd[low]))
+            self.run(cut(rows, low, high), values, made, bool(odd[low]))
 
-    def run(self, rows: MoveRows, made: list[p.Statement], odd: bool) -> None:
+    def run(self, rows: MoveRows, values: Values, made: list[p.Statement], odd: bool) -> None:
         """Rows of consecutive numbers."""
         arc = bool(rows.kinds[0] == MVR)
         first = int(rows.via[0] if arc else rows.end[0])
         allowed = bool(self.allowed(rows.stem, np.array([first, int(rows.end[0])])).all())
-        starts_at = f"{rows.stem}{rows.start[0]}".upper() if arc else None
+        starts_at = place(f"{rows.stem}{rows.start[0]}", values) if arc else None
         if odd or not allowed or (arc and starts_at != self.previous):
-            self.flush(made)
-            for line in rows_as_lines(_cut(rows, 0, 1)):
-                self.single_move(line, made)
+            self.one_by_one(cut(rows, 0, 1), values, made)
             if len(rows) > 1:
-                self.run(_cut(rows, 1, len(rows)), made, False)
+                self.run(cut(rows, 1, len(rows)), values, made, False)
             return
-        self.extend(rows.stem, first, _kinds(rows), made)
+        self.extend(rows.stem, first, _kinds(rows), values, self.at, made)
 
-    def single_move(self, line: s.Line | s.Data, made: list[p.Statement]) -> None:
-        reader = self.reader
-        if not isinstance(line, s.Line) or not isinstance(line.statement, s.Motion):
-            return
-        from assistant.languages.melfa_basic.lift.expressions import Unliftable
+    def one_by_one(self, rows: MoveRows, values: Values, made: list[p.Statement]) -> None:
+        self.flush(made)
+        for line in rows_as_lines(rows):
+            if isinstance(line, s.Line) and isinstance(line.statement, s.Motion):
+                made += self.one(line.statement, values, self.at)
 
-        try:
-            moves = reader.move(line.statement)
-        except Unliftable:
-            moves = [reader.opaque(line.statement)]
-        made += [replace(move, span=self.at) for move in moves]
-
-    def motion(self, node: s.Motion, made: list[p.Statement]) -> bool:
+    def motion(
+        self, node: s.Motion, values: Values, span: Span | None, made: list[p.Statement]
+    ) -> bool:
         """A single line that may go on with the path or begin one; False if it cannot."""
         if node.type or node.append or node.keyword not in KEYWORDS:
+            return False
+        if not sayable(values, node.keyword == KEYWORDS[MOV]):
             return False
         names = [split_name(a) for a in node.arguments]
         if node.keyword != "Mvr":
@@ -114,25 +134,35 @@ class Runs:
             kind = Kind.JOINT if node.keyword == KEYWORDS[MOV] else Kind.LINEAR
             if not self.allowed(stem, np.array([number])).all():
                 return False
-            self.extend(stem, number, np.array([kind], np.uint8), made)
+            self.extend(stem, number, np.array([kind], np.uint8), values, span, made)
             return True
         if len(names) != 3 or names[1] is None or names[2] is None:
             return False
         (stem, via), (other, end) = names[1], names[2]
-        start = node.arguments[0]
-        key = start.key if isinstance(start, s.Variable) else ""
-        here = (key == ARC_START and self.reader.arc_pending) or key == self.previous
-        if stem != other or end != via + 1 or not here:
+        if stem != other or end != via + 1 or not self.is_here(node.arguments[0], values):
             return False
         if not self.allowed(stem, np.array([via, end])).all():
             return False
-        if not self.reader.own and not (self.chunks and via == self.last + 1):
+        if not self.own and not (self.chunks and via == self.last + 1):
             return False
-        self.extend(stem, via, np.array([Kind.VIA, Kind.END], np.uint8), made)
+        self.extend(stem, via, np.array([Kind.VIA, Kind.END], np.uint8), values, span, made)
         return True
 
+    def is_here(self, start: s.Expression | None, values: Values) -> bool:
+        """Whether the robot stands at the start of an arc."""
+        key = start.key if isinstance(start, s.Variable) and start.arguments is None else ""
+        if key == ARC_START and self.arc_pending:
+            return True
+        return self.previous is not None and self.previous == place(key, values)
+
     def extend(
-        self, stem: str, first: int, kinds: NDArray[np.uint8], made: list[p.Statement]
+        self,
+        stem: str,
+        first: int,
+        kinds: NDArray[np.uint8],
+        values: Values,
+        span: Span | None,
+        made: list[p.Statement],
     ) -> None:
         """Puts rows to the path, which is begun anew if they do not go on with it."""
         goes_on = (
@@ -143,29 +173,28 @@ class Runs:
         )
         if not goes_on:
             self.flush(made)
-            self.stem, self.first, self.span = stem, first, self.at
-        self.span = over(self.span, self.at)
-        self.reader.arc_pending = False
+            self.stem, self.first = stem, first
+        self.arc_pending = False
         self.last = first + len(kinds) - 1
-        self.chunks.append(_Chunk(kinds, self.reader.now()))
-        self.previous = f"{stem}{self.last}".upper()
+        self.chunks.append(_Chunk(kinds, values, span))
+        self.previous = place(f"{stem}{self.last}", values)
 
     # -------------------------------------------------------------------------- limits
 
     def range_of(self, stem: str, number: int) -> int:
         """The row of the heading's ranges that holds a number, -1 for none."""
-        if not self.reader.own or stem.upper() != "P":
+        if not self.own or stem.upper() != "P":
             return -1
         at = bisect_right(self.starts, number) - 1
         return at if at >= 0 and number <= self.ranges[at][1] else -1
 
     def range_starts(self, stem: str) -> list[int]:
-        return self.starts if self.reader.own and stem.upper() == "P" else []
+        return self.starts if self.own and stem.upper() == "P" else []
 
     def allowed(self, stem: str, numbers: Ints) -> NDArray[np.bool_]:
         """Whether positions of a path: known, and in a range or used nowhere else."""
-        _, _, known = self.reader.meanings.positions.find(stem, numbers)
-        if self.reader.own:
+        _, _, known = self.meanings.positions.find(stem, numbers)
+        if self.own:
             if stem.upper() != "P" or not self.ranges:
                 return np.zeros(len(numbers), dtype=bool)
             at = np.searchsorted(self.starts, numbers, side="right") - 1
@@ -195,11 +224,11 @@ class Runs:
             return
         chunks, self.chunks = self.chunks, []
         kinds = np.concatenate([c.kinds for c in chunks])
-        if not self.reader.own and len(kinds) == 1:
-            self.lone(chunks[0], made)
+        if not self.own and len(kinds) == 1:
+            made += self._lone(chunks[0])
             return
         numbers = np.arange(self.first, self.last + 1, dtype=np.int64)
-        meanings = self.reader.meanings
+        meanings = self.meanings
         values, flags, _ = meanings.positions.find(self.stem, numbers)
         width = (
             8 if not np.isnan(values[:, 7]).all() else 7 if not np.isnan(values[:, 6]).all() else 6
@@ -215,7 +244,8 @@ class Runs:
             external=external,
             **_columns(chunks),
         )
-        made.append(p.Follow(path, span=self.span))
+        span = over(chunks[0].span, chunks[-1].span)
+        made.append(p.Follow(path, span=span))
 
     def name(self) -> str:
         at = self.range_of(self.stem, self.first)
@@ -225,24 +255,18 @@ class Runs:
         self.names.add(given)
         return given
 
-    def lone(self, chunk: _Chunk, made: list[p.Statement]) -> None:
+    def _lone(self, chunk: _Chunk) -> list[p.Statement]:
         """A single move is no path."""
-        reader = self.reader
-        now, previous = reader.now(), self.previous
-        reader.tcp, reader.joint, reader.blend, reader.tool, reader.frame = chunk.settings
+        previous = self.previous
         word = "Mov" if chunk.kinds[0] == Kind.JOINT else "Mvs"
-        move = reader.to(word, s.Variable(f"{self.stem}{self.first}"), None)
-        made.append(replace(move, span=self.span))
-        reader.tcp, reader.joint, reader.blend, reader.tool, reader.frame = now
+        target = s.Variable(f"{self.stem}{self.first}")
+        made = self.one(s.Motion(word, (target,)), chunk.settings, chunk.span)
         self.previous = previous
+        return made
 
 
-def _cut(rows: MoveRows, low: int, high: int) -> MoveRows:
-    part = slice(low, high)
-    return MoveRows(
-        rows.stem, rows.steps[part], rows.kinds[part], rows.start[part], rows.via[part],
-        rows.end[part],
-    )  # fmt: skip
+def place(name: str, values: Values) -> Place:
+    return name.upper(), values[TOOL], values[FRAME]
 
 
 def _kinds(rows: MoveRows) -> NDArray[np.uint8]:
@@ -267,17 +291,14 @@ def _columns(chunks: list[_Chunk]) -> dict[str, Any]:
             tables[name].append(key)
         return rows[name][key]
 
-    from assistant.program.motion import Speed
-
     for chunk in chunks:
-        tcp, percent, *rest = chunk.settings
+        rest = chunk.settings[2:]
         n = len(chunk.kinds)
         joint = chunk.kinds == Kind.JOINT
         speed = np.zeros(n, dtype=np.int32)
-        for flag, percent_ in ((True, percent), (False, None)):
+        for flag in (True, False):
             if (joint == flag).any():
-                value = Speed(tcp, joint=percent_) if isinstance(tcp, float) else tcp
-                speed[joint == flag] = row("speed", value)
+                speed[joint == flag] = row("speed", speed_of(chunk.settings, flag))
         columns["speed"].append(speed)
         for name, value in zip(("blend", "tool", "frame"), rest, strict=True):
             columns[name].append(np.full(n, row(name, value), dtype=np.int32))
@@ -286,7 +307,7 @@ def _columns(chunks: list[_Chunk]) -> dict[str, Any]:
     return made
 
 
-def _used_once(code: list[Any]) -> dict[str, Ints]:
+def _used_once(code: Sequence[Entry]) -> dict[str, Ints]:
     """By stem, the numbers of positions that the code mentions in one place only."""
     seen: dict[str, list[Ints]] = {}
     for item in code:
@@ -307,8 +328,6 @@ def _used_once(code: list[Any]) -> dict[str, Ints]:
 
 def _mentions(node: Any) -> list[tuple[str, int]]:
     """Numbered variables of a statement; an arc's start is one with the end before it."""
-    from dataclasses import fields, is_dataclass
-
     found: list[tuple[str, int]] = []
     if isinstance(node, s.Motion) and node.keyword == "Mvr" and len(node.arguments) == 3:
         names = [split_name(a) for a in node.arguments]

@@ -20,16 +20,21 @@ if TYPE_CHECKING:
 
 NO_FLAGS: Final = -1
 
+Elements = dict[tuple[int, ...], s.Constant]
+"""Constants of an array by their indices."""
+
 
 class Positions:
     """Values (n, 8), NaN where undefined, and flags (n, 2), NO_FLAGS where absent.
 
-    names: constants that stand alone, by name in upper case, in their order.
+    names: constants that stand alone, by name in upper case, in their order. elements: those of
+    arrays, by name in upper case.
     """
 
     def __init__(self, file: s.File) -> None:
         self.names: dict[str, tuple[str, s.Constant]] = {}
         self.tables: dict[str, list[PositionRows]] = {}
+        self.elements: dict[str, tuple[str, Elements]] = {}
         for item in file.items:
             match item:
                 case PositionRows():
@@ -38,6 +43,10 @@ class Positions:
                     undefined = constant.flags == (None, None) and not any(constant.values)
                     if variable.arguments is None and not undefined:
                         self.names.setdefault(variable.key, (variable.name, constant))
+                    at = tuple(a.value for a in variable.arguments or () if isinstance(a, s.Number))
+                    if at and not undefined:
+                        known = self.elements.setdefault(variable.key, (variable.name, {}))
+                        known[1][tuple(int(i) for i in at)] = constant
         self.columns: dict[
             str, tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]
         ] = {stem: self._columns(stem) for stem in self._stems()}

@@ -1,0 +1,353 @@
+"""One file of a program: what its heading says, its code and its positions."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+from assistant.languages.melfa_basic import header as headers
+from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.columnar import MoveRows
+from assistant.languages.melfa_basic.header import Header
+from assistant.languages.melfa_basic.lift import blocks, data, declared, regions, routines
+from assistant.languages.melfa_basic.lift.blocks import Entry
+from assistant.languages.melfa_basic.lift.constants import Constants
+from assistant.languages.melfa_basic.lift.contexts import Contexts, Form
+from assistant.languages.melfa_basic.lift.expressions import Expressions
+from assistant.languages.melfa_basic.lift.flow import Flow
+from assistant.languages.melfa_basic.lift.meanings import Inside, Meanings, Routine
+from assistant.languages.melfa_basic.lift.positions import Positions
+from assistant.languages.melfa_basic.lift.regions import Region
+from assistant.languages.melfa_basic.lift.scopes import scope_of
+from assistant.languages.melfa_basic.lift.settings import (
+    INITIAL,
+    SETTINGS,
+    UNKNOWN,
+    Held,
+    Settings,
+    State,
+)
+from assistant.languages.melfa_basic.lift.statements import Reader
+from assistant.languages.melfa_basic.lift.steps import with_labels
+from assistant.languages.melfa_basic.lift.waits import comment_text
+from assistant.languages.melfa_basic.lift.walk import nodes
+from assistant.program.program import (
+    Declaration,
+    Parameter,
+    Procedure,
+    Program,
+    Variable,
+    identifier,
+)
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+
+ALL_SETTINGS = frozenset(range(5))
+
+
+class File:
+    """A tree, taken apart. own: it was written here, and its heading says what it means."""
+
+    def __init__(self, tree: s.File) -> None:
+        self.tree = tree
+        self.header, self.comments, code = _parts(tree)
+        self.own = self.header.program is not None
+        self.code = code if self.own else with_labels(code)
+        self.positions = Positions(tree)
+
+    def touched(self) -> frozenset[int]:
+        """Settings that the file makes; all of them if it calls others."""
+        found: set[int] = set()
+        for item in self.code:
+            statement = item.statement if isinstance(item, s.Line) else None
+            for node in nodes(statement):
+                if isinstance(node, s.CallP):
+                    return ALL_SETTINGS
+                if isinstance(node, s.Command) and node.keyword in SETTINGS:
+                    found.add(SETTINGS[node.keyword][0])
+        return frozenset(found)
+
+
+@dataclass
+class _Reading:
+    """What one reading of a file gave."""
+
+    meanings: Meanings
+    settings: Settings
+    reader: Reader
+    local: dict[tuple[str, str], Variable]
+    procedures: list[Procedure] = field(default_factory=list)
+    declarations: list[Declaration] = field(default_factory=list)
+
+
+class Unit:
+    """Adds a file to a program. unit: its name there, None for the main one.
+
+    touched: settings that each program changes, by its name in upper case.
+    """
+
+    def __init__(
+        self,
+        file: File,
+        main: File,
+        unit: str | None,
+        robot: Robot | None,
+        touched: Mapping[str, frozenset[int]],
+    ) -> None:
+        self.file, self.main, self.unit, self.robot = file, main, unit, robot
+        self.touched = touched
+        self.own, self.header = file.own, file.header
+
+    @property
+    def is_main(self) -> bool:
+        return self.unit is None
+
+    def add_to(self, program: Program) -> Program:
+        """The program with the file's procedures and what they name."""
+        reading = self._read(program, frozenset())
+        kept = self._kept(reading)
+        if kept:
+            reading = self._read(program, kept)
+        meanings, reader = reading.meanings, reading.reader
+        made = declared.Declared(self.file, meanings, reading.settings, reader.runs)
+        entry = program.entry
+        if self.is_main:
+            has_entry = bool(reading.procedures) and self.header.entry != "-"
+            entry = reading.procedures[0].name if has_entry else None
+        targets, joints = made.targets(), made.joints()
+        return replace(
+            program,
+            procedures=(*program.procedures, *reading.procedures),
+            entry=entry,
+            signals=meanings.signals,
+            variables=meanings.variables,
+            tools=_with(program.tools, made.tools()),
+            frames=_with(program.frames, made.frames()),
+            targets=_with(program.targets, targets),
+            joint_targets=_with(program.joint_targets, joints),
+            declarations=(*program.declarations, *reading.declarations),
+        )
+
+    @staticmethod
+    def _kept(reading: _Reading) -> frozenset[int]:
+        """Lines that made a setting under which something runs that stays as its text."""
+        reader = reading.reader
+        return frozenset(
+            line
+            for form, at in reader.depending
+            for held in reader.contexts.at(at, form)
+            for line in held.by
+        )
+
+    # ------------------------------------------------------------------------- one reading
+
+    def _read(self, program: Program, kept: frozenset[int]) -> _Reading:
+        code = list(self.file.code)
+        own = declared.OwnVariables(self.header, code) if self.own else None
+        taken_away = own.definitions() if own else declared.first_parameters(code)
+        structure = blocks.structure(code)
+        parts = regions.regions(code, structure, self.header.names["procedure"], self.own)
+        meanings = self._meanings(program, code, parts)
+        expressions = Expressions(meanings)
+        local = own.values(expressions) if own else {}
+        if own and own.moved:  # lines of first values were taken out
+            structure = blocks.structure(code)
+            parts = regions.regions(code, structure, self.header.names["procedure"], self.own)
+        declared.elements(self.file, meanings)
+        listed = self._routines(code, parts, meanings, program)
+        settings = Settings(self.file.positions, meanings.constants, self.header.names)
+        flow = Flow(code, parts, structure, settings.effect, self._calls(parts))
+        contexts = Contexts(flow, self._initial())
+        calls = dict(self.main.header.names["unit"]), dict(self.main.header.names["first"])
+        reader = Reader(code, structure, meanings, contexts, listed, calls, self.is_main, kept)
+        reading = _Reading(meanings, settings, reader, local)
+        for node in _statements(code, s.DefIo):
+            if (io := data.io_of(node, expressions)) is not None:
+                meanings.io[node.variable.key] = io
+        functions = [] if self.own else routines.defined_functions(code, meanings)
+        for number, forms in enumerate(contexts.forms):
+            for form in forms.values():
+                self._procedure(number, form, reading, taken_away)
+        reading.procedures += [replace(f, unit=self.unit) for f in functions]
+        return reading
+
+    def _meanings(self, program: Program, code: list[Entry], parts: list[Region]) -> Meanings:
+        functions = {r.function.name for r in parts if r.function is not None}
+        first = parts[0] if parts else Region(0, 0)
+        shared = code
+        if functions:
+            inner = first.function is not None
+            shared = code[slice(*first.before)] if inner else code[first.low : first.high]
+        scope = scope_of(shared, {name.upper() for name in functions})
+        if not self.own:
+            for parameter in declared.parameters_of(self.file.code):
+                scope.names.setdefault(parameter.key, parameter.name)
+        return Meanings(
+            self.header, self.file.positions, Constants(code), scope, self.robot,
+            self.file.tree.dialect, self.own, dict(program.signals), dict(program.variables),
+            {*program.signals, *program.variables, *program.targets, *program.joint_targets},
+        )  # fmt: skip
+
+    def _initial(self) -> State:
+        """What holds at the start; a program that is called may find what its caller has set."""
+        if self.is_main or self.own:
+            return INITIAL
+        set_anywhere = frozenset().union(*self.touched.values())
+        return tuple(
+            Held(UNKNOWN) if slot in set_anywhere else held for slot, held in enumerate(INITIAL)
+        )
+
+    def _calls(self, parts: list[Region]) -> Any:
+        by_label = {region.label: k for k, region in enumerate(parts) if region.label}
+        by_name = {r.function.name.upper(): k for k, r in enumerate(parts) if r.function}
+
+        def calls(statement: s.Statement) -> Iterable[int | frozenset[int]]:
+            match statement:
+                case s.CallP(program=s.String(value=name)):
+                    yield self.touched.get(identifier(name).upper(), ALL_SETTINGS)
+                case s.CallP():
+                    yield ALL_SETTINGS
+                case s.Jump(keyword="GoSub", target=target):
+                    yield by_label.get(str(target.place).upper(), ALL_SETTINGS)
+                case s.OnJump(keyword="GoSub", targets=targets):
+                    for target_ in targets:
+                        if target_ is not None:
+                            yield by_label.get(str(target_.place).upper(), ALL_SETTINGS)
+            if by_name:
+                node = statement.condition if isinstance(statement, s.If) else statement
+                for part in nodes(node):
+                    if isinstance(part, s.Variable) and part.key in by_name:
+                        if part is not getattr(statement, "target", None):
+                            yield by_name[part.key]
+
+        return calls
+
+    # -------------------------------------------------------------------------- procedures
+
+    def _routines(
+        self, code: list[Entry], parts: list[Region], meanings: Meanings, program: Program
+    ) -> list[Routine]:
+        """What each region is called; functions are noted among the meanings."""
+        taken = {q.name for q in program.procedures}
+        listed = []
+        for number, region in enumerate(parts):
+            if number == 0:
+                name = self._first_name()
+            else:
+                written = region.function.name if region.function else _spelled(code, region)
+                known = self.header.names["procedure"].get(written.upper())
+                name = known or identifier(written, taken)
+            if region.function is None:
+                routine = Routine(name)
+            else:
+                routine = routines.routine_of(code, region, name, self.header, self.own)
+                if number:
+                    meanings.routines[region.function.name.upper()] = routine
+            taken.add(name)
+            listed.append(routine)
+        return listed
+
+    def _first_name(self) -> str:
+        header = self.header
+        if self.is_main:
+            return (header.entry if header.entry != "-" else None) or "main"
+        known: Mapping[str, str] = header.names["first"]
+        return known.get(self._short(), self.unit or "unit")
+
+    def _short(self) -> str:
+        """The short name that the main program's heading has for this unit."""
+        for short, original in self.header.names["first"].items():
+            return short if original else ""
+        units = self.main.header.names["unit"].items()
+        return next((short for short, unit in units if unit == self.header.unit), "")
+
+    def _procedure(
+        self, number: int, form: Form, reading: _Reading, first: tuple[s.Variable, ...]
+    ) -> None:
+        """Reads a procedure in one of its forms."""
+        reader, meanings = reading.reader, reading.meanings
+        region, routine = reader.flow.regions[number], reader.routines[number]
+        if routine.parameters is None:
+            if form.number == 1:
+                text = routines.text_of(reader.code, region, meanings.dialect)
+                reading.declarations.append(Declaration(meanings.dialect, text))
+            return
+        variables: dict[str, Variable] = {}
+        if region.function is not None:
+            inside, variables = routines.inside_of(
+                reader.code, region, routine, meanings, meanings.scope
+            )
+            meanings.inside = inside if number or not _is_plain(inside) else None
+        parameters = routine.parameters
+        if number == 0 and first:
+            parameters = tuple(self._parameter(v, meanings) for v in first)
+        body = reader.read(form)
+        meanings.inside = None
+        if number == 0 and self._has_no_code(reader, body):
+            return
+        name = reader.name_of(form)
+        owned = {v: d for (owner, v), d in reading.local.items() if owner.lower() == name.lower()}
+        span = getattr(reader.code[region.low - 1], "span", None) if region.low else None
+        reading.procedures.append(
+            Procedure(
+                name, body, parameters, owned | variables, routine.result, self.unit, span=span
+            )
+        )
+
+    def _parameter(self, variable: s.Variable, meanings: Meanings) -> Parameter:
+        known = self.header.variables.get(variable.key)
+        if known is not None:
+            return Parameter(known.name, known.type)
+        kind = meanings.type_of_key(variable.key)
+        name = meanings.declared(variable)
+        meanings.variables.pop(name, None)
+        return Parameter(name, kind)
+
+    def _has_no_code(self, reader: Reader, body: tuple[Any, ...]) -> bool:
+        """Whether a file is a list of positions."""
+        if self.header.entry == "-" and self.is_main:
+            return True
+        return not body and not any(
+            not isinstance(i, s.Line) or i.statement or i.label for i in reader.code
+        )
+
+
+def _is_plain(inside: Inside) -> bool:
+    return not inside.names and inside.result is None
+
+
+def _with(known: dict[str, Any], more: dict[str, Any]) -> dict[str, Any]:
+    """Both; what the programs before have stays."""
+    return known | {name: value for name, value in more.items() if name not in known}
+
+
+def _statements(code: list[Entry], kind: type) -> list[Any]:
+    return [i.statement for i in code if isinstance(i, s.Line) and isinstance(i.statement, kind)]
+
+
+def _spelled(code: list[Entry], region: Region) -> str:
+    """The label of a subroutine as it is written."""
+    for at in (region.low - 1, region.low):
+        item = code[at] if at >= 0 else None
+        if isinstance(item, s.Line) and item.label and item.label.upper() == region.label:
+            return item.label
+    return region.label or "unnamed"
+
+
+def _parts(tree: s.File) -> tuple[Header, tuple[str, ...], list[Entry]]:
+    """The heading, the comments above it, and the code."""
+    code: list[Entry] = [i for i in tree.items if isinstance(i, s.Line | MoveRows)]
+    texts: list[str] = []
+    for item in code:
+        if not isinstance(item, s.Line) or item.statement or item.label or not item.comment:
+            break
+        texts.append(comment_text(item.comment))
+    start = next((i for i, t in enumerate(texts) if re.match(headers.MARK + "melfa", t)), None)
+    if start is not None and headers.END in texts[start:]:
+        end = texts.index(headers.END, start)
+        head = headers.read(texts[start + 1 : end])
+        return head, tuple(texts[:start]), code[end + 1 :]
+    return Header(), tuple(texts), code[len(texts) :]
