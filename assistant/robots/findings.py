@@ -23,14 +23,14 @@ OUTSIDE_LIMITS: Final = Rule(
     Severity.ERROR,
     "outside the joint limits of {robot} in every arm branch; "
     "at worst {axis} would be at {value:.2f} degrees, its limit is {limit:g} ({where})",
-    "turn the tool about its axis, or move the work piece",
+    "turn the tool about its axis, or move the work piece{nearest}",
 )
 NOT_IN_PLANE: Final = Rule(
     "RB104",
     Severity.ERROR,
     "the tool axis leaves the plane of the five-axis arm, "
     "at worst by {worst:.3f} degrees ({where})",
-    "tilt the tool towards or away from axis 1 only, or take a robot with six axes",
+    "tilt the tool towards or away from axis 1 only, or take a robot with six axes{nearest}",
 )
 BRANCH_CHANGE: Final = Rule(
     "RB105",

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program import rotations
-from assistant.program.geometry import Frame, Tool
+from assistant.program.geometry import Frame, Pose, Tool
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -45,6 +45,11 @@ class Mounting:
                 positions[here], quaternions[here], self.tools[t], self.frames[f]
             )
         return p, q
+
+    def tip(self, row: int) -> Pose:
+        """The tip on the flange at a row; none for a tool that stands in the room."""
+        tool, frame = self.tools[self.tool[row]], self.frames[self.frame[row]]
+        return tool.tip if tool.held and not frame.held else Pose()
 
     def unchanged(self) -> NDArray[np.bool_]:
         """(n,) whether a row has the tool and frame of the row before."""

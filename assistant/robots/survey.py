@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program.diagnostics import Diagnostic
+from assistant.program.geometry import Pose
 from assistant.program.path import Kind
 from assistant.robots import findings as rules
 from assistant.robots.five_axis import MISS_TOLERANCE
@@ -73,7 +74,8 @@ class Survey:
                     worst=self.reach.value,
                     side="too far out" if far else "too near to the arm",
                     where=run.label(self.reach.row),
-                    cure=cure if far else "move the work piece away from the arm",
+                    cure=(cure if far else "move the work piece away from the arm")
+                    + _nearest(run, robot, self.reach.row),
                 )
             )
         if self.plane.rows:
@@ -82,6 +84,7 @@ class Survey:
                     place=run.what(self.plane.all()),
                     worst=self.plane.value,
                     where=run.label(self.plane.row),
+                    nearest=_nearest(run, robot, self.plane.row),
                 )
             )
         if self.limits.rows:
@@ -95,9 +98,27 @@ class Survey:
                     value=value,
                     limit=low if value < low else high,
                     where=run.label(self.limits.row),
+                    nearest=_nearest(run, robot, self.limits.row),
                 )
             )
         return out
+
+
+def _nearest(run: Run, robot: Robot, row: int) -> str:
+    """What a cure adds for an arm of five axes: the pose in its base that it can take instead."""
+    if not robot.five_axis:
+        return ""
+    from assistant.robots.five_axis import to_ab
+    from assistant.robots.nearest import nearest
+
+    rows = np.array([row])
+    tip = run.mounting.tip(row)
+    p, q = run.flange(rows)
+    pose = nearest(robot, Pose.of(p[0], q[0]) @ tip, tip)
+    values = np.round([*pose.position, *to_ab([pose.position], [pose.quaternion])[0]], 2) + 0.0
+    values[3:][values[3:] == -180.0] = 180.0
+    numbers = ", ".join(f"{name} {value:.2f}" for name, value in zip("XYZAB", values, strict=True))
+    return f"; the nearest pose that it can take is {numbers} (mm and degrees in its base)"
 
 
 def survey_of(run: Run, robot: Robot) -> Survey:
