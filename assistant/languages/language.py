@@ -254,14 +254,15 @@ class Language(abc.ABC, Generic[T]):
         if program == lifted:
             unchanged: T = tree
             return unchanged
-        return self.merge(tree, self._built(lifted, robot), self._built(program, robot))
+        before, after = self._built(lifted, robot), self._built(program, robot)
+        return self.merge(tree, before, after, program)
 
     def _built(self, program: Program, robot: Robot | None) -> T:
         return self.build(self.adapt(program, robot).program, robot)
 
-    def merge(self, tree: T, before: T, after: T) -> T:  # noqa: ARG002
+    def merge(self, tree: T, before: T, after: T, program: Program) -> T:  # noqa: ARG002
         """A tree with the changes made to it that lead from one built tree to another.
 
-        A language that cannot do that gives the built tree.
+        A language that cannot do that gives the built tree. program: that it was built from.
         """
         return after

@@ -151,11 +151,16 @@ class MelfaBasic(Language[File]):
         names = [self.file_name(program)] * (1 if program.origin else 0)
         return conversion(program, self.name, names, robot)
 
-    def merge(self, tree: File, before: File, after: File) -> File:
-        """The tree changed where the built ones differ, if that says what `after` does."""
-        from assistant.languages.melfa_basic.layout.merging import merge
+    def merge(self, tree: File, before: File, after: File, program: Program) -> File:
+        """The tree changed where the built ones differ, if that says what the program does.
 
-        wanted = self.lift_trees((after,), None)
+        Also if it says what the program is once adapted, or what `after` is read as.
+        """
+        from assistant.languages.melfa_basic.layout.merging import merge
+        from assistant.languages.melfa_basic.layout.places import places_in_order
+
+        asked = (self.lift_trees((after,), None), program, self.adapt(program).program)
+        wanted = [places_in_order(one) for one in asked]
         precision = self.precision
         tolerance = Tolerance(precision.position, precision.angle, precision.number)
         errors = _errors(tree)
@@ -165,7 +170,8 @@ class MelfaBasic(Language[File]):
             again = self.parse(replace(source, text=self.render(merged)))
             if _errors(again) > errors:
                 return False
-            return compare(wanted, self.lift_trees((again,), None), tolerance).same
+            lifted = places_in_order(self.lift_trees((again,), None))
+            return any(compare(one, lifted, tolerance).same for one in wanted)
 
         return merge(tree, before, after, says)
 

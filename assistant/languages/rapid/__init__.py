@@ -89,7 +89,13 @@ class Rapid(Language[File]):
 
         return lift(trees)
 
-    def merge(self, tree: File, before: File, after: File) -> File:
+    def merge(
+        self,
+        tree: File,
+        before: File,
+        after: File,
+        program: Program,  # noqa: ARG002
+    ) -> File:
         from assistant.languages.rapid.merging import merge
 
         return merge(tree, before, after)

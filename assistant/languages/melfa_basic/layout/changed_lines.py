@@ -104,8 +104,8 @@ def _edited(
     None where what changes does not stand in the text as it is printed.
     """
     place: dict[int, int] = {}
-    words = ([_plain(t) for t in listed] for listed in (old, here))
-    for block in SequenceMatcher(None, *words, autojunk=False).get_matching_blocks():
+    mine, theirs = ([_plain(t) for t in listed] for listed in (old, here))
+    for block in SequenceMatcher(None, mine, theirs, autojunk=False).get_matching_blocks():
         place |= {block.a + k: block.b + k for k in range(block.size)}
     steps = SequenceMatcher(None, [t.text for t in old], [t.text for t in new], autojunk=False)
     edits: list[tuple[int, int, str]] = []

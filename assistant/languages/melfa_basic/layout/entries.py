@@ -11,6 +11,7 @@ import numpy as np
 
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MoveRows
+from assistant.languages.melfa_basic.layout.merged_names import in_upper_case
 from assistant.languages.melfa_basic.lift.gathering import rows_as_lines
 from assistant.languages.melfa_basic.printer import statement as printed
 
@@ -77,7 +78,7 @@ def _of_line(line: s.Line, at: int, row: int) -> Iterator[Entry]:
     if line.label is not None:
         yield Entry("*" + line.label.upper(), "label", at, row, s.Line(label=line.label))
     if line.statement is not None:
-        key = printed(line.statement, upper=True)
+        key = printed(in_upper_case(line.statement), upper=True)
         yield Entry(key, "statement", at, row, s.Line(statement=line.statement))
 
 

@@ -57,6 +57,19 @@ class _Line:
     gap: int = 0
 
 
+def _before(items: Sequence[s.Item]) -> list[s.Line | None]:
+    """For each item the next line of code in front of it, no table or data between them."""
+    found: list[s.Line | None] = []
+    code: s.Line | None = None
+    for item in items:
+        found.append(code)
+        if not isinstance(item, s.Line | s.Blank):
+            code = None
+        elif isinstance(item, s.Line) and not is_comment(item):
+            code = item
+    return found
+
+
 class _Pages:
     """The lines of one file."""
 
@@ -67,6 +80,8 @@ class _Pages:
         self._places = decimals(file.items)
         assert file.source is not None
         self._encoding = file.source.encoding
+        self._above = _before(file.items)
+        self._below = _before(file.items[::-1])[::-1]
 
     def pieces(self) -> Iterator[str]:
         """Lines with their ends; a table is one piece."""
@@ -94,25 +109,12 @@ class _Pages:
 
         It does where it stands at that word's column and what is above does not.
         """
-        below = self._neighbour(at, 1)
+        below = self._below[at]
         if below is None or not divides(below.statement):
             return False
-        above = self._neighbour(at, -1)
+        above = self._above[at]
         column = self._column(comment)
         return column == self._column(below) and (above is None or column != self._column(above))
-
-    def _neighbour(self, at: int, step: int) -> s.Line | None:
-        """The next line of code above or below."""
-        items = self._file.items
-        at += step
-        while 0 <= at < len(items):
-            item = items[at]
-            if not isinstance(item, s.Line | s.Blank):
-                return None
-            if isinstance(item, s.Line) and not is_comment(item):
-                return item
-            at += step
-        return None
 
     def _column(self, item: s.Line) -> int:
         """The column at which the text behind the step number begins."""

@@ -62,14 +62,18 @@ def _differing(before: Sequence[s.Item], after: Sequence[s.Item]) -> tuple[Table
                 continue
             differs = ~_contained(table, other)
             if differs.any():
-                into |= {_key(d.variable): d for d in rows_as_lines(_some(table, differs))}  # type: ignore[union-attr]
+                rows = rows_as_lines(_some(table, differs))
+                into |= {_key(d.variable): d for d in rows if isinstance(d, s.Data)}
     plain = [
         {_key(i.variable): i for i in items if isinstance(i, s.Data)} for items in (before, after)
     ]
     old |= {k: d for k, d in plain[0].items() if plain[1].get(k) != d}
     new |= {k: d for k, d in plain[1].items() if plain[0].get(k) != d}
     same = {k for k in old.keys() & new.keys() if old[k] == new[k]}
-    return ({k: d for k, d in t.items() if k not in same} for t in (old, new))  # type: ignore[return-value]
+    for table_of in (old, new):
+        for key in same:
+            del table_of[key]
+    return old, new
 
 
 def _tables(items: Sequence[s.Item]) -> Iterator[PositionRows]:
@@ -80,10 +84,10 @@ def _joined(tables: Sequence[PositionRows], stem: str, width: int) -> PositionRo
     some = [t for t in tables if t.stem.upper() == stem and t.values.shape[1] == width]
     if not some:
         return None
-    columns = (
-        np.concatenate([getattr(t, n) for t in some]) for n in ("numbers", "values", "flags")
+    numbers, values, flags = (
+        np.concatenate([getattr(t, name) for t in some]) for name in ("numbers", "values", "flags")
     )
-    return PositionRows(some[0].stem, *columns)
+    return PositionRows(some[0].stem, numbers, values, flags)
 
 
 def _some(table: PositionRows, rows: NDArray[np.bool_]) -> PositionRows:
@@ -148,6 +152,7 @@ def _rows(table: PositionRows, old: Table, new: Table, done: set[str]) -> Iterat
             done.discard(key)
             continue
         values[row] = value.values
-        flags[row] = value.flags if value.flags else flags[row]
+        if value.flags is not None:
+            flags[row] = [flag or 0 for flag in value.flags]
     if kept.any():
         yield _some(PositionRows(table.stem, table.numbers, values, flags), kept)

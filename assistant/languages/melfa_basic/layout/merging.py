@@ -18,6 +18,7 @@ from assistant.languages.melfa_basic.columnar import MoveRows
 from assistant.languages.melfa_basic.dialects import DIALECTS, LAST_STEP
 from assistant.languages.melfa_basic.layout.entries import Change, Entry, changes, entries, matched
 from assistant.languages.melfa_basic.layout.merged_data import merged_data
+from assistant.languages.melfa_basic.layout.merged_names import named_as
 from assistant.languages.melfa_basic.layout.renumbering import with_jumps
 
 HEADER_END = "' robot-assistant: end"
@@ -29,8 +30,9 @@ def merge(tree: s.File, before: s.File, after: s.File, says: Callable[[s.File], 
 
     says: whether a tree says what `after` does.
     """
+    old, new = (named_as(file, tree) for file in (before, after))
     for forward, restored in product((False, True), (False, True)):
-        merged = _merged(tree, before, after, forward, restored)
+        merged = _merged(tree, old, new, forward, restored)
         if merged is not None and says(merged):
             return merged
     return after

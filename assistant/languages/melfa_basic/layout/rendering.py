@@ -99,20 +99,20 @@ class _Changes:
             case MoveRows(), MoveRows():
                 text = self._source(old)
                 self._note(old, text, level)
-                indent = len(self._indents[level]) - 1
-                return moves(item, old, text, self._newline, upper, indent)
+                deep = len(self._indents[level]) - 1
+                return moves(item, old, text, self._newline, upper, deep)
             case ((PositionRows() | s.Data()), _):
                 rows = as_rows(item)
                 if isinstance(rows, PositionRows) and self._lost:
                     return positions(rows, self._lost, self._newline)
-        text = item_text(item, upper, self._newline, places, 0)
+        printed = item_text(item, upper, self._newline, places, 0)
         if isinstance(item, s.Line) and (item.statement or item.label or item.comment):
-            head = "" if item.number is None else str(item.number)
+            step = "" if item.number is None else str(item.number)
             indent = self._indent(level)
-            if not head and level not in self._indents:
+            if not step and level not in self._indents:
                 indent = indent.removeprefix(" ")
-            return head + (indent or " " * bool(head)) + text.removeprefix(head).lstrip(" ")
-        return text
+            return step + (indent or " " * bool(step)) + printed.removeprefix(step).lstrip(" ")
+        return printed
 
     def _indent(self, level: int) -> str:
         """The blanks behind the step number of lines as deep, as they are written around."""
