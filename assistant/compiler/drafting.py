@@ -14,7 +14,7 @@ from assistant.compiler.compiling import Compiled, compile_program
 from assistant.compiler.places import Places, Trace
 from assistant.languages.language import Language
 from assistant.program import statements as p
-from assistant.program.diagnostics import Severity, Span
+from assistant.program.diagnostics import Diagnostic, Severity, Span
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import Body, map_bodies
 
@@ -35,11 +35,15 @@ def draft(
     target: Language[Any],
     robot: Any = None,
     most_targets: int | None = None,
-) -> Compiled:
-    """The program without what it cannot say there; the same if nothing comes of it."""
+) -> tuple[Compiled, tuple[Diagnostic, ...]]:
+    """The program without what it cannot say there, and what only then is found of the source.
+
+    Nothing comes of it if the result is not `ok`.
+    """
     places, program = compiled.places, compiled.source
     program = replace(program, comments=(*HEADING, *program.comments))
     out: set[Span] = set()
+    later: list[Diagnostic] = []
     for _ in range(MOST_ROUNDS):
         spans, names = _unsayable(compiled)
         shorter = _without(program, spans - out, names, places)
@@ -48,9 +52,10 @@ def draft(
         out |= spans
         program = shorter
         compiled = compile_program(program, places, target, robot, most_targets)
+        later += [f for f in compiled.found if f.severity is Severity.ERROR and f.line is None]
         if compiled.ok:
-            return compiled
-    return compiled
+            break
+    return compiled, tuple(later)
 
 
 def _unsayable(compiled: Compiled) -> tuple[set[Span], set[str]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final, Literal
@@ -115,10 +115,11 @@ def translate(
         raise Refused(NO_PROGRAM(name=source), exit_status=2)
     places = Places(loaded.program)
     compiled = compile_program(places.program, places, target, arm, most_targets)
-    written = compiled
-    if draft and not compiled.ok:
-        written = drafted(compiled, target, arm, most_targets)
-    rows, whole = _report(compiled, written)
+    written, later = compiled, tuple[Diagnostic, ...]()
+    if not compiled.ok:
+        drawn, later = drafted(compiled, target, arm, most_targets)
+        written = drawn if draft else compiled
+    rows, whole = _report(compiled, written, later)
     return Translation(
         compiled,
         written,
@@ -146,9 +147,12 @@ class _Part:
 
 
 def _report(
-    compiled: Compiled, written: Compiled
+    compiled: Compiled, written: Compiled, later: Sequence[Diagnostic]
 ) -> tuple[tuple[Row, ...], tuple[Diagnostic, ...]]:
-    """The rows, and the findings that belong to none of them."""
+    """The rows, and the findings that belong to none of them.
+
+    later: what is found of the source once other parts are left out; part of a row or nothing.
+    """
     places = compiled.places
     parts: dict[Span, _Part] = {}
     names: dict[str, _Part] = {}
@@ -165,6 +169,10 @@ def _report(
         if about is None:
             whole.append(places.finding(finding))
         elif finding.message not in [f.message for f in about.found]:
+            about.found.append(finding)
+    for finding in later:
+        about = parts.get(finding.span) if finding.span else None
+        if about is not None and finding.message not in [f.message for f in about.found]:
             about.found.append(finding)
     shown = [part for part in parts.values() if part.found or not part.silent]
     shown.sort(key=lambda part: (part.span.start, -part.span.end))

@@ -130,8 +130,12 @@ def _short(w: Writer, body: Body) -> s.Statement | s.Target | None:
     if len(body) != 1 or not isinstance(body[0], SHORT):
         return None
     before = len(w.items)
-    w.write[type(body[0])](w, body[0])
-    made, w.items[before:] = w.items[before:], []
+    try:
+        w.write[type(body[0])](w, body[0])
+    except Unsayable:
+        return None  # found once more where the body is written by itself, at its own place
+    finally:
+        made, w.items[before:] = w.items[before:], []
     match made:
         case [s.Line(statement=s.Jump("GoTo", target))]:
             return target

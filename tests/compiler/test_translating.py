@@ -1,0 +1,243 @@
+"""Translating: what becomes of each statement, and drafts where not everything can be said."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from assistant import languages
+from assistant.compiler import Translation, load, translate
+from assistant.program import statements as p
+from assistant.program.diagnostics import Refused
+
+MODULE = """MODULE Cell
+    VAR clock timer;
+    PERS tooldata torch:=[TRUE,[[0,0,100],[1,0,0,0]],[1,[0,0,50],[1,0,0,0],0,0,0]];
+    CONST robtarget p10:=[[350,0,400],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+    VAR num n;
+    PROC main()
+        MoveJ p10,v1000,fine,torch;
+        ClkReset timer;
+        MoveL Offs(p10,0,0,
+            -50),v100,fine,torch;
+        IF n>3 THEN
+            TPWrite "hello";
+            SetDO do1,1;
+        ELSE
+            n:=n+ClkRead(timer);
+        ENDIF
+    ENDPROC
+ENDMODULE
+"""
+PROGRAM = """1 Spd 100
+2 Cnt 0
+3 Mov PHome
+4 Servo On
+5 If M1>3 Then
+6 Mvs PHome,-50
+7 XRun 2,"OTHER"
+8 EndIf
+9 End
+PHome=(350,0,400,180,0,180)(7,0)
+"""
+MELFA = ("melfa-basic-4", "melfa-basic-5", "melfa-basic-6")
+ARM = {"rapid": "irb1200-7-0.7", **dict.fromkeys(MELFA, "rv-4frl")}
+
+
+def translated(folder: Path, text: str, to: str, **options: object) -> Translation:
+    name = "cell.mod" if text.startswith("MODULE") else "CELL.prg"
+    file = folder / name
+    file.write_text(text, encoding="utf-8", newline="\n")
+    return translate(file, to=to, robot=ARM[to], **options)
+
+
+def levels(translation: Translation) -> dict[int, str]:
+    return {row.place.line: row.level for row in translation.rows}
+
+
+@pytest.mark.parametrize("to", MELFA)
+def test_each_statement_of_rapid_has_its_level(tmp_path: Path, to: str) -> None:
+    found = translated(tmp_path, MODULE, to)
+    assert levels(found) == {
+        2: "not",
+        3: "partial",
+        4: "supported",
+        5: "supported",
+        6: "supported",
+        7: "partial",
+        8: "not",
+        9: "supported",
+        11: "supported",
+        12: "partial",
+        13: "not",
+        15: "not",
+    }
+    assert found.totals == {"supported": 5, "partial": 3, "not": 4}
+    assert not found.ok
+    assert not found.files
+
+
+@pytest.mark.parametrize("language", ["melfa-basic-5", "melfa-basic-6"])
+def test_each_statement_of_melfa_basic_has_its_level(tmp_path: Path, language: str) -> None:
+    found = translated(tmp_path, PROGRAM, "rapid", language=language)
+    assert levels(found) == {
+        1: "supported",
+        2: "supported",
+        3: "partial",
+        4: "not",
+        5: "supported",
+        6: "supported",
+        7: "not",
+        10: "supported",
+    }
+
+
+def test_a_level_says_why(tmp_path: Path) -> None:
+    rows = {row.place.line: row for row in translated(tmp_path, MODULE, "melfa-basic-5").rows}
+    assert [f.code for f in rows[7].reasons] == ["MB204"]
+    assert "ClkReset" in rows[8].reasons[0].message
+    assert "do1" in rows[13].reasons[0].message
+    assert rows[9].text == "MoveL Offs(p10,0,0, -50),v100,fine,torch"
+    assert rows[11].text == "IF n>3 THEN"
+
+
+def test_statements_tell_where_they_went(tmp_path: Path) -> None:
+    text = MODULE.replace("ClkReset timer;", "").replace("SetDO do1,1;", "")
+    text = text.replace("ClkRead(timer)", "1").replace("VAR clock timer;", "")
+    found = translated(tmp_path, text, "melfa-basic-5")
+    assert found.ok, found.findings
+    ((name, data),) = found.files.items()
+    written = data.decode().splitlines()
+    went = {row.place.line: row.went[0] for row in found.rows if row.went}
+    assert {place.path for place in went.values()} == {name}
+    assert {line: _word(written[place.line - 1]) for line, place in went.items()} == {
+        7: "Mov",
+        9: "Mvs",
+        11: "If",
+        12: "'",
+        15: "MN=MN+1",
+    }
+
+
+def _word(line: str) -> str:
+    """The statement's own word, behind the step number."""
+    return line.split()[1]
+
+
+@pytest.mark.parametrize("to", MELFA)
+def test_a_draft_stops_at_what_it_cannot_say(tmp_path: Path, to: str) -> None:
+    found = translated(tmp_path, MODULE, to, draft=True)
+    assert found.draft
+    assert not found.ok
+    assert found.proof.holds
+    ((name, data),) = found.files.items()
+    (tmp_path / name).write_bytes(data)
+    program = load(tmp_path / name, language=to).program
+    assert program.comments[0].startswith("DRAFT")
+    assert "| VAR clock timer;" in program.comments
+    said = list(program.statements())
+    stops = [said[i : i + 3] for i, x in enumerate(said) if isinstance(x, p.Stop) and not x.end]
+    quoted = [[c.text for c in rest if isinstance(c, p.Comment)] for _, *rest in stops]
+    assert quoted == [
+        ["not translated, line 8:", "| ClkReset timer"],
+        ["not translated, line 13:", "| SetDO do1,1"],
+        ["not translated, line 15:", "| n:=n+ClkRead(timer)"],
+    ]
+
+
+def test_a_draft_in_rapid(tmp_path: Path) -> None:
+    found = translated(tmp_path, PROGRAM, "rapid", draft=True, language="melfa-basic-5")
+    assert found.draft
+    (data,) = found.files.values()
+    lines = [line.strip() for line in data.decode().splitlines()]
+    at = lines.index("! | 4 Servo On")
+    assert lines[at - 2 : at] == ["Stop;", "! not translated, line 4:"]
+    assert lines[lines.index('! | 7 XRun 2,"OTHER"') - 2] == "Stop;"
+
+
+def test_a_draft_of_what_can_be_said_is_the_program(tmp_path: Path) -> None:
+    text = PROGRAM.replace("4 Servo On\n", "").replace('7 XRun 2,"OTHER"\n', "")
+    whole = translated(tmp_path, text, "rapid", language="melfa-basic-5")
+    drafted = translated(tmp_path, text, "rapid", language="melfa-basic-5", draft=True)
+    assert whole.ok
+    assert whole.files == drafted.files
+    assert not drafted.draft
+
+
+def test_what_is_missed_after_something_was_left_out_is_left_out_too(tmp_path: Path) -> None:
+    """The array cannot be said, so that what reads it cannot either."""
+    text = MODULE.replace("VAR num n;", "VAR num n;\n    VAR num far{2,2,2,2};")
+    text = text.replace("ClkReset timer;", "n:=far{1,1,1,1};")
+    found = translated(tmp_path, text, "melfa-basic-5", draft=True)
+    assert found.proof.holds or not found.files
+
+
+words = st.text(st.characters(codec="utf-8", exclude_categories=["Cs", "Cc"]), max_size=40)
+
+
+@settings(max_examples=25, deadline=None)
+@given(words)
+def test_what_is_quoted_never_becomes_code(
+    tmp_path_factory: pytest.TempPathFactory, text: str
+) -> None:
+    folder = tmp_path_factory.mktemp("draft")
+    quoted = (
+        text.replace("\\", "\\\\").replace('"', '""').encode("latin-1", "ignore").decode("latin-1")
+    )
+    module = MODULE.replace("ClkReset timer;", f'Open "{quoted}",file;')
+    found = translated(folder, module, "melfa-basic-5", draft=True)
+    plain = translated(
+        folder, MODULE.replace("ClkReset timer;", "ClkStart timer;"), "melfa-basic-5", draft=True
+    )
+    if found.files:
+        assert code(found) == code(plain)
+
+
+def code(translation: Translation) -> list[str]:
+    """The lines of a program without comments and step numbers."""
+    (data,) = translation.files.values()
+    text = languages.get("melfa-basic-5").decode(data).text
+    lines = [line.lstrip("0123456789 ") for line in re.split("\r?\n", text)]
+    return [line for line in lines if not line.startswith("'")]
+
+
+def test_files_that_are_called_are_reported_in_their_place(tmp_path: Path) -> None:
+    (tmp_path / "SUB.prg").write_text("1 Dly 1\n2 Dly 1\n3 Dly 1\n4 Servo On\n5 End\n")
+    (tmp_path / "MAIN.prg").write_text('1 Dly 2\n2 CallP "SUB"\n3 End\n')
+    found = translate(tmp_path / "MAIN.prg", to="rapid", language="melfa-basic-5")
+    places = {(Path(r.place.path or "").name, r.place.line): r.level for r in found.rows}
+    assert places["SUB.prg", 4] == "not"
+    assert places["MAIN.prg", 1] == places["SUB.prg", 3] == "supported"
+
+
+def test_signals_tools_and_frames_of_the_other_cell(tmp_path: Path) -> None:
+    process = tmp_path / "cell.process.toml"
+    process.write_text(
+        '[signals.DO1]\nnumber = 7\n[signals.ready]\ndirection = "input"\nnumber = 3\n'
+        "[tools.Torch]\ntip = [0, 0, 123]\n"
+    )
+    text = MODULE.replace("IF n>3", "IF ready=1")
+    found = translated(tmp_path, text, "melfa-basic-5", process=process, draft=True)
+    assert levels(found)[13] == "supported"
+    (data,) = found.files.values()
+    assert "M_Out(7)=1" in data.decode()
+    assert "M_In(3)=1" in data.decode()
+    assert "+123.00" in data.decode()
+
+
+def test_a_tool_that_the_program_does_not_have_is_said(tmp_path: Path) -> None:
+    process = tmp_path / "cell.process.toml"
+    process.write_text("[tools.torsh]\ntip = [0, 0, 123]\n")
+    found = translated(tmp_path, MODULE, "melfa-basic-5", process=process)
+    assert "CO006" in {f.code for f in found.whole}
+
+
+def test_a_drawing_is_no_program_to_translate() -> None:
+    with pytest.raises(Refused) as refused:
+        translate(Path(__file__).parents[2] / "samples" / "plate.dxf", to="rapid")
+    assert refused.value.findings[0].code == "CO005"
+    assert refused.value.exit_status == 2
