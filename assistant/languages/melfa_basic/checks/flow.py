@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 from typing import Final
 
 from assistant.languages.melfa_basic import syntax as s
@@ -89,7 +90,8 @@ def _depth(look: Look, block: Block) -> Found:
         return
     most, number = NESTING[kind]
     loops = ("For", "While") if kind != "If" else ("If",)
-    depth = sum(b.kind in loops for b in block.chain)
+    around = (b for b in block.chain if b.kind in loops)
+    depth = sum(1 for _ in islice(around, most + 2))
     if depth == most + 1:
         yield look.at(rules.TOO_DEEP, line, kind, word=kind, depth=depth, most=most, number=number)
 
