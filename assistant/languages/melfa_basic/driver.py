@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, Final, NamedTuple
 
-from assistant.languages.lalr import END, Reduction
+from assistant.languages.lalr import END, Reduction, Tables
 from assistant.languages.melfa_basic.grammar import tables
 from assistant.languages.melfa_basic.lexer import lexer
 from assistant.languages.melfa_basic.nodes import Nodes, Token
@@ -29,18 +30,16 @@ class Lexeme(NamedTuple):
 class Stop:
     """A word that does not fit.
 
-    word: its type is END behind the last one. row: the terminals that would have fitted, without
-    those that only a left-out part would bring. states: of the tables, before the word.
+    word: its type is END behind the last one. start: rule of the grammar.
     """
 
     word: Lexeme
-    states: tuple[int, ...]
     start: str
 
     @property
-    def fitting(self) -> frozenset[str]:
-        """Terminals that go on from here, in states that the end of a rule leads to as well."""
-        return frozenset(t for t in _terminals(self.start) if fits(self.start, self.states, t))
+    def terminals(self) -> tuple[str, ...]:
+        """All terminals of the grammar, and END."""
+        return _terminals(self.start)
 
 
 def drive(
@@ -68,7 +67,7 @@ def drive(
                 return values[0]
             action = table[states[-1]].get(type)
         if action is None or count > MOST_WORDS or len(states) > 2 * MOST_NESTING:
-            return Stop(Lexeme(*word), tuple(states), start)
+            return Stop(Lexeme(*word), start)
         count += 1
         if words is not None:
             words.append(Lexeme(*word))
@@ -80,24 +79,34 @@ def drive(
         ends.append(at)
 
 
+def states_of(start: str, words: Iterable[Lexeme]) -> tuple[int, ...]:
+    """The states that words lead to which fit one behind the other."""
+    found = tables(start)
+    states = [found.first]
+    for word in words:
+        action = _settled(found, states, word.type)
+        if not isinstance(action, int):
+            break
+        states.append(action)
+    return tuple(states)
+
+
 def fits(start: str, before: tuple[int, ...], terminal: str) -> bool:
     """Whether a terminal has room behind what led to these states."""
-    table = tables(start).rows
-    states = list(before)
-    while (action := table[states[-1]].get(terminal)) is not None:
+    return _settled(tables(start), list(before), terminal) is not None
+
+
+def _settled(found: Tables, states: list[int], terminal: str) -> int | None:
+    """The state that a terminal leads to once its rules are done, None where it does not fit."""
+    while (action := found.rows[states[-1]].get(terminal)) is not None:
         if isinstance(action, int):
-            return True
+            return action
         if action.size:
             del states[-action.size :]
-        if states[-1] == tables(start).last:
-            return True
-        follow = table[states[-1]].get(action.origin)
-        if follow is None:
-            return False
-        states.append(follow)
-        if terminal == END and follow == tables(start).last:
-            return True
-    return False
+        states.append(found.rows[states[-1]][action.origin])
+        if states[-1] == found.last:
+            return found.last if terminal == END else None
+    return None
 
 
 @cache

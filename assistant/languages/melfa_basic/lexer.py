@@ -57,7 +57,7 @@ class Lexer:
         if kind == "NAME":
             return self._word(text, start, stop, end, row)
         if kind == "MARK" or kind == "TIMES":
-            return self._mark(text, start, end, row)
+            return self._mark(text, start, end, row, start == at)
         if kind == "NUMBER" and "STEP" in row and text[start:stop].isdigit():
             kind = "STEP"
         return (kind, start, stop)
@@ -71,6 +71,8 @@ class Lexer:
         for type in self._keywords.get(word, ()):
             if type in row:
                 return (type, start, stop)
+        if word in _FIRM:
+            return (self._keywords[word][0], start, stop)
         if word == "REM" and "REM" in row:
             return ("REM", start, end)
         if word[:2] == "FN" and len(word) > 2 and "FN_NAME" in row:
@@ -79,8 +81,11 @@ class Lexer:
             return ("COMMAND", start, start + 3)
         return ("NAME", start, stop)
 
-    def _mark(self, text: str, start: int, end: int, row: Row) -> Found:
-        """`*` and `/`, brackets and all single marks: the longest that there is room for."""
+    def _mark(self, text: str, start: int, end: int, row: Row, joined: bool) -> Found:
+        """`*` and `/`, brackets and all single marks: the longest that there is room for.
+
+        joined: whether no blank stands before it, as none does before a type mark.
+        """
         mark = text[start]
         for type in _LONGER.get(mark, ()):
             if type in row and (found := self._longer[type].match(text, start, end)):
@@ -88,8 +93,8 @@ class Lexer:
         if mark in "*/":
             return ("TIMES", start, start + 1)
         type = self._marks.get(mark, STRANGE)
-        if mark == "#" and "SUFFIX" not in row:
-            type = "HASH"
+        if type == "SUFFIX" and not (joined and type in row):
+            type = "HASH" if mark == "#" else STRANGE
         return (type, start, start + 1)
 
 
@@ -99,6 +104,12 @@ _LONGER: Final = {
     "&": ("HEX", "BINARY"),
     "#": ("INCLUDE",),
 }
+_FIRM: Final = frozenset(
+    {"IF", "THEN", "ELSE", "ELSEIF", "ENDIF", "FOR", "TO", "NEXT", "WHILE", "WEND", "SELECT"}
+    | {"CASE", "GOTO", "GOSUB", "CALLP", "AND", "OR", "XOR", "NOT", "MOD", "WTH", "WTHIF"}
+    | {"DEF", "FUNCTION", "FEND", "MOV", "MVS", "MVR"}
+)
+"""Words that are no names even where there is no room for them."""
 _SECOND: Final = re.compile(r"[ \t]*+([A-Za-z]+)(?![A-Za-z0-9_])")
 
 

@@ -19,6 +19,9 @@ __all__ = ["parse", "statement"]
 TOKENISED: Final = "ROBPRG"
 """What a controller's own .MB4, .MB5 and .MB6 files begin with."""
 
+TOO_LARGE: Final = "a number is too large"
+SMALLER: Final = "write one that a variable can hold"
+
 
 @uncollected()
 def parse(source: SourceText | str, dialect: str, *, runs: bool = True) -> s.File:
@@ -37,21 +40,20 @@ def parse(source: SourceText | str, dialect: str, *, runs: bool = True) -> s.Fil
     for start, end in _pieces(text, items, runs):
         stop = start + len(text[start:end].rstrip("\r\n"))
         node = read_line(text, start, stop, end)
-        if isinstance(node, Stop | TooLarge):
-            findings.append(_finding(source, start, stop, node))
+        if isinstance(node, Stop):
+            from assistant.languages.melfa_basic.recovery.lines import mended
+
+            item, found = mended(source, start, stop, end)
+            items.append(item)
+            findings += found
+        elif isinstance(node, TooLarge):
+            at = Span(code_start(text, start, stop), stop)
+            findings.append(source.finding(rules.SYNTAX, at, what=TOO_LARGE, cure=SMALLER))
             items.append(s.Unread(text[start:stop], Span(start, end)))
         else:
             items.append(node)
     parsed = tuple(_with_data(items))
     return s.File(dialect, parsed, tuple(findings), source, parsed)
-
-
-def _finding(source: SourceText, start: int, stop: int, why: Stop | TooLarge) -> Diagnostic:
-    at = why.word.start if isinstance(why, Stop) else code_start(source.text, start, stop)
-    at = min(at, max(stop - 1, start))
-    quotes = any(mark in source.text[start:stop] for mark in "‘’“”＂")
-    rule = rules.QUOTES if quotes else rules.SYNTAX
-    return source.finding(rule, Span(at, at + 1), reason="cannot be read")
 
 
 def _pieces(text: str, items: list[s.Item], runs: bool) -> Iterator[tuple[int, int]]:

@@ -41,7 +41,7 @@ def read_line(
         return s.Blank(span)
     step = _STEP.match(text, start, end)
     at = step.end() if step else start
-    kind = "data" if _DECLARED.match(text, at, end) else "line"
+    kind = rule_of(text, at, end)
     try:
         node = drive(text, at, end, kind, _nodes())
     except ValueError:
@@ -52,6 +52,17 @@ def read_line(
     if isinstance(node, s.Data):
         return replace(node, span=span)
     return node if isinstance(node, Stop) else TooLarge()
+
+
+def rule_of(text: str, at: int, end: int) -> str:
+    """The rule of the grammar that code begins, which stands behind a step number."""
+    return "data" if _DECLARED.match(text, at, end) else "line"
+
+
+def step_of(text: str, start: int, end: int) -> int | None:
+    """The step number of a line, None if it has none."""
+    step = _STEP.match(text, start, end)
+    return None if step is None else int(step.group(1))
 
 
 def code_start(text: str, start: int, end: int) -> int:

@@ -13,14 +13,8 @@ TOKENISED = Rule(
     "MB001", E, "this is a tokenised controller file (`ROBPRG`), not text",
     "export the program as text (.prg) with RT ToolBox, or back it up as text over the link",
 )  # fmt: skip
-SYNTAX = Rule(
-    "MB002", E, "the line {reason} (controller error 4220, syntax error)",
-    "write one statement a line; text after it needs a `'` before it",
-)  # fmt: skip
-QUOTES = Rule(
-    "MB003", E, "the line {reason}: a typographic quote mark (controller error 4310)",
-    "write the plain marks ' and \"",
-)  # fmt: skip
+SYNTAX = Rule("MB002", E, "{what} (controller error 4220, syntax error)", "{cure}")
+QUOTES = Rule("MB003", E, "{what} (controller error 4310, illegal character)", "{cure}")
 
 # ---------------------------------------------------------------------------- checking
 # more about checked programs in checks: flow_rules, value_rules, motion_rules
