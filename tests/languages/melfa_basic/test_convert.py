@@ -237,3 +237,36 @@ def test_a_written_program_keeps_its_names(tmp_path: Path) -> None:
     back = load_text(SourceText(data.decode(), name), language=IV).program
     assert list(back.targets) == ["the_parking_position"]
     assert back.name == "my_long_program"
+
+
+def test_programs_that_call_each_other_are_compiled_together(tmp_path: Path) -> None:
+    (tmp_path / "MAIN.prg").write_text('Mov P1\nCallP "PART"\nEnd\nP1=(+1,+2,+3,+0,+0,+0)(7,0)\n')
+    (tmp_path / "PART.prg").write_text("*Loop:Dly 0.5\nIf M_In(5)<>0 Then GoTo *Loop\nEnd\n")
+    compiled = assistant.compile(tmp_path / "MAIN.prg", language=IV)
+    assert compiled.ok, compiled.findings
+    assert {name: data.decode().splitlines() for name, data in compiled.files.items()} == {
+        "MAIN.prg": [
+            "10 MOV P1",
+            '20 CALLP "PART"',
+            "30 END",
+            "P1=(+1.00,+2.00,+3.00,+0.00,+0.00,+0.00)(7,0)",
+        ],
+        "PART.prg": ["10 *LOOP", "20 DLY 0.5", "30 IF M_IN(5)<>0 THEN GOTO *LOOP", "40 END"],
+    }
+
+
+def test_functions_go_through_the_pseudo_program() -> None:
+    text = "Function Main\nM1=Twice(3)\nFEnd\nFunction M Twice(ByVal A)\nTwice=A*2\nFEnd\n"
+    for dialect in (IV, V):
+        loaded = load_text(SourceText(text, "WORK.prg"), language=VI)
+        compiled = assistant.compile(loaded.program, language=dialect)
+        assert compiled.ok, compiled.findings
+        assert "GOSUB *TWICE" in compiled.files["WORK.prg"].decode().upper()
+
+
+def test_another_robot_goes_through_the_pseudo_program() -> None:
+    text = "10 MOV P1\n20 END\nP1=(+300.00,+0.00,+300.00,+180.00,+0.00,+180.00)(7,0)\n"
+    loaded = load_text(SourceText(text, "WORK.prg"), language=IV)
+    compiled = assistant.compile(loaded.program, language=VI, robot="rv-4frl")
+    assert compiled.ok, compiled.findings
+    assert "robot: rv-4frl" in compiled.files["WORK.prg"].decode()

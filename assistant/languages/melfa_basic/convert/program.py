@@ -24,7 +24,9 @@ def conversion(
 ) -> Conversion[s.File] | None:
     """The files in the dialect, None if the program is not as it was read in another one.
 
-    names: of the files of trees without a path. robot: that the program is to run on.
+    Programs with a `Function`, for a dialect without, are none either: they go through the
+    pseudo-program. names: of the files of trees without a path, in their order. robot: that the
+    program is to run on.
     """
     origin = program.origin
     if origin is None or origin.language not in DIALECTS or origin.language == dialect:
@@ -32,6 +34,8 @@ def conversion(
     trees = origin.trees
     if any(has_errors(tree.findings) for tree in trees):
         return None
+    if not DIALECTS[dialect].functions and any(map(_has_functions, trees)):
+        return None  # the pseudo-program has procedures, which every dialect says in its way
     arms = [None] if robot is None else [None, robot]
     read = next((arm for arm in arms if lift(trees, arm) == program), robot)
     if read is robot and lift(trees, read) != program:
@@ -39,9 +43,16 @@ def conversion(
     if robot is not None and read is None and program.robot != robot.name:
         return None  # another arm: its branches are chosen anew
     converted = convert(trees, dialect)
+    left = iter(names)
     files: dict[str, s.File] = {}
-    for at, tree in enumerate(converted.trees):
+    for tree in converted.trees:
         path = tree.source.path if tree.source else None
-        name = PurePath(path).stem + ".prg" if path and path != "-" else names[at]
+        name = PurePath(path).stem + ".prg" if path else next(left, None)
+        if name is None:
+            return None
         files[name] = tree
     return Conversion(files, lambda back: compared(trees, back, read), converted.findings)
+
+
+def _has_functions(tree: s.File) -> bool:
+    return any(isinstance(i, s.Line) and isinstance(i.statement, s.Function) for i in tree.items)
