@@ -168,7 +168,8 @@ class Declared:
         for short, name in {**names, **used}.items():
             constant = self.positions.constant(short)
             if constant is not None:
-                made[name] = Frame(poses.plain_pose(constant.values).inverse())
+                pose = poses.plain_pose(constant.values)
+                made[name] = Frame(pose if self.header.products else pose.inverse())
         return made | {name: Frame(pose) for name, pose in self.settings.frame_values.items()}
 
     def targets(self) -> dict[str, Target]:

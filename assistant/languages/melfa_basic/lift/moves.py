@@ -6,6 +6,7 @@ from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.lift.expressions import Expressions
 from assistant.languages.melfa_basic.lift.meanings import Unliftable
 from assistant.languages.melfa_basic.lift.paths import Runs, Values, place, sayable, speed_of
+from assistant.languages.melfa_basic.lift.products import unframed
 from assistant.languages.melfa_basic.lift.settings import BLEND, FRAME, TOOL
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -25,6 +26,7 @@ class Moves:
         self.expressions, self.runs = expressions, runs
 
     def move(self, node: s.Motion, values: Values) -> list[p.Statement]:
+        node, values = unframed(node, values, self.expressions.m.header)
         if node.append or (node.type and node.type != USUAL.get(node.keyword)):
             raise Unliftable
         if not sayable(values, node.keyword == "Mov"):

@@ -19,6 +19,7 @@ from assistant.languages.melfa_basic.lift.blocks import Entry
 from assistant.languages.melfa_basic.lift.gathering import cut, rows_as_lines, split_name
 from assistant.languages.melfa_basic.lift.meanings import Meanings
 from assistant.languages.melfa_basic.lift.positions import configurations
+from assistant.languages.melfa_basic.lift.products import unframed
 from assistant.languages.melfa_basic.lift.settings import FRAME, JOINT, TCP, TOOL, UNKNOWN
 from assistant.languages.melfa_basic.names import ARC_START
 from assistant.program import statements as p
@@ -122,6 +123,7 @@ class Runs:
         self, node: s.Motion, values: Values, span: Span | None, made: list[p.Statement]
     ) -> bool:
         """A single line that may go on with the path or begin one; False if it cannot."""
+        node, values = unframed(node, values, self.meanings.header)
         if node.type or node.append or node.keyword not in KEYWORDS:
             return False
         if not sayable(values, node.keyword == KEYWORDS[MOV]):
