@@ -12,6 +12,8 @@ from pathlib import Path
 
 import pytest
 
+from assistant import languages
+from assistant.compiler.project import configured
 from assistant.findings import rulebook
 from assistant.findings.severity import severities_for
 from assistant.program import pseudo
@@ -117,7 +119,8 @@ def test_the_pseudo_programs_of_a_page_are_exact(page, text):
     assert pseudo.print_program(pseudo.parse(text)).text == text
 
 
-SETTINGS = {"[severity]": "assistant.toml", "[tool.": "pyproject.toml"}
+LIMITS = "[melfa-basic]"
+SETTINGS = {"[severity]": "assistant.toml", LIMITS: "assistant.toml", "[tool.": "pyproject.toml"}
 """How the settings of a project begin, and the file that they are in."""
 
 
@@ -128,9 +131,13 @@ def test_the_files_of_a_page_are_read(page, text, tmp_path):
     file.write_text(text, encoding="utf-8")
     if name in SETTINGS.values():
         settings = severities_for(tmp_path)
-        assert settings.levels and not settings.findings
+        assert not settings.findings
+        language = languages.get("melfa-basic-5")
+        said = configured(language, tmp_path) is not language
+        assert said if text.startswith(LIMITS) else settings.levels
     else:
-        assert read_process(file).layers
+        process = read_process(file)
+        assert any((process.layers, process.signals, process.tools, process.frames))
 
 
 def test_the_findings_page_is_what_the_rules_say():
