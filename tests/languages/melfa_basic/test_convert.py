@@ -211,6 +211,16 @@ def test_compiling_goes_over_the_trees() -> None:
     ]  # fmt: skip
 
 
+@pytest.mark.parametrize("case", CASES)
+def test_what_is_written_is_proven(case: str) -> None:
+    text, _ = CASES[case]
+    data = "".join(f"P{n}=(+1.00,+2.00,+3.00,+0.00,+90.00,+0.00)(7,0)\n" for n in (1, 2))
+    data += "PHOME=(+4.00,+2.00,+3.00,+0.00,+90.00,+0.00)(7,0)\n"
+    loaded = load_text(SourceText(text + data, "WORK.prg"), language=V)
+    compiled = assistant.compile(loaded.program, language=IV)
+    assert compiled.ok, compiled.findings
+
+
 def test_what_is_wrong_in_the_source_is_said_of_it() -> None:
     loaded = load_text(SourceText("Mov P1\nFine 0.5,P\n", "WORK.prg"), language=V)
     compiled = assistant.compile(loaded.program, language=IV)

@@ -56,7 +56,7 @@ def lifted(trees: Sequence[s.File], others: Sequence[s.File], robot: Robot | Non
 
 def _plain(tree: s.File, lowest: int) -> s.File:
     items, memory = memories.taken_out(tree.items)
-    items, made = steps.labelled(items)
+    items, made = steps.labelled(steps.apart(items))
     jumped = {label.upper() for label in made} | set(memory.steps)
     order = [i.label.upper() for i in items if isinstance(i, s.Line) and i.label]
     numbers = {label: f"ATSTEP{n}" for n, label in enumerate(x for x in order if x in jumped)}

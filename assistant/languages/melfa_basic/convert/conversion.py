@@ -100,7 +100,7 @@ class _File:
         items, made = steps.labelled(items)
         self.as_steps = {*made, *self.memory.steps}
         self.memory.steps.clear()
-        items = _apart(steps.bare(items))
+        items = steps.apart(steps.bare(items))
         for line in words.unreachable_constants(items):
             self.complain(
                 line, "a `Const` behind a jump or label", "move it to the head of the program"
@@ -209,14 +209,3 @@ def _read(language: object, text: str, tree: s.File) -> s.File:
     plain = text.replace("\r\n", "\n").replace("\n", source.newline)
     path = None if source.path is None else PurePath(source.path).stem + ".prg"
     return language.parse(SourceText(plain, path, source.encoding, source.newline))
-
-
-def _apart(items: Sequence[s.Item]) -> list[s.Item]:
-    """The lines with each label on a line of its own."""
-    made: list[s.Item] = []
-    for item in items:
-        if isinstance(item, s.Line) and item.label is not None and item.statement is not None:
-            made += [s.Line(label=item.label, span=item.span), replace(item, label=None)]
-        else:
-            made.append(item)
-    return made

@@ -154,3 +154,14 @@ def _without(
         else:
             kept.append(item)
     return kept, dropped
+
+
+def apart(items: Sequence[s.Item]) -> list[s.Item]:
+    """The lines with each label on a line of its own."""
+    made: list[s.Item] = []
+    for item in items:
+        if isinstance(item, s.Line) and item.label is not None and item.statement is not None:
+            made += [s.Line(label=item.label, span=item.span), replace(item, label=None)]
+        else:
+            made.append(item)
+    return made
