@@ -23,8 +23,9 @@ from assistant.program.path import (
     configuration_of,
 )
 from assistant.program.program import Procedure, Program, bodies
-from assistant.program.rewriting import rewrite
+from assistant.program.rewriting import records, rewrite
 from assistant.program.statements import (
+    Assign,
     Call,
     Follow,
     Goto,
@@ -82,6 +83,8 @@ class _Survey:
     """Goes through a program in order of text and solves its moves run by run.
 
     done: id of a target → its configuration row. paths: id of a path → the configured one.
+    aimed: name of a target → tool and frame of the first move to a place that is computed from
+    it as the program runs. origins: name of a variable → names that its value comes from.
     """
 
     def __init__(self, program: Program, robot: Robot) -> None:
@@ -92,6 +95,8 @@ class _Survey:
         self.paths: dict[int, Path] = {}
         self.followed: dict[int, Path] = {}
         self.used: set[tuple[str, str]] = set()
+        self.aimed: dict[str, tuple[str, str]] = {}
+        self.origins: dict[str, set[str]] = {}
         self.moves: list[SingleMove] = []
         self.parts: list[Part] = []
         self.before, self.joined = robot.home, False
@@ -117,6 +122,8 @@ class _Survey:
                     self.move_joints(statement)
                 case Follow():
                     self.follow(statement.path)
+                case Assign(Name(name), value):
+                    self.origins[name.lower()] = self.coming_from(value)
                 case Call() | Goto() | Label() | Opaque():
                     self.flush()
                     self.joined = False
@@ -142,10 +149,17 @@ class _Survey:
         self.used.add((motion.tool, motion.frame))
         place = self.names.place(target)
         if place is None or tool is None or frame is None:
+            for name in self.coming_from(target):
+                self.aimed.setdefault(name, (motion.tool, motion.frame))
             self.flush()
             self.joined = False
             return
         self.moves.append(SingleMove(kind, place, tool, frame, label))
+
+    def coming_from(self, value: Expression) -> set[str]:
+        """The names in an expression, and those that the variables among them come from."""
+        names = {part.name.lower() for part in records(value) if isinstance(part, Name)}
+        return names.union(*(self.origins.get(name, ()) for name in names))
 
     def follow(self, path: Path) -> None:
         place = f"path {path.name}"
@@ -252,8 +266,12 @@ class _Survey:
 
     def unused(self) -> None:
         """Configures what no move names, in silence: nobody says how it will be used."""
-        tool, frame = next(iter(self.used)) if len(self.used) == 1 else (FLANGE, BASE)
-        known_tool, known_frame = self.names.tool(tool), self.names.frame(frame)
+        usual = next(iter(self.used)) if len(self.used) == 1 else (FLANGE, BASE)
+        aimed = {
+            id(target): self.aimed[name.lower()]
+            for name, target in self.program.targets.items()
+            if name.lower() in self.aimed
+        }
         targets: dict[int, Target] = {}
 
         def visit(value: Any) -> Any:
@@ -262,11 +280,13 @@ class _Survey:
             return value
 
         rewrite(self.program, visit)
-        moves = [
-            SingleMove(Kind.JOINT, Place(target, target.pose), known_tool, known_frame, "")
-            for key, target in targets.items()
-            if key not in self.done and known_tool is not None and known_frame is not None
-        ]
+        moves = []
+        for key, target in targets.items():
+            tool, frame = aimed.get(key, usual)
+            known_tool, known_frame = self.names.tool(tool), self.names.frame(frame)
+            if key not in self.done and known_tool is not None and known_frame is not None:
+                place = Place(target, target.pose)
+                moves.append(SingleMove(Kind.JOINT, place, known_tool, known_frame, ""))
         if not moves:
             return
         parts = [moves_part("", moves, self.done)]

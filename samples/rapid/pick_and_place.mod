@@ -6,7 +6,7 @@ MODULE PickAndPlace
 
     CONST robtarget pHome:=[[420,0,520],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
     CONST robtarget pTray:=[[380,-240,180],[0,0,1,0],[-1,0,-1,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
-    CONST robtarget pMachine:=[[430,230,260],[0,0.707106781,0.707106781,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+    CONST robtarget pMachine:=[[430,230,260],[0,0.707106781,0.707106781,0],[0,0,1,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
     CONST robtarget pReject:=[[300,-330,240],[0,0,1,0],[-1,0,-1,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
 
     VAR num nOrder:=0;
