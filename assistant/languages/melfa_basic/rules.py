@@ -121,6 +121,12 @@ DECLARED_TWICE = Rule(
     "`{name}` is declared twice (controller error 4350)",
     "delete one of the declarations",
 )
+LINE_TARGET = Rule(
+    "MB121",
+    W,
+    "the jump names line {name}: tools of {title} number lines anew, and leave it as it is",
+    "put a label in front of that line, and jump to it",
+)
 NO_CALL = Rule(
     "MB122",
     W,

@@ -281,6 +281,8 @@ VALUES: dict[str, Row] = {
     "no speed": ("Spd 0", ["MB601 1:5"]),
     "the fastest speed": ("Spd M_NSpd\nSpd 0.5", []),
     "a time before now": ("Dly -1", ["MB601 1:6"]),
+    "a time too short": ("Dly 0.001", ["MB615 1:5"]),
+    "no time, and a short one": ("Dly 0\nDly 0.01", []),
     "a pulse before now": ("M_Out(1)=1 Dly -0.5", ["MB601 1:17"]),
     "a pulse": ("M_Out(1)=1 Dly 0.5", []),
     "a corner of two": ("Cnt 2", ["MB601 1:5"]),
@@ -477,7 +479,7 @@ def test_what_the_oldest_version_lacks(text: str, expected: list[str]) -> None:
 @pytest.mark.parametrize(
     ("version", "text", "expected"),
     [
-        (5, "1 If M_In(1)=1 Then 2\n2 End", ["MB111 1:21"]),
+        (5, "1 If M_In(1)=1 Then 2\n2 End", ["MB121 1:21"]),
         (5, "M_Out(1)=M_SfIArea(1)", ["MB111 1:10"]),
         (6, "M_Out(1)=M_SfIArea(1)", []),
         (5, '#Include "B"', ["MB111 1:2", "MB115 1:10"]),

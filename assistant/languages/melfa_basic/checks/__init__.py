@@ -8,6 +8,7 @@ from typing import Final
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.checks import (
     flow,
+    gaps,
     kinds,
     motions,
     names,
@@ -48,6 +49,9 @@ RULES: Final[tuple[Callable[[Look], Iterator[Diagnostic]], ...]] = (
     values.counts,
     values.types,
     values.status,
+    gaps.positions,
+    gaps.arguments,
+    gaps.lines,
     motions.never_taught,
     motions.flags,
     motions.arcs,
@@ -65,6 +69,7 @@ ADVICE: Final[tuple[Callable[[Look], Iterator[Diagnostic]], ...]] = (
     motions.corners,
     motions.tools,
     values.units,
+    values.waits,
 )
 """Rules of how a program is written. They are not asked about a file that was compiled: the
 program that it comes from has been checked, and its author wrote no MELFA-BASIC."""

@@ -31,7 +31,7 @@ def order(look: Look) -> Found:
             yield from _rows(look, item, before)
             before = int(item.steps[-1])
         elif item.number is None:
-            if numbered and (item.statement or item.label):
+            if numbered:
                 what = "the line has no step number, but others have"
                 yield look.finding(rules.NO_STEP_NUMBER, item, what=what)
         else:
@@ -136,14 +136,8 @@ def _targets(look: Look, line: s.Line, seen: set[str], *, inside: bool) -> Found
                 word = str(target.place)
                 yield look.at(rules.NO_STEP, line, word, name=target.place)
             elif not look.dialect.line_targets:
-                yield look.at(
-                    rules.NOT_IN_DIALECT,
-                    line,
-                    str(target.place),
-                    title=look.dialect.title,
-                    word=f"jumps to line numbers such as {target.place}",
-                    cure="put a label in front of that line, and jump to it",
-                )
+                word, title = str(target.place), look.dialect.title
+                yield look.at(rules.LINE_TARGET, line, word, name=target.place, title=title)
         elif target.place.upper() not in seen:
             other = target.place.upper() in look.once(_all_labels)
             where = ""

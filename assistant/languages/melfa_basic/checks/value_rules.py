@@ -86,3 +86,33 @@ INTEGER_RANGE: Final = Rule(
 DIMENSIONS: Final = Rule(
     "MB614", ERROR, "the array `{name}` {what} (controller error 4370)", "{cure}"
 )
+SHORT_WAIT: Final = Rule(
+    "MB615",
+    INFO,
+    "{title} waits {least:g} seconds at least, not {value}",
+    "write a longer time, or leave it out",
+)
+GAP: Final = Rule(
+    "MB615",
+    WARNING,
+    "the position `{name}` leaves out {what}, whose value is undefined then",
+    "write every value; 0 is one",
+)
+LEFT_OUT: Final = Rule(
+    "MB616",
+    ERROR,
+    "the {which} argument of `{word}` is left out (controller error 3120)",
+    "write it",
+)
+EMPTY_STEP: Final = Rule(
+    "MB617",
+    WARNING,
+    "step {number} holds nothing: a step number alone deletes that step",
+    "write a statement or a comment there, or delete the line",
+)
+AMONG_STEPS: Final = Rule(
+    "MB618",
+    WARNING,
+    "`{name}` is given a value by a line without step number between steps",
+    "write a step number if it is a statement, else move it behind the last step",
+)

@@ -13,7 +13,7 @@ from assistant.languages.melfa_basic.checks import kinds
 from assistant.languages.melfa_basic.checks import value_rules as rules
 from assistant.languages.melfa_basic.checks.kinds import literal
 from assistant.languages.melfa_basic.checks.look import Look
-from assistant.program.diagnostics import Diagnostic
+from assistant.program.diagnostics import Diagnostic, Severity
 
 Found = Iterator[Diagnostic]
 
@@ -72,7 +72,6 @@ COMMANDS: Final[dict[str, tuple[Limits | None, ...]]] = {
     "MvTune": (Limits("the mode of `MvTune`", 1, 4),),
     "Torq": (Limits("the axis", 1, 8), Limits("the torque", 0, 100)),
     "LoadSet": (Limits("the hand condition", 0, 8), Limits("the work condition", 0, 8)),
-    "JRC": (Limits("the turns of `JRC`", -1, 1),),
 }
 """Word of a statement → what its arguments may be, where they are plain numbers."""
 DEFINITIONS: Final[dict[str, tuple[Limits | None, ...]]] = {
@@ -284,6 +283,18 @@ TURN: Final = 6.3
 CIRCULAR: Final = frozenset({"SIN", "COS", "TAN"})
 
 
+def waits(look: Look) -> Found:
+    """Times that are shorter than a controller waits."""
+    least = look.dialect.shortest_wait
+    for line, command in look.all(s.Command):
+        value = literal(command.arguments[0]) if command.arguments else None
+        if command.keyword == "Dly" and value is not None and 0 < value < least:
+            title = look.dialect.title
+            yield look.at(
+                rules.SHORT_WAIT, line, f"{value:g}", value=f"{value:g}", least=least, title=title
+            )
+
+
 def units(look: Look) -> Found:
     """Seconds for a timer, degrees for an angle."""
     for line, node in look.all(s.Binary):
@@ -334,7 +345,12 @@ def status(look: Look) -> Found:
                 cure = f"outputs are `{better.name}`"
             elif variable.key in SETTERS:
                 cure = f"write `{SETTERS[variable.key]}`"
-            yield look.at(rules.READ_ONLY, line, variable, name=row.name, cure=cure)
+            # what the tool lists for reading only, controllers may still let programs set
+            sure = variable.key in SETTERS or variable.key.startswith("M_IN")
+            severity = None if sure else Severity.WARNING
+            yield look.at(
+                rules.READ_ONLY, line, variable, name=row.name, cure=cure, severity=severity
+            )
         elif use.role == "read" and not row.readable:
             yield look.at(rules.WRITE_ONLY, line, variable, name=row.name)
 
