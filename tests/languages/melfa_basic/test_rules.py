@@ -281,7 +281,7 @@ VALUES: dict[str, Row] = {
     "no speed": ("Spd 0", ["MB601 1:5"]),
     "the fastest speed": ("Spd M_NSpd\nSpd 0.5", []),
     "a time before now": ("Dly -1", ["MB601 1:6"]),
-    "a time too short": ("Dly 0.001", ["MB615 1:5"]),
+    "a time too short": ("Dly 0.001", ["MB619 1:5"]),
     "no time, and a short one": ("Dly 0\nDly 0.01", []),
     "a pulse before now": ("M_Out(1)=1 Dly -0.5", ["MB601 1:17"]),
     "a pulse": ("M_Out(1)=1 Dly 0.5", []),

@@ -87,7 +87,7 @@ DIMENSIONS: Final = Rule(
     "MB614", ERROR, "the array `{name}` {what} (controller error 4370)", "{cure}"
 )
 SHORT_WAIT: Final = Rule(
-    "MB615",
+    "MB619",
     INFO,
     "{title} waits {least:g} seconds at least, not {value}",
     "write a longer time, or leave it out",
