@@ -93,25 +93,25 @@ SHORT_WAIT: Final = Rule(
     "write a longer time, or leave it out",
 )
 GAP: Final = Rule(
-    "MB615",
+    "MB616",
     WARNING,
     "the position `{name}` leaves out {what}, whose value is undefined then",
     "write every value; 0 is one",
 )
 LEFT_OUT: Final = Rule(
-    "MB616",
+    "MB617",
     ERROR,
     "the {which} argument of `{word}` is left out (controller error 3120)",
     "write it",
 )
 EMPTY_STEP: Final = Rule(
-    "MB617",
+    "MB618",
     WARNING,
     "step {number} holds nothing: a step number alone deletes that step",
     "write a statement or a comment there, or delete the line",
 )
 AMONG_STEPS: Final = Rule(
-    "MB618",
+    "MB619",
     WARNING,
     "`{name}` is given a value by a line without step number between steps",
     "write a step number if it is a statement, else move it behind the last step",
