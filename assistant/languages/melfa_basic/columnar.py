@@ -153,13 +153,15 @@ def move_text(rows: MoveRows, newline: bytes, upper: bool, indent: int = 0) -> s
 
 _NATURAL: Final = r"(?:0|[1-9][0-9]{0,8})"
 _REAL: Final = r"[+-]?[0-9]{1,9}(?:\.[0-9]{0,9})?"
+_SPACE: Final = r"[ \t]*+"
 _STEM: Final = r"([A-Za-z][A-Za-z_]*)"
 
 
 def _position_pattern(elements: int) -> re.Pattern[str]:
+    real, flag = rf"{_SPACE}{_REAL}{_SPACE}", rf"{_SPACE}[+-]?[0-9]{{1,10}}{_SPACE}"
     row = (
-        rf"{_NATURAL}=\({_REAL}(?:,{_REAL}){{{elements - 1}}}\)"
-        r"\([+-]?[0-9]{1,10},[+-]?[0-9]{1,10}\)\r?\n"
+        rf"{_NATURAL}{_SPACE}={_SPACE}\({real}(?:,{real}){{{elements - 1}}}\)"
+        rf"{_SPACE}\({flag},{flag}\){_SPACE}\r?\n"
     )
     return re.compile(rf"{_STEM}{row}(?>\1{row})++")
 
@@ -168,11 +170,11 @@ _POSITIONS: Final = tuple(_position_pattern(elements) for elements in (6, 7, 8))
 
 
 def _move_pattern() -> re.Pattern[str]:
-    step = r"[1-9][0-9]{0,5}[ ]+"
-    first = rf"{step}(?i:MOV|MVS)[ ]+{_STEM}{_NATURAL}[ ]*\r?\n"
+    step = r"[1-9][0-9]{0,5}[ \t]+"
+    first = rf"{step}(?i:MOV|MVS)[ \t]+{_STEM}{_NATURAL}{_SPACE}\r?\n"
     same = rf"\1{_NATURAL}"
-    row = rf"{step}(?:(?i:MOV|MVS)[ ]+{same}|(?i:MVR)[ ]+{same},{same},{same})[ ]*\r?\n"
-    arc = rf"{step}(?i:MVR)[ ]+{_STEM}{_NATURAL},\2{_NATURAL},\2{_NATURAL}[ ]*\r?\n"
+    row = rf"{step}(?:(?i:MOV|MVS)[ \t]+{same}|(?i:MVR)[ \t]+{same},{same},{same}){_SPACE}\r?\n"
+    arc = rf"{step}(?i:MVR)[ \t]+{_STEM}{_NATURAL},\2{_NATURAL},\2{_NATURAL}{_SPACE}\r?\n"
     rest = row.replace(r"\1", r"\2")
     return re.compile(rf"{first}(?>{row})++|{arc}(?>{rest})++")
 

@@ -148,7 +148,9 @@ def rows(draw: st.DrawFn) -> str:
                 else draw(st.lists(reals, min_size=2, max_size=8))
             )
             flag = draw(flags) if draw(st.integers(0, 3)) == 0 else "(7,0)"
-            lines.append(f"{stem}{number}=({','.join(values)}){flag}")
+            blank = draw(st.sampled_from(["", "", " ", "\t "]))
+            listed = f"{blank},{blank}".join(values)
+            lines.append(f"{stem}{number}{blank}={blank}({blank}{listed}){blank}{flag}{blank}")
         else:
             word = draw(st.sampled_from(["MOV", "Mvs", "mvr"]))
             ends = f"{stem}{number}"
