@@ -280,3 +280,28 @@ def test_another_robot_goes_through_the_pseudo_program() -> None:
     compiled = assistant.compile(loaded.program, language=VI, robot="rv-4frl")
     assert compiled.ok, compiled.findings
     assert "robot: rv-4frl" in compiled.files["WORK.prg"].decode()
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("Servo On", "SERVO ON"),
+        ("M_Timer(1)=M_In8(16)", "M_TIMER(1)=M_INB(16)"),
+        ("Cmp Off", "CMP OFF"),
+    ],
+)
+def test_what_the_pseudo_program_lacks_is_said_between_dialects(text: str, said: str) -> None:
+    source = f"Function Main\n{text}\nFEnd\n"
+    loaded = load_text(SourceText(source, "WORK.prg"), language=VI)
+    compiled = assistant.compile(loaded.program, language=IV)
+    assert compiled.ok, compiled.findings
+    assert said in compiled.files["WORK.prg"].decode()
+
+
+@pytest.mark.parametrize("text", ["Fine 0.5,P", "M1=M_In32(0)", "Fsc On,1,1,1"])
+def test_what_a_dialect_lacks_is_refused_on_that_way_too(text: str) -> None:
+    source = f"Function Main\n{text}\nFEnd\n"
+    loaded = load_text(SourceText(source, "WORK.prg"), language=VI)
+    compiled = assistant.compile(loaded.program, language=IV)
+    assert not compiled.files
+    assert "MB209" in {f.code for f in compiled.findings}

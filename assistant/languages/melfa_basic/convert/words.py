@@ -9,7 +9,16 @@ from typing import Any, Final
 from assistant.languages.melfa_basic import printer, vocabulary
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.convert.memory import Memory
-from assistant.languages.melfa_basic.convert.names import SUFFIXES, declared_types, is_own
+from assistant.languages.melfa_basic.convert.names import (
+    SUFFIXES,
+    Names,
+    declared_types,
+    is_own,
+    renamed,
+    variables_of,
+)
+from assistant.languages.melfa_basic.convert.nesting import closes, divides, opens
+from assistant.languages.melfa_basic.convert.steps import targets
 from assistant.languages.melfa_basic.dialects import DIALECTS, Dialect
 from assistant.program.rewriting import records, rewrite
 
@@ -219,6 +228,26 @@ class Words:
             )
             made.append(s.Line(statement=definition, span=line.span))
         return [*made, replace(line, statement=s.Assign(node.variable, node.value))]
+
+
+def reworded(line: s.Line, dialect: Dialect) -> s.Line | None:
+    """A line of a higher dialect in a lower one's words, None if it may not stand there alone.
+
+    It names nothing of its program: no variable, no label, no other line.
+    """
+    if any(variables_of([line])) or any(targets([line])) or _needs_others(line.statement):
+        return None
+    complaints: list[str] = []
+    said = Words(dialect, Memory(), lambda _, what, cure: complaints.append(what + cure))
+    made = renamed(said.lines([line]), Names(), upper=dialect.upper)
+    alone = made[0] if len(made) == 1 else None
+    return alone if isinstance(alone, s.Line) and not complaints else None
+
+
+def _needs_others(statement: s.Statement | None) -> bool:
+    """Whether a statement means something only together with the lines around it."""
+    wide = isinstance(statement, s.Command) and statement.keyword in ("Break", "Wait", "Return")
+    return wide or bool(opens(statement) or divides(statement) or closes(statement))
 
 
 def restored(items: Sequence[s.Item], memory: Memory) -> list[s.Item]:

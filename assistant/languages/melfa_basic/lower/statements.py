@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.convert.words import reworded
 from assistant.languages.melfa_basic.dialects import DIALECTS, Dialect
 from assistant.languages.melfa_basic.lower import control, motions, signals
 from assistant.languages.melfa_basic.lower.expressions import Unsayable
@@ -33,12 +34,12 @@ def opaque(w: Writer, node: p.Opaque) -> None:
 
 
 def opaque_line(node: p.Opaque, dialect: Dialect) -> s.Line | None:
-    """The line of a vendor statement that this dialect accepts as it stands."""
+    """The line of a vendor statement that this dialect accepts, or has other words for."""
     origin = DIALECTS.get(node.language)
-    if origin is None or origin.level > dialect.level:
+    line = None if origin is None else read_statement(node.text)
+    if origin is None or line is None or line.label is not None or line.comment is not None:
         return None
-    line = read_statement(node.text)
-    return line if line and line.label is None and line.comment is None else None
+    return line if origin.level <= dialect.level else reworded(line, dialect)
 
 
 STATEMENTS: Final[dict[type, Callable[[Writer, Any], None]]] = {
