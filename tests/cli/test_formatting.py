@@ -159,3 +159,27 @@ def test_programs_are_written_in_the_layout(capsys, tmp_path, name):
     assert run(capsys, "fmt", "--check", file)[0] == 1
     assert run(capsys, "fmt", file)[0] == 0
     assert file.read_bytes() == written
+
+
+@pytest.mark.parametrize("value", ["", "x", "0", "10,0", "10,10,10", "-1,1", "1.5"])
+def test_a_numbering_that_is_none_is_wrong_usage(capsys, folder, value):
+    before = contents(folder)
+    status, out, err = run(capsys, "fmt", f"--renumber={value}", folder / "one.mod")
+    assert status == 2
+    assert "CL005" in err and "--renumber 10,10" in err and not out
+    assert contents(folder) == before
+
+
+def test_steps_are_numbered_anew(capsys, tmp_path, folder):
+    file = tmp_path / "job.prg"
+    file.write_bytes(b"1 *L\r\n5 MOV P1 \r\n7 GOTO 5\r\nP1=(1,2,3,0,0,0)(7,0)\r\n")
+    assert run(capsys, "fmt", "--check", "--renumber", "10,5", file)[0] == 1
+    assert run(capsys, "fmt", "--renumber", "10,5", file)[0] == 0
+    assert file.read_bytes() == (
+        b"10 *L\r\n15 MOV P1\r\n20 GOTO 15\r\nP1=(+1.00,+2.00,+3.00,+0.00,+0.00,+0.00)(7,0)\r\n"
+    )
+    assert run(capsys, "fmt", "--check", "--renumber", "10,5", file)[0] == 0
+    before = contents(folder)
+    status, _, err = run(capsys, "fmt", "--renumber", "10", folder / "one.mod")
+    assert status == 2 and "CO404" in err
+    assert contents(folder) == before

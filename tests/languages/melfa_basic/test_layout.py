@@ -49,7 +49,7 @@ def test_layout(title: str, level: int, before: str, after: str) -> None:
 
 @pytest.mark.parametrize("level", LEVELS)
 @given(data=st.data(), seed=st.integers(0, 99))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=20, deadline=None)
 def test_layout_says_the_same_and_is_settled(level: int, data: st.DataObject, seed: int) -> None:
     language = of(level)
     plain = language.render(data.draw(files(level)))
@@ -64,7 +64,7 @@ def test_layout_says_the_same_and_is_settled(level: int, data: st.DataObject, se
 
 @pytest.mark.parametrize("level", LEVELS)
 @given(data=st.data())
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=20, deadline=None)
 def test_what_is_printed_is_laid_out(level: int, data: st.DataObject) -> None:
     language = of(level)
     text = language.render(data.draw(files(level)))
@@ -137,7 +137,7 @@ def numbered(draw: st.DrawFn) -> str:
 
 
 @given(numbered(), st.integers(1, 40), st.integers(1, 40), st.sampled_from(LEVELS))
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=80, deadline=None)
 def test_renumbering_keeps_what_jumps_where(text: str, first: int, step: int, level: int) -> None:
     language = of(level)
     tree = language.parse(text)

@@ -166,7 +166,7 @@ simple = st.one_of(
 
 @pytest.mark.parametrize("level", [4, 5, 6])
 @given(data=st.data(), seed=st.integers(0, 9))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=15, deadline=None)
 def test_any_edit_is_in_the_text_and_nothing_else(
     level: int, data: st.DataObject, seed: int
 ) -> None:

@@ -84,7 +84,7 @@ def test_a_new_line_stands_like_its_neighbours() -> None:
 
 @pytest.mark.parametrize("level", LEVELS)
 @given(data=st.data(), seed=st.integers(0, 99))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=25, deadline=None)
 def test_an_edit_keeps_all_other_bytes(level: int, data: st.DataObject, seed: int) -> None:
     language = of(level)
     text = scattered(language.render(data.draw(files(level))), random.Random(seed))
@@ -124,7 +124,7 @@ def positions(n: int) -> tuple[str, s.File]:
 
 
 @given(st.sets(st.integers(0, 29), max_size=30), st.sets(st.integers(0, 29), max_size=29))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=50, deadline=None)
 def test_rows_that_stay_keep_their_bytes(changed: set[int], gone: set[int]) -> None:
     text, tree = positions(30)
     (table,) = tree.items

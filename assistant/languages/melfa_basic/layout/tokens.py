@@ -21,6 +21,8 @@ _OPERATORS: Final = frozenset(
 )
 _TIGHT_BEFORE: Final = frozenset(("COLON", "RPAR", "SEMICOLON", "SUFFIX", "DOT"))
 _TIGHT_BEHIND: Final = frozenset(("COLON", "LPAR", "COMMA", "HASH", "DOT"))
+_CLAUSES: Final = frozenset(("ELSE", "WTH", "WTHIF", "TYPE_OF", "GOTO", "GOSUB", "TO", "STEP_OF"))
+"""Words that begin a part of a statement, also where the last argument before is left out."""
 _HEADS: Final = frozenset(("MOTION", "COMMAND"))
 """Statements whose first argument may be left out: `Mvs ,-100`."""
 
@@ -71,6 +73,8 @@ def _spelt(token: Token, upper: bool) -> str:
 
 def _apart(before: Token, token: Token) -> bool:
     """Whether a blank stands between two neighbours."""
+    if token.kind in _CLAUSES:
+        return True
     if token.kind in _TIGHT_BEFORE or before.kind in _TIGHT_BEHIND:
         return False
     if token.kind == "COMMA":
