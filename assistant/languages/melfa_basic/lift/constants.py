@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Final
 
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MoveRows
 from assistant.languages.melfa_basic.lift.blocks import opened
 from assistant.languages.melfa_basic.lift.walk import nodes
-from assistant.languages.melfa_basic.vocabulary import status
+from assistant.languages.melfa_basic.vocabulary import function, status
 
 Value = float | str
 
@@ -33,9 +33,10 @@ class Constants:
 
     def __init__(self, code: Sequence[s.Line | MoveRows]) -> None:
         count: Counter[str] = Counter()
+        kept = keeping(code)
         for item in code:
             if isinstance(item, s.Line) and item.statement is not None:
-                count.update(changed(item.statement))
+                count.update(changed(item.statement, kept))
         self.assigned = frozenset(count)
         self.values: dict[str, Value] = {}
         at_start = True
@@ -90,7 +91,28 @@ def _leads_away(statement: s.Statement | None) -> bool:
     return opened(statement) is not None or isinstance(statement, s.Next | s.OnCom)
 
 
-def changed(statement: s.Statement) -> Iterator[str]:
+Keeping = Mapping[str, Sequence[bool]]
+"""By upper-case name of a function or array, which arguments it leaves alone."""
+
+
+def keeping(code: Sequence[s.Line | MoveRows]) -> dict[str, Sequence[bool]]:
+    """What is known of the functions and arrays of a file."""
+    found: dict[str, Sequence[bool]] = {}
+    for item in code:
+        statement = item.statement if isinstance(item, s.Line) else None
+        if isinstance(statement, s.Static):
+            statement = statement.definition
+        match statement:
+            case s.Function(name=name, parameters=parameters):
+                found[name.upper()] = [q.mode == "ByVal" for q in parameters or ()]
+            case s.Dim(variables=variables) | s.DefNames(variables=variables):
+                found.update({v.key: [True] * len(v.arguments or ()) for v in variables})
+            case s.DefFunction(name=name, parameters=variables):
+                found[name.upper()] = [True] * len(variables)
+    return found
+
+
+def changed(statement: s.Statement, kept: Keeping) -> Iterator[str]:
     """Upper-case names of the variables that a statement may give a new value."""
     match statement:
         case s.Assign(target=target):
@@ -99,20 +121,31 @@ def changed(statement: s.Statement) -> Iterator[str]:
             yield variable.key
         case s.Input(variables=variables) | s.FPrm(variables=variables):
             yield from (v.key for v in variables)
-        case s.Call(function=function):
-            yield from _given(function.arguments or ())
         case s.Command(keyword=keyword, arguments=arguments) if keyword not in READING:
             yield from _given(arguments)
         case s.If(then=then, otherwise=otherwise):
             for branch in (then, otherwise):
                 if branch is not None and not isinstance(branch, s.Target):
-                    yield from changed(branch)
+                    yield from changed(branch, kept)
+            statement = s.ElseIf(statement.condition)
         case s.Motion(append=s.Append(statement=inner)):
-            yield from changed(inner)
+            yield from changed(inner, kept)
+            statement = s.Motion("", statement.arguments)
     for part in nodes(statement):  # a function may change what it is given
         if isinstance(part, s.Variable) and part.arguments and status(part.key) is None:
-            yield from _given(part.arguments)
+            yield from _given(part.arguments, _left_alone(part.key, kept))
 
 
-def _given(arguments: Sequence[Any]) -> Iterator[str]:
-    return (a.key for a in arguments if isinstance(a, s.Variable) and a.arguments is None)
+def _left_alone(key: str, kept: Keeping) -> Sequence[bool]:
+    known = function(key)
+    if known is not None and key not in kept:
+        last = [not argument.assigned for argument in known.arguments]
+        return [*last, *last[-1:] * 16]
+    return kept.get(key, ())
+
+
+def _given(arguments: Sequence[Any], kept: Sequence[bool] = ()) -> Iterator[str]:
+    """Variables among arguments, but for those that are left alone."""
+    for at, argument in enumerate(arguments):
+        if isinstance(argument, s.Variable) and not (at < len(kept) and kept[at]):
+            yield argument.key

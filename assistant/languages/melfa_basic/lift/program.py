@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from assistant import robots
 from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.lift.units import File, Unit
+from assistant.languages.melfa_basic.lift.units import File, Unit, touching
 from assistant.program.program import Program, identifier
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ def lift(trees: Sequence[s.File], robot: Robot | None = None) -> Program:
     program = Program(
         name, robot=main.header.robot, comments=main.comments, signals=dict(main.header.signals)
     )
-    touched = {(stem(f.tree) or "").upper(): f.touched() for f in files}
+    touched = touching({(stem(f.tree) or f"-{k}").upper(): f for k, f in enumerate(files)})
     for file in [main, *rest]:
         unit = None if file is main else (file.header.unit or stem(file.tree) or "unit")
         program = Unit(file, main, unit, robot, touched).add_to(program)

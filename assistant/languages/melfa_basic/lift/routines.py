@@ -9,7 +9,7 @@ from assistant.languages.melfa_basic import printer
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.header import Header
 from assistant.languages.melfa_basic.lift.blocks import Code
-from assistant.languages.melfa_basic.lift.constants import changed
+from assistant.languages.melfa_basic.lift.constants import changed, keeping
 from assistant.languages.melfa_basic.lift.expressions import Expressions
 from assistant.languages.melfa_basic.lift.meanings import Inside, Meanings, Routine, Unliftable
 from assistant.languages.melfa_basic.lift.regions import Region
@@ -31,11 +31,12 @@ def routine_of(code: Code, region: Region, name: str, header: Header, own: bool)
     """What a function is. Parameters that may be arrays, or changed in an unknown way, are None."""
     function = region.function
     assert function is not None
+    kept = keeping(code)
     assigned = {
         key
         for item in code[region.low : region.high]
         if isinstance(item, s.Line) and item.statement is not None
-        for key in changed(item.statement)
+        for key in changed(item.statement, kept)
     }
     parameters: list[Parameter] = []
     for given in function.parameters or ():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -59,16 +59,37 @@ class File:
         self.positions = Positions(tree)
 
     def touched(self) -> frozenset[int]:
-        """Settings that the file makes; all of them if it calls others."""
-        found: set[int] = set()
+        """Settings that the file makes itself."""
+        return frozenset(
+            SETTINGS[node.keyword][0]
+            for node in self._nodes()
+            if isinstance(node, s.Command) and node.keyword in SETTINGS
+        )
+
+    def called(self) -> frozenset[str | None]:
+        """Programs that it calls, in upper case; None for one whose name is worked out."""
+        return frozenset(
+            identifier(node.program.value).upper() if isinstance(node.program, s.String) else None
+            for node in self._nodes()
+            if isinstance(node, s.CallP)
+        )
+
+    def _nodes(self) -> Iterator[Any]:
         for item in self.code:
-            statement = item.statement if isinstance(item, s.Line) else None
-            for node in nodes(statement):
-                if isinstance(node, s.CallP):
-                    return ALL_SETTINGS
-                if isinstance(node, s.Command) and node.keyword in SETTINGS:
-                    found.add(SETTINGS[node.keyword][0])
-        return frozenset(found)
+            if isinstance(item, s.Line) and item.statement is not None:
+                yield from nodes(item.statement)
+
+
+def touching(files: Mapping[str, File]) -> dict[str, frozenset[int]]:
+    """Settings that each program changes, by name in upper case, with what it calls."""
+    found = {name: file.touched() for name, file in files.items()}
+    while True:
+        before = dict(found)
+        for name, file in files.items():
+            for other in file.called():
+                found[name] |= found.get(other or "", ALL_SETTINGS)
+        if found == before:
+            return found
 
 
 @dataclass

@@ -1,0 +1,343 @@
+"""What programs of others mean: settings along every way, functions, jumps, values."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from assistant import languages
+from assistant.program import expressions as e
+from assistant.program import rotations
+from assistant.program import statements as p
+from assistant.program.motion import FINE, Blend
+from assistant.program.program import Parameter, Procedure, Program, Signal
+from assistant.program.pseudo import parse as parse_pseudo
+from assistant.program.pseudo import print_program
+from assistant.program.text import SourceText
+
+POSITIONS = "".join(f"P{i}=({i}00,0,300,180,0,180)(7,0)\n" for i in range(1, 6))
+AGAIN = "P1=(100,0,300,180,0,180)(7,0)\n"
+
+
+def lifted(text: str, level: int = 6, positions: str = POSITIONS) -> Program:
+    """The program, after the ways back from it: to its tree, and through the pseudo-program."""
+    language = languages.get(f"melfa-basic-{level}")
+    tree = language.parse(text + positions)
+    assert not tree.findings
+    program = language.lift(tree)
+    assert language.lower(program) == tree
+    assert parse_pseudo(print_program(program).text) == program
+    return program
+
+
+def body(text: str, level: int = 6) -> tuple[p.Statement, ...]:
+    return lifted(text, level).procedures[0].body
+
+
+def opaque(program: Program) -> list[str]:
+    return [node.text for node in program.statements() if isinstance(node, p.Opaque)]
+
+
+def moves(procedure: Procedure) -> list[p.Move]:
+    return [node for node in procedure.body if isinstance(node, p.Move)]
+
+
+# ---------------------------------------------------------------------------- settings
+
+
+def test_a_setting_that_depends_on_the_way_stays_with_its_move() -> None:
+    program = lifted(
+        "Spd 100\nIf M1=1 Then\nSpd 50\nEndIf\nMov P1\nMvs P2\nSpd 70\nMvs P1+(0,0,9)\n"
+    )
+    assert opaque(program) == ["Spd 100", "Spd 50", "Mvs P2"]
+    joint, linear = moves(program.procedures[0])
+    assert joint.kind == "joint"  # its speed is another one
+    assert linear.motion.speed == p.Speed(70.0)
+
+
+def test_the_same_setting_on_both_ways_is_known() -> None:
+    program = lifted("If M1=1 Then\nSpd 50\nElse\nSpd 50\nEndIf\nMvs P1\nMvs P1\n")
+    assert opaque(program) == []
+    assert {m.motion.speed for m in moves(program.procedures[0])} == {p.Speed(50.0)}
+
+
+def test_what_a_loop_sets_holds_at_its_beginning() -> None:
+    """The first turn starts without rounding, every other one with it."""
+    program = lifted("*TURN\nMvs P1\nCnt 1,5,8\nMvs P2\nGoTo *TURN\n")
+    assert opaque(program) == ["Mvs P1", "Cnt 1,5,8"]
+    program = lifted("*TURN\nCnt 0\nMvs P1+(0,0,1)\nCnt 1,5,8\nMvs P2+(0,0,1)\nGoTo *TURN\n")
+    assert [m.motion.blend for m in moves(program.procedures[0])] == [FINE, Blend(5.0, 8.0)]
+
+
+def test_a_subroutine_is_read_once_for_each_tool_that_it_is_called_with() -> None:
+    program = lifted(
+        "Tool (0,0,100,0,0,0)\nGoSub *S\nTool (0,0,50,0,0,0)\nGoSub *S\nEnd\n*S\nMov P3\nReturn\n"
+    )
+    main, first, second = program.procedures
+    assert [c.procedure for c in main.body if isinstance(c, p.Call)] == [first.name, second.name]
+    tips = [program.tools[moves(q)[0].motion.tool].tip.position[2] for q in (first, second)]
+    assert tips == [100.0, 50.0]
+
+
+def test_what_a_subroutine_sets_holds_behind_its_call() -> None:
+    program = lifted(
+        "Spd 9\nGoSub *S\nMvs P1\nGoSub *T\nMvs P1\nEnd\n*S\nSpd 20\nReturn\n*T\nReturn\n"
+    )
+    assert [m.motion.speed for m in moves(program.procedures[0])] == [p.Speed(20.0)] * 2
+
+
+@pytest.mark.parametrize("setting", ["Spd M1", "Tool 2", "Base P9", "Cnt M2"])
+def test_a_setting_that_is_worked_out_leaves_moves_as_they_are(setting: str) -> None:
+    program = lifted(f"{setting}\nMvs P1\n")
+    assert opaque(program) == [setting, "Mvs P1"]
+
+
+def test_a_tool_that_is_changed_is_no_constant() -> None:
+    assert opaque(lifted("P1.Z=P1.Z+10\nTool P1\nMov P2\n")) == ["Tool P1", "Mov P2"]
+
+
+# ------------------------------------------------------------------------------- jumps
+
+
+def test_jumps_to_steps() -> None:
+    program = lifted(
+        "10 IF M1>3 THEN 30 ELSE 20\n20 GOSUB 50\n30 HLT\n40 END\n50 DLY 1\n60 RETURN\n", 4
+    )
+    main, sub = program.procedures
+    test, label, call, last, stop = main.body
+    assert isinstance(test, p.If)
+    assert (*test.branches[0].body, *test.otherwise) == (p.Goto("L30"), p.Goto("L20"))
+    assert (label, call, last, stop) == (p.Label("L20"), p.Call("L50"), p.Label("L30"), p.Stop())
+    assert sub == Procedure("L50", (p.Wait(e.Number(1)),))
+
+
+def test_on_goto_and_gosub() -> None:
+    jump, a, stop, b, _ = body("On M1 GoTo *A,*B\n*A\nHlt\n*B\nHlt\n")
+    subject = e.Apply("round", (e.Name("M1"),))
+    wanted = (p.Case((e.Number(1),), (p.Goto("A"),)), p.Case((e.Number(2),), (p.Goto("B"),)))
+    assert jump in (p.Switch(subject, wanted), p.Switch(e.Name("M1"), wanted))
+    assert (a, stop, b) == (p.Label("A"), p.Stop(), p.Label("B"))
+
+
+def test_next_of_two_loops() -> None:
+    (outer,) = body("For M1=3 To 1 Step -1\nFor M2=1 To 2\nDly 1\nNext M2,M1\n")
+    assert isinstance(outer, p.For)
+    assert outer.step == e.Number(-1)
+    (inner,) = outer.body
+    assert isinstance(inner, p.For)
+    assert inner.body == (p.Wait(e.Number(1)),)
+
+
+def test_break_leaves_the_innermost_block() -> None:
+    loop, label = body("While 1\nIf M1=1 Then Break\nM1=M1+1\nWEnd\n")
+    assert isinstance(loop, p.While)
+    assert loop.condition == e.Truth(True)
+    (test, _) = loop.body
+    assert isinstance(test, p.If)
+    assert test.branches[0].body == (p.Goto("leave"),)
+    assert label == p.Label("leave")
+
+
+def test_select_of_ranges() -> None:
+    (test,) = body(
+        "Select M1\nCase 1\nDly 1\nBreak\nCase 2 To 4\nDly 2\nCase Is >8\nDly 3\nDefault\nHlt\n"
+        "End Select\n"
+    )
+    assert isinstance(test, p.If)
+    assert len(test.branches) == 3
+    assert test.otherwise == (p.Stop(),)
+    low = e.Binary(">=", e.Name("M1"), e.Number(2))
+    assert test.branches[1].condition == e.Binary(
+        "and", low, e.Binary("<=", e.Name("M1"), e.Number(4))
+    )
+
+
+def test_what_cannot_be_followed_stays() -> None:
+    """A subroutine that is also run into is none."""
+    program = lifted("GoSub *S\n*S\nDly 1\nReturn\n")
+    assert opaque(program) == ["GoSub *S", "Return"]
+
+
+# --------------------------------------------------------------------------- functions
+
+
+def test_functions() -> None:
+    main, add, step = lifted(
+        "Def Inte MSum\nFunction Main\nMSum=fnAdd(2,MSum)\nfnStep(P1,MSum)\nFEnd\n"
+        "' adds\nFunction M% fnAdd(ByVal A%, ByVal B%)\nfnAdd=A%+B%\nFEnd\n"
+        "Function V fnStep(ByVal P, ByRef N%)\nIf N%>5 Then Exit Function\nMvs P\nFEnd\n"
+    ).procedures
+    sum_ = e.Name("MSum")
+    assert main.body == (
+        p.Assign(sum_, e.Apply("fnAdd", (e.Number(2), sum_))),
+        p.Call("fnStep", (e.Name("P1"), sum_)),
+    )
+    assert add.parameters == (Parameter("A", "integer"), Parameter("B", "integer"))
+    assert add.result == "integer"
+    assert add.body == (p.Comment("adds"), p.Return(e.Binary("+", e.Name("A"), e.Name("B"))))
+    assert step.parameters == (Parameter("P", "position"), Parameter("N", "integer", "inout"))
+    test, move = step.body
+    assert isinstance(test, p.If)
+    assert test.branches[0].body == (p.Return(),)
+    assert isinstance(move, p.Move)
+
+
+def test_a_result_that_is_changed_later_is_a_variable() -> None:
+    program = lifted(
+        "Function Main\nFEnd\nFunction M fnR(ByVal A)\nfnR=0\nIf A>1 Then fnR=2\nFEnd\n"
+    )
+    result = program.procedures[1]
+    assert list(result.variables) == ["result"]
+    assert result.body[0] == p.Assign(e.Name("result"), e.Number(0))
+    assert result.body[-1] == p.Return(e.Name("result"))
+
+
+def test_a_function_that_takes_an_array_is_kept_whole() -> None:
+    text = "Function V fnAll(ByVal P())\nMov P(1)\nFEnd"
+    program = lifted(f"Function Main\nFEnd\n{text}\n")
+    (kept,) = program.declarations
+    assert kept.text.splitlines() == text.splitlines()
+
+
+def test_def_fn_and_fprm() -> None:
+    main, mean = lifted("FPrm M1,P9\nDef FNAV(MA,MB)=(MA+MB)/2\nM5=FNAV(M1,3)\nMov P9\n").procedures
+    assert main.parameters == (Parameter("M1", "number"), Parameter("P9", "position"))
+    assert main.body[0] == p.Assign(e.Name("M5"), e.Apply("FNAV", (e.Name("M1"), e.Number(3))))
+    half = e.Binary("/", e.Binary("+", e.Name("MA"), e.Name("MB")), e.Number(2))
+    assert mean.body == (p.Return(half),)
+
+
+# ------------------------------------------------------------------------------ values
+
+
+def value(text: str) -> e.Expression:
+    last = body(f"M1={text}\n")[-1]
+    assert isinstance(last, p.Assign)
+    return last.value
+
+
+@pytest.mark.parametrize(
+    ("text", "meant"),
+    [
+        ("Sin(Rad(30))", e.Apply("sin", (e.Number(30),))),
+        ("Deg(J1.J2)", e.Member(e.Name("J1"), "j2")),
+        ("Deg(Atn2(M2,M3))", e.Apply("atan2", (e.Name("M2"), e.Name("M3")))),
+        ("P1.Z-5", e.Binary("-", e.Member(e.Name("P1"), "z"), e.Number(5))),
+        ("Dist(P1,P2)", e.Apply("distance", (e.Name("P1"), e.Name("P2")))),
+        ("M2 And 12", e.Verbatim("melfa-basic-6", "M2 And 12")),
+        ("M2>3", e.Verbatim("melfa-basic-6", "M2>3")),
+        ("Not M2", e.Verbatim("melfa-basic-6", "Not M2")),
+    ],
+)
+def test_expressions(text: str, meant: e.Expression) -> None:
+    assert value(text) == meant
+
+
+def test_radians() -> None:
+    assert value("J1.J2") == e.Binary("*", e.Member(e.Name("J1"), "j2"), e.Number(math.pi / 180.0))
+    (turn,) = body("J1.J2=J1.J2+Rad(10)\n")
+    joint = e.Member(e.Name("J1"), "j2")
+    assert turn == p.Assign(joint, e.Binary("+", joint, e.Number(10)))
+
+
+def test_a_shift_turned_about_several_axes_is_the_same_turn() -> None:
+    (move,) = body("Mov P2*(1,2,-20,10,20,30)\n")
+    assert isinstance(move, p.Move)
+    assert isinstance(move.target, e.Apply)
+    x, y, z, *turns = (n.value for n in move.target.arguments[1:] if isinstance(n, e.Number))
+    assert (x, y, z) == (1.0, 2.0, -20.0)
+    meant = rotations.from_euler(np.array([30.0, 20.0, 10.0]), "ZYX")
+    assert rotations.angle_between(rotations.from_euler(np.array(turns), "XYZ"), meant) < 1e-6
+
+
+def test_signals_by_constants_and_names() -> None:
+    program = lifted(
+        "MDONE=12\nDef Io glue=Bit,7\nM_Out(MDONE)=1 Dly 0.5\nglue=M_In(3)\n"
+        "M_Out8(16)=M_In8(0) And &H0F\nWait M_In16(32)=5\n"
+    )
+    assert program.signals["glue"] == Signal("digital", "output", 7)
+    assert program.signals["gi_4_0"] == Signal("group", "input", 0, 4)
+    assert program.procedures[0].body[1:] == (
+        p.SetSignal("do_12", e.Number(1), e.Number(0.5)),
+        p.SetSignal("glue", e.Name("di_3")),
+        p.SetSignal("go_8_16", e.Name("gi_4_0")),
+        p.WaitSignal("gi_16_32", e.Number(5)),
+    )
+
+
+def test_bits_are_no_truths() -> None:
+    (test,) = body("If M_In(1) And M_In(2)=0 Then Hlt\n")
+    assert isinstance(test, p.If)
+    one, two = e.Name("di_1"), e.Name("di_2")
+    condition = e.Binary("and", e.Binary("=", one, e.Number(1)), e.Binary("=", two, e.Number(0)))
+    assert test.branches[0].condition == condition
+    (test,) = body("If M1 And M2 Then Hlt\n")
+    assert isinstance(test, p.If)
+    assert isinstance(test.branches[0].condition, e.Verbatim)
+
+
+def test_integers_are_rounded() -> None:
+    assert body("Def Inte MN\nMN%=M2/3\n") == (
+        p.Assign(e.Name("MN"), e.Apply("round", (e.Binary("/", e.Name("M2"), e.Number(3)),))),
+    )
+
+
+def test_positions_that_change_are_variables() -> None:
+    program = lifted("P1.Z=P1.Z+5\nMov P1\nMov P2\n")
+    assert "P1" not in program.targets
+    assert program.variables["P1"].storage == "persistent"
+    assert isinstance(program.variables["P1"].initial, e.TargetValue)
+    assert "P2" in program.targets
+
+
+def test_arrays() -> None:
+    program = lifted("Dim PX(2)\nMov PX(M1)\nPX(1).X=3\n")
+    assert program.variables["PX"].size == (2,)
+    move, change = program.procedures[0].body
+    assert isinstance(move, p.Move)
+    assert isinstance(move.target, e.Index)
+    assert change == p.Assign(e.Member(e.Index(e.Name("PX"), (e.Number(1),)), "x"), e.Number(3))
+
+
+def test_programs_of_several_files_keep_their_own_positions() -> None:
+    language = languages.get("melfa-basic-5")
+    sub = SourceText("1 Mov P1\n2 M1=2\n" + AGAIN.replace("100", "900"), "SUB.prg")
+    main = language.parse('1 CallP "SUB"\n2 Mov P1\n3 M1=1\n' + AGAIN)
+    program = language.lift([main, language.parse(sub)])
+    assert opaque(program) == []
+    assert len(program.targets) == 2
+    assert len(program.variables) == 2
+
+
+def test_comments_keep_their_places() -> None:
+    program = lifted(
+        "If M1=1 Then 'a\nDly 1 'b\nElse 'c\nDly 2\nEndIf 'd\nFor M2=1 To 2 'e\nNext 'f\nEnd 'g\n"
+    )
+    texts = [node.text for node in program.statements() if isinstance(node, p.Comment)]
+    assert texts == ["a", "b", "c", "d", "e", "f", "g"]
+
+
+def test_a_wait_with_a_time_limit() -> None:
+    text = (
+        "M_Timer(1)=0\n*W1\nIf M_In(3)=1 Then *W1Z\nIf M_Timer(1)<2500 Then *W1\nError 9100\n*W1Z\n"
+    )
+    assert body(text) == (p.WaitSignal("di_3", e.Number(1), e.Number(2.5)),)
+
+
+def test_it_means_what_the_rapid_program_means() -> None:
+    rapid = languages.get("rapid")
+    there = rapid.lift(
+        rapid.parse(
+            "MODULE job\nVAR num M1;\nPROC main()\nM1:=0;\nWHILE M1<3 DO\nM1:=M1+1;\n"
+            "WaitTime 0.5;\nIF M1=2 THEN\nwork;\nELSE\nStop;\nENDIF\nENDWHILE\nENDPROC\n"
+            "PROC work()\nM1:=Abs(M1);\nENDPROC\nENDMODULE\n"
+        )
+    )
+    here = lifted(
+        "M1=0\nWhile M1<3\nM1=M1+1\nDly 0.5\nIf M1=2 Then\nGoSub *work\nElse\nHlt\nEndIf\n"
+        "WEnd\nEnd\n*work\nM1=Abs(M1)\nReturn\n",
+        positions="",
+    )
+    assert here.procedures == there.procedures
