@@ -111,7 +111,7 @@ EMPTY_STEP: Final = Rule(
     "write a statement or a comment there, or delete the line",
 )
 AMONG_STEPS: Final = Rule(
-    "MB619",
+    "MB620",
     WARNING,
     "`{name}` is given a value by a line without step number between steps",
     "write a step number if it is a statement, else move it behind the last step",
