@@ -103,8 +103,17 @@ def compile(
         program, findings = loaded.program, list(loaded.findings)
         findings = [f.within(str(source)) for f in findings]
     places = Places(program)
-    compiled = compile_program(places.program, places, target, robot_of(robot), most_targets)
+    arm = robot_of(robot)
+    opened = for_another_arm(places.program, robot_of(from_robot), arm)
+    compiled = compile_program(opened, places, target, arm, most_targets)
     return replace(compiled, found=(*findings, *compiled.found))
+
+
+def for_another_arm(program: Program, written_for: Robot | None, arm: Robot | None) -> Program:
+    """A program that names no arm, without the branches of the one that it was written for."""
+    if program.robot is None and written_for and arm and written_for.name != arm.name:
+        return _without_configurations(program)
+    return program
 
 
 def compile_program(

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final, Literal
 
-from assistant.compiler.compiling import Compiled, compile_program, robot_of
+from assistant.compiler.compiling import Compiled, compile_program, for_another_arm, robot_of
 from assistant.compiler.drafting import draft as drafted
 from assistant.compiler.loading import Loaded, language_of, load
 from assistant.compiler.places import Place, Places, Trace
@@ -114,7 +114,8 @@ def translate(
     if loaded.language is None or loaded.program.origin is None:
         raise Refused(NO_PROGRAM(name=source), exit_status=2)
     places = Places(loaded.program)
-    compiled = compile_program(places.program, places, target, arm, most_targets)
+    program = for_another_arm(places.program, robot_of(from_robot), arm)
+    compiled = compile_program(program, places, target, arm, most_targets)
     written, later = compiled, tuple[Diagnostic, ...]()
     if not compiled.ok:
         drawn, later = drafted(compiled, target, arm, most_targets)

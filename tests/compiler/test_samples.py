@@ -74,7 +74,7 @@ def test_the_server_of_poses_is_reported_statement_by_statement() -> None:
     assert not found.files
 
 
-def test_a_pallet_in_melfa_basic_in_rapid() -> None:
+def test_a_pallet_in_melfa_basic_in_rapid(tmp_path: Path) -> None:
     found = translate(
         SAMPLES / "melfa" / "PALLET.prg", to="rapid", robot=IRB, from_robot=MITSUBISHI
     )
@@ -83,6 +83,8 @@ def test_a_pallet_in_melfa_basic_in_rapid() -> None:
     (data,) = found.files.values()
     for line in ("FOR MRow FROM 0 TO 2 DO", "TEST MCount MOD 5", "WaitDI di_8,1;", "PICK;"):
         assert line in data.decode()
+    (tmp_path / "PALLET.mod").write_bytes(data)
+    assert check_files([str(tmp_path / "PALLET.mod")]).findings == []
 
 
 @pytest.mark.parametrize(
