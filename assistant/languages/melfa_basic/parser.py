@@ -43,7 +43,7 @@ def parse(source: SourceText | str, dialect: str, *, runs: bool = True) -> s.Fil
         if isinstance(node, Stop):
             from assistant.languages.melfa_basic.recovery.lines import mended
 
-            item, found = mended(source, start, stop, end)
+            item, found = mended(source, start, stop, end, node, len(findings))
             items.append(item)
             findings += found
         elif isinstance(node, TooLarge):

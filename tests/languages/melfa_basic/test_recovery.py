@@ -156,3 +156,12 @@ def test_endless_lines_are_refused(line: str) -> None:
     tree = FIVE.parse(line)
     assert len(tree.findings) == 1
     assert isinstance(tree.items[0], s.Unread)
+
+
+def test_every_line_of_a_text_that_is_no_program_is_found() -> None:
+    text = "".join(f"{number} Mvs P1 P{number}\r\n" for number in range(1, 701))
+    tree = FIVE.parse(text)
+    assert FIVE.render(tree) == text
+    assert [finding.line for finding in tree.findings] == list(range(1, 701))
+    assert "comma is missing" in tree.findings[0].message
+    assert tree.findings[-1].column == 12
