@@ -7,15 +7,19 @@ the finding, and one that comes near to it and has not.
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
+import assistant
 from assistant import languages
 from assistant.languages.melfa_basic.checks import ADVICE, RULES
 from assistant.program.diagnostics import Severity
 from assistant.program.text import SourceText
 
 Row = tuple[str, list[str]]
+
+SAMPLES = Path(__file__).parents[3] / "samples"
 
 QUIET = ("MB116", "MB710")
 """What nothing uses, and tools: nearly every small program has these; they have tests below."""
@@ -566,6 +570,25 @@ def test_what_is_used() -> None:
 def test_advice_is_not_asked_about_what_was_compiled() -> None:
     text = "' robot-assistant: melfa-basic-5\nMov P1\n" + taught("P1", "P2")
     assert found(5, text, quiet=()) == []
+
+
+@pytest.mark.parametrize("version", [4, 5, 6])
+@pytest.mark.parametrize("sample", ["positioning.csv", "taught.toml", "plate.dxf"])
+def test_what_is_compiled_breaks_no_rule(sample: str, version: int) -> None:
+    name = f"melfa-basic-{version}"
+    language = languages.get(name)
+    compiled = assistant.compile(SAMPLES / sample, language=name, robot="rv-4frl")
+    texts = [language.decode(data, file) for file, data in compiled.files.items()]
+    assert texts
+    assert language.check([language.parse(text) for text in texts]) == ()
+
+
+@pytest.mark.parametrize("file", sorted((SAMPLES / "melfa").glob("*.prg")), ids=lambda f: f.stem)
+def test_samples_break_no_rule(file: Path) -> None:
+    language = languages.of_file(file, file.read_bytes())
+    assert language is not None
+    findings = language.check([language.parse(language.read(file))])
+    assert {f.severity for f in findings} <= {Severity.INFO}
 
 
 def test_positions_that_are_taught_on_the_controller() -> None:
