@@ -148,7 +148,8 @@ class Context:
         configuration = configuration_of(poses.rounded_configurations(row, self.robot)[0])
         if any(v == v for v in target.external[2:]):
             self.findings.append(rules.CANNOT_SAY(
-                what=f"external axes beyond the second, of `{name}`", cure="leave them out"
+                what=f"external axes beyond the second, of `{name}`", cure="leave them out",
+                place=name,
             ))  # fmt: skip
         if self.five_axis:
             target = self._in_reach(name, target)
@@ -188,6 +189,7 @@ class Context:
             self.findings.append(rules.CANNOT_SAY(
                 what=f"the {len(joints)} joints and external axes of `{name}`",
                 cure=f"give {wanted} joints and at most two external axes",
+                place=name,
             ))  # fmt: skip
         self.finite(f"the joint target `{name}`", (v for v in joints if v == v))
         return replace(target, joints=joints)

@@ -18,7 +18,14 @@ from assistant.languages.melfa_basic.adapt.hoisting import Taken, hoisted
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Findings
-from assistant.program.program import Procedure, Program, ValueType, Variable, identifier
+from assistant.program.program import (
+    Procedure,
+    Program,
+    ValueType,
+    Variable,
+    bodies,
+    identifier,
+)
 from assistant.program.rewriting import Body, head, map_head, records, rewrite
 
 NOTHING: Final[dict[ValueType, e.Expression]] = {
@@ -68,7 +75,9 @@ def _is_set_first(name: str, body: Body) -> bool:
                 return not _mentions((first, last), key)
             case p.Opaque():
                 return False
-        if _mentions(node, key):
+        if _mentions(head(node), key):
+            return False
+        if not all(_is_set_first(name, inner) for inner in bodies(node)):
             return False
     return True
 

@@ -60,6 +60,8 @@ def _limited(w: Writer, condition: s.Expression, timeout: e.Expression) -> None:
 
 def _milliseconds(w: Writer, seconds: e.Expression) -> s.Expression:
     number = plain_number(seconds)
+    if number is not None and number < 0:
+        raise Unsayable(f"a time limit of {number:g} seconds", "give a positive one")
     if number is not None:
         return numeric(round(number * 1000, 6))
     return s.Binary("*", w.expressions.of(seconds), s.Number(1000))
