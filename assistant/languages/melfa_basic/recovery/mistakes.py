@@ -133,6 +133,8 @@ MISTAKES: Final = (
             "1 Mov P1¦;", r";\s*(?='|$)", ""),
     Mistake("the step number has no blank behind it", "write a blank between number and statement",
             "¦10MOV P1", r"(\d{1,5})(?=[A-Za-z])", r"\1 ", "^"),
+    Mistake("two step numbers stand here", "leave one of them out",
+            "10 ¦20 End", r"\d+[ \t]*", "", r"^[ \t]*"),
     Mistake("the label has no `*` before it", "write `*{1}`",
             "1 ¦Again: M1=1", r"([A-Za-z]\w*)\s*:", r"*\1:",
             r"^\s*(?P<at>[A-Za-z]\w*\s*)", back=True),
@@ -140,7 +142,7 @@ MISTAKES: Final = (
             "1 GoTo ¦Again", r"([A-Za-z]\w*)", r"*\1", r"\b(?:GoTo|GoSub)\s+"),
     Mistake("`{1}` has no `*` before it, as a label has", "write `*{1}`",
             "1 If M1=1 Then ¦Again", r"([A-Za-z]\w*)\s*(?=$|'|Else\b)", r"*\1 ",
-            r"\b(?:Then|Else)\s+(?P<at>[A-Za-z]\w*\s*)", back=True),
+            r"\b(?:Then|Else)\s+(?P<at>(?!Go(?:To|Sub)\b)[A-Za-z]\w*\s*)", back=True),
     Mistake("`EndIf` stands behind an If that is one line", "leave it out, or put it and what is "
             "behind `Then` on lines of their own",
             "1 If M1=1 Then M2=1 ¦EndIf", r"End\s*If\b", "", r"\bThen\b.+"),

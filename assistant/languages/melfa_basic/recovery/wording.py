@@ -35,6 +35,8 @@ MOST: Final = 4
 def expected(terminals: Collection[str]) -> str:
     """What may follow, empty where nothing has a name."""
     found: list[str] = []
+    if "SIGN" in terminals:
+        terminals = {*terminals} - {"EQUALS"}  # which compares there, as other operators do
     for kinds, phrase in _EXPECTED:
         if kinds & set(terminals) and not (
             phrase in ("a name", "a text", "an operator", "`(`", "a label")
