@@ -7,6 +7,7 @@ from typing import Final
 
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.checks import (
+    corners,
     flow,
     gaps,
     kinds,
@@ -66,8 +67,8 @@ RULES: Final[tuple[Callable[[Look], Iterator[Diagnostic]], ...]] = (
 
 ADVICE: Final[tuple[Callable[[Look], Iterator[Diagnostic]], ...]] = (
     unused.unused,
-    motions.corners,
-    motions.tools,
+    corners.corners,
+    corners.tools,
     values.units,
     values.waits,
 )

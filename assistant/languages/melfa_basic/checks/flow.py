@@ -51,10 +51,6 @@ def parts(look: Look) -> list[Part]:
     return found
 
 
-def line_at(look: Look, at: int) -> s.Line | MoveRows:
-    return look.code[at]
-
-
 def structure(look: Look) -> Found:
     """Blocks that do not close, that close in another order, or that stand too deep."""
     for part in look.once(parts):

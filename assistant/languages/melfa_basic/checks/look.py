@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import PurePath
@@ -257,8 +257,3 @@ def _is_whole(text: str, start: int, end: int) -> bool:
     if text[start].isalnum() and (before.isalnum() or before == "_"):
         return False
     return not (text[end - 1].isalnum() and (after.isalnum() or after == "_"))
-
-
-def plain(items: Sequence[Any]) -> Iterator[s.Line]:
-    """The code lines among items."""
-    return (item for item in items if isinstance(item, s.Line))

@@ -15,7 +15,6 @@ from assistant.languages.melfa_basic.checks.kinds import literal
 from assistant.languages.melfa_basic.checks.known import known
 from assistant.languages.melfa_basic.checks.look import Look
 from assistant.languages.melfa_basic.checks.steps import row_span
-from assistant.languages.melfa_basic.checks.ways import closed, middle, opened
 from assistant.languages.melfa_basic.columnar import KEYWORDS, MOV, MVR, MoveRows
 from assistant.languages.melfa_basic.lift.positions import NO_FLAGS, Positions
 from assistant.program.diagnostics import Diagnostic
@@ -353,60 +352,3 @@ def circles(look: Look) -> Found:
                     )
             full = motion.keyword == "Mvc" and len(motion.arguments) >= ARC_POINTS
             last = (item, motion) if full else None
-
-
-# --------------------------------------------------------------------------------------- corners
-
-STOPS: Final = frozenset({"Hlt", "End", "Dly", "HOpen", "HClose"})
-LISTENS: Final = frozenset({"Wait"})
-
-
-def corners(look: Look) -> Found:
-    """Corners that are left on where the program stops or waits behind a move."""
-    rounded: bool | None = False
-    moved = False
-    for item in look.code:
-        if isinstance(item, MoveRows):
-            moved = True
-            continue
-        statement = item.statement
-        if item.label is not None or opened(statement) or middle(statement) or closed(statement):
-            rounded, moved = None, False
-        match statement:
-            case s.Motion():
-                moved = statement.append is None
-            case s.Command("Cnt", arguments):
-                value = literal(arguments[0]) if arguments else None
-                rounded = None if value is None else value != 0
-                moved = False
-            case s.Command(keyword=word) if word in STOPS or word in LISTENS:
-                if rounded and moved:
-                    yield look.at(rules.CNT_LEFT, item, word, word=word)
-                moved = False
-                if word == "End":
-                    rounded = False
-            case s.Jump() | s.CallP() | s.Call() | s.OnJump():
-                rounded, moved = None, False
-
-
-def tools(look: Look) -> Found:
-    """Programs that move and set no tool."""
-    if look.compiled or look.once(_sets_tool):
-        return
-    for item in look.code:
-        if isinstance(item, MoveRows):
-            yield look.finding(rules.NO_TOOL, row_span(look, item, 0))
-            return
-        if isinstance(item.statement, s.Motion):
-            yield look.at(rules.NO_TOOL, item, item.statement.keyword)
-            return
-
-
-def _sets_tool(look: Look) -> bool:
-    return any(
-        isinstance(item, s.Line)
-        and isinstance(item.statement, s.Command)
-        and item.statement.keyword == "Tool"
-        for tree in look.calls.trees
-        for item in tree.items
-    ) or any(use.variable.key == "M_TOOL" and use.role == "written" for _, use in look.uses)

@@ -86,7 +86,6 @@ INDICES: Final[dict[str, Limits]] = {
     "M_OPEN": FILE,
 }
 """Status variable → what its subscript may be."""
-WHOLE: Final = frozenset({"Cnt", "HOpen", "HClose", "Act", "Error", "Clr"})
 
 
 def ranges(look: Look) -> Found:
