@@ -20,7 +20,7 @@ _OPERATORS: Final = frozenset(
     ("EQUALS", "SIGN", "TIMES", "BACKSLASH", "SHIFT", "COMPARISON", "CIRCUMFLEX")
 )
 _TIGHT_BEFORE: Final = frozenset(("COLON", "RPAR", "SEMICOLON", "SUFFIX", "DOT"))
-_TIGHT_BEHIND: Final = frozenset(("COLON", "LPAR", "COMMA", "HASH", "DOT"))
+_TIGHT_BEHIND: Final = frozenset(("COLON", "LPAR", "COMMA", "SEMICOLON", "HASH", "DOT"))
 _CLAUSES: Final = frozenset(("ELSE", "WTH", "WTHIF", "TYPE_OF", "GOTO", "GOSUB", "TO", "STEP_OF"))
 """Words that begin a part of a statement, also where the last argument before is left out."""
 _HEADS: Final = frozenset(("MOTION", "COMMAND"))
