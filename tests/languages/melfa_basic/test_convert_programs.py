@@ -40,6 +40,19 @@ def through(tree: s.File, *dialects: str) -> s.File | None:
     return tree
 
 
+def sayable(tree: s.File, to: str) -> s.File:
+    """The tree without the lines that the other dialect is said to lack words for."""
+    language = languages.get(tree.dialect)
+    for _ in range(4):
+        wrong = {f.line for f in convert([tree], to).findings}
+        if not wrong - {None}:
+            break
+        lines = language.render(tree).splitlines(keepends=True)
+        kept = (line for number, line in enumerate(lines, 1) if number not in wrong)
+        tree = language.parse("".join(kept))
+    return tree
+
+
 def normal(tree: s.File) -> list[s.Item]:
     """What every conversion keeps: not the steps, the case of names, labels beside statements."""
     items, _ = memory.taken_out(tree.items)
@@ -91,10 +104,11 @@ def test_the_first_dialect_comes_back(tree: s.File) -> None:
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(files(5))
 def test_a_lower_dialect_says_the_same_or_says_why_not(tree: s.File) -> None:
-    tree = parsed(tree)
+    tree = sayable(parsed(tree), IV)
     lower = through(tree, IV)
-    if lower is not None:
-        assert compare(*compared([tree], [lower], None), ROUNDING).same
+    assume(lower is not None)
+    assert lower is not None
+    assert compare(*compared([tree], [lower], None), ROUNDING).same
 
 
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
