@@ -85,6 +85,22 @@ class Meanings:
 
     # ------------------------------------------------------------------------------- names
 
+    def free(self, given: str) -> str:
+        """A name close to the given one that nothing has yet; from now on it is taken."""
+        plain = identifier(given)
+        free, count = plain, 2
+        while free.lower() in self.taken:
+            free, count = f"{plain}_{count}", count + 1
+        self.taken.add(free.lower())
+        return free
+
+    def static(self, routine: str, key: str, written: str) -> str:
+        """The name of a variable that outlives its function, the same in all forms of it."""
+        known = f"{routine}.{key}"
+        if known not in self.renamed:
+            self.renamed[known] = self.free(f"{routine}_{written}")
+        return self.renamed[known]
+
     def name(self, node: s.Variable) -> e.Expression:
         """A whole variable by its original name; inline positions by their value."""
         key, names = node.key, self.header.names
@@ -113,8 +129,7 @@ class Meanings:
         """The name of a position constant, another one if a program before has it already."""
         key = written.upper()
         if self.own or key not in self.renamed:
-            free = written if self.own else identifier(written, self.taken)
-            self.renamed.setdefault(key, free)
+            self.renamed[key] = written if self.own else self.free(written)
         return written if self.own else self.renamed[key]
 
     def declared(self, node: s.Variable) -> str:
@@ -123,13 +138,12 @@ class Meanings:
         if key in self.spelling:
             return self.spelling[key]
         shared = key[1:2] == "_"
-        known = next((n for n in self.variables if n.upper() == key), None)
-        if shared and known is not None:  # one variable of all programs
-            self.spelling[key] = known
-            return known
-        name = identifier(node.name, self.taken)
-        self.spelling[key] = name
-        self.taken.add(name)
+        if shared:  # one variable of all programs
+            known = next((n for n in self.variables if n.upper() == key), None)
+            if known is not None:
+                self.spelling[key] = known
+                return known
+        name = self.spelling[key] = self.free(node.name)
         kind = self.type_of_key(key)
         constant = None if self.own else self.positions.constant(node.name)
         initial: e.Expression | None = None
@@ -185,9 +199,7 @@ class Meanings:
             letter = {"digital": "d", "group": "g", "analog": "a"}[kind]
             width = f"{bits}_" if kind == "group" else ""
             made = name or f"{letter}{'o' if direction == 'output' else 'i'}_{width}{number}"
-            if name is not None or made in self.signals:
-                made = identifier(made, self.taken | set(self.signals))
-            self.taken.add(made)
+            made = self.free(made)
             self.signals[made] = Signal(address[0], address[1], number, bits)
             self.by_address[address] = made
         return self.by_address[address]

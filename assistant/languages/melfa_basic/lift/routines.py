@@ -85,7 +85,7 @@ def inside_of(
         kind = scope.types.get(name_key, letter_type(name_key))
         size = scope.sizes.get(name_key, ())
         if name_key in scope.static:  # outlives the function
-            name = identifier(f"{routine.name}_{name}", meanings.taken)
+            name = meanings.static(routine.name, name_key, name)
             meanings.variables.setdefault(name, Variable(kind, None, size))
         else:
             local[name] = Variable(kind, None, size)

@@ -54,7 +54,7 @@ class Reader:
         self.moves = Moves(self.expressions, self.runs)
         self.control = Control(code, structure, self.expressions, self.body, self.simple)
         self.by_label = {r.label: k for k, r in enumerate(self.flow.regions) if r.label}
-        self.form = Form(0, 1, contexts.at(0, Form(0, 1, ()))) if not code else None
+        self.form: Form | None = None
         self.region = Region(0, 0)
         self.at = 0
         self.depending: list[tuple[Form, int]] = []
@@ -313,8 +313,7 @@ class Reader:
         return lift(self, node)
 
     def value(self, node: s.Command) -> e.Expression:
-        (value,) = _exactly(node.arguments, 1)
-        return self.expressions.of(value)
+        return self.expressions.of(*_exactly(node.arguments, 1))
 
     def wait(self, node: s.Command) -> list[p.Statement]:
         (condition,) = _exactly(node.arguments, 1)

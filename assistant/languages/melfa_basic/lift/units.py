@@ -209,7 +209,14 @@ class Unit:
         return Meanings(
             self.header, self.file.positions, Constants(code), scope, self.robot,
             self.file.tree.dialect, self.own, dict(program.signals), dict(program.variables),
-            {*program.signals, *program.variables, *program.targets, *program.joint_targets},
+            {
+                name.lower()
+                for table in (
+                    *(program.signals, program.variables),
+                    *(program.targets, program.joint_targets),
+                )
+                for name in table
+            },
         )  # fmt: skip
 
     def _initial(self) -> State:
