@@ -6,6 +6,7 @@ X is moved, in a position variable of the procedure.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import replace
@@ -19,7 +20,7 @@ from assistant.program import rotations
 from assistant.program import statements as p
 from assistant.program.geometry import Configuration, Pose, Target
 from assistant.program.path import configuration_of
-from assistant.program.program import Procedure, Program, Variable, identifier
+from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import map_head, records
 from assistant.robots.configurations import from_confdata
 
@@ -30,9 +31,16 @@ WHOLE: Final = "trans"
 """The component of a position that is its X, Y and Z together."""
 
 
-def with_computed_targets(procedure: Procedure, program: Program) -> Procedure:
-    """The procedure with variables for the targets that its statements work out."""
-    taking = _Targets(procedure, program)
+def with_computed_targets(program: Program) -> Program:
+    """The program with variables for the targets that statements work out."""
+    taken = {n.lower() for t in (program.variables, program.targets, program.signals) for n in t}
+    taken |= {name.lower() for q in program.procedures for name in q.variables}
+    made = tuple(_computed(procedure, taken) for procedure in program.procedures)
+    return replace(program, procedures=made)
+
+
+def _computed(procedure: Procedure, taken: set[str]) -> Procedure:
+    taking = _Targets(taken)
     body = hoisted(procedure.body, taking)
     if body == procedure.body:
         return procedure
@@ -40,10 +48,13 @@ def with_computed_targets(procedure: Procedure, program: Program) -> Procedure:
 
 
 class _Targets:
-    """Takes targets out of statements. variables: those that it needed."""
+    """Takes targets out of statements.
 
-    def __init__(self, procedure: Procedure, program: Program) -> None:
-        self.taken = {*procedure.variables, *program.variables, *program.targets}
+    taken: names (lower case) that a variable may not have. variables: those that it needed.
+    """
+
+    def __init__(self, taken: set[str]) -> None:
+        self.taken = taken
         self.variables: dict[str, Variable] = {}
         self.known: dict[str, str] = {}
 
@@ -87,7 +98,8 @@ class _Targets:
         """A position variable of the procedure; the same ones serve every statement."""
         key = f"{stem}_{number}"
         if key not in self.known:
-            name = identifier(key, self.taken)
+            free = (f"{stem}_{k}" for k in itertools.count(1))
+            name = next(n for n in free if n not in self.taken)
             self.taken.add(name)
             self.known[key] = name
             self.variables[name] = Variable("position")

@@ -153,7 +153,7 @@ class Context:
             ))  # fmt: skip
         if self.five_axis:
             target = self._in_reach(name, target)
-        return replace(target, configuration=configuration)
+        return replace(target, configuration=configuration, external=_printed(target.external))
 
     def _in_reach(self, name: str, target: Target) -> Target:
         from assistant.robots import five_axis
@@ -192,11 +192,16 @@ class Context:
                 place=name,
             ))  # fmt: skip
         self.finite(f"the joint target `{name}`", (v for v in joints if v == v))
-        return replace(target, joints=joints)
+        return JointTarget(_printed(joints), _printed(target.external))
 
     def finite(self, where: str, values: Iterable[float]) -> None:
         if not all(math.isfinite(v) and abs(v) < FARTHEST for v in values):
             self.findings.append(rules.NOT_FINITE(where=where))
+
+
+def _printed(values: Iterable[float]) -> tuple[float, ...]:
+    """Joints or external axes with the two decimals that are printed, NaN where there is none."""
+    return tuple(round(v, 2) + 0.0 if math.isfinite(v) else v for v in values)
 
 
 def plain_speed(speed: Speed) -> tuple[Speed, list[str]]:

@@ -74,8 +74,7 @@ def _with_plain_procedures(program: Program, dialect: Dialect, findings: Finding
             with findings.at(procedure.span):
                 findings.append(rules.RECURSIVE(name=procedure.name, place=procedure.name))
         program = without_parameters(program, findings)
-    computed = (with_computed_targets(q, program) for q in program.procedures)
-    return replace(program, procedures=tuple(computed))
+    return with_computed_targets(program)
 
 
 def _headed(program: Program, robot: Robot | None) -> Program:
