@@ -28,7 +28,10 @@ def print_items(items: Sequence[s.Item], dialect: str, newline: str) -> Iterator
     levels = Levels()
     for item, places in zip(items, decimals(items), strict=True):
         level = levels.of(item) if isinstance(item, s.Line) else levels.inside
-        yield item_text(item, of.upper, newline, places, level if of.blocks else 0)
+        text = item_text(item, of.upper, newline, places, level if of.blocks else 0)
+        if isinstance(item, s.Line) and len(text.rstrip("\r\n").encode(errors="replace")) > of.line:
+            text = item_text(item, of.upper, newline, places, 0)  # rather than too long
+        yield text
 
 
 def item_text(item: s.Item, upper: bool, newline: str, places: int, level: int) -> str:
