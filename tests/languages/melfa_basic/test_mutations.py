@@ -15,7 +15,7 @@ from tests.languages.melfa_basic.mutations import PROGRAMS, Mutation, language_o
 
 NEAR = 2
 """Lines between a damage and a finding that is about it."""
-LEAST, LEAST_MISSPELT, LEAST_NEEDED = 0.85, 0.80, 0.75
+LEAST, LEAST_MISSPELT, LEAST_NEEDED = 0.95, 0.90, 0.85
 
 
 @cache
