@@ -73,7 +73,7 @@ def run_compile(
     done: list[tuple[str, Compiled]] = []
     for source in sources:
         with working(f"compiling {source}"):
-            given = _input(source, from_language, from_robot)
+            given = _input(source, from_language, from_robot, process)
             compiled = compile(
                 given.program if given else source,
                 language=language,
@@ -142,19 +142,23 @@ def _loaded(
     from assistant.compiler.compiling import robot_of
     from assistant.compiler.loading import load
 
-    given = _input(source, from_language, robot)
+    given = _input(source, from_language, robot, process)
     return given or load(source, process=process, robot=robot_of(robot), language=from_language)
 
 
-def _input(source: str, language: str | None, robot: str | None) -> Loaded | None:
+def _input(
+    source: str, language: str | None, robot: str | None, process: Path | None
+) -> Loaded | None:
     """The program on standard input if the source says so, or a file of a named language."""
     from assistant.compiler.compiling import robot_of
     from assistant.compiler.loading import load, load_text
 
     if source != STANDARD:
-        return load(source, robot=robot_of(robot), language=language) if language else None
+        if language is None:
+            return None
+        return load(source, process=process, robot=robot_of(robot), language=language)
     text, spoken = standard_input(language)
-    return load_text(text, robot=robot_of(robot), language=spoken)
+    return load_text(text, process=process, robot=robot_of(robot), language=spoken)
 
 
 def standard_input(language: str | None) -> tuple[SourceText, str | None]:

@@ -236,3 +236,12 @@ def test_a_million_poses_are_no_python_objects():
     kept = len(gc.get_objects()) - before
     assert lifted.procedures
     assert kept < 4000, f"{kept} objects for 20,000 targets"
+
+
+def test_findings_of_a_vendor_program_stand_at_its_lines(tmp_path):
+    source = tmp_path / "m.mod"
+    source.write_text('MODULE m\n  PROC main()\n    TPWrite "go";\n  ENDPROC\nENDMODULE\n')
+    compiled = assistant.compile(source, language="melfa-basic-5")
+    (finding,) = [f for f in compiled.findings if f.code == "MB211"]
+    assert (finding.path, finding.line, finding.column) == (str(source), 3, 5)
+    assert finding.excerpt == '    TPWrite "go";'
