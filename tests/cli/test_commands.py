@@ -141,7 +141,7 @@ BAD = {
     "unknown.xyz": (b"anything", 2, "SR001"),
     "odd.pseudo": (b"program p\nprocedure main\n  move sideways p1\nend\n", 1, "PS"),
     "odd.mod": (b"MODULE m\nPROC main()\n", 1, "RA"),
-    "tokens.mb5": (b"ROBPRG\x00\x01\x02", 1, "MB"),
+    "tokens.mb5": (b"ROBPRG\x00\x01\x02", 2, "MB"),
     "bad.toml": (b"[[targets]\n", 2, "CT301"),
     "bad.json": (b"{", 2, "TB421"),
     "bad.npy": (b"\x93NUMPY\x01\x00", 2, "TB"),

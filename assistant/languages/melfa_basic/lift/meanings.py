@@ -172,7 +172,8 @@ class Meanings:
         if self.inside is not None and key in self.inside.names:
             return self.inside.sizes.get(key, ())
         if key in self.header.variables:
-            return self.variables[self.header.variables[key].name].size
+            declared = self.variables.get(self.header.variables[key].name)
+            return declared.size if declared is not None else ()  # one of a procedure's own
         return self.scope.sizes.get(key, ())
 
     def is_shadowed(self, key: str) -> bool:
