@@ -17,12 +17,13 @@ class Levels:
 
     def __init__(self) -> None:
         self._open: list[str] = []
+        self._inside = 0
         self._selects = False
 
     @property
     def inside(self) -> int:
         """The level of a plain line that comes next."""
-        return sum(_DEEPER.get(kind, 1) for kind in self._open)
+        return self._inside
 
     @property
     def comment(self) -> int:
@@ -38,12 +39,13 @@ class Levels:
 
     def _level(self, statement: s.Statement | None) -> int:
         if isinstance(statement, s.Function):
-            self._open = ["Function"]
+            self._open, self._inside = ["Function"], 1
             return 0
         kind = opened(statement)
         if kind:
             level = self.inside
             self._open.append(kind)
+            self._inside += _DEEPER.get(kind, 1)
             return level
         if divides(statement):
             return max(self.inside - 1, 0)
@@ -53,7 +55,7 @@ class Levels:
     def _close(self, statement: s.Statement | None) -> None:
         match statement:
             case s.Command(keyword="FEnd"):
-                self._open = []
+                self._open, self._inside = [], 0
             case s.Command(keyword=word) if word in _CLOSED:
                 self._leave(_CLOSED[word])
             case s.Next(variables=variables):
@@ -62,8 +64,10 @@ class Levels:
 
     def _leave(self, kind: str) -> None:
         if kind in self._open:
-            while self._open.pop() != kind:
-                pass
+            left = ""
+            while left != kind:
+                left = self._open.pop()
+                self._inside -= _DEEPER.get(left, 1)
 
 
 def is_comment(item: s.Line) -> bool:
