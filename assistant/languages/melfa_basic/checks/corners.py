@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from typing import Final
 
 from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.blocks import is_word
 from assistant.languages.melfa_basic.checks import motion_rules as rules
 from assistant.languages.melfa_basic.checks.kinds import literal
 from assistant.languages.melfa_basic.checks.look import Look
 from assistant.languages.melfa_basic.checks.steps import row_span
-from assistant.languages.melfa_basic.checks.ways import closed, middle, opened
 from assistant.languages.melfa_basic.columnar import MoveRows
 from assistant.program.diagnostics import Diagnostic
 
@@ -29,7 +29,7 @@ def corners(look: Look) -> Found:
             moved = True
             continue
         statement = item.statement
-        if item.label is not None or opened(statement) or middle(statement) or closed(statement):
+        if item.label is not None or is_word(statement):
             rounded, moved = None, False
         match statement:
             case s.Motion():

@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import islice
 from typing import Final
 
 from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.blocks import CLOSING, divided
 from assistant.languages.melfa_basic.checks import flow_rules as rules
 from assistant.languages.melfa_basic.checks.look import Look, Scope
 from assistant.languages.melfa_basic.checks.ways import (
-    CLOSING,
     Block,
     Blocks,
     Misfit,
     Ways,
     blocks_of,
-    middle,
     ways_of,
     word_of,
 )
@@ -28,7 +27,7 @@ Found = Iterator[Diagnostic]
 
 NUMBERS: Final = {"For": 3230, "While": 3250, "If": 3252, "Select": 3254}
 """Kind of a block → what the controller shows where its words do not fit."""
-CLOSERS: Final = {kind: word for word, kind in CLOSING.items()}
+CLOSERS: Final[Mapping[str, str]] = {kind: word for word, kind in CLOSING.items()}
 NESTING: Final = {"For": (16, 3240), "While": (16, 3240), "If": (8, 3253)}
 """Kind → how deep blocks may stand (loops of both kinds together), and the error (CR1D 4-151)."""
 
@@ -305,7 +304,7 @@ TAILS: Final = frozenset({"End", "Hlt", "Return", "FEnd", "Break", "EndIf", "End
 def _is_tail(item: s.Line | MoveRows) -> bool:
     if not isinstance(item, s.Line):
         return False
-    if middle(item.statement) or isinstance(item.statement, s.Next | s.Jump):
+    if divided(item.statement) or isinstance(item.statement, s.Next | s.Jump):
         return True
     return word_of(item.statement) in TAILS
 

@@ -7,11 +7,9 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.blocks import closed, divided, opened
 from assistant.languages.melfa_basic.checks.look import Look, Scope
 from assistant.languages.melfa_basic.columnar import MoveRows
-
-CLOSING: Final = {"Next": "For", "WEnd": "While", "EndIf": "If", "End Select": "Select"}
-MIDDLE: Final = {"Else": "If", "Default": "Select"}
 
 
 @dataclass(slots=True)
@@ -71,42 +69,6 @@ class Blocks:
         return not self.wrong and all(block.last is not None for block in self.all)
 
 
-def opened(statement: s.Statement | None) -> str:
-    """The kind of block that a statement opens, empty for none."""
-    match statement:
-        case s.If(then=None):
-            return "If"
-        case s.For():
-            return "For"
-        case s.Select():
-            return "Select"
-        case s.Command(keyword="While"):
-            return "While"
-    return ""
-
-
-def middle(statement: s.Statement | None) -> str:
-    """The kind of block that a statement goes on with, empty for none."""
-    match statement:
-        case s.ElseIf():
-            return "If"
-        case s.Case():
-            return "Select"
-        case s.Command(keyword=keyword):
-            return MIDDLE.get(keyword, "")
-    return ""
-
-
-def closed(statement: s.Statement | None) -> tuple[str, ...]:
-    """The closing words of a statement: `Next M1,M2` closes two loops."""
-    match statement:
-        case s.Next(variables):
-            return ("Next",) * max(1, len(variables))
-        case s.Command(keyword=keyword) if keyword in CLOSING:
-            return (keyword,)
-    return ()
-
-
 def blocks_of(look: Look, scope: Scope) -> Blocks:
     found = Blocks()
     inner: Block | None = None
@@ -120,21 +82,21 @@ def blocks_of(look: Look, scope: Scope) -> Blocks:
             found.all.append(inner)
             found.by_line[at] = inner
             continue
-        kind = middle(statement)
+        kind = divided(statement)
         if kind:
             if inner is not None and inner.kind == kind:
                 inner.parts.append(at)
                 found.by_line[at] = inner
             else:
                 found.wrong.append(_misfit(at, word_of(statement), kind, inner))
-        for word in closed(statement):
-            if inner is not None and inner.kind == CLOSING[word]:
+        for kind in closed(statement):
+            if inner is not None and inner.kind == kind:
                 inner.last = at
                 found.by_line[at] = inner
                 found.closing.setdefault(at, []).append(inner)
                 inner = inner.around
             else:
-                wrong = _misfit(at, word, CLOSING[word], inner)
+                wrong = _misfit(at, word_of(statement), kind, inner)
                 found.wrong.append(wrong)
                 if wrong.inside is not None:
                     _close_outer(wrong.inside, wrong.kind, at)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Final, Literal
+from typing import Literal
 
 from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.blocks import closed, divided, opened
 
 Kind = Literal["If", "For", "While", "Select", "Function"]
 
@@ -30,49 +31,15 @@ class Block:
 
 Node = s.Item | Block
 
-CLOSING: Final[dict[str, Kind]] = {
-    "EndIf": "If", "WEnd": "While", "End Select": "Select", "FEnd": "Function",
-}  # fmt: skip
-MIDDLE: Final[dict[str, Kind]] = {"Else": "If", "Default": "Select"}
-
 
 def opens(statement: s.Statement | None) -> Kind | None:
-    """The kind of block that a statement begins."""
-    match statement:
-        case s.If(then=None):
-            return "If"
-        case s.For():
-            return "For"
-        case s.Select():
-            return "Select"
-        case s.Function():
-            return "Function"
-        case s.Command(keyword="While"):
-            return "While"
-    return None
-
-
-def divides(statement: s.Statement | None) -> Kind | None:
-    """The kind of block that a statement begins a further part of."""
-    match statement:
-        case s.ElseIf():
-            return "If"
-        case s.Case():
-            return "Select"
-        case s.Command(keyword=word):
-            return MIDDLE.get(word)
-    return None
+    """The kind of block that a statement begins, None for none."""
+    return "Function" if isinstance(statement, s.Function) else opened(statement)
 
 
 def closes(statement: s.Statement | None) -> tuple[Kind, ...]:
     """The kinds of the blocks that a statement ends, the inner one first."""
-    match statement:
-        case s.Next(variables=variables):
-            loops: list[Kind] = ["For"] * max(1, len(variables))
-            return tuple(loops)
-        case s.Command(keyword=word) if word in CLOSING:
-            return (CLOSING[word],)
-    return ()
+    return ("Function",) if statement == s.Command("FEnd") else closed(statement)
 
 
 def nested(items: Sequence[s.Item]) -> list[Node] | None:
@@ -92,7 +59,7 @@ def nested(items: Sequence[s.Item]) -> list[Node] | None:
             block = Block(kind, [Part(item)])
             inside().append(block)
             stack.append(block)
-        elif kind := divides(statement):
+        elif kind := divided(statement):
             if not stack or stack[-1].kind != kind:
                 return None
             stack[-1].parts.append(Part(item))

@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from assistant.languages.melfa_basic import printer, vocabulary
 from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.blocks import is_word
 from assistant.languages.melfa_basic.convert.memory import Memory
 from assistant.languages.melfa_basic.convert.names import (
     SUFFIXES,
@@ -17,7 +18,7 @@ from assistant.languages.melfa_basic.convert.names import (
     renamed,
     variables_of,
 )
-from assistant.languages.melfa_basic.convert.nesting import closes, divides, opens
+from assistant.languages.melfa_basic.convert.nesting import closes, opens
 from assistant.languages.melfa_basic.convert.steps import targets
 from assistant.languages.melfa_basic.dialects import DIALECTS, Dialect
 from assistant.program.rewriting import records, rewrite
@@ -247,7 +248,7 @@ def reworded(line: s.Line, dialect: Dialect) -> s.Line | None:
 def _needs_others(statement: s.Statement | None) -> bool:
     """Whether a statement means something only together with the lines around it."""
     wide = isinstance(statement, s.Command) and statement.keyword in ("Break", "Wait", "Return")
-    return wide or bool(opens(statement) or divides(statement) or closes(statement))
+    return bool(wide or is_word(statement) or opens(statement) or closes(statement))
 
 
 def restored(items: Sequence[s.Item], memory: Memory) -> list[s.Item]:

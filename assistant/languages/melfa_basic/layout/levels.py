@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Final
 
 from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.blocks import closed, divided, opened
 
-_CLOSED: Final = {"EndIf": "If", "WEnd": "While", "End Select": "Select"}
-_DIVIDED: Final = {"Else": "If", "Default": "Select"}
 _DEEPER: Final = {"Select": 2}
 """Levels that a block's inside is deeper, if not one: `Case` stands one level in."""
 
@@ -47,20 +46,16 @@ class Levels:
             self._open.append(kind)
             self._inside += _DEEPER.get(kind, 1)
             return level
-        if divides(statement):
+        if divided(statement):
             return max(self.inside - 1, 0)
         self._close(statement)
         return self.inside
 
     def _close(self, statement: s.Statement | None) -> None:
-        match statement:
-            case s.Command(keyword="FEnd"):
-                self._open, self._inside = [], 0
-            case s.Command(keyword=word) if word in _CLOSED:
-                self._leave(_CLOSED[word])
-            case s.Next(variables=variables):
-                for _ in variables or (None,):
-                    self._leave("For")
+        if statement == s.Command("FEnd"):
+            self._open, self._inside = [], 0
+        for kind in closed(statement):
+            self._leave(kind)
 
     def _leave(self, kind: str) -> None:
         if kind in self._open:
@@ -73,24 +68,3 @@ class Levels:
 def is_comment(item: s.Line) -> bool:
     """Whether a line is a comment and nothing else."""
     return item.statement is None and item.label is None and item.comment is not None
-
-
-def opened(statement: s.Statement | None) -> str | None:
-    """The kind of block that a statement opens, None if it opens none."""
-    match statement:
-        case s.If(then=None, otherwise=None):
-            return "If"
-        case s.For():
-            return "For"
-        case s.Select():
-            return "Select"
-        case s.Command(keyword="While"):
-            return "While"
-    return None
-
-
-def divides(statement: s.Statement | None) -> bool:
-    """Whether a statement parts a block: `Else`, `ElseIf`, `Case`, `Default`."""
-    if isinstance(statement, s.Command):
-        return statement.keyword in _DIVIDED
-    return isinstance(statement, s.ElseIf | s.Case)

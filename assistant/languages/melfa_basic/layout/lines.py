@@ -20,9 +20,10 @@ from itertools import groupby
 from typing import Final
 
 from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.blocks import divided, opened
 from assistant.languages.melfa_basic.columnar import MoveRows, PositionRows
 from assistant.languages.melfa_basic.dialects import DIALECTS, Dialect
-from assistant.languages.melfa_basic.layout.levels import Levels, divides, is_comment, opened
+from assistant.languages.melfa_basic.layout.levels import Levels, is_comment
 from assistant.languages.melfa_basic.layout.printing import decimals, exact, item_text
 from assistant.languages.melfa_basic.layout.tokens import COMMENTS, code, tokens
 from assistant.languages.melfa_basic.printer import INDENT, constant
@@ -110,11 +111,11 @@ class _Pages:
         It does where it stands at that word's column and what is above does not.
         """
         below = self._below[at]
-        if below is None or not divides(below.statement):
+        if below is None or not divided(below.statement):
             return False
         above = self._above[at]
         column = self._column(comment)
-        if above is not None and (divides(above.statement) or opened(above.statement)):
+        if above is not None and (divided(above.statement) or opened(above.statement)):
             return False  # that one comes to stand at the same column
         return column == self._column(below) and (above is None or column != self._column(above))
 

@@ -7,13 +7,11 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.blocks import closed, divided, opened
 from assistant.languages.melfa_basic.columnar import MoveRows
 
 Entry = s.Line | MoveRows
 Code = Sequence[Entry]
-
-_MIDDLE: Final = {"Else": "If", "Default": "Select"}
-_CLOSING: Final = {"EndIf": "If", "WEnd": "While", "End Select": "Select"}
 
 
 def is_command(item: Entry, keyword: str) -> bool:
@@ -23,20 +21,6 @@ def is_command(item: Entry, keyword: str) -> bool:
 
 def is_blank(item: Entry) -> bool:
     return isinstance(item, s.Line) and not (item.statement or item.label or item.comment)
-
-
-def opened(statement: s.Statement | None) -> str | None:
-    """The kind of block that a statement opens."""
-    match statement:
-        case s.If(then=None):
-            return "If"
-        case s.For():
-            return "For"
-        case s.Select():
-            return "Select"
-        case s.Command(keyword="While"):
-            return "While"
-    return None
 
 
 def structure(code: Code) -> dict[int, list[int]]:
@@ -54,20 +38,11 @@ def structure(code: Code) -> dict[int, list[int]]:
         if kind:
             stack.append((kind, [at]))
             continue
-        word = statement.keyword if isinstance(statement, s.Command) else ""
-        middle = _MIDDLE.get(word)
-        if isinstance(statement, s.ElseIf):
-            middle = "If"
-        elif isinstance(statement, s.Case):
-            middle = "Select"
-        elif isinstance(statement, s.Next):
-            for _ in range(max(1, len(statement.variables))):  # one may close several
-                _close(stack, "For", at, found, item.label is None)
-            continue
+        middle = divided(statement)
         if middle and stack and stack[-1][0] == middle and item.label is None:
             stack[-1][1].append(at)
-        elif word in _CLOSING:
-            _close(stack, _CLOSING[word], at, found, item.label is None)
+        for kind in closed(statement):
+            _close(stack, kind, at, found, item.label is None)
     return found | _jumping(code)
 
 
@@ -156,17 +131,6 @@ def depths(code: Code, blocks: Mapping[int, list[int]]) -> list[int]:
         at += step
         depth.append(at)
     return depth
-
-
-def is_word_of_block(statement: s.Statement | None) -> bool:
-    """Whether it opens, divides or closes a block."""
-    if isinstance(statement, s.Command):
-        return (
-            statement.keyword in _MIDDLE
-            or statement.keyword in _CLOSING
-            or (statement.keyword == "While")
-        )
-    return isinstance(statement, s.ElseIf | s.Case | s.Next) or opened(statement) is not None
 
 
 def innermost_ends(count: int, blocks: Mapping[int, list[int]]) -> dict[int, int]:

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Final
 
 from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.blocks import opened
 from assistant.languages.melfa_basic.columnar import MoveRows
-from assistant.languages.melfa_basic.lift.blocks import opened
 from assistant.languages.melfa_basic.lift.walk import nodes
 from assistant.languages.melfa_basic.vocabulary import function, status
 

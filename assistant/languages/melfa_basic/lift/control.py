@@ -7,8 +7,9 @@ from collections.abc import Callable, Mapping
 from typing import Any, Final
 
 from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.blocks import opened
 from assistant.languages.melfa_basic.lift import waits
-from assistant.languages.melfa_basic.lift.blocks import Code, opened
+from assistant.languages.melfa_basic.lift.blocks import Code
 from assistant.languages.melfa_basic.lift.expressions import Expressions, operator_name
 from assistant.languages.melfa_basic.lift.meanings import Meanings, Unliftable
 from assistant.languages.melfa_basic.lift.scopes import all_keys

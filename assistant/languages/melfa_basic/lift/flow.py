@@ -13,7 +13,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, Final
 
 from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.lift.blocks import Code, innermost_ends, is_word_of_block
+from assistant.languages.melfa_basic.blocks import is_word
+from assistant.languages.melfa_basic.lift.blocks import Code, innermost_ends
 from assistant.languages.melfa_basic.lift.regions import Region, odd_entries, place_name
 from assistant.languages.melfa_basic.lift.settings import UNKNOWN, Held, State
 
@@ -87,7 +88,7 @@ class Flow:
         self.first: dict[int, list[int]] = {}
         known: set[int] = set()
         for first, places in blocks.items():
-            if not is_word_of_block(self._statement(first)):
+            if not is_word(self._statement(first)):
                 continue  # an `If` made of jumps, which say themselves where they go
             known.update(places)
             self.places[first] = places
@@ -98,9 +99,7 @@ class Flow:
                 self.redirect[middle] = places[-1]
         self.ends = innermost_ends(len(self.code), self.places)
         self.loose = {
-            at
-            for at in range(len(self.code))
-            if at not in known and is_word_of_block(self._statement(at))
+            at for at in range(len(self.code)) if at not in known and is_word(self._statement(at))
         }
 
     def _statement(self, at: int) -> s.Statement | None:
