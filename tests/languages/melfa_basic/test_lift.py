@@ -117,8 +117,14 @@ def test_on_goto_and_gosub() -> None:
     jump, a, stop, b, _ = body("On M1 GoTo *A,*B\n*A\nHlt\n*B\nHlt\n")
     subject = e.Apply("round", (e.Name("M1"),))
     wanted = (p.Case((e.Number(1),), (p.Goto("A"),)), p.Case((e.Number(2),), (p.Goto("B"),)))
-    assert jump in (p.Switch(subject, wanted), p.Switch(e.Name("M1"), wanted))
+    assert jump == p.Switch(subject, wanted)
     assert (a, stop, b) == (p.Label("A"), p.Stop(), p.Label("B"))
+
+
+def test_a_number_to_jump_by_is_rounded() -> None:
+    main = body("On M1 GoTo *A,*A\nOn M2% GoTo *A,*A\n*A\nHlt\n")
+    subjects = [node.subject for node in main if isinstance(node, p.Switch)]
+    assert subjects == [e.Apply("round", (e.Name("M1"),)), e.Name("M2")]
 
 
 def test_next_of_two_loops() -> None:
@@ -210,6 +216,16 @@ def test_def_fn_and_fprm() -> None:
 
 
 # ------------------------------------------------------------------------------ values
+
+
+def test_a_parameter_is_what_the_caller_gives_whatever_its_line_says() -> None:
+    program = lifted("FPrm P1,M1\nMvs P1\nMvs P2\nMov P1,-50\n")
+    (main,) = program.procedures
+    assert main.parameters == (Parameter("P1", "position"), Parameter("M1", "number"))
+    first, second, third = moves(main)
+    assert (first.target, second.target) == (e.Name("P1"), e.Name("P2"))
+    assert isinstance(third.target, e.Apply) and third.target.arguments[0] == e.Name("P1")
+    assert "P1" not in {*program.targets, *program.variables}
 
 
 def value(text: str) -> e.Expression:

@@ -218,7 +218,7 @@ class Control:
 
     def on_jump(self, node: s.OnJump, go: Callable[[s.Target], p.Statement]) -> list[p.Statement]:
         """`On n GoTo` and `On n GoSub`; a number that there is none for goes on below."""
-        subject = self.expressions.index(node.subject)
+        subject = self.expressions.rounded(node.subject)
         if any(target is None for target in node.targets):
             raise Unliftable
         cases = tuple(

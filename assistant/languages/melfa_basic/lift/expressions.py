@@ -298,11 +298,16 @@ class Expressions:
         raise Unliftable
 
     def index(self, node: s.Expression) -> e.Expression:
-        """A subscript; one that is no whole number is rounded."""
+        """A subscript; one that is no whole number is rounded, in other languages too."""
+        value = self.number(node)
+        return value if isinstance(value, e.Name) else self.rounded(node)
+
+    def rounded(self, node: s.Expression) -> e.Expression:
+        """A value that is rounded if it may be no whole number."""
         value = self.number(node)
         if self.m.own or self.type_of(node) == "integer" or isinstance(node, s.Number):
             return value
-        return value if isinstance(value, e.Name) else e.Apply("round", (value,))
+        return e.Apply("round", (value,))
 
     # ----------------------------------------------------------------------------- angles
 

@@ -203,11 +203,14 @@ class Unit:
             inner = first.function is not None
             shared = code[slice(*first.before)] if inner else code[first.low : first.high]
         scope = scope_of(shared, {name.upper() for name in functions})
+        constants = Constants(code)
         if not self.own:
             for parameter in declared.parameters_of(self.file.code):
                 scope.names.setdefault(parameter.key, parameter.name)
+                # given by the caller, whatever value a line of the file has for it
+                constants.assigned |= {parameter.key}
         return Meanings(
-            self.header, self.file.positions, Constants(code), scope, self.robot,
+            self.header, self.file.positions, constants, scope, self.robot,
             self.file.tree.dialect, self.own, dict(program.signals), dict(program.variables),
             {
                 name.lower()
