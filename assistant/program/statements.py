@@ -226,11 +226,23 @@ class Message(Spanned):
 
 
 @dataclass(frozen=True, slots=True)
+class Reason:
+    """why: a clause on what keeps a statement from being said otherwise. cure: what to do."""
+
+    why: str
+    cure: str
+
+
+@dataclass(frozen=True, slots=True)
 class Opaque(Spanned):
-    """A statement that only one vendor language can say, as its text."""
+    """A statement that only one vendor language can say, as its text.
+
+    reason: why it is not said otherwise, None if that is not known; not part of what it says.
+    """
 
     language: str
     text: str
+    reason: Reason | None = field(default=None, compare=False, repr=False, kw_only=True)
 
 
 Statement = (

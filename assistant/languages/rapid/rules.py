@@ -106,7 +106,7 @@ OTHER_LANGUAGE: Final = Rule(
     "RA304",
     ERROR,
     "a statement of {language} has no meaning in RAPID: {text}",
-    "write it in the pseudo-program or in RAPID",
+    "{cure}",
 )
 NO_MEANING: Final = Rule("RA305", ERROR, "RAPID cannot say {what}", "{hint}")
 CHANGED: Final = Rule("RA306", WARNING, "{what} is written as {instead}", "{hint}")

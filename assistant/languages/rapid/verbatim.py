@@ -8,12 +8,26 @@ from typing import Any, Final
 from assistant.languages.rapid import rules
 from assistant.languages.rapid import syntax as s
 from assistant.program.diagnostics import Refused
+from assistant.program.expressions import Verbatim
+from assistant.program.program import Declaration
+from assistant.program.statements import Opaque
 
 LANGUAGE: Final = "rapid"
 _HANDLER: Final = re.compile(r"(?:ERROR|UNDO|BACKWARD)\b", re.IGNORECASE)
+_SHOWN: Final = 60
 _MOST: Final = 1 << 14
 _known: dict[tuple[str, str], tuple[Any, ...]] = {}
 """What texts say: lifting, adapting, naming and building each ask for the same ones."""
+
+
+def foreign(kept: Opaque | Verbatim | Declaration) -> dict[str, Any]:
+    """What a finding says of the text of another language: fields of `rules.OTHER_LANGUAGE`."""
+    text = kept.text if len(kept.text) <= _SHOWN else kept.text[:_SHOWN] + "…"
+    reason = kept.reason if isinstance(kept, Opaque) else None
+    if reason is None:
+        cure = "write it in the pseudo-program or in RAPID"
+        return {"language": kept.language, "text": text, "cure": cure}
+    return {"language": kept.language, "text": f"{text}; {reason.why}", "cure": reason.cure}
 
 
 def items(text: str) -> tuple[s.Item, ...]:

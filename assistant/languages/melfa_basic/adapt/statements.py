@@ -173,7 +173,7 @@ class _Plain:
         if line is None:
             yield node
         else:
-            yield p.Opaque(dialect.name, printer.line(line, dialect.upper), span=node.span)
+            yield replace(node, language=dialect.name, text=printer.line(line, dialect.upper))
 
 
 def _selectable(node: p.Switch) -> bool:

@@ -12,6 +12,7 @@ from assistant.languages.melfa_basic.lift import waits
 from assistant.languages.melfa_basic.lift.blocks import Code
 from assistant.languages.melfa_basic.lift.expressions import Expressions, operator_name
 from assistant.languages.melfa_basic.lift.meanings import Meanings, Unliftable
+from assistant.languages.melfa_basic.lift.reasons import NO_LABEL
 from assistant.languages.melfa_basic.lift.scopes import all_keys
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -29,7 +30,8 @@ class Control:
     """Lifts what decides the order of the lines; raises Unliftable.
 
     body: lifts a range of lines. simple: lifts one statement, the branch of an `If`.
-    labels: those of the procedure that is read, upper case → name.
+    labels: those of the procedure that is read, upper case → name. refused: why blocks, by their
+    first line, stay as their text.
     """
 
     def __init__(
@@ -43,6 +45,7 @@ class Control:
         self.code, self.structure, self.expressions = code, structure, expressions
         self.body, self.simple = body, simple
         self.labels: dict[str, str] = {}
+        self.refused: dict[int, p.Reason | None] = {}
         self.depth = 0
         self.leaving: list[_Block] = []
         self.asks_for_breaks = "M_BRKCQ" in set(all_keys(code))
@@ -65,8 +68,9 @@ class Control:
         self.depth += 1
         try:
             statement = self.whole(item.statement, found)
-        except Unliftable:
+        except Unliftable as found_why:
             statement = None
+            self.refused[at] = found_why.reason
         self.depth -= 1
         block = self.leaving.pop()
         if statement is None:
@@ -213,7 +217,7 @@ class Control:
     def goto(self, target: s.Target) -> p.Statement:
         place = target.place
         if isinstance(place, int) or place.upper() not in self.labels:
-            raise Unliftable
+            raise Unliftable(NO_LABEL)
         return p.Goto(self.labels[place.upper()])
 
     def on_jump(self, node: s.OnJump, go: Callable[[s.Target], p.Statement]) -> list[p.Statement]:

@@ -6,12 +6,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
+from assistant.languages.melfa_basic import poses
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.functions import ANALOG
 from assistant.languages.melfa_basic.lift.expressions import Expressions
 from assistant.languages.melfa_basic.lift.meanings import IO_BITS, SIGNALS, Unliftable
 from assistant.languages.melfa_basic.lift.paths import Runs
 from assistant.languages.melfa_basic.lift.positions import joints_of, target_of
+from assistant.languages.melfa_basic.lift.reasons import DELAYED
 from assistant.languages.melfa_basic.lift.scopes import TYPES
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -27,7 +29,7 @@ def assign(node: s.Assign, lift: Expressions, runs: Runs) -> list[p.Statement]:
         pulse = None if node.delay is None else lift.of(node.delay)
         return [p.SetSignal(name, lift.of(node.value), pulse)]
     if node.delay is not None:
-        raise Unliftable
+        raise Unliftable(DELAYED)
     runs.previous = None
     if target.component:
         return [_component(node, lift)]
@@ -43,6 +45,8 @@ def value_of(node: s.Assign, lift: Expressions) -> e.Expression:
     if isinstance(value, s.Constant):
         if kind == "joints":
             return e.JointValue(joints_of(value, lift.m.robot))
+        if kind == "pose":
+            return e.PoseValue(poses.plain_pose(value.values))
         return e.TargetValue(target_of(value, lift.m.robot))
     if lift.m.own:
         return lift.of(value)

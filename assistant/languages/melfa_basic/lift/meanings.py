@@ -9,11 +9,13 @@ from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.header import Header
 from assistant.languages.melfa_basic.lift.constants import Constants
 from assistant.languages.melfa_basic.lift.positions import Positions, joints_of, target_of
+from assistant.languages.melfa_basic.lift.reasons import STATUS
 from assistant.languages.melfa_basic.lift.scopes import Scope, letter_type
 from assistant.languages.melfa_basic.vocabulary import status
 from assistant.program import expressions as e
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.program import Parameter, Signal, ValueType, Variable, identifier
+from assistant.program.statements import Reason
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
@@ -33,7 +35,11 @@ IO_BITS: Final = {"BIT": 1, "BYTE": 8, "WORD": 16, "INTEGER": 16, "DWORD": 32}
 
 
 class Unliftable(Exception):
-    """The pseudo-program has no words for it."""
+    """The pseudo-program has no words for it. reason: why, None if the statement itself tells."""
+
+    def __init__(self, reason: Reason | None = None) -> None:
+        self.reason = reason
+        super().__init__(reason.why if reason else "")
 
 
 @dataclass(slots=True)
@@ -119,7 +125,7 @@ class Meanings:
         if key in self.header.variables:
             return e.Name(self.header.variables[key].name)
         if status(key) is not None:
-            raise Unliftable
+            raise Unliftable(STATUS)
         if key not in self.constants.assigned and self.positions.constant(key) is not None:
             self.targets.add(key)
             return e.Name(self.target_name(node.name))
@@ -172,8 +178,7 @@ class Meanings:
         if self.inside is not None and key in self.inside.names:
             return self.inside.sizes.get(key, ())
         if key in self.header.variables:
-            declared = self.variables.get(self.header.variables[key].name)
-            return declared.size if declared is not None else ()  # one of a procedure's own
+            return self.header.variables[key].size
         return self.scope.sizes.get(key, ())
 
     def is_shadowed(self, key: str) -> bool:

@@ -7,6 +7,7 @@ from assistant.languages.melfa_basic.lift.expressions import Expressions
 from assistant.languages.melfa_basic.lift.meanings import Unliftable
 from assistant.languages.melfa_basic.lift.paths import Runs, Values, place, sayable, speed_of
 from assistant.languages.melfa_basic.lift.products import unframed
+from assistant.languages.melfa_basic.lift.reasons import TYPE, WAYS
 from assistant.languages.melfa_basic.lift.settings import BLEND, FRAME, TOOL
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -27,10 +28,12 @@ class Moves:
 
     def move(self, node: s.Motion, values: Values) -> list[p.Statement]:
         node, values = unframed(node, values, self.expressions.m.header)
-        if node.append or (node.type and node.type != USUAL.get(node.keyword)):
+        if node.append:
             raise Unliftable
+        if node.type and node.type != USUAL.get(node.keyword):
+            raise Unliftable(TYPE)
         if not sayable(values, node.keyword == "Mov"):
-            raise Unliftable
+            raise Unliftable(WAYS)
         match node.keyword, node.arguments:
             case ("Mov" | "Mvs") as word, (target,) if target is not None:
                 return [self.to(word, target, None, values)]

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Final
 
-from assistant.languages.melfa_basic import printer
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MoveRows
-from assistant.languages.melfa_basic.lift import data, waits
+from assistant.languages.melfa_basic.lift import data, reasons, waits
 from assistant.languages.melfa_basic.lift.blocks import Code, labels_in
 from assistant.languages.melfa_basic.lift.contexts import Contexts, Form, depends
 from assistant.languages.melfa_basic.lift.control import Control
@@ -18,12 +17,14 @@ from assistant.languages.melfa_basic.lift.moves import Moves
 from assistant.languages.melfa_basic.lift.paths import Runs, Values
 from assistant.languages.melfa_basic.lift.regions import Region
 from assistant.languages.melfa_basic.lift.settings import FRAME, TOOL, State
+from assistant.languages.melfa_basic.lift.ways import Ways
 from assistant.languages.melfa_basic.names import ARC_START
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Span
 from assistant.program.program import identifier
 from assistant.program.rewriting import head, records
+from assistant.program.text import SourceText
 
 
 class Reader:
@@ -31,7 +32,8 @@ class Reader:
 
     routines: what each region is called, and what `GoSub` and functions mean. units, firsts:
     the programs that `CallP` names, and the procedures that those begin with. kept: lines whose
-    setting has to stay, because something depends on it that is kept as its text.
+    setting has to stay, because something depends on it that is kept as its text. source: the
+    text that the code was read from.
     """
 
     def __init__(
@@ -44,11 +46,13 @@ class Reader:
         calls: tuple[dict[str, str], dict[str, str]],
         main: bool,
         kept: frozenset[int],
+        source: SourceText | None,
     ) -> None:
         self.code, self.meanings, self.contexts = code, meanings, contexts
         self.flow, self.routines, self.main, self.kept = contexts.flow, routines, main, kept
         self.units, self.firsts = calls
         self.own = meanings.own
+        self.ways = Ways(code, self.flow.effect, meanings.dialect, source)
         self.expressions = Expressions(meanings)
         self.runs = Runs(meanings, code, self.own, self.single)
         self.moves = Moves(self.expressions, self.runs)
@@ -191,10 +195,10 @@ class Reader:
         """A statement that is no block, or its text."""
         try:
             if at in self.kept:
-                raise Unliftable
+                raise Unliftable(reasons.DEPENDED_ON)
             lifted = self.simple(node)
-        except Unliftable:
-            lifted = [self.opaque(node)]
+        except Unliftable as found:
+            lifted = [self.opaque(node, found.reason or self.control.refused.get(at))]
         if not isinstance(node, s.Motion) and depends(node) and _has_verbatim(lifted):
             self.note_dependence(at)
         return [waits.spanned(statement, span) for statement in lifted]
@@ -212,17 +216,20 @@ class Reader:
         """A move that is part of no path."""
         try:
             lifted = self.moves.move(node, values)
-        except Unliftable:
-            lifted = [self.opaque(node)]
+        except Unliftable as found:
+            lifted = [self.opaque(node, found.reason)]
         return [waits.spanned(statement, span) for statement in lifted]
 
-    def opaque(self, statement: s.Statement) -> p.Opaque:
+    def opaque(self, statement: s.Statement, found: p.Reason | None) -> p.Opaque:
         self.runs.forget()
         self.runs.arc_pending = False
         if depends(statement):
             self.note_dependence(self.at)
-        upper = self.meanings.dialect.endswith("-4")
-        return p.Opaque(self.meanings.dialect, printer.statement(statement, upper))
+        if found is reasons.WAYS and self.form is not None:
+            found = self.ways.differing(statement, self.contexts.at(self.at, self.form))
+        dialect = self.meanings.dialect
+        reason = reasons.reason_for(statement, found)
+        return p.Opaque(dialect, reasons.text_of(statement, dialect), reason=reason)
 
     def note_dependence(self, at: int) -> None:
         assert self.form is not None
@@ -283,7 +290,7 @@ class Reader:
     def go_to_sub(self, target: s.Target) -> p.Statement:
         callee = self.by_label.get(str(target.place).upper())
         if callee is None:
-            raise Unliftable
+            raise Unliftable(reasons.NO_PROCEDURE)
         assert self.form is not None
         self.runs.forget()
         return p.Call(self.name_of(self.form.called[self.at, callee]))
@@ -299,7 +306,7 @@ class Reader:
 
     def callp(self, node: s.CallP) -> list[p.Statement]:
         if not isinstance(node.program, s.String):
-            raise Unliftable
+            raise Unliftable(reasons.COMPUTED_PROGRAM)
         short = node.program.value.upper()
         unit = self.units.get(short) or identifier(node.program.value)
         first = self.firsts.get(short) or unit
@@ -341,13 +348,13 @@ class Reader:
         if self.main:
             return [p.Stop(end=True)]
         if not self.region.is_first:
-            raise Unliftable
+            raise Unliftable(reasons.NOT_FIRST)
         return [p.Return()]
 
     def returned(self, node: s.Command) -> list[p.Statement]:
         _exactly(node.arguments, 0)
         if self.region.label is None:
-            raise Unliftable
+            raise Unliftable(reasons.NO_SUBROUTINE)
         return [p.Return()]
 
     def stopped(self, node: s.Command) -> list[p.Statement]:

@@ -182,8 +182,11 @@ class Unit:
         settings = Settings(self.file.positions, meanings.constants, self.header.names)
         flow = Flow(code, parts, structure, settings.effect, self._calls(parts))
         contexts = Contexts(flow, self._initial())
+        source = self.file.tree.source
         calls = dict(self.main.header.names["unit"]), dict(self.main.header.names["first"])
-        reader = Reader(code, structure, meanings, contexts, listed, calls, self.is_main, kept)
+        reader = Reader(
+            code, structure, meanings, contexts, listed, calls, self.is_main, kept, source
+        )
         reading = _Reading(meanings, settings, reader, local)
         for node in _statements(code, s.DefIo):
             if (io := data.io_of(node, expressions)) is not None:

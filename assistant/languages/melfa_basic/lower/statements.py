@@ -26,9 +26,10 @@ def message(_: Writer, node: p.Message) -> None:
 def opaque(w: Writer, node: p.Opaque) -> None:
     line = opaque_line(node, w.dialect)
     if line is None or line.statement is None:
-        raise Unsayable(
-            f"the {node.language} statement `{node.text}`", "say it in plain statements"
-        )
+        what, cure = f"the {node.language} statement `{node.text}`", "say it in plain statements"
+        if node.reason is not None:
+            what, cure = f"{what}: {node.reason.why}", node.reason.cure
+        raise Unsayable(what, cure)
     w.items.append(line)
     w.forget()
 

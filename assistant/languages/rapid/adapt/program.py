@@ -50,9 +50,7 @@ def _sayable(program: Program, findings: Findings) -> Program:
     for declaration in program.declarations:
         if declaration.language != verbatim.LANGUAGE:
             with findings.at(declaration.span):
-                findings.append(
-                    rules.OTHER_LANGUAGE(language=declaration.language, text=declaration.text[:60])
-                )
+                findings.append(rules.OTHER_LANGUAGE(**verbatim.foreign(declaration)))
     motions = Motions(program, findings)
     targets = {n: sayable_target(t, n, findings) for n, t in program.targets.items()}
     joints = {n: sayable_joints(t, n, findings) for n, t in program.joint_targets.items()}

@@ -170,7 +170,7 @@ def _message(a: StatementAdapter, x: p.Message) -> Changed:
 
 def _opaque(a: StatementAdapter, x: p.Opaque) -> Changed:
     if x.language != verbatim.LANGUAGE:
-        a.findings.append(rules.OTHER_LANGUAGE(language=x.language, text=x.text[:60]))
+        a.findings.append(rules.OTHER_LANGUAGE(**verbatim.foreign(x)))
         return [x]
     return list(statements_of(x.text, a.program))
 

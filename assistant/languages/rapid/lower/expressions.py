@@ -138,7 +138,7 @@ class Expressions:
 
     def _verbatim(self, language: str, given: str) -> tuple[s.Expression, int]:
         if language != verbatim.LANGUAGE:
-            raise refuse(rules.OTHER_LANGUAGE, language=language, text=given)
+            raise refuse(rules.OTHER_LANGUAGE, **verbatim.foreign(e.Verbatim(language, given)))
         node = verbatim.expression(given)
         return node, OR if isinstance(node, s.Prefix | s.Infix) else PRIMARY
 

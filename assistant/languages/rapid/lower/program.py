@@ -46,11 +46,7 @@ def _declared(program: Program) -> list[s.Item]:
     found: list[s.Item] = []
     for declaration in program.declarations:
         if declaration.language != verbatim.LANGUAGE:
-            raise refuse(
-                rules.OTHER_LANGUAGE,
-                language=declaration.language,
-                text=declaration.text[:60],
-            )
+            raise refuse(rules.OTHER_LANGUAGE, **verbatim.foreign(declaration))
         found += verbatim.items(declaration.text)
     return found
 

@@ -223,7 +223,7 @@ def _message(b: Body, x: p.Message) -> Lowered:
 
 def _opaque(_: Body, x: p.Opaque) -> Lowered:
     if x.language != verbatim.LANGUAGE:
-        raise refuse(rules.OTHER_LANGUAGE, language=x.language, text=x.text[:60])
+        raise refuse(rules.OTHER_LANGUAGE, **verbatim.foreign(x))
     yield from verbatim.statements(x.text)
 
 
