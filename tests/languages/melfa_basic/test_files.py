@@ -23,7 +23,7 @@ from tests.languages.melfa_basic.statements import word_node
 LEVELS = (4, 5, 6)
 PATIENT = settings(
     deadline=None,
-    max_examples=200,
+    max_examples=100,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
 )
 THOROUGH = settings(PATIENT, max_examples=10_000)
@@ -107,6 +107,14 @@ def test_position_lists_come_back(tree: s.File, seed: int) -> None:
     holds(tree, seed)
 
 
+@pytest.mark.slow
+@settings(PATIENT, max_examples=2_000)
+@given(LISTS, SEEDS)
+def test_thousands_of_position_lists_come_back(tree: s.File, seed: int) -> None:
+    holds(tree, seed)
+
+
+@pytest.mark.slow
 def test_every_kind_of_node_is_made() -> None:
     kinds: set[type] = set()
 
