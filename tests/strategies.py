@@ -23,6 +23,7 @@ from assistant.program.expressions import (
     Apply,
     Binary,
     BinaryOperator,
+    Elapsed,
     Expression,
     Index,
     JointValue,
@@ -82,6 +83,7 @@ from assistant.program.statements import (
     SetAcceleration,
     SetOverride,
     SetSignal,
+    StartTimer,
     Statement,
     Stop,
     Switch,
@@ -91,6 +93,8 @@ from assistant.program.statements import (
     While,
 )
 
+APPLIED = [name for name in FUNCTIONS if name != "elapsed"]
+"""Functions that `Apply` calls; a timer is read by `Elapsed`."""
 LANGUAGES = ("rapid", "melfa-basic-4", "melfa-basic-5", "melfa-basic-6")
 ROBOTS = ("irb1200-7-0.7", "rv-2aj", "an unknown arm")
 TRICKY_NAMES = (
@@ -251,6 +255,7 @@ def expressions(most: int = 8) -> st.SearchStrategy[Expression]:
     leaves: st.SearchStrategy[Expression] = st.one_of(
         numbers.map(Number),
         names().map(Name),
+        names().map(Elapsed),
         st.booleans().map(Truth),
         texts().map(Text),
         targets().map(TargetValue),
@@ -269,7 +274,7 @@ def _composed(part: st.SearchStrategy[Expression]) -> st.SearchStrategy[Expressi
         st.builds(Index, part, several),
         st.builds(Unary, st.sampled_from(["-", "not"]), part),
         st.builds(Binary, st.sampled_from(get_args(BinaryOperator)), part, part),
-        st.builds(Apply, st.sampled_from(list(FUNCTIONS)) | names(), several),
+        st.builds(Apply, st.sampled_from(APPLIED) | names(), several),
     )
 
 
@@ -347,6 +352,7 @@ def _simple() -> st.SearchStrategy[Statement]:
         st.builds(Wait, value),
         st.builds(WaitSignal, names(), value, maybe),
         st.builds(WaitUntil, value, maybe),
+        st.builds(StartTimer, names()),
         st.builds(SetSignal, names(), value, maybe),
         st.builds(Gripper, st.sampled_from(["open", "close"]), st.integers(1, 8)),
         st.builds(SetAcceleration, value, value),

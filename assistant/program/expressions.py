@@ -42,6 +42,7 @@ FUNCTIONS: Final[dict[str, str]] = {
     "inverse": "inverse of a pose",
     "here": "present target of the tool in the frame",
     "joints_here": "present joint target",
+    "elapsed": "seconds since a timer was started",
 }
 """The functions of the pseudo-program; a call of another name is a call of the user's own."""
 
@@ -128,6 +129,13 @@ class Apply:
 
 
 @dataclass(frozen=True, slots=True)
+class Elapsed:
+    """Seconds since the timer of that name was started; undefined before."""
+
+    timer: str
+
+
+@dataclass(frozen=True, slots=True)
 class Verbatim:
     """An expression that only one vendor language can say, as its text."""
 
@@ -149,5 +157,6 @@ Expression = (
     | Unary
     | Binary
     | Apply
+    | Elapsed
     | Verbatim
 )

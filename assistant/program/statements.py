@@ -85,6 +85,13 @@ class WaitUntil(Spanned):
 
 
 @dataclass(frozen=True, slots=True)
+class StartTimer(Spanned):
+    """Sets a timer to zero and lets it run; `Elapsed` reads it. Timers are not declared."""
+
+    timer: str
+
+
+@dataclass(frozen=True, slots=True)
 class SetSignal(Spanned):
     """Sets an output; its declaration says whether it is digital, analog or a group.
 
@@ -253,6 +260,7 @@ Statement = (
     | Wait
     | WaitSignal
     | WaitUntil
+    | StartTimer
     | SetSignal
     | Gripper
     | SetAcceleration

@@ -31,9 +31,10 @@ AS_IS: Final = ("robot",)
 """Items that are no names of the program."""
 
 NAME_KINDS: Final = (
-    "target", "joints", "tool", "frame", "loop", "procedure", "label", "unit", "first",
+    "target", "joints", "tool", "frame", "loop", "procedure", "label", "unit", "first", "timer",
 )  # fmt: skip
-"""Kinds of `SHORT = original` entries. `first` is the procedure that a unit begins with."""
+"""Kinds of `SHORT = original` entries. `first` is the procedure that a unit begins with,
+the SHORT of a `timer` its number."""
 
 
 @dataclass(slots=True)

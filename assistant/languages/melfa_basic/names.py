@@ -14,6 +14,8 @@ from typing import Final
 
 from assistant.languages.melfa_basic.dialects import PROGRAM_NAME, Dialect
 from assistant.languages.melfa_basic.tables import RESERVED
+from assistant.languages.melfa_basic.vocabulary.timers import MOST_TIMERS
+from assistant.program import expressions as e
 from assistant.program.program import (
     Parameter,
     Procedure,
@@ -22,7 +24,9 @@ from assistant.program.program import (
     Variable,
     walk,
 )
-from assistant.program.statements import For, Label
+from assistant.program.rewriting import head, records
+from assistant.program.statements import For, Label, Opaque
+from assistant.program.timers import timers
 
 ARC_START: Final = "PSTART"
 """Holds the present position for an arc whose start is no known position."""
@@ -45,6 +49,7 @@ class Names:
 
     products: a target is multiplied by its frame; else `Base` is set to the frame.
 
+    timers: their numbers by lower-case name. wait_timer: of those that time limits make.
     position: the first number that `P<number>` and `J<number>` may have.
     """
 
@@ -59,6 +64,8 @@ class Names:
     units: dict[str | None, str] = field(default_factory=dict)
     original_labels: dict[str, str] = field(default_factory=dict)
     original_loops: dict[str, str] = field(default_factory=dict)
+    timers: dict[str, int] = field(default_factory=dict)
+    wait_timer: int = 1
     position: int = 1
     products: bool = False
 
@@ -102,9 +109,35 @@ def naming(program: Program, dialect: Dialect, products: bool = False) -> Names:
     for entry in program.procedures:
         if entry.unit is not None and entry.unit not in names.units:
             names.units[entry.unit] = program_name(entry.unit, files)
+    _number_timers(names, program)
     numbers = (re.fullmatch(r"[PJ]([0-9]{1,8})", name) for name in taken)
     names.position = 1 + max((int(n.group(1)) for n in numbers if n), default=0)
     return names
+
+
+_TIMER: Final = re.compile(r"M_TIMER\s*\(\s*([0-9]+)", re.IGNORECASE)
+_NUMBERED: Final = re.compile(r"timer_([0-9])")
+
+
+def _number_timers(names: Names, program: Program) -> None:
+    """Numbers that no verbatim text has; a timer whose name says its number keeps it."""
+    texts = [d.text for d in program.declarations]
+    for statement in program.statements():
+        parts = records(head(statement))
+        texts += [part.text for part in parts if isinstance(part, e.Verbatim | Opaque)]
+    numbers = range(1, MOST_TIMERS + 1)
+    taken = {int(n) for text in texts for n in _TIMER.findall(text)}
+    wanted = [name.lower() for name in timers(program)]
+    for name in wanted:
+        match = _NUMBERED.fullmatch(name)
+        if match and int(match[1]) in numbers:
+            names.timers[name] = int(match[1])
+    taken |= set(names.timers.values())
+    free = [n for n in (*numbers[1:], 1) if n not in taken]
+    left = [name for name in wanted if name not in names.timers]
+    names.timers.update(zip(left, free, strict=False))
+    taken |= set(names.timers.values())
+    names.wait_timer = next((n for n in numbers if n not in taken), 0)
 
 
 def _owners(program: Program) -> Iterable[tuple[Procedure | None, str]]:

@@ -16,10 +16,21 @@ from assistant.languages.rapid.tables import LONGEST_NAME, PREDEFINED, RESERVED
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.program import Procedure, Program, identifier, walk
 from assistant.program.statements import Follow, For, Label
+from assistant.program.timers import timers
 
 _ROW: Final = re.compile(r"(.+)_([1-9][0-9]*)")
 
-KINDS: Final = ("signals", "procedures", "tools", "frames", "speeds", "blends", "values", "modules")
+KINDS: Final = (
+    "signals",
+    "procedures",
+    "tools",
+    "frames",
+    "speeds",
+    "blends",
+    "values",
+    "timers",
+    "modules",
+)
 
 HIDDEN: Final = ("values", "signals")
 """Kinds whose names a loop's variable may have: it hides them in the loop."""
@@ -163,6 +174,7 @@ def _named(program: Program) -> Naming:
         ("speeds", program.speeds),
         ("blends", program.blends),
         ("values", [*program.targets, *program.joint_targets, *program.variables]),
+        ("timers", timers(program)),
     ):
         for name in table:
             names.declare(kind, name)

@@ -13,6 +13,7 @@ from assistant.program.expressions import (
     Apply,
     Binary,
     BinaryOperator,
+    Elapsed,
     Expression,
     Index,
     JointValue,
@@ -129,6 +130,8 @@ def _text_and_priority(expression: Expression) -> tuple[str, int]:
             return _binary_text(operator, left, right)
         case Apply(function, arguments):
             return f"{name_text(function)}({_list(arguments)})", ATOM
+        case Elapsed(timer):
+            return f"elapsed({name_text(timer)})", ATOM
         case Verbatim(language, text):
             return f"verbatim {word_text(language)} {quoted(text)}", ATOM
     assert_never(expression)
@@ -208,6 +211,14 @@ def _read_binary(tree: Node) -> Expression:
     )
 
 
+def _read_apply(tree: Node) -> Expression:
+    function, given = read_name(_child(tree)), read_arguments(_child(tree, 1))
+    match function, given:
+        case "elapsed", (Name(timer),):
+            return Elapsed(timer)
+    return Apply(function, given)
+
+
 def _child(tree: Node, index: int = 0) -> Any:
     return tree.children[index]
 
@@ -226,6 +237,6 @@ _READERS: Final[dict[str, Callable[[Node], Expression]]] = {
     "index": lambda tree: Index(read_expression(_child(tree)), read_arguments(_child(tree, 1))),
     "unary": _read_unary,
     "binary": _read_binary,
-    "apply": lambda tree: Apply(read_name(_child(tree)), read_arguments(_child(tree, 1))),
+    "apply": _read_apply,
     "verbatim": lambda tree: Verbatim(read_word(_child(tree)), unquoted(_child(tree, 1))),
 }

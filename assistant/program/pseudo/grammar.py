@@ -38,7 +38,7 @@ FIRST_WORDS: Final[dict[str, tuple[str, ...]]] = {
     "statement": (
         *("move", "follow", "wait", "set", "open", "close", "acceleration", "override", "call"),
         *("if", "elseif", "else", "while", "for", "switch", "case", "end", "stop", "exit"),
-        *("return", "label", "goto", "message"),
+        *("return", "label", "goto", "message", "restart"),
         *_BOTH,
     ),
     "row": ("joint", "linear", "via", "to"),

@@ -43,6 +43,7 @@ from assistant.program.statements import (
     SetAcceleration,
     SetOverride,
     SetSignal,
+    StartTimer,
     Statement,
     Stop,
     Wait,
@@ -114,6 +115,7 @@ _PRINTERS: Final[dict[type, Callable[[Any], str]]] = {
     SetAcceleration: _acceleration,
     SetOverride: lambda s: f"override {expression_text(s.percent)} %",
     Call: _call,
+    StartTimer: lambda s: f"restart timer {name_text(s.timer)}",
     Assign: lambda s: f"{assignable_text(s.target)} = {_value(s.value)}",
     Stop: lambda s: "exit" if s.end else "stop",
     Return: lambda s: "return" if s.value is None else f"return {expression_text(s.value)}",
@@ -192,6 +194,7 @@ _READERS: Final[dict[str, Callable[..., Statement]]] = {
     "wait_until": lambda condition, timeout, span: WaitUntil(
         read_expression(condition), _read_timeout(timeout), span=span
     ),
+    "start_timer": lambda timer, span: StartTimer(read_name(timer), span=span),
     "set_signal": lambda signal, value, pulse, span: SetSignal(
         read_name(signal), read_expression(value), _or_none(pulse), span=span
     ),

@@ -19,6 +19,7 @@ from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
 from assistant.program.motion import MAXIMUM_SPEED, Blend, Speed
 from assistant.program.path import configuration_of, configuration_row
 from assistant.program.program import Procedure, Program, walk
+from assistant.program.timers import timers
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
@@ -50,6 +51,7 @@ class Context:
         tables = (program.signals, program.joint_targets, program.targets, program.variables)
         self._spelled = {name.lower(): name for table in tables for name in table}
         self._procedures = {q.name.lower(): q.name for q in program.procedures}
+        self._timers = {name.lower(): name for name in timers(program)}
         self._signals = {name.lower() for name in program.signals}
 
     def enter(self, procedure: Procedure) -> None:
@@ -73,6 +75,9 @@ class Context:
         """The name as its declaration spells it."""
         key = name.lower()
         return self._own.get(key) or self._spelled.get(key, name)
+
+    def timer(self, name: str) -> str:
+        return self._timers.get(name.lower(), name)
 
     def spelled_procedure(self, name: str) -> str:
         return self._procedures.get(name.lower(), name)

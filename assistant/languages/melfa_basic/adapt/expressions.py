@@ -9,6 +9,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.functions import RELATIONS
+from assistant.languages.melfa_basic.vocabulary.timers import MILLISECONDS
 from assistant.program import expressions as e
 from assistant.program.geometry import BASE
 from assistant.program.rewriting import map_expressions
@@ -35,6 +37,12 @@ def plain_expression(context: Context, value: e.Expression, deep: bool = True) -
             return e.Number(-number)
         case e.Unary("not", operand):
             return opposite(operand)
+        case e.Elapsed(timer):
+            return e.Elapsed(context.timer(timer))
+        case e.Binary(operator, e.Binary("*", e.Elapsed() as seconds, e.Number(1000)), e.Number(n)):
+            return e.Binary(operator, seconds, _seconds(n)) if operator in RELATIONS else value
+        case e.Binary(operator, e.Number(n), e.Binary("*", e.Elapsed() as seconds, e.Number(1000))):
+            return e.Binary(operator, _seconds(n), seconds) if operator in RELATIONS else value
         case e.Apply(function, arguments) if function.lower() in e.FUNCTIONS:
             return _function(context, function.lower(), arguments)
         case e.Text(text):
@@ -50,6 +58,11 @@ def plain_expression(context: Context, value: e.Expression, deep: bool = True) -
         case e.JointValue(target):
             return e.JointValue(context.joints("a joint target", target))
     return value
+
+
+def _seconds(milliseconds: float) -> e.Number:
+    seconds = milliseconds / MILLISECONDS
+    return e.Number(int(seconds) if seconds.is_integer() else seconds)
 
 
 def _function(context: Context, name: str, arguments: tuple[e.Expression, ...]) -> e.Expression:

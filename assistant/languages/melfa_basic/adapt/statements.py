@@ -92,6 +92,9 @@ class _Plain:
 
     # ------------------------------------------------------------------------- signals
 
+    def start_timer(self, node: p.StartTimer) -> Iterator[p.Statement]:
+        yield replace(node, timer=self.context.timer(node.timer))
+
     def set_signal(self, node: p.SetSignal) -> Iterator[p.Statement]:
         yield replace(node, signal=self.context.spelled(node.signal))
 
@@ -199,6 +202,7 @@ CHANGES: Final[dict[type, Callable[[_Plain, Any], Iterable[p.Statement]]]] = {
     p.MoveCircular: _Plain.move,
     p.MoveJoints: _Plain.move,
     p.Follow: _Plain.follow,
+    p.StartTimer: _Plain.start_timer,
     p.SetSignal: _Plain.set_signal,
     p.WaitSignal: _Plain.wait_signal,
     p.WaitUntil: _Plain.wait_until,

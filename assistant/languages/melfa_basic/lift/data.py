@@ -15,6 +15,7 @@ from assistant.languages.melfa_basic.lift.paths import Runs
 from assistant.languages.melfa_basic.lift.positions import joints_of, target_of
 from assistant.languages.melfa_basic.lift.reasons import DELAYED
 from assistant.languages.melfa_basic.lift.scopes import TYPES
+from assistant.languages.melfa_basic.vocabulary.timers import timer_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
 
@@ -28,6 +29,8 @@ def assign(node: s.Assign, lift: Expressions, runs: Runs) -> list[p.Statement]:
         name = lift.m.io_signal(target, "output")
         pulse = None if node.delay is None else lift.of(node.delay)
         return [p.SetSignal(name, lift.of(node.value), pulse)]
+    if lift.m.timers.get(timer_of(target) or 0) and node.value == s.Number(0) and not node.delay:
+        return [p.StartTimer(lift.m.timers[timer_of(target) or 0])]
     if node.delay is not None:
         raise Unliftable(DELAYED)
     runs.previous = None

@@ -81,6 +81,8 @@ class Meanings:
         self.by_address = {
             (s_.kind, s_.direction, s_.bits, s_.number): n for n, s_ in self.signals.items()
         }
+        self.timers: dict[int, str] = {}
+        """Names of the timers that are read as such, by number."""
         self.spelling: dict[str, str] = {}
         self.io: dict[str, tuple[int, int]] = {}
         self.renamed: dict[str, str] = {}

@@ -31,6 +31,7 @@ from assistant.languages.melfa_basic.lift.settings import (
 )
 from assistant.languages.melfa_basic.lift.statements import Reader
 from assistant.languages.melfa_basic.lift.steps import with_labels
+from assistant.languages.melfa_basic.lift.timers import timers
 from assistant.languages.melfa_basic.lift.waits import comment_text
 from assistant.languages.melfa_basic.lift.walk import nodes
 from assistant.program.program import (
@@ -172,6 +173,7 @@ class Unit:
         structure = blocks.structure(code)
         parts = regions.regions(code, structure, self.header.names["procedure"], self.own)
         meanings = self._meanings(program, code, parts)
+        meanings.timers = timers(code, self.header, self.own)
         expressions = Expressions(meanings)
         local = own.values(expressions) if own else {}
         if own and own.moved:  # lines of first values were taken out

@@ -10,13 +10,13 @@ from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.lift.blocks import Code
 from assistant.languages.melfa_basic.lift.expressions import Expressions
 from assistant.languages.melfa_basic.lift.meanings import SIGNALS, Unliftable
+from assistant.languages.melfa_basic.vocabulary.timers import timer_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Span
 
 T = TypeVar("T", bound=p.Spanned)
 
-TIMER: Final = s.Variable("M_TIMER", "", (s.Number(1),))
 TIMED_OUT: Final = 9100
 """The error of a wait that took too long."""
 
@@ -49,7 +49,7 @@ def waited(code: Code, at: int, high: int, lift: Expressions) -> tuple[p.Stateme
 
 
 def _may_wait(line: s.Line) -> bool:
-    timer = isinstance(line.statement, s.Assign) and line.statement.target.key == TIMER.key
+    timer = isinstance(line.statement, s.Assign) and timer_of(line.statement.target) is not None
     return timer or (line.label is not None and _made(line.label))
 
 
@@ -92,18 +92,11 @@ def _timed(lines: Sequence[object], lift: Expressions) -> p.Statement | None:
             and again == name
             and out == last == name + "Z"
             and number == TIMED_OUT
-            and _is_timer(timer)
-            and _is_timer(clock)
+            and timer_of(timer)
+            and timer_of(timer) == timer_of(clock)
         ):
             return awaited(condition, lift, _seconds(most, lift))
     return None
-
-
-def _is_timer(node: object) -> bool:
-    return isinstance(node, s.Variable) and (node.key, node.arguments) == (
-        TIMER.key,
-        TIMER.arguments,
-    )
 
 
 def _seconds(milliseconds: s.Expression, lift: Expressions) -> e.Expression:

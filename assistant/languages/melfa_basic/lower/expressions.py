@@ -19,10 +19,17 @@ from assistant.languages.melfa_basic.functions import (
     OF_ANGLE,
     OPERATORS,
     PLAIN,
+    RELATIONS,
     TEXTS,
     TO_ANGLE,
 )
 from assistant.languages.melfa_basic.names import Names
+from assistant.languages.melfa_basic.vocabulary.timers import (
+    MILLISECONDS,
+    MOST_TIMERS,
+    WORD,
+    timer,
+)
 from assistant.program import expressions as e
 from assistant.program.geometry import JointTarget, Target
 from assistant.program.path import configuration_row
@@ -119,6 +126,18 @@ class Expressions:
                 return s.Unary("-", self.of(operand))
             case e.Unary(operand=operand):  # any value that is not zero counts as true
                 return s.Binary("=", self.of(operand), s.Number(0))
+            case e.Elapsed(timer=timer):
+                return s.Binary("/", self.timer(timer), s.Number(MILLISECONDS))
+            case e.Binary("*", e.Elapsed(timer), e.Number(1000)):
+                return self.timer(timer)
+            case e.Binary(operator, e.Elapsed(timer), e.Number(seconds)) if (
+                operator in RELATIONS and (limit := _milliseconds(seconds)) is not None
+            ):
+                return s.Binary(operator, self.timer(timer), s.Number(limit))
+            case e.Binary(operator, e.Number(seconds), e.Elapsed(timer)) if (
+                operator in RELATIONS and (limit := _milliseconds(seconds)) is not None
+            ):
+                return s.Binary(operator, s.Number(limit), self.timer(timer))
             case e.Binary(operator=operator, left=left, right=right):
                 return s.Binary(OPERATORS.get(operator, operator), self.of(left), self.of(right))
             case e.Apply(function=function, arguments=arguments):
@@ -128,6 +147,13 @@ class Expressions:
         raise Unsayable(
             f"an expression of kind {type(value).__name__}", "write it with single values"
         )
+
+    def timer(self, name: str) -> s.Variable:
+        """Its milliseconds."""
+        number = self.names.timers.get(name.lower())
+        if number is None:
+            raise Unsayable(f"more than {MOST_TIMERS} timers", "use fewer of them")
+        return timer(self.word(WORD), number)
 
     def text(self, text: str) -> s.String:
         if '"' in text or not text.isprintable() or len(text) > MOST_TEXT:
@@ -302,6 +328,14 @@ def numeric(value: float) -> s.Expression:
     if value < 0 or math.copysign(1.0, value) < 0:
         return s.Unary("-", s.Number(abs(number.value))) if value else s.Number(0)
     return number
+
+
+def _milliseconds(seconds: float) -> float | int | None:
+    """Those of a number of seconds, if dividing them gives the same number back."""
+    value = round(seconds * MILLISECONDS, 6)
+    if not 0 <= value < 1e12 or value / MILLISECONDS != seconds:
+        return None
+    return int(value) if float(value).is_integer() else value
 
 
 def plain_number(value: e.Expression) -> float | None:

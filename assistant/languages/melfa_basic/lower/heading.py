@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from assistant.languages.melfa_basic import header as headers
 from assistant.languages.melfa_basic import syntax as s
 from assistant.program.program import Parameter, Variable
+from assistant.program.timers import timers
 
 if TYPE_CHECKING:
     from assistant.languages.melfa_basic.lower.program import Unit
@@ -29,6 +30,9 @@ def heading(unit: Unit) -> list[s.Item]:
         head.names["first"] = {names.units[unit.unit]: first.name}
     for procedure in others:
         head.names["procedure"][names.procedures[procedure.name.lower()]] = procedure.name
+    head.names["timer"] = {
+        str(names.timers[t.lower()]): t for t in timers(program) if t.lower() in names.timers
+    }
     _name_labels(unit, head)
     for kind, table, given in named(unit):
         head.names[kind] = {table[n.lower()]: n for n in given}

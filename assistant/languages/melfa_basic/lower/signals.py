@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Final
 
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.lower.expressions import Unsayable, numeric, plain_number
+from assistant.languages.melfa_basic.vocabulary import timers
+from assistant.languages.melfa_basic.vocabulary.timers import MOST_TIMERS
 from assistant.program import expressions as e
 from assistant.program import statements as p
 
 if TYPE_CHECKING:
     from assistant.languages.melfa_basic.lower.writer import Writer
 
-TIMER: Final = 1
-"""The timer that time limits are measured with."""
 TIMED_OUT: Final = 9100
 """The error that a wait ends with when its time is over: the program stops, as RAPID's does."""
 HANDS: Final = 8
@@ -47,7 +47,9 @@ def wait_until(w: Writer, node: p.WaitUntil) -> None:
 
 def _limited(w: Writer, condition: s.Expression, timeout: e.Expression) -> None:
     """A wait that ends with an error when its time is over."""
-    timer = s.Variable(w.expressions.word("M_Timer"), "", (s.Number(TIMER),))
+    if not w.names.wait_timer:
+        raise Unsayable(f"a time limit beside {MOST_TIMERS} timers", "use fewer timers")
+    timer = timers.timer(w.expressions.word(timers.WORD), w.names.wait_timer)
     limit = _milliseconds(w, timeout)
     label = w.made_label("W")
     w.add(s.Assign(timer, s.Number(0)))
@@ -63,8 +65,12 @@ def _milliseconds(w: Writer, seconds: e.Expression) -> s.Expression:
     if number is not None and number < 0:
         raise Unsayable(f"a time limit of {number:g} seconds", "give a positive one")
     if number is not None:
-        return numeric(round(number * 1000, 6))
-    return s.Binary("*", w.expressions.of(seconds), s.Number(1000))
+        return numeric(round(number * timers.MILLISECONDS, 6))
+    return s.Binary("*", w.expressions.of(seconds), s.Number(timers.MILLISECONDS))
+
+
+def start_timer(w: Writer, node: p.StartTimer) -> None:
+    w.add(s.Assign(w.expressions.timer(node.timer), s.Number(0)))
 
 
 def set_signal(w: Writer, node: p.SetSignal) -> None:

@@ -51,6 +51,7 @@ STATEMENTS: Final[dict[type, Callable[[Writer, Any], None]]] = {
     p.Wait: signals.wait,
     p.WaitSignal: signals.wait_signal,
     p.WaitUntil: signals.wait_until,
+    p.StartTimer: signals.start_timer,
     p.SetSignal: signals.set_signal,
     p.Gripper: signals.gripper,
     p.SetAcceleration: signals.acceleration,

@@ -25,6 +25,7 @@ class Meaning:
 
     original: gives a shortened name back. speeds, blends: the declared ones by lower-case name.
     numbers: values of constants whose names mean nothing else anywhere, by lower-case name.
+    timers: lower-case names of the clocks that are timers.
     used: signals as instructions use them, filled as statements are lifted.
     """
 
@@ -32,6 +33,7 @@ class Meaning:
     speeds: Mapping[str, Speed] = field(default_factory=dict)
     blends: Mapping[str, Blend] = field(default_factory=dict)
     numbers: Mapping[str, e.Number] = field(default_factory=dict)
+    timers: frozenset[str] = frozenset()
     used: list[tuple[str, Signal]] = field(default_factory=list)
 
     def expression(self, node: s.Expression) -> e.Expression:

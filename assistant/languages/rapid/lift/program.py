@@ -19,6 +19,7 @@ from assistant.languages.rapid.messages import with_values
 from assistant.languages.rapid.sequences import with_paths
 from assistant.languages.rapid.signals import uses, with_used
 from assistant.languages.rapid.tables import VALUE_OF_TYPE
+from assistant.languages.rapid.timers import clocks, with_timers
 from assistant.languages.rapid.walk import nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -45,7 +46,10 @@ class _Lift:
         self.own = {r.name.lower() for r in routines}
         self.data = DataLift(modules, self.original)
         self.paths = PathLift(modules, self.data, self.original)
-        self.meaning = Meaning(self.original, self.data.speeds, self.data.blends, self._constants())
+        self.clocks = clocks(modules)
+        self.meaning = Meaning(
+            self.original, self.data.speeds, self.data.blends, self._constants(), self.clocks
+        )
         self.statements = StatementLift(self.meaning, self.paths, self.own)
         self.procedures: list[Procedure] = []
         self.declarations: list[Declaration] = []
@@ -100,6 +104,7 @@ class _Lift:
         )
         declared = {self.original(n): v for h in self.headers for n, v in h.signals.items()}
         used = chain(self.meaning.used, uses(program.statements()))
+        program = with_timers(program, self.clocks, self.original)
         program = apart(replace(program, signals=with_used(declared, used)))
         return with_paths(with_values(program), self.original)
 
@@ -121,7 +126,7 @@ class _Lift:
                         self.declarations.append(lifted)
                 case s.TargetRunNode():
                     pass
-                case s.Data() if self.data.holds(item):
+                case s.Data() if self.data.holds(item) or item.name.lower() in self.clocks:
                     pass
                 case _:
                     self.declarations.append(_declaration(item))

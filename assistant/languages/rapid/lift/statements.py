@@ -15,6 +15,8 @@ from assistant.languages.rapid.lift.paths import PathLift
 from assistant.languages.rapid.loops import ascends
 from assistant.languages.rapid.standard import INSTRUCTIONS, OF_OPTIONS
 from assistant.languages.rapid.tables import LOADED_FROM
+from assistant.languages.rapid.timers import restarted
+from assistant.languages.rapid.walk import nodes as tree_nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Refused, over
@@ -55,6 +57,11 @@ class StatementLift:
             if loaded is not None:
                 yield loaded
                 at += 3
+                continue
+            timer = self._timer(nodes[at : at + 2])
+            if timer is not None:
+                yield timer
+                at += 2
                 continue
             yield from self._statement(nodes[at])
             at += 1
@@ -115,6 +122,14 @@ class StatementLift:
         plain = plain_arguments(node)
         return None if plain is None else tuple(map(self._expression, plain))
 
+    def _timer(self, nodes: Sequence[s.StatementNode]) -> p.StartTimer | None:
+        """`ClkReset c; ClkStart c;` as one, if the clock is nothing but restarted and read."""
+        name = restarted(*nodes) if len(nodes) == 2 else None
+        if name is None or name not in self._meaning.timers:
+            return None
+        span = over(nodes[0].span, nodes[1].span)
+        return p.StartTimer(self._original(_clock(nodes[0])), span=span)
+
     def _loaded_call(self, nodes: Sequence[s.StatementNode]) -> p.Call | None:
         r"""`Load \Dynamic, "HOME:/u.mod"; %"name"% …; UnLoad "HOME:/u.mod";` as one call."""
         match nodes:
@@ -138,6 +153,11 @@ class StatementLift:
                 unit = self._original(module)
                 return p.Call(self._original(name), given, unit, span=over(first.span, last.span))
         return None
+
+
+def _clock(node: s.StatementNode) -> str:
+    """The clock of `ClkReset`, as it is spelled."""
+    return next(part.name for part in tree_nodes(node) if isinstance(part, s.NameRef))
 
 
 def opaque(node: s.StatementNode) -> p.Opaque:

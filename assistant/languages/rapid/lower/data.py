@@ -25,9 +25,11 @@ from assistant.languages.rapid.tables import (
     TYPE_OF_VALUE,
     ZONES,
 )
+from assistant.languages.rapid.timers import TYPE as CLOCK
 from assistant.program.geometry import BASE, FLANGE, Frame, Load, Tool
 from assistant.program.motion import Blend, Speed
 from assistant.program.program import Program, Variable
+from assistant.program.timers import timers
 
 SIZES_PLACES: Final = 6
 """Decimals of masses, inertias, speeds and zone sizes."""
@@ -63,6 +65,8 @@ def data(program: Program, names: Naming) -> Iterator[s.Data]:
         yield s.Data("", "CONST", "jointtarget", short, (), joints_node(joints))
     for name, variable in program.variables.items():
         yield variable_node(names.get("values", name), variable, expressions)
+    for name in timers(program):
+        yield s.Data("", "VAR", CLOCK, names.get("timers", name))
     for name, target in program.targets.items():
         short = names.get("values", name)
         yield s.Data("", "CONST", "robtarget", short, (), target_node(target))

@@ -91,6 +91,9 @@ class Expressions:
                 return s.Infix(name, self.lower(left, first), self.lower(right, second)), own
             case e.Apply(function, given):
                 return self._apply(function, given), PRIMARY
+            case e.Elapsed(timer):
+                clock = s.NameRef(self._names.get("timers", timer))
+                return s.FunctionCall("ClkRead", (s.Positional(clock),)), PRIMARY
             case e.Verbatim(language, text_):
                 return self._verbatim(language, text_)
 

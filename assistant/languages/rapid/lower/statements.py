@@ -116,6 +116,12 @@ def _wait_until(b: Body, x: p.WaitUntil) -> Lowered:
     yield b.call("WaitUntil", b.lower(x.condition), **b.timeout(x))
 
 
+def _start_timer(b: Body, x: p.StartTimer) -> Lowered:
+    clock = s.NameRef(b.names.get("timers", x.timer))
+    yield b.call("ClkReset", clock)
+    yield b.call("ClkStart", clock)
+
+
 def _set_signal(b: Body, x: p.SetSignal) -> Lowered:
     if x.pulse is not None:
         if x.value != e.Number(1):
@@ -235,6 +241,7 @@ STATEMENTS: Final[dict[type, Callable[[Body, Any], Lowered]]] = {
     p.Wait: _wait,
     p.WaitSignal: _wait_signal,
     p.WaitUntil: _wait_until,
+    p.StartTimer: _start_timer,
     p.SetSignal: _set_signal,
     p.Gripper: _gripper,
     p.SetAcceleration: _acceleration,

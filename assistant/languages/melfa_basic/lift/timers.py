@@ -1,0 +1,68 @@
+"""Timers that the lines of a file set to zero and read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.columnar import MoveRows
+from assistant.languages.melfa_basic.header import Header
+from assistant.languages.melfa_basic.lift.walk import nodes
+from assistant.languages.melfa_basic.vocabulary.timers import MOST_TIMERS, timer_of
+
+
+def timers(code: Sequence[s.Line | MoveRows], header: Header, own: bool) -> dict[int, str]:
+    """Names of the timers, by number, that are set to zero and read in values and conditions.
+
+    Any other use of a timer, such as in an interrupt or another value, keeps all its lines as
+    they are. One that a wait with a time limit has made for itself is no timer of the program.
+    """
+    if own:
+        return {int(k): name for k, name in header.names["timer"].items() if k.isdigit()}
+    started: set[int] = set()
+    other: set[int] = set()
+    for at, item in enumerate(code):
+        if not isinstance(item, s.Line) or item.statement is None:
+            continue
+        numbers = [timer_of(node) for node in nodes(item.statement)]
+        mentioned = [n for n in numbers if n is not None]
+        if not mentioned:
+            continue
+        if 0 in mentioned:  # any timer
+            return {}
+        plain = list(_plain(item.statement))
+        of_wait = at + 1 < len(code) and _is_wait(code[at + 1])
+        started.update(n for n, starts in plain if starts and not of_wait)
+        if of_wait or sorted(mentioned) != sorted(n for n, _ in plain):
+            other.update(mentioned)
+    return {n: f"timer_{n}" for n in sorted(started - other) if n <= MOST_TIMERS}
+
+
+def _is_wait(line: s.Line | MoveRows) -> bool:
+    label = line.label if isinstance(line, s.Line) else None
+    return label is not None and label[:1] == "W" and label[1:].isdigit()
+
+
+def _plain(statement: Any) -> Iterator[tuple[int, bool]]:
+    """Timers of a statement where the pseudo-program has them, and whether it starts them."""
+    match statement:
+        case s.Assign(target=target, value=value, delay=None) if n := timer_of(target):
+            if value == s.Number(0):
+                yield n, True
+        case s.Assign(value=value):
+            yield from _read(value)
+        case s.If(condition=condition, then=then, otherwise=otherwise):
+            yield from _read(condition)
+            yield from _plain(then)
+            yield from _plain(otherwise)
+        case s.ElseIf(condition=value):
+            yield from _read(value)
+        case s.Command(keyword="While" | "Wait" | "Dly", arguments=(value,)):
+            yield from _read(value)
+
+
+def _read(value: Any) -> Iterator[tuple[int, bool]]:
+    for node in nodes(value):
+        if number := timer_of(node):
+            yield number, False
