@@ -37,8 +37,8 @@ def clocks(modules: Sequence[s.Module]) -> frozenset[str]:
         match node:
             case s.NameRef(name):
                 named[name.lower()] += 1
-            case s.FunctionCall() if (name := read(node)) is not None:
-                meant[name] += 1
+            case s.FunctionCall() if (clock := read(node)) is not None:
+                meant[clock] += 1
             case s.Data(name=str(name)) | s.ParameterNode(name=str(name)):
                 named[name.lower()] += 1
             case s.ForLoop(variable=str(name)):
@@ -47,9 +47,9 @@ def clocks(modules: Sequence[s.Module]) -> frozenset[str]:
     started: set[str] = set()
     for body in chain.from_iterable(map(lists, routines)):
         for pair in pairwise(body):
-            if (name := restarted(*pair)) is not None:
-                meant[name] += 2
-                started.add(name)
+            if (again := restarted(*pair)) is not None:
+                meant[again] += 2
+                started.add(again)
     alone = {name for name, count in declared.items() if count == 1}
     return frozenset(n for n in alone & started if named[n] == meant[n] + 1)
 

@@ -12,8 +12,9 @@ from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.functions import ANALOG, OF_ANGLE, PLAIN, TO_ANGLE
 from assistant.languages.melfa_basic.lift.meanings import SIGNALS, Meanings, Unliftable
 from assistant.languages.melfa_basic.lift.positions import target_of
+from assistant.languages.melfa_basic.lift.timers import elapsed, timed
 from assistant.languages.melfa_basic.vocabulary import function, status
-from assistant.languages.melfa_basic.vocabulary.timers import MILLISECONDS, timer_of
+from assistant.languages.melfa_basic.vocabulary.timers import MILLISECONDS
 from assistant.program import expressions as e
 from assistant.program import rotations
 from assistant.program.geometry import BASE, FLANGE
@@ -102,9 +103,9 @@ class Expressions:
         group = self.group(operator, left, right)
         if group is not None:
             return group
-        timed = self.timed(operator, left, right)
-        if timed is not None:
-            return timed
+        of_timer = timed(operator, left, right, self.m.timers)
+        if of_timer is not None:
+            return of_timer
         kinds = self.type_of(left), self.type_of(right)
         if "position" in kinds or isinstance(right, s.Constant):
             return self.placed(operator, left, right)
@@ -113,25 +114,6 @@ class Expressions:
         if operator in LOGICAL and not self.m.own:  # of bits; that of truths is no number
             raise Unliftable
         return e.Binary(operator, self.number(left), self.number(right))  # type: ignore[arg-type]
-
-    def timed(
-        self, operator: str, left: s.Expression, right: s.Expression
-    ) -> e.Binary | e.Elapsed | None:
-        """Milliseconds of a timer that are made seconds, or compared with a number."""
-        match self.elapsed(left), self.elapsed(right), left, right:
-            case e.Elapsed() as timer, None, _, s.Number(value):
-                if operator == "/" and value == MILLISECONDS:
-                    return timer
-                if operator in RELATIONS:
-                    return e.Binary(operator, timer, _seconds(value))  # type: ignore[arg-type]
-            case None, e.Elapsed() as timer, s.Number(value), _ if operator in RELATIONS:
-                return e.Binary(operator, _seconds(value), timer)  # type: ignore[arg-type]
-        return None
-
-    def elapsed(self, node: s.Expression) -> e.Elapsed | None:
-        """The timer that a node reads."""
-        name = self.m.timers.get(timer_of(node) or 0)
-        return None if name is None else e.Elapsed(name)
 
     def group(self, operator: str, left: s.Expression, right: s.Expression) -> e.Name | None:
         """`M_In8(5) And &H0F`: a group of fewer bits than the variable has."""
@@ -308,7 +290,7 @@ class Expressions:
                 direction = ("input", "output")[_REGISTERS.index(key)]
                 return e.Name(self.m.signal_at("analog", direction, 1, round(number)))
             return e.Name(self.m.signal(key, round(number)))
-        if (timer := self.elapsed(node)) is not None:
+        if (timer := elapsed(node, self.m.timers)) is not None:
             return e.Binary("*", timer, e.Number(MILLISECONDS))
         if key in ("P_CURR", "J_CURR") and values == [s.Number(1)]:
             return self.here(key)
@@ -413,8 +395,3 @@ class Expressions:
             used.pop()
         name = "relative" if operator == "*" else "offset"
         return e.Apply(name, (self.plain(left), *(e.Number(v) for v in used)))
-
-
-def _seconds(milliseconds: float) -> e.Number:
-    seconds = milliseconds / MILLISECONDS
-    return e.Number(int(seconds) if seconds.is_integer() else seconds)

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MoveRows
+from assistant.languages.melfa_basic.functions import RELATIONS
 from assistant.languages.melfa_basic.header import Header
 from assistant.languages.melfa_basic.lift.walk import nodes
-from assistant.languages.melfa_basic.vocabulary.timers import MOST_TIMERS, timer_of
+from assistant.languages.melfa_basic.vocabulary.timers import MILLISECONDS, MOST_TIMERS, timer_of
+from assistant.program import expressions as e
 
 
 def timers(code: Sequence[s.Line | MoveRows], header: Header, own: bool) -> dict[int, str]:
@@ -66,3 +68,29 @@ def _read(value: Any) -> Iterator[tuple[int, bool]]:
     for node in nodes(value):
         if number := timer_of(node):
             yield number, False
+
+
+def elapsed(node: s.Expression, timers: Mapping[int, str]) -> e.Elapsed | None:
+    """The timer that a node reads."""
+    name = timers.get(timer_of(node) or 0)
+    return None if name is None else e.Elapsed(name)
+
+
+def timed(
+    operator: str, left: s.Expression, right: s.Expression, timers: Mapping[int, str]
+) -> e.Binary | e.Elapsed | None:
+    """Milliseconds of a timer that are made seconds, or compared with a number."""
+    match elapsed(left, timers), elapsed(right, timers), left, right:
+        case e.Elapsed() as timer, None, _, s.Number(value):
+            if operator == "/" and value == MILLISECONDS:
+                return timer
+            if operator in RELATIONS:
+                return e.Binary(operator, timer, seconds_of(value))  # type: ignore[arg-type]
+        case None, e.Elapsed() as timer, s.Number(value), _ if operator in RELATIONS:
+            return e.Binary(operator, seconds_of(value), timer)  # type: ignore[arg-type]
+    return None
+
+
+def seconds_of(milliseconds: float) -> e.Number:
+    seconds = milliseconds / MILLISECONDS
+    return e.Number(int(seconds) if seconds.is_integer() else seconds)
