@@ -6,7 +6,7 @@ declarations that cannot be said become comments at the head.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from typing import Any, Final
 
@@ -15,7 +15,7 @@ from assistant.compiler.places import Places, Trace
 from assistant.languages.language import Language
 from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, Severity, Span
-from assistant.program.program import Procedure, Program
+from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import Body, map_bodies
 
 HEADING: Final = (
@@ -65,12 +65,26 @@ def _unsayable(compiled: Compiled) -> tuple[set[Span], set[str]]:
     names: set[str] = set()
     for finding in compiled.found:
         if finding.severity is Severity.ERROR:
-            span = trace.source(finding)
-            if span is not None:
+            span, name = trace.source(finding), _declared(finding.place or "")
+            if name is not None and (span is None or finding in compiled.proof.findings):
+                names.add(name)
+            elif span is not None:
                 spans.add(span)
-            elif finding.place:
-                names.add(finding.place.lower())
     return spans, names
+
+
+def _declared(place: str) -> str | None:
+    """The name of what is declared at a place in words, with its procedure's before a blank."""
+    match place.lower().split():
+        case ["procedure", owner, "variable" | "variables", name, *_]:
+            return f"{owner} {name}"
+        case ["variable", name]:
+            return name
+        case [table, name, *_] if table in TABLES:
+            return name
+        case [name]:
+            return name
+    return None
 
 
 def _without(
@@ -88,13 +102,13 @@ def _without(
     parts = {part.name.lower(): part for part in places.parts() if part.name}
     for table in TABLES:
         given = getattr(program, table)
-        gone = [name for name in given if name.lower() in names]
+        gone = [n for n, v in given.items() if n.lower() in names or _stands_in(v, spans)]
         if gone:
-            tables[table] = {n: v for n, v in given.items() if n not in gone}
+            tables[table] = _fewer(given, gone)
         for name in gone:
             part = parts.get(name.lower())
             heads += _quoted(part.span if part else None, places, name)
-    procedures = tuple(_procedure(q, spans, places) for q in program.procedures)
+    procedures = tuple(_procedure(q, spans, names, places) for q in program.procedures)
     return replace(
         program,
         procedures=procedures,
@@ -104,10 +118,36 @@ def _without(
     )
 
 
-def _procedure(procedure: Procedure, spans: Collection[Span], places: Places) -> Procedure:
+def _stands_in(declared: Any, spans: Collection[Span]) -> bool:
+    return isinstance(declared, Variable) and declared.span in spans
+
+
+def _fewer(given: Mapping[str, Any], gone: Collection[str]) -> dict[str, Any]:
+    """A table without some of it; of a variable its first value goes before itself does."""
+    kept = {}
+    for name, value in given.items():
+        if name not in gone:
+            kept[name] = value
+        elif isinstance(value, Variable) and value.initial is not None:
+            kept[name] = replace(value, initial=None)
+    return kept
+
+
+def _procedure(
+    procedure: Procedure, spans: Collection[Span], names: Collection[str], places: Places
+) -> Procedure:
     if procedure.span is not None and procedure.span in spans:
         return replace(procedure, body=tuple(_stopped(procedure.span, places)), variables={})
-    return replace(procedure, body=tuple(_body(procedure.body, spans, places)))
+    body, variables = tuple(_body(procedure.body, spans, places)), procedure.variables
+    gone = [
+        name
+        for name, variable in variables.items()
+        if f"{procedure.name} {name}".lower() in names or _stands_in(variable, spans)
+    ]
+    if gone:
+        said = (t for name in gone for t in _quoted(variables[name].span, places, name))
+        body, variables = (*map(p.Comment, said), *body), _fewer(variables, gone)
+    return replace(procedure, body=body, variables=variables)
 
 
 def _body(body: Body, spans: Collection[Span], places: Places) -> Iterator[p.Statement]:

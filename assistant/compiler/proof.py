@@ -90,7 +90,10 @@ def prove(
     precision = language.precision
     tolerance = Tolerance(precision.position, precision.angle, precision.number)
     comparison = compare(expected, actual, tolerance)
-    otherwise = [SAYS_OTHERWISE(message=m.message, place=m.place) for m in comparison.mismatches]
+    otherwise = [
+        SAYS_OTHERWISE(message=m.message, place=m.place, span=None if compared else m.span)
+        for m in comparison.mismatches
+    ]
     return Proof(comparison, (*otherwise, *findings), lifted)
 
 

@@ -220,6 +220,8 @@ def _named(place: str) -> Iterator[str]:
     """What a place in words may name: a target, `path x row 3`, `x_17`."""
     words = place.lower().split()
     yield place.lower()
+    if "variable" in words[:-1]:  # `variable x`, `procedure p variable x`
+        yield words[words.index("variable") + 1]
     if len(words) > 1:
         yield " ".join(words[:2])
     if words:

@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from assistant.program import rotations
+from assistant.program.diagnostics import Span
 from assistant.program.geometry import Pose
 from assistant.program.path import Path
 from assistant.program.program import Procedure, Program
@@ -29,10 +30,15 @@ class Tolerance:
 
 @dataclass(frozen=True, slots=True)
 class Mismatch:
-    """place: where in the program, in words. message: what is there against what should be."""
+    """What differs.
+
+    place: where in the program, in words. message: what is there against what should be.
+    span: of the statement or procedure that it is in, as the expected program has it.
+    """
 
     place: str
     message: str
+    span: Span | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,11 +96,17 @@ class _Walk:
     angle: float = 0.0
     worst: str = ""
     mismatches: list[Mismatch] = field(default_factory=list)
+    span: Span | None = None
 
     def value(self, expected: Any, actual: Any, place: str) -> None:
         """Any part of a program; records, tuples and tables are compared part by part."""
         if len(self.mismatches) >= MOST_MISMATCHES:
             return
+        around, self.span = self.span, getattr(expected, "span", None) or self.span
+        self._value(expected, actual, place)
+        self.span = around
+
+    def _value(self, expected: Any, actual: Any, place: str) -> None:
         if isinstance(expected, (int, float)) and isinstance(actual, (int, float)):
             self._number(expected, actual, place)
         elif type(expected) is not type(actual):
@@ -213,7 +225,7 @@ class _Walk:
             )
 
     def _differ(self, place: str, expected: str, actual: str) -> None:
-        self.mismatches.append(Mismatch(place, f"{expected} became {actual}"))
+        self.mismatches.append(Mismatch(place, f"{expected} became {actual}", self.span))
 
 
 def _short(value: object) -> str:

@@ -68,7 +68,7 @@ class Variable:
 
     initial: None for the type's own default. size: extents of an array, () for none.
     storage: `constant`; `variable`, fresh at each start; `persistent`, kept over it.
-    local: seen in its own unit only.
+    local: seen in its own unit only. span: where in a source text it stood.
     """
 
     type: ValueType
@@ -76,6 +76,7 @@ class Variable:
     size: tuple[int, ...] = ()
     storage: Literal["constant", "variable", "persistent"] = "variable"
     local: bool = False
+    span: Span | None = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True)

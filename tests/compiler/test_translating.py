@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from assistant import languages
 from assistant.compiler import Translation, load, translate
+from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Refused
 
@@ -241,3 +242,67 @@ def test_a_drawing_is_no_program_to_translate() -> None:
         translate(Path(__file__).parents[2] / "samples" / "plate.dxf", to="rapid")
     assert refused.value.findings[0].code == "CO005"
     assert refused.value.exit_status == 2
+
+
+DATA = """MODULE Settings_of_cell
+    ! What all programs of the cell share.
+    CONST num nMost:=12;
+    CONST string stName:="cell";
+    VAR pose frZero:=[[0,0,0],[1,0,0,0]];
+    VAR pose frTable:=[[310,-20.5,45],[0.7071068,0,0,0.7071068]];
+    CONST num nLayers{3}:=[4,5,6];
+ENDMODULE
+"""
+
+
+@pytest.mark.parametrize("to", MELFA)
+def test_a_module_of_data_alone_keeps_its_name_comments_and_values(tmp_path: Path, to: str) -> None:
+    found = translated(tmp_path, DATA, to)
+    assert found.ok, found.findings
+    proven = found.proof.lifted
+    assert proven is not None
+    assert proven.name == "Settings_of_cell"
+    assert proven.comments == ("What all programs of the cell share.",)
+    assert proven.variables["nMost"].initial == e.Number(12)
+    assert proven.variables["stName"].initial == e.Text("cell")
+    pose = proven.variables["frTable"].initial
+    assert isinstance(pose, e.PoseValue)
+    assert pose.pose.position == pytest.approx((310, -20.5, 45))
+    (main,) = proven.procedures  # it gives the array its values
+    assert [s.value for s in main.body if isinstance(s, p.Assign)] == [
+        e.Number(4),
+        e.Number(5),
+        e.Number(6),
+    ]
+
+
+@pytest.mark.parametrize("to", MELFA)
+def test_elements_of_arrays_of_a_procedures_own(tmp_path: Path, to: str) -> None:
+    body = """        VAR string stLine{2};
+        VAR num nCount{2,3};
+        stLine{1}:="first";
+        nCount{2,n}:=n+1;
+"""
+    text = MODULE[: MODULE.index("        MoveJ")] + body + "    ENDPROC\nENDMODULE\n"
+    found = translated(tmp_path, text.replace("    VAR clock timer;\n", ""), to)
+    assert found.ok, found.findings
+
+
+def test_a_draft_leaves_out_first_values_that_cannot_be_said(tmp_path: Path) -> None:
+    text = MODULE.replace("VAR num n;", 'VAR num n:=nElsewhere;\n    CONST string st:="a\tb";')
+    text = text.replace("PROC main()\n", "PROC main()\n        VAR num nOwn:=nElsewhere;\n")
+    found = translated(tmp_path, text, "melfa-basic-5", draft=True)
+    assert found.draft, found.written.findings
+    shown = {row.text.partition(":=")[0]: row.level for row in found.rows}
+    assert shown["VAR num n"] == "not"
+    (written,) = found.files.values()
+    assert b"not translated, line 5:" in written
+
+
+def test_a_comparison_of_positions_is_not_said(tmp_path: Path) -> None:
+    text = MODULE.replace("IF n>3 THEN", "IF p10=p20 THEN")
+    text = text.replace("    VAR num n;", "    VAR robtarget p20;\n    VAR num n;")
+    found = translated(tmp_path, text, "melfa-basic-5", draft=True)
+    assert found.draft
+    (row,) = [r for r in found.rows if r.text.startswith("IF p10")]
+    assert any("comparison of positions" in f.message for f in row.reasons)

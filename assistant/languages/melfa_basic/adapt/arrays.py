@@ -11,7 +11,7 @@ from assistant.languages.melfa_basic import rules
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Findings
-from assistant.program.program import Procedure, Program, Variable
+from assistant.program.program import Procedure, Program, Variable, identifier
 
 MOST_DIMENSIONS: Final = 3
 MOST_ELEMENTS: Final = 999
@@ -21,9 +21,14 @@ MOST_ELEMENTS: Final = 999
 def with_filled_arrays(program: Program, findings: Findings) -> Program:
     """The program with the first values of its arrays as assignments.
 
-    Those of the program stand at the head of its entry, those of a procedure at its own.
+    Those of the program stand at the head of its entry, which one without is given; those of a
+    procedure at its own.
     """
     variables, first = _filled(program.variables, findings)
+    if first and program.entry is None:
+        taken = {q.name for q in program.procedures} | set(program.variables)
+        entry = Procedure(identifier("main", taken), ())
+        program = replace(program, procedures=(entry, *program.procedures), entry=entry.name)
     procedures = []
     for procedure in program.procedures:
         own, filling = _filled(procedure.variables, findings)
@@ -83,4 +88,4 @@ def _elements(name: str, variable: Variable) -> Iterator[p.Statement]:
     for place, value in zip(places, values, strict=True):
         if value is not None:
             indices = tuple(e.Number(i) for i in place)
-            yield p.Assign(e.Index(e.Name(name), indices), value)
+            yield p.Assign(e.Index(e.Name(name), indices), value, span=variable.span)

@@ -196,12 +196,12 @@ class Context:
                 cure=f"give {wanted} joints and at most two external axes",
                 place=name,
             ))  # fmt: skip
-        self.finite(f"the joint target `{name}`", (v for v in joints if v == v))
+        self.finite(f"the joint target `{name}`", (v for v in joints if v == v), name)
         return JointTarget(_printed(joints), _printed(target.external))
 
-    def finite(self, where: str, values: Iterable[float]) -> None:
+    def finite(self, where: str, values: Iterable[float], place: str) -> None:
         if not all(math.isfinite(v) and abs(v) < FARTHEST for v in values):
-            self.findings.append(rules.NOT_FINITE(where=where))
+            self.findings.append(rules.NOT_FINITE(where=where, place=place))
 
 
 def _printed(values: Iterable[float]) -> tuple[float, ...]:

@@ -62,7 +62,7 @@ def _tools(context: Context, program: Program) -> Iterator[tuple[str, Tool]]:
             turned = rotations.angle_between(tool.tip.quaternion, IDENTITY.quaternion)
             if math.hypot(*tool.tip.position[:2]) > 0.01 or turned > 0.01:
                 context.findings.append(rules.FIVE_AXIS_TOOL(name=name, place=name))
-        context.finite(f"the tool `{name}`", (*tool.tip.position, *tool.tip.quaternion))
+        context.finite(f"the tool `{name}`", (*tool.tip.position, *tool.tip.quaternion), name)
         yield name, replace(tool, load=None)
 
 
@@ -75,5 +75,5 @@ def _frames(context: Context, program: Program) -> Iterator[tuple[str, Frame]]:
         if frame.object != IDENTITY:
             context.findings.append(rules.FRAME_JOINED(name=name, place=name))
             frame = replace(frame, user=frame.pose, object=IDENTITY)
-        context.finite(f"the frame `{name}`", (*frame.user.position, *frame.user.quaternion))
+        context.finite(f"the frame `{name}`", (*frame.user.position, *frame.user.quaternion), name)
         yield name, frame

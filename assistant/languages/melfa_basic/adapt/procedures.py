@@ -58,7 +58,7 @@ def with_fresh_variables(procedure: Procedure, entry: bool) -> Procedure:
             value = NOTHING.get(variable.type)
         if value is not None:
             variables[name] = replace(variable, initial=None)
-            first.append(p.Assign(e.Name(name), value))
+            first.append(p.Assign(e.Name(name), value, span=variable.span))
     if not first:
         return procedure
     return replace(procedure, variables=variables, body=(*first, *procedure.body))

@@ -55,6 +55,8 @@ class Undeclared(Unsayable):
     """A name that stands for nothing; `what` is the name."""
 
 
+COMPARISONS: Final = frozenset(("=", "<>", "<", "<=", ">", ">="))
+
 MOST_TEXT: Final = 127
 """Characters of a text."""
 
@@ -139,7 +141,10 @@ class Expressions:
             ):
                 return s.Binary(operator, s.Number(limit), self.timer(timer))
             case e.Binary(operator=operator, left=left, right=right):
-                return s.Binary(OPERATORS.get(operator, operator), self.of(left), self.of(right))
+                sides = self.of(left), self.of(right)
+                if operator in COMPARISONS and any(map(_is_position, sides)):
+                    raise Unsayable("a comparison of positions", "compare their components")
+                return s.Binary(OPERATORS.get(operator, operator), *sides)
             case e.Apply(function=function, arguments=arguments):
                 return self.apply(function.lower(), arguments)
             case e.Verbatim(language=language, text=text):
@@ -318,6 +323,14 @@ class Expressions:
         if isinstance(value, e.JointValue):
             return joint_constant(value.target, self.robot)
         return position_constant(value.target, self.robot)
+
+
+def _is_position(value: s.Expression) -> bool:
+    """Whether it is a whole position or joint variable; `P_Curr` is one too."""
+    match value:
+        case s.Variable(component="", arguments=None):
+            return value.name[:1].upper() in ("P", "J")
+    return isinstance(value, s.Constant)
 
 
 def numeric(value: float) -> s.Expression:

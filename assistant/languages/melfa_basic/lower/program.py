@@ -111,7 +111,9 @@ class Unit:
         """The code lines without step numbers."""
         first, others = self.procedures()
         if first is None and not others:
-            return heading(self) if self.has_heading() else []
+            self.definitions()
+            self.initial_values()
+            return [*heading(self), *self.writer.items] if self.has_heading() else []
         if self.writer.functions:
             self.as_functions(first, others)
         else:
@@ -165,8 +167,10 @@ class Unit:
         return _whole(short)
 
     def has_heading(self) -> bool:
+        """Whether a file without code says anything."""
         p = self.program
-        return bool(p.targets or p.joint_targets or p.tools or p.frames or p.variables or p.signals)
+        named = p.targets or p.joint_targets or p.tools or p.frames or p.variables or p.signals
+        return bool(named or p.comments)
 
     def definitions(self) -> None:
         """What has a type of its own, or is an array, by type in the order of the heading.
@@ -196,7 +200,9 @@ class Unit:
         for owner, name, variable in self.variables():
             if isinstance(variable, Variable) and variable.initial is not None:
                 whole = _whole(self.names.variables[owner, name.lower()])
-                with writer.saying(f"variable {name}"):
+                of = next((q for q in self.program.procedures if q.name.lower() == owner), None)
+                place = f"variable {name}" if of is None else f"procedure {of.name} variable {name}"
+                with writer.findings.at(variable.span), writer.saying(place):
                     writer.add(s.Assign(whole, writer.expressions.of(variable.initial)))
 
     def variables(self) -> Iterator[tuple[str, str, Variable | Parameter]]:

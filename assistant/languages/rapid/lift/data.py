@@ -101,7 +101,7 @@ class DataLift:
         storage: Any = {"CONST": "constant", "VAR": "variable", "PERS": "persistent"}[item.storage]
         initial = None if item.value is None else lift(item.value, self.original)
         extents = tuple(n for n in size if isinstance(n, int))
-        return Variable(type, initial, extents, storage, item.scope == "LOCAL")
+        return Variable(type, initial, extents, storage, item.scope == "LOCAL", item.span)
 
 
 def fixed_target(variable: Variable) -> Target | JointTarget | None:
