@@ -11,6 +11,7 @@ from assistant.languages.melfa_basic import printer
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.functions import ANALOG, OF_ANGLE, PLAIN, TO_ANGLE
 from assistant.languages.melfa_basic.lift.meanings import SIGNALS, Meanings, Unliftable
+from assistant.languages.melfa_basic.lift.pallets import declared
 from assistant.languages.melfa_basic.lift.positions import target_of
 from assistant.languages.melfa_basic.lift.timers import elapsed, timed
 from assistant.languages.melfa_basic.vocabulary import function, status
@@ -90,6 +91,10 @@ class Expressions:
                 if flags is None:
                     raise Unliftable
                 return e.TargetValue(target_of(node, self.m.robot))
+            case s.Pallet(number=number, point=point):
+                known = self.m.value(number)
+                if isinstance(known, float) and round(known) in self.m.pallets:
+                    return e.Index(declared(round(known), self.m), (self.index(point),))
         raise Unliftable
 
     def number(self, node: s.Expression) -> e.Expression:

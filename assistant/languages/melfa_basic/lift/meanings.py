@@ -13,7 +13,7 @@ from assistant.languages.melfa_basic.lift.reasons import STATUS
 from assistant.languages.melfa_basic.lift.scopes import Scope, letter_type
 from assistant.languages.melfa_basic.vocabulary import status
 from assistant.program import expressions as e
-from assistant.program.geometry import BASE, FLANGE
+from assistant.program.geometry import BASE, FLANGE, Target
 from assistant.program.program import Parameter, Signal, ValueType, Variable, identifier
 from assistant.program.statements import Reason
 
@@ -81,6 +81,8 @@ class Meanings:
         self.by_address = {
             (s_.kind, s_.direction, s_.bits, s_.number): n for n, s_ in self.signals.items()
         }
+        self.pallets: dict[int, tuple[str, tuple[Target, ...]]] = {}
+        """Arrays of the pallets whose points are known, by number."""
         self.timers: dict[int, str] = {}
         """Names of the timers that are read as such, by number."""
         self.spelling: dict[str, str] = {}

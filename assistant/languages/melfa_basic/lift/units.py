@@ -18,6 +18,7 @@ from assistant.languages.melfa_basic.lift.contexts import Contexts, Form
 from assistant.languages.melfa_basic.lift.expressions import Expressions
 from assistant.languages.melfa_basic.lift.flow import Flow
 from assistant.languages.melfa_basic.lift.meanings import Inside, Meanings, Routine
+from assistant.languages.melfa_basic.lift.pallets import pallets, still_mentioned
 from assistant.languages.melfa_basic.lift.positions import Positions
 from assistant.languages.melfa_basic.lift.regions import Region
 from assistant.languages.melfa_basic.lift.scopes import scope_of
@@ -122,6 +123,7 @@ class Unit:
         self.file, self.main, self.unit, self.robot = file, main, unit, robot
         self.touched = touched
         self.own, self.header = file.own, file.header
+        self.grids = not file.own
 
     @property
     def is_main(self) -> bool:
@@ -132,6 +134,9 @@ class Unit:
         reading = self._read(program, frozenset())
         kept = self._kept(reading)
         if kept:
+            reading = self._read(program, kept)
+        if reading.meanings.pallets and still_mentioned(tuple(reading.procedures)):
+            self.grids = False
             reading = self._read(program, kept)
         meanings, reader = reading.meanings, reading.reader
         made = declared.Declared(self.file, meanings, reading.settings, reader.runs)
@@ -174,6 +179,8 @@ class Unit:
         parts = regions.regions(code, structure, self.header.names["procedure"], self.own)
         meanings = self._meanings(program, code, parts)
         meanings.timers = timers(code, self.header, self.own)
+        if self.grids:
+            meanings.pallets = pallets(code, meanings)
         expressions = Expressions(meanings)
         local = own.values(expressions) if own else {}
         if own and own.moved:  # lines of first values were taken out
