@@ -7,13 +7,14 @@ from typing import Any, Final
 
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MoveRows
-from assistant.languages.melfa_basic.lift import data, pallets, reasons, waits
+from assistant.languages.melfa_basic.lift import data, reasons, waits
 from assistant.languages.melfa_basic.lift.blocks import Code, labels_in
 from assistant.languages.melfa_basic.lift.contexts import Contexts, Form, depends
 from assistant.languages.melfa_basic.lift.control import Control
 from assistant.languages.melfa_basic.lift.expressions import Expressions
 from assistant.languages.melfa_basic.lift.meanings import Meanings, Routine, Unliftable
 from assistant.languages.melfa_basic.lift.moves import Moves
+from assistant.languages.melfa_basic.lift.pallets import define as define_pallet
 from assistant.languages.melfa_basic.lift.paths import Runs, Values
 from assistant.languages.melfa_basic.lift.regions import Region
 from assistant.languages.melfa_basic.lift.settings import FRAME, TOOL, State
@@ -403,6 +404,6 @@ STATEMENTS: Final[dict[type, Callable[[Reader, Any], list[p.Statement]]]] = {
     s.Static: lambda reader, node: data.define(node.definition.variables, reader.expressions),
     s.Const: lambda reader, node: data.constant(node, reader.expressions),
     s.DefIo: lambda reader, node: data.known_io(node, reader.expressions),
-    s.DefOther: lambda reader, node: pallets.define(node, reader.meanings),
+    s.DefOther: lambda reader, node: define_pallet(node, reader.meanings),
     s.DefFunction: lambda reader, node: data.known_function(node, reader.expressions),
 }

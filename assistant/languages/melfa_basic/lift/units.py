@@ -120,10 +120,10 @@ class Unit:
         robot: Robot | None,
         touched: Mapping[str, frozenset[int]],
     ) -> None:
+        self.grids = not file.own
         self.file, self.main, self.unit, self.robot = file, main, unit, robot
         self.touched = touched
         self.own, self.header = file.own, file.header
-        self.grids = not file.own
 
     @property
     def is_main(self) -> bool:
