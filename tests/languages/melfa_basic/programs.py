@@ -118,6 +118,16 @@ simple = st.one_of(
     st.builds(p.Wait, st.sampled_from([e.Number(0.5), e.Name("limit")])),
     st.builds(p.WaitSignal, st.just("ok"), st.sampled_from([e.Truth(True), e.Number(0)])),
     st.builds(p.WaitUntil, conditions),
+    st.builds(p.StartTimer, st.sampled_from(["lap", "timer_3"])),
+    st.builds(
+        p.Assign,
+        st.just(e.Name("limit")),
+        st.sampled_from([e.Elapsed("lap"), e.Binary("*", e.Elapsed("Lap"), e.Number(1000))]),
+    ),
+    st.builds(
+        lambda limit: p.If((p.Branch(e.Binary("<", e.Elapsed("timer_3"), limit), (p.Stop(),)),)),
+        numbers,
+    ),
     st.builds(
         p.SetSignal,
         st.just("glue"),
