@@ -136,7 +136,12 @@ def depths(code: Code, blocks: Mapping[int, list[int]]) -> list[int]:
 def innermost_ends(count: int, blocks: Mapping[int, list[int]]) -> dict[int, int]:
     """By line, the last line of the innermost block that it stands in."""
     ends: dict[int, int] = {}
-    for first in sorted(blocks):  # inner ones overwrite what holds them
-        last = blocks[first][-1]
-        ends.update(dict.fromkeys(range(first + 1, min(last, count)), last))
+    around: list[int] = []
+    for at in range(count):
+        while around and around[-1] <= at:
+            around.pop()
+        if around:
+            ends[at] = around[-1]
+        if at in blocks:
+            around.append(blocks[at][-1])
     return ends

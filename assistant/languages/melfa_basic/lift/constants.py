@@ -29,11 +29,12 @@ class Constants:
     """assigned: upper-case names that a statement may change, elements and components too.
 
     values: those that are set once, before anything else can have happened, or by `Const`.
+    kept: which arguments the functions and arrays of the file leave alone.
     """
 
     def __init__(self, code: Sequence[s.Line | MoveRows]) -> None:
         count: Counter[str] = Counter()
-        kept = keeping(code)
+        self.kept = kept = keeping(code)
         for item in code:
             if isinstance(item, s.Line) and item.statement is not None:
                 count.update(changed(item.statement, kept))

@@ -25,8 +25,8 @@ class Form:
     region: int
     number: int
     state: State
-    called: dict[tuple[int, int], Form] = field(default_factory=dict)
-    """Forms that a line calls, by line and procedure."""
+    called: dict[int, dict[int, Form]] = field(default_factory=dict)
+    """Forms that a line calls, by line, then by procedure."""
 
 
 class Contexts:
@@ -43,7 +43,7 @@ class Contexts:
             for at, callee in self.lines[form.region]:
                 state = self.at(at, form)
                 made, changed = self._form(callee, state)
-                form.called[at, callee] = made
+                form.called.setdefault(at, {})[callee] = made
                 if changed:
                     pending.append(made)
             if not pending:  # what nothing calls may be called from elsewhere

@@ -139,10 +139,11 @@ class Flow:
 
     def _spread(self, number: int, region: Region, start: int, state: State) -> None:
         """Passes a state on from a line until nothing changes."""
-        queue = [start]
+        queue, waiting = [start], {start}
         self.before[start] = joined(self.before.get(start), state)
         while queue:
             at = heapq.heappop(queue)
+            waiting.discard(at)
             after = self._after(at, self.before[at])
             if after is None:
                 continue
@@ -154,7 +155,8 @@ class Flow:
                 made = joined(known, after)
                 if known is None or made != known:
                     self.before[following] = made
-                    if following not in queue:
+                    if following not in waiting:
+                        waiting.add(following)
                         heapq.heappush(queue, following)
 
     # -------------------------------------------------------------------------- one line

@@ -27,7 +27,12 @@ def split_name(variable: s.Expression | None) -> tuple[str, int] | None:
         return None
     if variable.suffix or variable.arguments is not None or variable.component:
         return None
-    found = _NUMBERED.fullmatch(variable.name)
+    return split_numbered(variable.name)
+
+
+def split_numbered(name: str) -> tuple[str, int] | None:
+    """Stem and number of a name such as `P12`, None for any other."""
+    found = _NUMBERED.fullmatch(name)
     return (found.group(1), int(found.group(2))) if found else None
 
 

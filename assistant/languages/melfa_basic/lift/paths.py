@@ -6,7 +6,7 @@ import itertools
 import math
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,11 +16,17 @@ from assistant.languages.melfa_basic import poses
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import KEYWORDS, MOV, MVR, MoveRows
 from assistant.languages.melfa_basic.lift.blocks import Entry
-from assistant.languages.melfa_basic.lift.gathering import cut, rows_as_lines, split_name
+from assistant.languages.melfa_basic.lift.gathering import (
+    cut,
+    rows_as_lines,
+    split_name,
+    split_numbered,
+)
 from assistant.languages.melfa_basic.lift.meanings import Meanings
 from assistant.languages.melfa_basic.lift.positions import configurations
 from assistant.languages.melfa_basic.lift.products import unframed
 from assistant.languages.melfa_basic.lift.settings import FRAME, JOINT, TCP, TOOL, UNKNOWN
+from assistant.languages.melfa_basic.lift.walk import nodes
 from assistant.languages.melfa_basic.names import ARC_START
 from assistant.program import statements as p
 from assistant.program.diagnostics import Span, over
@@ -335,16 +341,9 @@ def _mentions(node: Any) -> list[tuple[str, int]]:
         names = [split_name(a) for a in node.arguments]
         if names[0] and names[1] and names[0] == (names[1][0], names[1][1] - 1):
             return [n for n in names[1:] if n]
-    left: list[Any] = [node]
-    while left:
-        inner = left.pop()
-        if isinstance(inner, tuple):
-            left += inner
-        elif isinstance(inner, s.Variable):
-            plain = split_name(s.Variable(inner.name))
+    for inner in nodes(node):
+        if isinstance(inner, s.Variable):
+            plain = split_numbered(inner.name)
             if plain:
                 found.append(plain)
-            left += inner.arguments or ()
-        elif is_dataclass(inner):
-            left += [getattr(inner, f.name) for f in fields(inner)]
     return found

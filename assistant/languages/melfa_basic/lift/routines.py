@@ -7,9 +7,8 @@ from typing import Any, Final
 
 from assistant.languages.melfa_basic import printer
 from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.header import Header
 from assistant.languages.melfa_basic.lift.blocks import Code
-from assistant.languages.melfa_basic.lift.constants import changed, keeping
+from assistant.languages.melfa_basic.lift.constants import changed
 from assistant.languages.melfa_basic.lift.expressions import Expressions
 from assistant.languages.melfa_basic.lift.meanings import Inside, Meanings, Routine, Unliftable
 from assistant.languages.melfa_basic.lift.regions import Region
@@ -27,11 +26,11 @@ from assistant.program.program import Parameter, Procedure, ValueType, Variable,
 EXIT: Final = s.Command("Exit Function")
 
 
-def routine_of(code: Code, region: Region, name: str, header: Header, own: bool) -> Routine:
+def routine_of(code: Code, region: Region, name: str, meanings: Meanings) -> Routine:
     """What a function is. Parameters that may be arrays, or changed in an unknown way, are None."""
     function = region.function
     assert function is not None
-    kept = keeping(code)
+    kept = meanings.constants.kept
     assigned = {
         key
         for item in code[region.low : region.high]
@@ -44,7 +43,7 @@ def routine_of(code: Code, region: Region, name: str, header: Header, own: bool)
         if given.array or (not given.mode and key in assigned):
             return Routine(name, result_type(function), None)
         mode: Any = "inout" if given.mode == "ByRef" else "in"
-        known = header.variables.get(key) if own else None
+        known = meanings.header.variables.get(key) if meanings.own else None
         kind = known.type if known else SUFFIXES.get(given.suffix, letter_type(key))
         parameters.append(Parameter(known.name if known else given.name, kind, mode))
     return Routine(name, result_type(function), tuple(parameters))
@@ -74,8 +73,9 @@ def inside_of(
         inside.types[parameter.name.upper()] = parameter.type
     scope = scope_of(code[region.low : region.high], (*meanings.routines, key))
     taken = set(inside.names)
+    defined = _defined(code[region.low : region.high])
     for name_key, written in scope.names.items():
-        declared = name_key in scope.types and _defines(code, region, name_key)
+        declared = name_key in scope.types and name_key in defined
         known = name_key in globals_.names or meanings.positions.constant(written) is not None
         if name_key in inside.names or name_key[1:2] == "_" or (known and not declared):
             continue
@@ -98,16 +98,16 @@ def inside_of(
     return inside, local
 
 
-def _defines(code: Code, region: Region, key: str) -> bool:
-    """Whether a function declares a variable of its own."""
-    for item in code[region.low : region.high]:
+def _defined(code: Code) -> set[str]:
+    """Variables that some lines declare, in upper case."""
+    found: set[str] = set()
+    for item in code:
         statement = item.statement if isinstance(item, s.Line) else None
         if isinstance(statement, s.Static):
             statement = statement.definition
         if isinstance(statement, s.DefNames | s.Dim):
-            if any(v.key == key for v in statement.variables):
-                return True
-    return False
+            found.update(v.key for v in statement.variables)
+    return found
 
 
 def _direct(code: Code, region: Region, key: str) -> bool:

@@ -138,8 +138,7 @@ class Reader:
         assert self.form is not None
         self.meanings.variants = {
             self._function_key(callee): self.name_of(made)
-            for (line, callee), made in self.form.called.items()
-            if line == at
+            for callee, made in self.form.called.get(at, {}).items()
         }
         return values
 
@@ -294,7 +293,7 @@ class Reader:
             raise Unliftable(reasons.NO_PROCEDURE)
         assert self.form is not None
         self.runs.forget()
-        return p.Call(self.name_of(self.form.called[self.at, callee]))
+        return p.Call(self.name_of(self.form.called[self.at][callee]))
 
     def call(self, node: s.Call) -> list[p.Statement]:
         key = node.function.key

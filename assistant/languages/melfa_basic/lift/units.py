@@ -106,6 +106,17 @@ class _Reading:
     declarations: list[Declaration] = field(default_factory=list)
 
 
+@dataclass(frozen=True)
+class _Ways:
+    """What the code is, however its settings are said: the same in each reading of a file."""
+
+    constants: Constants
+    structure: dict[int, list[int]]
+    parts: list[Region]
+    settings: Settings
+    contexts: Contexts
+
+
 class Unit:
     """Adds a file to a program. unit: its name there, None for the main one.
 
@@ -124,6 +135,7 @@ class Unit:
         self.file, self.main, self.unit, self.robot = file, main, unit, robot
         self.touched = touched
         self.own, self.header = file.own, file.header
+        self.ways: _Ways | None = None
 
     @property
     def is_main(self) -> bool:
@@ -175,37 +187,46 @@ class Unit:
         code = list(self.file.code)
         own = declared.OwnVariables(self.header, code) if self.own else None
         taken_away = own.definitions() if own else declared.first_parameters(code)
-        structure = blocks.structure(code)
-        parts = regions.regions(code, structure, self.header.names["procedure"], self.own)
+        ways = self.ways
+        # a program written here still has the lines of first values, which are taken out below
+        parts = ways.parts if ways and not own else self._regions(code)[1]
         meanings = self._meanings(program, code, parts)
         meanings.timers = timers(code, self.header, self.own)
         if self.grids:
             meanings.pallets = pallets(code, meanings)
         expressions = Expressions(meanings)
         local = own.values(expressions) if own else {}
-        if own and own.moved:  # lines of first values were taken out
-            structure = blocks.structure(code)
-            parts = regions.regions(code, structure, self.header.names["procedure"], self.own)
         declared.elements(self.file, meanings)
-        listed = self._routines(code, parts, meanings, program)
-        settings = Settings(self.file.positions, meanings.constants, self.header.names)
-        flow = Flow(code, parts, structure, settings.effect, self._calls(parts))
-        contexts = Contexts(flow, self._initial())
+        if ways is None:
+            self.ways = ways = self._ways(code, meanings.constants)
+        listed = self._routines(code, ways.parts, meanings, program)
         source = self.file.tree.source
         calls = dict(self.main.header.names["unit"]), dict(self.main.header.names["first"])
         reader = Reader(
-            code, structure, meanings, contexts, listed, calls, self.is_main, kept, source
+            code, ways.structure, meanings, ways.contexts, listed, calls, self.is_main, kept, source
         )
-        reading = _Reading(meanings, settings, reader, local)
+        reading = _Reading(meanings, ways.settings, reader, local)
         for node in _statements(code, s.DefIo):
             if (io := data.io_of(node, expressions)) is not None:
                 meanings.io[node.variable.key] = io
         functions = [] if self.own else routines.defined_functions(code, meanings)
-        for number, forms in enumerate(contexts.forms):
+        for number, forms in enumerate(ways.contexts.forms):
             for form in forms.values():
                 self._procedure(number, form, reading, taken_away)
         reading.procedures += [replace(f, unit=self.unit) for f in functions]
         return reading
+
+    def _regions(self, code: list[Entry]) -> tuple[dict[int, list[int]], list[Region]]:
+        """The blocks of some lines, and what is a procedure of its own."""
+        structure = blocks.structure(code)
+        named = self.header.names["procedure"]
+        return structure, regions.regions(code, structure, named, self.own)
+
+    def _ways(self, code: list[Entry], constants: Constants) -> _Ways:
+        structure, parts = self._regions(code)
+        settings = Settings(self.file.positions, constants, self.header.names)
+        flow = Flow(code, parts, structure, settings.effect, self._calls(parts))
+        return _Ways(constants, structure, parts, settings, Contexts(flow, self._initial()))
 
     def _meanings(self, program: Program, code: list[Entry], parts: list[Region]) -> Meanings:
         functions = {r.function.name for r in parts if r.function is not None}
@@ -215,7 +236,7 @@ class Unit:
             inner = first.function is not None
             shared = code[slice(*first.before)] if inner else code[first.low : first.high]
         scope = scope_of(shared, {name.upper() for name in functions})
-        constants = Constants(code)
+        constants = self.ways.constants if self.ways else Constants(code)
         if not self.own:
             for parameter in declared.parameters_of(self.file.code):
                 scope.names.setdefault(parameter.key, parameter.name)
@@ -286,7 +307,7 @@ class Unit:
             if region.function is None:
                 routine = Routine(name)
             else:
-                routine = routines.routine_of(code, region, name, self.header, self.own)
+                routine = routines.routine_of(code, region, name, meanings)
                 if number:
                     meanings.routines[region.function.name.upper()] = routine
             taken.add(name)
