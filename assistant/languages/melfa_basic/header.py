@@ -117,7 +117,7 @@ _SIGNAL: Final = re.compile(
     rf"(digital|analog|group) (input|output) (-|[0-9]{{1,6}}) ([0-9]{{1,3}}) = ({_NAME})"
 )
 _VARIABLE: Final = re.compile(
-    rf"([A-Z][A-Z0-9]*) = ({_NAME}) (number|integer|truth|text|position|pose|joints) "
+    rf"([A-Z][A-Z0-9_]*) = ({_NAME}) (number|integer|truth|text|position|pose|joints) "
     r"(constant|variable|persistent|parameter)( [0-9]{1,3}(?:x[0-9]{1,3}){0,2})?"
     rf"( local)?( initial)?(?: of ({_NAME}))?"
 )

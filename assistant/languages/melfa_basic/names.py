@@ -87,6 +87,10 @@ def naming(program: Program, dialect: Dialect, products: bool = False) -> Names:
             variables = [*((q.name, q) for q in procedure.parameters), *procedure.variables.items()]
         for name, variable in variables:
             letter = LETTERS[variable.type]
+            if isinstance(variable, Variable) and is_external(name, variable):
+                names.variables[owner, name.lower()] = name.upper()
+                taken.add(name.upper())
+                continue
             names.variables[owner, name.lower()] = _variable(name, letter, dialect.names, taken)
         for name in _loop_variables(program, procedure):
             short = _variable(name, "M", dialect.names, taken)
@@ -138,6 +142,20 @@ def _number_timers(names: Names, program: Program) -> None:
     names.timers.update(zip(left, free, strict=False))
     taken |= set(names.timers.values())
     names.wait_timer = next((n for n in numbers if n not in taken), 0)
+
+
+def is_external(name: str, variable: Variable) -> bool:
+    """Whether it is one variable of all programs of a controller, which its name must stay for.
+
+    The second character of such a name is `_` (CR1D 4.3.7); first values of its own it has none.
+    """
+    written = re.fullmatch(r"[PJMC]_[A-Z0-9_]+", name.upper())
+    return (
+        written is not None
+        and variable.storage == "persistent"
+        and (variable.initial is None or re.fullmatch(r"._[01][0-9]", name) is not None)
+        and name[0].upper() == LETTERS[variable.type]
+    )
 
 
 def _owners(program: Program) -> Iterable[tuple[Procedure | None, str]]:

@@ -250,6 +250,10 @@ ROUNDED_TEXT = Rule(
     "MB231", W, "a number is written out without the zeros behind its last decimal",
     "add them to the text where they matter",
 )  # fmt: skip
+RENAMED_IN_TEXT = Rule(
+    "MB232", E, "`{text}` keeps its text, but {names} is written under another name",
+    "use a name in the source that stays: P, J, M or C in front, letters and digits only, short",
+)  # fmt: skip
 
 # --------------------------------------------------------------- from one dialect to another
 NOT_CONVERTED = Rule("MB501", E, "{title} cannot say {what}", "{cure}")

@@ -294,6 +294,15 @@ def test_bits_are_no_truths() -> None:
     assert isinstance(test.branches[0].condition, e.Verbatim)
 
 
+def test_a_name_with_c_is_a_text_only_where_something_says_so() -> None:
+    program = lifted(
+        'Count=3\nCount=Count+1\nCname$="a"\nDef Char Cone\nC_01$="b"\nCone="c"\nEnd\n'
+    )
+    assert {name: v.type for name, v in program.variables.items()} == {
+        "Count": "number", "Cname": "text", "Cone": "text", "C_01": "text",
+    }  # fmt: skip
+
+
 def test_integers_are_rounded() -> None:
     assert body("Def Inte MN\nMN%=M2/3\n") == (
         p.Assign(e.Name("MN"), e.Apply("round", (e.Binary("/", e.Name("M2"), e.Number(3)),))),

@@ -216,3 +216,47 @@ def test_names_and_texts_of_another_world_come_back() -> None:
     tree = languages.get("melfa-basic-4").build(adapted.program)
     assert languages.get("melfa-basic-4").render(tree).isascii()
     assert "größe" in languages.get("melfa-basic-4").lift(tree).variables
+
+
+def foreign(text: str, level: int) -> Program:
+    language = languages.get(f"melfa-basic-{level}")
+    return language.lift(language.parse(text))
+
+
+@pytest.mark.parametrize("name", ["melfa-basic-4", "melfa-basic-6"])
+def test_an_external_variable_keeps_its_name(name: str) -> None:
+    """Programs share it by that name, another one would be a variable of this program alone."""
+    language = languages.get(name)
+    program = foreign('M_01=M_01+1\nP_Ab=P_01\nC_01$="a"\nEnd\n', 5)
+    adapted = language.adapt(program, None).program
+    lines = language.render(language.build(adapted, None)).upper()
+    for line in ("M_01=M_01+1", "P_AB=P_01", 'C_01$="A"'):
+        assert line in lines
+    files = {"A.prg": language.encode(language.build(adapted, None))}
+    assert prove(language, adapted, files, None).holds
+
+
+@pytest.mark.parametrize("name", ["melfa-basic-4", "melfa-basic-6"])
+def test_an_expression_of_one_dialect_is_one_of_another(name: str) -> None:
+    language = languages.get(name)
+    adapted = language.adapt(foreign("M1=3\nM3=Not M1\nEnd\n", 5), None).program
+    lines = language.render(language.build(adapted, None)).upper()
+    assert "M3=NOT M1" in lines
+    files = {"A.prg": language.encode(language.build(adapted, None))}
+    assert prove(language, adapted, files, None).holds
+
+
+@pytest.mark.parametrize(
+    ("text", "codes"),
+    [
+        ("Total=3\nMov P1 Wth M_Out(3)=Total\n", ["MB232"]),
+        ("Total=3\nM1=Total And 7\n", ["MB232"]),
+        ("Def Act 1,M_In(3)=1 GoSub *A_Long_One\nEnd\n*A_Long_One\nHlt\n", ["MB232"]),
+        ("M1=3\nMov P1 Wth M_Out(3)=M1\n", []),
+    ],
+)
+def test_vendor_text_keeps_the_names_that_are_written(text: str, codes: list[str]) -> None:
+    """`Total` is written `MTOTAL`; a text that kept `Total` would mean another variable."""
+    position = "P1=(300,0,300,180,0,180)(7,0)\n"
+    adapted = languages.get("melfa-basic-6").adapt(foreign(text + position, 5), None)
+    assert [f.code for f in adapted.findings if f.severity is Severity.ERROR] == codes

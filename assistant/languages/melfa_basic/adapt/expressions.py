@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.adapt.vendor_text import plain_verbatim
 from assistant.languages.melfa_basic.functions import RELATIONS
 from assistant.languages.melfa_basic.vocabulary.timers import MILLISECONDS
 from assistant.program import expressions as e
@@ -47,6 +48,8 @@ def plain_expression(context: Context, value: e.Expression, deep: bool = True) -
             return _function(context, function.lower(), arguments)
         case e.Text(text):
             return _text(context, text)
+        case e.Verbatim():
+            return plain_verbatim(value, context.dialect)
         case e.Apply(function, arguments):
             return e.Apply(context.spelled_procedure(function), arguments)
         case e.Member(inner, field):

@@ -21,10 +21,11 @@ from assistant.languages.melfa_basic.adapt.procedures import (
 )
 from assistant.languages.melfa_basic.adapt.splitting import MOST_TARGETS, split
 from assistant.languages.melfa_basic.adapt.statements import comment_lines, plain_procedure
+from assistant.languages.melfa_basic.adapt.vendor_text import check_names
 from assistant.languages.melfa_basic.dialects import DIALECTS, LAST_STEP, Dialect
 from assistant.languages.melfa_basic.lower.program import Unit, branches_in, steps
 from assistant.languages.melfa_basic.lower.writer import mentioned
-from assistant.languages.melfa_basic.names import naming
+from assistant.languages.melfa_basic.names import is_external, naming
 from assistant.program.diagnostics import Diagnostic, Findings
 from assistant.program.geometry import BASE
 from assistant.program.program import Procedure, Program
@@ -104,13 +105,15 @@ def _shared(program: Program) -> Iterator[Diagnostic]:
         if procedure.unit is not None:
             units.setdefault(procedure.unit, set()).update(mentioned(procedure.body))
     for name, variable in program.variables.items():
-        if variable.storage != "constant" and any(name.lower() in w for w in units.values()):
+        own = variable.storage != "constant" and not is_external(name, variable)
+        if own and any(name.lower() in w for w in units.values()):
             yield rules.LOCAL_DATA(name=name, place=name)
 
 
 def _written(context: Context, program: Program) -> Iterator[Diagnostic]:
     """What is found as each unit is written."""
     names = naming(program, context.dialect, context.products)
+    check_names(program, names, context.findings)
     if context.products:
         for name, branches in branches_in(program, context.robot).items():
             if name != BASE and len(branches) > 1:

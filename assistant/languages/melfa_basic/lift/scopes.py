@@ -63,6 +63,8 @@ def _declare(scope: Scope, statement: s.Statement) -> None:
                 _size(scope, variable)
         case s.Const(type=type_, variable=variable) if type_ in TYPES:
             scope.types[variable.key] = TYPES[type_]
+        case s.Const(variable=variable, value=s.String()):
+            scope.types[variable.key] = "text"
         case s.Dim(variables=variables):
             for variable in variables:
                 _size(scope, variable)
@@ -85,6 +87,9 @@ def is_variable(node: s.Variable) -> bool:
 
 
 def letter_type(key: str) -> ValueType:
+    """The type of a variable that is declared nowhere; texts have a `$`, but for external ones."""
+    if key[:1] == "C" and key[1:2] != "_":
+        return "number"
     return LETTERS.get(key[:1], "number")
 
 
