@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.lift.arcs import via_of
 from assistant.languages.melfa_basic.lift.expressions import Expressions
 from assistant.languages.melfa_basic.lift.meanings import Unliftable
 from assistant.languages.melfa_basic.lift.paths import Runs, Values, place, sayable, speed_of
@@ -16,6 +17,8 @@ USUAL: dict[str, tuple[s.Expression, s.Expression]] = {
     "Mov": (s.Number(1), s.Number(0)),
     "Mvs": (s.Number(0), s.Number(0)),
     "Mvr": (s.Number(0), s.Number(0)),
+    "Mvr2": (s.Number(0), s.Number(0)),
+    "Mvr3": (s.Number(0), s.Number(0)),
 }
 """The `Type` that a move has without one (COSIROP help, types of interpolation)."""
 
@@ -42,7 +45,10 @@ class Moves:
             case "Mvs", (None, distance) if distance is not None:
                 return [self.along(distance, values)]
             case "Mvr", (start, via, end, *rest) if start and via and end and not any(rest):
-                return self.arc(start, via, end, values)
+                return self.arc(start, self.expressions.plain(via), end, values)
+            case ("Mvr2" | "Mvr3") as word, (start, end, third) if start and end and third:
+                middle = via_of(word, (start, end, third), self.expressions.m)
+                return self.arc(start, middle, end, values)
         raise Unliftable
 
     def to(
@@ -76,13 +82,17 @@ class Moves:
         return p.Motion(speed, values[BLEND], values[TOOL], values[FRAME])
 
     def arc(
-        self, start: s.Expression, via: s.Expression, end: s.Expression, values: Values
+        self, start: s.Expression, via: e.Expression | None, end: s.Expression, values: Values
     ) -> list[p.Statement]:
-        """An arc; the robot goes to its start first if it does not stand there."""
+        """An arc; the robot goes to its start first if it does not stand there.
+
+        via: None for a straight line.
+        """
         here = self.runs.is_here(start, values)
-        made = p.MoveCircular(
-            self.expressions.plain(via), self.expressions.plain(end), self.motion(False, values)
-        )
+        goal, motion = self.expressions.plain(end), self.motion(False, values)
+        made: p.Statement = p.Move("linear", goal, motion)
+        if via is not None:
+            made = p.MoveCircular(via, goal, motion)
         before = [] if here else [self.to("Mvs", start, None, values)]
         self.runs.arc_pending = False
         known = isinstance(end, s.Variable) and end.arguments is None

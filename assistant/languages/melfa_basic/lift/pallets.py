@@ -66,9 +66,9 @@ def grid(node: s.DefOther, meanings: Meanings) -> tuple[Target, ...] | None:
         return None
     _, start, along, across, diagonal, *counts = node.arguments
     numbers = [meanings.constants.value(count) for count in counts]
-    corners = [_corner(point, meanings) for point in (start, along, across)]
+    corners = [unchanged(point, meanings) for point in (start, along, across)]
     if diagonal is not None:
-        corners.append(_corner(diagonal, meanings))
+        corners.append(unchanged(diagonal, meanings))
     known = [corner for corner in corners if corner is not None]
     if len(known) != len(corners) or not all(isinstance(n, float) for n in numbers):
         return None
@@ -85,8 +85,8 @@ def grid(node: s.DefOther, meanings: Meanings) -> tuple[Target, ...] | None:
     return tuple(made)
 
 
-def _corner(node: s.Expression | None, meanings: Meanings) -> s.Constant | None:
-    """The position of a corner that no line changes; other programs change shared ones."""
+def unchanged(node: s.Expression | None, meanings: Meanings) -> s.Constant | None:
+    """The value of a position that no line changes; other programs change shared ones."""
     if not isinstance(node, s.Variable) or node.arguments is not None or node.component:
         return None
     if node.key[1:2] == "_" or node.key in meanings.constants.assigned:
