@@ -65,8 +65,9 @@ def test_the_same_setting_on_both_ways_is_known() -> None:
 
 def test_what_a_loop_sets_holds_at_its_beginning() -> None:
     """The first turn starts without rounding, every other one with it."""
-    program = lifted("*TURN\nMvs P1\nCnt 1,5,8\nMvs P2\nGoTo *TURN\n")
-    assert opaque(program) == ["Mvs P1", "Cnt 1,5,8"]
+    program = lifted("*TURN\nMvs P1+(0,0,1)\nCnt 1,5,8\nMvs P2+(0,0,1)\nGoTo *TURN\n")
+    blends = [m.motion.blend for m in moves(program.procedures[0])]
+    assert blends == [FINE, Blend(5.0, 8.0), Blend(5.0, 8.0), Blend(5.0, 8.0)]
     program = lifted("*TURN\nCnt 0\nMvs P1+(0,0,1)\nCnt 1,5,8\nMvs P2+(0,0,1)\nGoTo *TURN\n")
     assert [m.motion.blend for m in moves(program.procedures[0])] == [FINE, Blend(5.0, 8.0)]
 

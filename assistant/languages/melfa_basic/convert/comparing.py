@@ -50,7 +50,8 @@ def lifted(trees: Sequence[s.File], others: Sequence[s.File], robot: Robot | Non
     from assistant.languages.melfa_basic.lift.program import lift
 
     lowest = min(DIALECTS[tree.dialect].level for tree in (*trees, *others))
-    program: Program = rewrite(lift([_plain(t, lowest) for t in trees], robot), _without_dialect)
+    said = lift([_plain(t, lowest) for t in trees], robot, divide=False)
+    program: Program = rewrite(said, _without_dialect)
     return program
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
@@ -12,63 +12,140 @@ from assistant.languages.melfa_basic.lift.flow import INHERITED, Flow, joined, r
 from assistant.languages.melfa_basic.lift.settings import JOINT, TCP, UNKNOWN, Held, State
 from assistant.languages.melfa_basic.lift.walk import nodes
 
-MOST_FORMS: Final = 4
+MOST_FORMS: Final = 8
 """Forms of one procedure; called in more ways, its settings count as unknown."""
 
 LOST: Final[State] = (Held(UNKNOWN),) * 5
 
 
-@dataclass(slots=True)
+MOST_LINES: Final = 4000
+"""Lines of all the passes of one file; what would take more is read once."""
+
+
+@dataclass(slots=True, eq=False)
 class Form:
-    """A procedure as it is called with one set of settings."""
+    """A procedure as it is called with one set of settings, from `low` on to `high`.
+
+    One that is divided is read in several passes, each under the settings of its own way there;
+    itself it is the first. number: among the forms of the procedure, or the passes from `low` on.
+    """
 
     region: int
     number: int
     state: State
+    low: int
+    high: int
     called: dict[int, dict[int, Form]] = field(default_factory=dict)
     """Forms that a line calls, by line, then by procedure."""
+    head: Form | None = None
+    passes: dict[Any, Form] = field(default_factory=dict)
+    goes: dict[int, dict[int, Form]] = field(default_factory=dict)
+    """Passes that a line leads to, by line, then by place."""
+    falls: Form | None = None
+    """The pass that stands below this one."""
 
 
 class Contexts:
-    """forms: by procedure, in the order in which calls are met from the first procedure on."""
+    """forms: by procedure, in the order in which calls are met from the first procedure on.
+
+    lines: of all of them, as often as they are read.
+    """
 
     def __init__(self, flow: Flow, initial: State) -> None:
         self.flow = flow
+        self.parts = [flow.parts(number) for number in range(len(flow.regions))]
         self.lines = [list(self._calls(number)) for number in range(len(flow.regions))]
         self.needs = self._needs()
         self.forms: list[dict[Any, Form]] = [{} for _ in flow.regions]
+        self.read = 0
         pending = [self._form(0, initial)[0]] if flow.regions else []
-        while pending:
+        while pending and not self.too_long:
             form = pending.pop(0)
-            for at, callee in self.lines[form.region]:
-                state = self.at(at, form)
-                made, changed = self._form(callee, state)
-                form.called.setdefault(at, {})[callee] = made
-                if changed:
-                    pending.append(made)
+            pending += self._follow(form)
             if not pending:  # what nothing calls may be called from elsewhere
                 left = next((k for k, found in enumerate(self.forms) if not found), None)
                 if left is not None:
                     pending.append(self._form(left, LOST)[0])
 
+    @property
+    def too_long(self) -> bool:
+        return bool(self.flow.cuts) and self.read > max(MOST_LINES, 2 * len(self.flow.code))
+
     def at(self, at: int, form: Form) -> State:
         """What holds where a line begins."""
         return resolved(self.flow.before.get(at, LOST), form.state)
 
+    def _follow(self, form: Form) -> list[Form]:
+        """Notes what a form calls, and where it goes; gives what is new or changed by that."""
+        more = []
+        for at, callee in self.lines[form.region]:
+            if (form.head is None and not form.passes) or form.low <= at < form.high:
+                made, changed = self._form(callee, self.at(at, form))
+                form.called.setdefault(at, {})[callee] = made
+                if changed:
+                    more.append(made)
+        if not form.passes and form.head is None:
+            return more
+        below: State | None = None
+        for at in range(form.low, form.high):
+            for to, state in self.flow.edges.get(at, {}).items():
+                given = resolved(state, form.state)
+                made, changed = self._pass(form, to, given)
+                form.goes.setdefault(at, {})[to] = made
+                if to == form.high and self.flow.goes_below(at):
+                    below = joined(below, given)
+                if changed:
+                    more.append(made)
+        if below is not None:
+            form.falls, changed = self._pass(form, form.high, below)
+            if changed:
+                more.append(form.falls)
+        return more
+
     def _form(self, region: int, state: State) -> tuple[Form, bool]:
         """The form of a procedure for what its caller has set; whether it is new or changed."""
-        forms, needs = self.forms[region], self.needs[region]
-        key = tuple(h.value if k in needs else None for k, h in enumerate(state))
-        if key not in forms and len(forms) >= MOST_FORMS:
-            key, state = (UNKNOWN,), tuple(Held(UNKNOWN, h.by) for h in state)
+        low, high = self.parts[region][0]
+        forms = self.forms[region]
+        key, state = self._key(region, low, state, len(forms) >= MOST_FORMS, forms)
         known = forms.get(key)
         if known is None:
-            forms[key] = Form(region, len(forms) + 1, state)
-            return forms[key], True
+            made = forms[key] = Form(region, len(forms) + 1, state, low, high)
+            if self.flow.is_divided(region):
+                made.passes[key] = made
+            self.read += high - low
+            return made, True
+        return known, self._join(known, state)
+
+    def _pass(self, form: Form, low: int, state: State) -> tuple[Form, bool]:
+        """The pass of a divided procedure that begins at a place in a state."""
+        head = form.head or form
+        high = next(high for start, high in self.parts[form.region] if start == low)
+        count = sum(1 for one in head.passes.values() if one.low == low)
+        key, state = self._key(form.region, low, state, count >= MOST_FORMS, head.passes)
+        known = head.passes.get(key)
+        if known is None:
+            made = Form(form.region, count + 1, state, low, high, head=head)
+            head.passes[key] = made
+            self.read += high - low
+            return made, True
+        return known, self._join(known, state)
+
+    def _key(
+        self, region: int, low: int, state: State, full: bool, known: Mapping[Any, Form]
+    ) -> tuple[Any, State]:
+        """What tells a form from others; the same for all if there are too many."""
+        needs = self.needs[region, low]
+        key: Any = (low, *(h.value if k in needs else None for k, h in enumerate(state)))
+        if key in known or not full:
+            return key, state
+        return (low, UNKNOWN), tuple(Held(UNKNOWN, h.by) for h in state)
+
+    @staticmethod
+    def _join(known: Form, state: State) -> bool:
         both = joined(known.state, state)
         changed = both != known.state
         known.state = both
-        return known, changed
+        return changed
 
     def _calls(self, number: int) -> Iterator[tuple[int, int]]:
         """Lines of a procedure and the procedures that they call."""
@@ -80,21 +157,32 @@ class Contexts:
                     if isinstance(called, int):
                         yield at, called
 
-    def _needs(self) -> list[set[int]]:
-        """By procedure, the settings that it takes from its caller."""
+    def _needs(self) -> dict[tuple[int, int], set[int]]:
+        """By procedure and where a part of it begins, the settings that it takes from before."""
         flow = self.flow
-        needs: list[set[int]] = [set() for _ in flow.regions]
+        needs: dict[tuple[int, int], set[int]] = {}
+        passed: list[tuple[tuple[int, int], set[int], tuple[int, int]]] = []
         for number, region in enumerate(flow.regions):
-            for at in region.places():
-                if at in flow.before:
-                    needs[number] |= _used(flow.code[at]) & _inherited(flow.before[at])
+            called: dict[int, list[int]] = {}
+            for at, callee in self.lines[number]:
+                called.setdefault(at, []).append(callee)
+            for low, high in self.parts[number]:
+                mine = needs[number, low] = set()
+                whole = not flow.is_divided(number)
+                for at in region.places() if whole else range(low, high):
+                    if at not in flow.before:
+                        continue
+                    inherited = _inherited(flow.before[at])
+                    mine |= _used(flow.code[at]) & inherited
+                    for callee in called.get(at, ()):
+                        passed += [((number, low), inherited, (callee, self.parts[callee][0][0]))]
+                    for to, state in flow.edges.get(at, {}).items():
+                        passed += [((number, low), _inherited(state), (number, to))]
         while True:
-            before = [set(n) for n in needs]
-            for number, lines in enumerate(self.lines):
-                for at, callee in lines:
-                    if at in flow.before:
-                        needs[number] |= needs[callee] & _inherited(flow.before[at])
-            if needs == before:
+            before = sum(len(n) for n in needs.values())
+            for source, inherited, target in passed:
+                needs[source] |= needs[target] & inherited
+            if sum(len(n) for n in needs.values()) == before:
                 return needs
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import heapq
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from copy import copy
 from typing import Any, Final
 
 from assistant.languages.melfa_basic import syntax as s
@@ -56,7 +57,13 @@ def resolved(state: State, inherited: State) -> State:
 
 
 class Flow:
-    """before: by line, what holds where it begins."""
+    """before: by line, what holds where it begins.
+
+    cuts: lines at which procedures are divided: what holds there is INHERITED from the line that
+    leads there. edges: what holds at the end of such lines, by line, then by place.
+    """
+
+    entry: Final = _ENTRY
 
     def __init__(
         self,
@@ -76,9 +83,20 @@ class Flow:
         odd = odd_entries(code, regions)
         self.odd = sorted(self.loose | {self.labels[name] for name in odd if name in self.labels})
         self._known_calls: dict[int, tuple[int | frozenset[int], ...]] = {}
+        self.cuts: frozenset[int] = frozenset()
+        self.edges: dict[int, dict[int, State]] = {}
         self.before: dict[int, State] = {}
         self.exits: list[State | None] = [None] * len(regions)
         self._settle()
+
+    def cut(self, cuts: frozenset[int]) -> Flow:
+        """The same with procedures divided; the effect of a whole procedure stays known."""
+        made = copy(self)
+        made.cuts, made.edges, made.before = cuts, {}, {}
+        for number, region in enumerate(self.regions):
+            made._run(number, region)
+            made._dead(number, region)
+        return made
 
     def _take_blocks(self, blocks: Mapping[int, list[int]]) -> None:
         """tests: a middle word → the next one. redirect: a middle word → the end of its block."""
@@ -102,6 +120,30 @@ class Flow:
             at for at in range(len(self.code)) if at not in known and is_word(self._statement(at))
         }
 
+    def parts(self, number: int) -> list[tuple[int, int]]:
+        """Where the parts of a procedure begin and end."""
+        region = self.regions[number]
+        inside = (at for at in self.cuts if region.low < at < region.high)
+        edges = [region.low, *sorted(inside), region.high]
+        return list(itertools.pairwise(edges))
+
+    def is_divided(self, number: int) -> bool:
+        return any(self.regions[number].holds(at) for at in self.cuts)
+
+    def goes_below(self, at: int) -> bool:
+        """Whether control may go on below a line without a jump."""
+        match self._statement(at):
+            case s.Jump(keyword="GoTo"):
+                return False
+            case s.If(then=then, otherwise=otherwise) if then is not None:
+                branches = (_destination(then), _destination(otherwise))
+                return not all(isinstance(branch, s.Target) for branch in branches)
+        return True
+
+    def is_label(self, at: int) -> bool:
+        item = self.code[at] if at < len(self.code) else None
+        return isinstance(item, s.Line) and item.label is not None
+
     def _statement(self, at: int) -> s.Statement | None:
         item = self.code[at]
         return item.statement if isinstance(item, s.Line) else None
@@ -123,7 +165,8 @@ class Flow:
         if not places:
             self.exits[number] = _ENTRY
             return
-        self._spread(number, region, places[0], _ENTRY)
+        for at in sorted({places[0], *(at for at in self.cuts if region.holds(at))}):
+            self._spread(number, region, at, _ENTRY)
         for at in self.odd:
             if region.holds(at):
                 self._spread(number, region, at, _LOST)
@@ -135,7 +178,7 @@ class Flow:
             if at not in self.before:
                 self._spread(number, region, at, last)
             state = self.before[at]
-            last = self._after(at, state) or state
+            last = self.after(at, state) or state
 
     def _spread(self, number: int, region: Region, start: int, state: State) -> None:
         """Passes a state on from a line until nothing changes."""
@@ -144,12 +187,16 @@ class Flow:
         while queue:
             at = heapq.heappop(queue)
             waiting.discard(at)
-            after = self._after(at, self.before[at])
+            after = self.after(at, self.before[at])
             if after is None:
                 continue
-            for following in self._next(at, region):
+            for following in self.following(at, region):
+                if following in self.cuts:
+                    self.edges.setdefault(at, {})[following] = after
+                    continue
                 if following == region.high:
-                    self.exits[number] = joined(self.exits[number], after)
+                    if not self.cuts:
+                        self.exits[number] = joined(self.exits[number], after)
                     continue
                 known = self.before.get(following)
                 made = joined(known, after)
@@ -161,7 +208,8 @@ class Flow:
 
     # -------------------------------------------------------------------------- one line
 
-    def _after(self, at: int, state: State) -> State | None:
+    def after(self, at: int, state: State) -> State | None:
+        """What holds behind a line; None if it never ends."""
         statement = self._statement(at)
         return state if statement is None else self._passed(at, statement, state)
 
@@ -215,7 +263,7 @@ class Flow:
                 made = joined(made, way)
         return state if made is None else made
 
-    def _next(self, at: int, region: Region) -> Iterator[int]:
+    def following(self, at: int, region: Region) -> Iterator[int]:
         """Lines that may run after one."""
         statement = self._statement(at)
         match statement:

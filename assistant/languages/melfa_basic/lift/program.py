@@ -15,8 +15,11 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 
-def lift(trees: Sequence[s.File], robot: Robot | None = None) -> Program:
-    """The pseudo-program of a main program and the programs that it calls."""
+def lift(trees: Sequence[s.File], robot: Robot | None = None, *, divide: bool = True) -> Program:
+    """The pseudo-program of a main program and the programs that it calls.
+
+    divide: procedures in which settings differ with the way are read once for each way.
+    """
     files = [File(tree) for tree in trees]
     if not files:
         return Program("empty", entry=None)
@@ -33,7 +36,7 @@ def lift(trees: Sequence[s.File], robot: Robot | None = None) -> Program:
     touched = touching({(stem(f.tree) or f"-{k}").upper(): f for k, f in enumerate(files)})
     for file in [main, *rest]:
         unit = None if file is main else (file.header.unit or stem(file.tree) or "unit")
-        program = Unit(file, main, unit, robot, touched).add_to(program)
+        program = Unit(file, main, unit, robot, touched, divide).add_to(program)
     return program
 
 

@@ -7,7 +7,7 @@ from typing import Any, Final
 
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MoveRows
-from assistant.languages.melfa_basic.lift import data, reasons, waits
+from assistant.languages.melfa_basic.lift import data, passes, reasons, waits
 from assistant.languages.melfa_basic.lift.blocks import Code, labels_in
 from assistant.languages.melfa_basic.lift.contexts import Contexts, Form, depends
 from assistant.languages.melfa_basic.lift.control import Control
@@ -18,6 +18,7 @@ from assistant.languages.melfa_basic.lift.pallets import define as define_pallet
 from assistant.languages.melfa_basic.lift.paths import Runs, Values
 from assistant.languages.melfa_basic.lift.regions import Region
 from assistant.languages.melfa_basic.lift.settings import FRAME, TOOL, State
+from assistant.languages.melfa_basic.lift.walk import nodes
 from assistant.languages.melfa_basic.lift.ways import Ways
 from assistant.languages.melfa_basic.names import ARC_START
 from assistant.program import expressions as e
@@ -60,8 +61,13 @@ class Reader:
         self.control = Control(code, structure, self.expressions, self.body, self.simple)
         self.by_label = {r.label: k for k, r in enumerate(self.flow.regions) if r.label}
         self.form: Form | None = None
+        self.names: passes.Names | None = None
+        self.own_labels: dict[str, str] = {}
+        """Those of the lines that are read, upper case → name."""
         self.region = Region(0, 0)
         self.at = 0
+        self.torn = False
+        """Whether a text with a jump stands in a divided procedure, where it leads astray."""
         self.depending: list[tuple[Form, int]] = []
         """Lines kept as text that do what they do under the settings that hold there."""
 
@@ -72,6 +78,20 @@ class Reader:
         self.form, region = form, self.flow.regions[form.region]
         self.region = region
         self.runs.previous, self.runs.arc_pending = None, False
+        made: list[p.Statement] = []
+        for at in range(*region.notes):
+            made += self.control.note(at)
+        if form.passes:
+            made += self.in_passes(form)
+        else:
+            self._take_labels(region)
+            if region.before[1] > 0:
+                made += self.statements(*region.before)
+            made += self.statements(region.low, region.high)
+        made += self.ending(region)
+        return tuple(made)
+
+    def _take_labels(self, region: Region) -> None:
         taken: set[str] = set()
         self.control.labels = {}
         for low, high in (region.before, (region.low, region.high)):
@@ -80,14 +100,41 @@ class Reader:
                 name = given or identifier(self._spelled(label), taken)
                 self.control.labels[label] = name
                 taken.add(name)
+        self.own_labels = self.control.labels
+
+    def in_passes(self, head: Form) -> list[p.Statement]:
+        """The statements of a divided procedure."""
+        order = passes.in_order(head)
+        self.names = passes.Names(order, self._labels)
         made: list[p.Statement] = []
-        for at in range(*region.notes):
-            made += self.control.note(at)
-        if region.before[1] > 0:
-            made += self.statements(*region.before)
-        made += self.statements(region.low, region.high)
-        made += self.ending(region)
-        return tuple(made)
+        for one, below in zip(order, (*order[1:], None), strict=True):
+            self.form, self.runs.arc_pending = one, False
+            self.runs.forget()
+            self.own_labels = self.names.of(one)
+            # names made for blocks are unique among all passes
+            self.control.labels = {f"**{n}": n for n in self.names.taken} | self.own_labels
+            made += self.statements(one.low, one.high)
+            self.names.taken |= set(self.control.labels.values())
+            if passes.leaves(made) or one.falls is below:
+                continue
+            if one.falls is not None:
+                made.append(p.Goto(self._label_at(one.falls)))
+            elif one.high == self.region.high:
+                made.append(self._leaving())
+        self.form = head
+        return made
+
+    def _labels(self, low: int, high: int) -> dict[str, str]:
+        return {key: self._spelled(key) for key in sorted(labels_in(self.code, low, high))}
+
+    def _label_at(self, one: Form) -> str:
+        item = self.code[one.low]
+        assert self.names is not None and isinstance(item, s.Line) and item.label is not None
+        return self.names.of(one)[item.label.upper()]
+
+    def _leaving(self) -> p.Statement:
+        """What stands for the end of a procedure above its last line."""
+        return p.Stop(end=True) if self.region.label is None and self.main else p.Return()
 
     def _spelled(self, label: str) -> str:
         item = self.code[self.flow.labels[label]]
@@ -140,6 +187,10 @@ class Reader:
             self._function_key(callee): self.name_of(made)
             for callee, made in self.form.called.get(at, {}).items()
         }
+        for to in self.form.goes.get(at, {}).values():
+            item = self.code[to.low]
+            if isinstance(item, s.Line) and item.label is not None:
+                self.control.labels[item.label.upper()] = self._label_at(to)
         return values
 
     def _function_key(self, region: int) -> str:
@@ -169,7 +220,7 @@ class Reader:
         if item.label is not None:
             self.runs.flush(made)
             self.runs.forget()
-            made.append(p.Label(self.control.labels[item.label.upper()], span=item.span))
+            made.append(p.Label(self.own_labels[item.label.upper()], span=item.span))
         if item.statement is None or self.absorbed(item.statement, at):
             return at + 1
         if isinstance(item.statement, s.Motion):
@@ -228,6 +279,8 @@ class Reader:
         if found is reasons.WAYS and self.form is not None:
             found = self.ways.differing(statement, self.contexts.at(self.at, self.form))
         dialect = self.meanings.dialect
+        if self.form is not None and (self.form.passes or self.form.head):
+            self.torn |= any(isinstance(part, s.Target) for part in nodes(statement))
         reason = reasons.reason_for(statement, found)
         return p.Opaque(dialect, reasons.text_of(statement, dialect), reason=reason)
 

@@ -11,7 +11,7 @@ from assistant.languages.melfa_basic import header as headers
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MoveRows
 from assistant.languages.melfa_basic.header import Header
-from assistant.languages.melfa_basic.lift import blocks, data, declared, regions, routines
+from assistant.languages.melfa_basic.lift import blocks, data, declared, division, regions, routines
 from assistant.languages.melfa_basic.lift.blocks import Entry
 from assistant.languages.melfa_basic.lift.constants import Constants
 from assistant.languages.melfa_basic.lift.contexts import Contexts, Form
@@ -120,7 +120,8 @@ class _Ways:
 class Unit:
     """Adds a file to a program. unit: its name there, None for the main one.
 
-    touched: settings that each program changes, by its name in upper case.
+    touched: settings that each program changes, by its name in upper case. divide: procedures in
+    which settings differ with the way are read once for each way.
     """
 
     def __init__(
@@ -130,10 +131,11 @@ class Unit:
         unit: str | None,
         robot: Robot | None,
         touched: Mapping[str, frozenset[int]],
+        divide: bool = True,
     ) -> None:
         self.grids = not file.own
         self.file, self.main, self.unit, self.robot = file, main, unit, robot
-        self.touched = touched
+        self.touched, self.divide = touched, divide and not file.own
         self.own, self.header = file.own, file.header
         self.ways: _Ways | None = None
 
@@ -143,7 +145,7 @@ class Unit:
 
     def add_to(self, program: Program) -> Program:
         """The program with the file's procedures and what they name."""
-        reading = self._read(program, frozenset())
+        reading = self._divided(program, self._read(program, frozenset()))
         kept = self._kept(reading)
         if kept:
             reading = self._read(program, kept)
@@ -169,6 +171,22 @@ class Unit:
             joint_targets=_with(program.joint_targets, joints),
             declarations=(*program.declarations, *reading.declarations),
         )
+
+    def _divided(self, program: Program, whole: _Reading) -> _Reading:
+        """The reading with divided procedures if that leaves less as its text."""
+        ways = self.ways
+        if not self.divide or not whole.reader.depending or ways is None:
+            return whole
+        flow = division.divided(ways.contexts.flow, ways.structure)
+        contexts = Contexts(flow, self._initial()) if flow.cuts else ways.contexts
+        if not flow.cuts or contexts.too_long:
+            return whole
+        self.ways = replace(ways, contexts=contexts)
+        made = self._read(program, frozenset())
+        if not made.reader.torn and _depending(made) < _depending(whole):
+            return made
+        self.ways = ways
+        return whole
 
     @staticmethod
     def _kept(reading: _Reading) -> frozenset[int]:
@@ -377,6 +395,10 @@ class Unit:
         return not body and not any(
             not isinstance(i, s.Line) or i.statement or i.label for i in reader.code
         )
+
+
+def _depending(reading: _Reading) -> set[int]:
+    return {at for _, at in reading.reader.depending}
 
 
 def _is_plain(inside: Inside) -> bool:
