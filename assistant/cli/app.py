@@ -10,8 +10,6 @@ import typer
 from assistant import __version__
 from assistant.cli.presentation import FindingFormat, Format, FramesAs
 
-DEMO: Final = Path("out/demo")
-
 app: Final = typer.Typer(
     help="Drawings, trajectories and robot programs to proven ABB RAPID and MELFA-BASIC.",
     no_args_is_help=True,

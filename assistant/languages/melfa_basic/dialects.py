@@ -20,10 +20,6 @@ class Nesting:
     """`If … EndIf`."""
     calls: int = 8
     """`CallP` that has not come back."""
-    gosubs: int = 800
-    """`GoSub` that has not come back."""
-    brackets: int = 16
-    """Values that wait while an expression is worked out."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -83,9 +83,9 @@ def lines(header: Header, dialect: str) -> Iterator[str]:
     if header.products:
         yield PRODUCTS
     for kind in NAME_KINDS:
-        yield from _packed(kind, (f"{s} = {_written(o)}" for s, o in header.names[kind].items()))
-    yield from _packed("path", (f"P{a}-P{b} = {_written(n)}" for a, b, n in header.paths))
-    yield from _packed("inline", header.inline)
+        yield from packed(kind, (f"{s} = {_written(o)}" for s, o in header.names[kind].items()))
+    yield from packed("path", (f"P{a}-P{b} = {_written(n)}" for a, b, n in header.paths))
+    yield from packed("inline", header.inline)
     for name, signal in header.signals.items():
         number = "-" if signal.number is None else signal.number
         yield f"signal: {signal.kind} {signal.direction} {number} {signal.bits} = {_written(name)}"
@@ -98,7 +98,8 @@ def lines(header: Header, dialect: str) -> Iterator[str]:
     yield END
 
 
-def _packed(kind: str, entries: Iterable[str]) -> Iterator[str]:
+def packed(kind: str, entries: Iterable[str]) -> Iterator[str]:
+    """Lines `kind: entry, entry …`, as many entries on each as there is room for."""
     line = ""
     for entry in entries:
         if line and len(line) + 2 + len(entry) > EMITTED_LINE - 10:

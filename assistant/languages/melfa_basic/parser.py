@@ -9,15 +9,13 @@ from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MoveRows, PositionRows, rows_at
 from assistant.languages.melfa_basic.driver import Stop
+from assistant.languages.melfa_basic.files import TOKENISED
 from assistant.languages.melfa_basic.reading import TooLarge, code_start, read_line, statement
 from assistant.program.collecting import uncollected
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.text import SourceText
 
 __all__ = ["parse", "statement"]
-
-TOKENISED: Final = "ROBPRG"
-"""What a controller's own .MB4, .MB5 and .MB6 files begin with."""
 
 TOO_LARGE: Final = "a number is too large"
 SMALLER: Final = "write one that a variable can hold"
@@ -30,7 +28,7 @@ def parse(source: SourceText | str, dialect: str, *, runs: bool = True) -> s.Fil
     runs: False has the grammar read every line, which gives the same with a node a row.
     """
     source = source if isinstance(source, SourceText) else SourceText(source)
-    if source.text.startswith(TOKENISED):
+    if source.text.startswith(TOKENISED.decode()):
         finding = rules.TOKENISED(path=source.path, line=1, column=1)
         whole = s.Unread(source.text, Span(0, len(source.text)))
         return s.File(dialect, (whole,), (finding,), source, (whole,))

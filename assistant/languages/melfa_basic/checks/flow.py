@@ -28,8 +28,6 @@ Found = Iterator[Diagnostic]
 NUMBERS: Final = {"For": 3230, "While": 3250, "If": 3252, "Select": 3254}
 """Kind of a block → what the controller shows where its words do not fit."""
 CLOSERS: Final[Mapping[str, str]] = {kind: word for word, kind in CLOSING.items()}
-NESTING: Final = {"For": (16, 3240), "While": (16, 3240), "If": (8, 3253)}
-"""Kind → how deep blocks may stand (loops of both kinds together), and the error (CR1D 4-151)."""
 
 
 @dataclass(slots=True)
@@ -83,9 +81,11 @@ def _depth(look: Look, block: Block) -> Found:
         if nested and not look.dialect.nested_select:
             yield look.at(rules.NESTED_SELECT, line, kind, title=look.dialect.title)
         return
-    most, number = NESTING[kind]
-    loops = ("For", "While") if kind != "If" else ("If",)
-    around = (b for b in block.chain if b.kind in loops)
+    limits = look.dialect.nesting
+    alike, most, number = (
+        (("If",), limits.blocks, 3253) if kind == "If" else (("For", "While"), limits.loops, 3240)
+    )
+    around = (b for b in block.chain if b.kind in alike)
     depth = sum(1 for _ in islice(around, most + 2))
     if depth == most + 1:
         yield look.at(rules.TOO_DEEP, line, kind, word=kind, depth=depth, most=most, number=number)

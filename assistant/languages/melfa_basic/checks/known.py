@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.checks.look import Look
-from assistant.languages.melfa_basic.checks.walk import nodes
 from assistant.languages.melfa_basic.columnar import PositionRows
+from assistant.languages.melfa_basic.walk import nodes
 
 Ints = NDArray[np.int64]
 

@@ -11,9 +11,10 @@ from typing import Any, Final, TypeVar, cast
 
 from assistant.languages.melfa_basic import printer
 from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.checks.walk import Use, nodes, uses
+from assistant.languages.melfa_basic.checks.uses import Use, uses
 from assistant.languages.melfa_basic.columnar import MoveRows, PositionRows
 from assistant.languages.melfa_basic.dialects import Dialect
+from assistant.languages.melfa_basic.walk import nodes
 from assistant.program.diagnostics import Diagnostic, Rule, Span
 
 N = TypeVar("N")

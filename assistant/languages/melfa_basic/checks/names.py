@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from typing import Final
 
 import numpy as np
 
@@ -17,11 +16,6 @@ from assistant.languages.melfa_basic.dialects import PROGRAM_NAME
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]
-
-_SPLIT: Final = re.compile(r"([A-Z][A-Z_]*)(0|[1-9][0-9]{0,8})")
-_PLACES: Final = ("Tool", "Base")
-SHOWN: Final = 6
-"""Names that one finding lists."""
 
 
 # ---------------------------------------------------------------------------------- as written

@@ -13,8 +13,8 @@ from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.checks.known import Known, known
 from assistant.languages.melfa_basic.checks.look import Look
 from assistant.languages.melfa_basic.checks.steps import MOST_ROWS, row_span
-from assistant.languages.melfa_basic.checks.walk import nodes
 from assistant.languages.melfa_basic.columnar import MVR, MoveRows
+from assistant.languages.melfa_basic.walk import nodes
 from assistant.program.diagnostics import Diagnostic, Severity
 
 Found = Iterator[Diagnostic]

@@ -13,7 +13,7 @@ from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.checks.known import NUMBERED, Ints, Known, is_position, known
 from assistant.languages.melfa_basic.checks.look import Look
 from assistant.languages.melfa_basic.checks.steps import MOST_ROWS, row_span, targets
-from assistant.languages.melfa_basic.checks.walk import Use
+from assistant.languages.melfa_basic.checks.uses import Use
 from assistant.languages.melfa_basic.columnar import MoveRows, PositionRows
 from assistant.program.diagnostics import Diagnostic, Span
 

@@ -15,7 +15,7 @@ from typing import Final
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.convert.chains import chained
 from assistant.languages.melfa_basic.convert.nesting import Block, Node, flat, nested
-from assistant.languages.melfa_basic.convert.steps import targets
+from assistant.languages.melfa_basic.convert.steps import goes_to, targets
 from assistant.languages.melfa_basic.dialects import Dialect
 
 _THEN: Final = re.compile(r"(I[0-9]+)T1")
@@ -175,20 +175,13 @@ def _branches(
         if labels.get(then) != at + 1 or not at + 2 <= after - 1 < end:
             return None
         jump = items[after - 1]
-        if not _is_goto(jump, name + "Z"):
+        if not goes_to(jump, name + "Z"):
             return None
         places += [at, after - 1, after]
         branch += 1
         if labels.get(f"{name}T{branch}") != after + 2:
             return [*places, end]
         at = after + 1
-
-
-def _is_goto(item: s.Item, label: str) -> bool:
-    match item:
-        case s.Line(label=None, statement=s.Jump("GoTo", s.Target(place=str() as place))):
-            return place.upper() == label
-    return False
 
 
 def _replaced(lines: list[s.Item | None], items: Sequence[s.Item], places: Sequence[int]) -> s.Line:
@@ -240,7 +233,7 @@ def _breaks(nodes: Sequence[Node], ends: dict[int, str], behind: dict[int, str])
 def _broken(node: Node, label: str) -> Node:
     if not isinstance(node, s.Line):
         return node
-    if _is_goto(node, label):
+    if goes_to(node, label):
         return replace(node, statement=s.Command("Break"))
     if isinstance(node.statement, s.If) and node.statement.then is not None:
         branches = [

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Final
 
 from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.convert.steps import targets
+from assistant.languages.melfa_basic.convert.steps import goes_to, targets
 
 _FIRST: Final = re.compile(r"(S[0-9]+)C1")
 
@@ -47,7 +47,7 @@ def _at(lines: list[s.Item], at: int, ends: dict[int, str]) -> list[s.Item] | No
         return None
     bodies: list[list[s.Item]] = []
     for low, high in zip(starts, edges[1:], strict=True):
-        if not _goto(lines[high - 1], name + "Z") or high - 1 <= low:
+        if not goes_to(lines[high - 1], name + "Z") or high - 1 <= low:
             return None
         bodies.append(lines[low + 1 : high - 1])
     first = lines[at]
@@ -142,10 +142,3 @@ def _test(condition: s.Expression) -> tuple[s.Expression, s.CaseRange | s.CaseIs
         case s.Binary("<>" | "><" | "<" | "<=" | "=<" | ">" | ">=" | "=>" as operator, left, value):
             return left, s.CaseIs(operator, value)
     return None
-
-
-def _goto(item: s.Item, label: str) -> bool:
-    match item:
-        case s.Line(label=None, statement=s.Jump("GoTo", s.Target(place=str() as place))):
-            return place.upper() == label
-    return False

@@ -13,13 +13,12 @@ into it, and its own short names follow.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
 from assistant.languages.melfa_basic import header as headers
 from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.dialects import EMITTED_LINE
 
 PAIRS: Final = ("named", "stems", "labelled")
 LISTS: Final = ("steps", "long", "constant")
@@ -46,9 +45,9 @@ class Memory:
     def lines(self) -> Iterator[str]:
         """The comment texts, without their mark."""
         for kind in PAIRS:
-            yield from _packed(kind, (f"{k} = {v}" for k, v in getattr(self, kind).items()))
+            yield from headers.packed(kind, (f"{k} = {v}" for k, v in getattr(self, kind).items()))
         for kind in LISTS:
-            yield from _packed(kind, getattr(self, kind))
+            yield from headers.packed(kind, getattr(self, kind))
 
 
 _PAIR: Final = re.compile(r"([A-Z][A-Z0-9_]*) = ([A-Za-z][A-Za-z0-9_]*)")
@@ -143,14 +142,3 @@ def _remembered(text: str | None, memory: Memory) -> bool:
         getattr(memory, key).update(dict.fromkeys(names))
         return True
     return False
-
-
-def _packed(kind: str, entries: Iterable[str]) -> Iterator[str]:
-    line = ""
-    for entry in entries:
-        if line and len(line) + 2 + len(entry) > EMITTED_LINE - 10:
-            yield line
-            line = ""
-        line = f"{line}, {entry}" if line else f"{kind}: {entry}"
-    if line:
-        yield line

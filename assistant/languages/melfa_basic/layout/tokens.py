@@ -73,7 +73,7 @@ def _spelt(token: Token, upper: bool) -> str:
 
 def _apart(before: Token, token: Token) -> bool:
     """Whether a blank stands between two neighbours."""
-    if token.kind in _CLAUSES:
+    if token.kind in _CLAUSES and before.kind != "COLON":
         return True
     if token.kind in _TIGHT_BEFORE or before.kind in _TIGHT_BEHIND:
         return False

@@ -9,8 +9,8 @@ from typing import Any, Final
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.blocks import opened
 from assistant.languages.melfa_basic.columnar import MoveRows
-from assistant.languages.melfa_basic.lift.walk import nodes
 from assistant.languages.melfa_basic.vocabulary import function, status
+from assistant.languages.melfa_basic.walk import nodes
 
 Value = float | str
 

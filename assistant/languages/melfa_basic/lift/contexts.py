@@ -10,7 +10,7 @@ from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MOV, MoveRows
 from assistant.languages.melfa_basic.lift.flow import INHERITED, Flow, joined, resolved
 from assistant.languages.melfa_basic.lift.settings import JOINT, TCP, UNKNOWN, Held, State
-from assistant.languages.melfa_basic.lift.walk import nodes
+from assistant.languages.melfa_basic.walk import nodes
 
 MOST_FORMS: Final = 8
 """Forms of one procedure; called in more ways, its settings count as unknown."""

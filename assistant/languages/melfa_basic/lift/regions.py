@@ -14,7 +14,7 @@ from assistant.languages.melfa_basic.lift.blocks import (
     is_command,
     labels_in,
 )
-from assistant.languages.melfa_basic.lift.walk import nodes
+from assistant.languages.melfa_basic.walk import nodes
 
 
 @dataclass(frozen=True, slots=True)

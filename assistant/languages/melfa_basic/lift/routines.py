@@ -19,7 +19,7 @@ from assistant.languages.melfa_basic.lift.scopes import (
     letter_type,
     scope_of,
 )
-from assistant.languages.melfa_basic.lift.walk import nodes
+from assistant.languages.melfa_basic.walk import nodes
 from assistant.program import statements as p
 from assistant.program.program import Parameter, Procedure, ValueType, Variable, identifier
 

@@ -9,8 +9,8 @@ from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MoveRows
 from assistant.languages.melfa_basic.functions import RELATIONS
 from assistant.languages.melfa_basic.header import Header
-from assistant.languages.melfa_basic.lift.walk import nodes
 from assistant.languages.melfa_basic.vocabulary.timers import MILLISECONDS, MOST_TIMERS, timer_of
+from assistant.languages.melfa_basic.walk import nodes
 from assistant.program import expressions as e
 
 

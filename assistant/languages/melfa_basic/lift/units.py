@@ -34,7 +34,7 @@ from assistant.languages.melfa_basic.lift.statements import Reader
 from assistant.languages.melfa_basic.lift.steps import with_labels
 from assistant.languages.melfa_basic.lift.timers import timers
 from assistant.languages.melfa_basic.lift.waits import comment_text
-from assistant.languages.melfa_basic.lift.walk import nodes
+from assistant.languages.melfa_basic.walk import nodes
 from assistant.program.program import (
     Declaration,
     Parameter,

@@ -10,7 +10,7 @@ from assistant.languages.melfa_basic.lift.blocks import Code
 from assistant.languages.melfa_basic.lift.flow import Effect
 from assistant.languages.melfa_basic.lift.reasons import WAYS, text_of
 from assistant.languages.melfa_basic.lift.settings import JOINT, TCP, UNKNOWN, Held, State
-from assistant.languages.melfa_basic.lift.walk import nodes
+from assistant.languages.melfa_basic.walk import nodes
 from assistant.program.motion import Blend
 from assistant.program.statements import Reason
 from assistant.program.text import SourceText

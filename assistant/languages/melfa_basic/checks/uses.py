@@ -1,12 +1,14 @@
-"""The nodes inside a statement, and what each of its variables is there for."""
+"""What each variable of a statement is there for: read, written, declared."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass
 from typing import Any, Final, Literal
 
 from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.vocabulary import ANY, function, statements
+from assistant.languages.melfa_basic.walk import inside
 
 Role = Literal["read", "written", "declared", "either"]
 """What is done with a variable; `either` where a statement may read or write it."""
@@ -18,10 +20,10 @@ OUTPUTS: Final = frozenset(
     }
 )
 """Statements that give back values in some of their arguments."""
-OUTPUT_FUNCTIONS: Final = frozenset({"CALARC", "PVSCAL", "PCALOBTP"})
 WORDS: Final = frozenset(
     {
-        *("ON", "OFF", "STOP", "JNT", "POS", "TOOL", "NOERR", "ERR", "P", "J", "S", "L", "F"),
+        *(word.upper() for row in statements().values() for word in row.words),
+        *("NOERR", "ERR", "P", "J", "S", "L", "F"),
         *("BIT", "BYTE", "WORD", "INTEGER", "DWORD"),
     }
 )
@@ -34,30 +36,6 @@ class Use:
 
     variable: s.Variable
     role: Role
-
-
-_FIELDS: Final[dict[type, tuple[str, ...]]] = {}
-
-
-def _fields(kind: type) -> tuple[str, ...]:
-    """Names of what a node is made of, empty for what is none."""
-    found = _FIELDS.get(kind)
-    if found is None:
-        names = (f.name for f in fields(kind)) if is_dataclass(kind) else ()
-        found = _FIELDS[kind] = tuple(name for name in names if name != "span")
-    return found
-
-
-def nodes(node: Any) -> Iterator[Any]:
-    """Every node in a node or a tuple of them, itself first, as they stand in the text."""
-    left = [node]
-    while left:
-        inner = left.pop()
-        if isinstance(inner, tuple):
-            left += reversed(inner)
-        elif names := _fields(type(inner)):
-            yield inner
-            left += [getattr(inner, name) for name in reversed(names)]
 
 
 def uses(statement: s.Statement | None) -> Iterator[Use]:
@@ -135,8 +113,13 @@ def _read(node: Any, role: Role = "read") -> Iterator[Use]:
     for inner in _outer(node):
         yield Use(inner, role)
         if inner.arguments:
-            given: Role = "either" if inner.key in OUTPUT_FUNCTIONS else "read"
-            yield from _read(inner.arguments, given)
+            yield from _read(inner.arguments, "either" if _gives(inner.key) else "read")
+
+
+def _gives(name: str) -> bool:
+    """Whether a function of the language may give results in its arguments."""
+    known = function(name)
+    return known is not None and any(a.assigned or a.types == ANY for a in known.arguments)
 
 
 def _outer(node: Any) -> Iterator[s.Variable]:
@@ -149,4 +132,4 @@ def _outer(node: Any) -> Iterator[s.Variable]:
         elif isinstance(inner, tuple):
             left += reversed(inner)
         else:
-            left += [getattr(inner, name) for name in reversed(_fields(type(inner)))]
+            left += [getattr(inner, name) for name in inside(type(inner)) or ()]
