@@ -89,12 +89,14 @@ def run_translate(
 
 
 def _files(program: str, language: str | None) -> Iterator[str]:
+    """The file itself, or the programs of a folder: what others there call is part of those."""
     from assistant.compiler.formatting import programs_in
+    from assistant.compiler.loading import whole_programs
 
-    if program == STANDARD:
+    if program == STANDARD or not Path(program).is_dir():
         yield program
     else:
-        yield from programs_in(program, language)
+        yield from whole_programs(list(programs_in(program, language)), language)
 
 
 def _translated(name: str, options: Options) -> Translated:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
+from pathlib import Path as FilePath
 from typing import Any, Final
 
 from assistant.compiler.compiling import Compiled, compile_program
@@ -172,6 +173,7 @@ def _stopped(span: Span, places: Places) -> Iterator[p.Statement]:
 def _quoted(span: Span | None, places: Places, text: str = "") -> Iterator[str]:
     """The text at a span as comments, or another one if nothing is known of it."""
     place = places.of(span) if span is not None else None
-    yield f"{NOT_SAID}, line {place.line}:" if place else f"{NOT_SAID}:"
+    file = f"{FilePath(place.path).name} " if place and place.path and places.several else ""
+    yield f"{NOT_SAID}, {file}line {place.line}:" if place else f"{NOT_SAID}:"
     for line in (place.text if place else text).splitlines():
         yield QUOTED + line.strip()

@@ -137,6 +137,41 @@ def read_trees(
     return trees
 
 
+def whole_programs(files: Sequence[str], language: str | None = None) -> list[str]:
+    """Those of the files that no other one in their folder calls or lists.
+
+    What others call is read with them. Of files that call each other the first one stays. A file
+    that cannot be read stays as well, to be refused by itself.
+    """
+    calls: dict[str, list[str]] = {}
+    for file in files:
+        path = FilePath(file)
+        try:
+            spoken = _spoken(path, read_bytes(path), language)
+            names = spoken.called_files(spoken.parse(spoken.read(path))) if spoken else ()
+        except Refused:
+            names = ()
+        beside = {name.lower() for name in names} - {path.name.lower()}
+        calls[file] = [
+            other
+            for other in files
+            if FilePath(other).parent == path.parent and FilePath(other).name.lower() in beside
+        ]
+    called = {other for others in calls.values() for other in others}
+    kept: set[str] = set()
+    reached: set[str] = set()
+    for file in (*(f for f in files if f not in called), *files):
+        if file in reached:
+            continue
+        kept.add(file)
+        pending = [file]
+        while pending:
+            if (one := pending.pop()) not in reached:
+                reached.add(one)
+                pending += calls[one]
+    return [file for file in files if file in kept]
+
+
 def read_companions(language: Language[Any], trees: Sequence[Any], folder: FilePath) -> list[Any]:
     """The trees of files in a folder that run beside a program, and of what these call."""
 

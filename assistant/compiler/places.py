@@ -5,6 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path as FilePath
 
 from assistant.compiler.loading import language_of
@@ -12,7 +13,7 @@ from assistant.languages.language import Part
 from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.program import Program, bodies
-from assistant.program.rewriting import Body, map_bodies
+from assistant.program.rewriting import Body, map_spans
 from assistant.program.text import SourceText
 
 
@@ -45,8 +46,13 @@ class Places:
             self._texts.append(source)
             self._starts.append(end)
             end += len(source.text) + 1
-        if len(self._texts) > 1:
+        if len(self._texts) > 1 and not language_of(origin.language).counts_on:
             self.program = self._counted_on(program)
+
+    @property
+    def several(self) -> bool:
+        """Whether it is more than one text."""
+        return len(self._texts) > 1
 
     def parts(self) -> Iterator[Part]:
         """What the trees hold beside their statements, in order of text."""
@@ -56,7 +62,7 @@ class Places:
         language = language_of(origin.language)
         for start, tree in zip(self._starts, origin.trees, strict=True):
             for part in language.parts(tree):
-                yield replace(part, span=_moved(part.span, start))
+                yield replace(part, span=part.span.moved(start))
 
     def of(self, span: Span) -> Place | None:
         """The place of a span, None if it is in no text."""
@@ -92,7 +98,7 @@ class Places:
             return None
         for start, source in zip(self._starts, self._texts, strict=True):
             if source.path == finding.path:
-                return _moved(finding.span, start)
+                return finding.span.moved(start)
         return None
 
     def _local(self, span: Span) -> tuple[SourceText, Span] | None:
@@ -100,7 +106,7 @@ class Places:
         if at < 0:
             return None
         source, start = self._texts[at], self._starts[at]
-        local = _moved(span, -start)
+        local = span.moved(-start)
         return (source, local) if local.end <= len(source.text) else None
 
     def _counted_on(self, program: Program) -> Program:
@@ -114,7 +120,7 @@ class Places:
         procedures = tuple(
             replace(
                 q,
-                body=_body(q.body, starts[q.unit]),
+                body=map_spans(q.body, partial(_in_text, start=starts[q.unit])),
                 span=_in_text(q.span, starts[q.unit]),
             )
             for q in program.procedures
@@ -128,19 +134,8 @@ def _file_stem(program: Program, unit: str | None) -> str:
     return FilePath(language_of(origin.language).file_name(program, unit)).stem.lower()
 
 
-def _body(body: Body, start: int | None) -> Body:
-    return tuple(
-        replace(map_bodies(x, lambda b: _body(b, start)), span=_in_text(x.span, start))
-        for x in body
-    )
-
-
 def _in_text(span: Span | None, start: int | None) -> Span | None:
-    return None if span is None or start is None else _moved(span, start)
-
-
-def _moved(span: Span, by: int) -> Span:
-    return Span(span.start + by, span.end + by)
+    return None if span is None or start is None else span.moved(start)
 
 
 class Trace:

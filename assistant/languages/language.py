@@ -112,6 +112,9 @@ class Language(abc.ABC, Generic[T]):
     """The table of a project's file that holds its settings."""
     settings: Mapping[str, Setting] = MappingProxyType({})
     """What a project may state about its controllers, by key."""
+    counts_on: bool = False
+    """Whether the spans of a lifted program count on from one tree's text to the next, by one
+    more than its length; else those of each unit are in its own text."""
     steps: bool = False
     """Whether its lines have step numbers."""
 

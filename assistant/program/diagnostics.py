@@ -32,6 +32,9 @@ class Span:
     start: int
     end: int
 
+    def moved(self, by: int) -> Span:
+        return Span(self.start + by, self.end + by)
+
 
 def over(first: Span | None, last: Span | None) -> Span | None:
     """From the begin of one to the end of the other, None if one of them is not known."""

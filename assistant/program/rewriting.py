@@ -8,6 +8,7 @@ from typing import Any, Final, TypeVar
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.diagnostics import Span
 from assistant.program.path import Path
 from assistant.program.program import bodies
 
@@ -38,6 +39,17 @@ def map_bodies(statement: Any, body: Callable[[Body], Body]) -> Any:
             selected = tuple(replace(c, body=body(c.body)) for c in cases)
             return replace(statement, cases=selected, otherwise=body(otherwise))
     return statement
+
+
+def map_spans(body: Body, change: Callable[[Span], Span | None]) -> Body:
+    """The body with the place in a source text of each statement changed, inner ones too."""
+    return tuple(
+        replace(
+            map_bodies(node, lambda inner: map_spans(inner, change)),
+            span=None if node.span is None else change(node.span),
+        )
+        for node in body
+    )
 
 
 def map_expressions(node: T, change: Callable[[e.Expression], e.Expression]) -> T:

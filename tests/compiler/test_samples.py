@@ -31,6 +31,15 @@ def test_a_sample_is_clean_and_laid_out(name: str) -> None:
 
 
 @pytest.mark.parametrize("language", MELFA)
+def test_the_sample_of_several_modules(language: str) -> None:
+    folder = SAMPLES / "rapid" / "station"
+    assert check_files([str(folder)], robot=IRB).findings == []
+    there = translate(folder / "station.pgf", to=language, robot=MITSUBISHI, process=CELL)
+    assert there.ok, there.findings
+    assert list(there.files) == ["STATION.prg"]
+
+
+@pytest.mark.parametrize("language", MELFA)
 @pytest.mark.parametrize("name", MOTION)
 def test_a_sample_of_rapid_in_melfa_basic_and_back(
     name: str, language: str, tmp_path: Path

@@ -37,6 +37,7 @@ class Rapid(Language[File]):
     comment_mark = "!"
     family = "RA"
     fixed = ("RA1", "RA3")
+    counts_on = True
 
     def recognises(self, data: bytes, suffix: str = "") -> bool:  # noqa: ARG002
         from assistant.languages.rapid.files import recognises

@@ -22,10 +22,20 @@ from assistant.program.program import Variable
 
 
 class DataLift:
-    """What the data of modules say. speeds, blends: by lower-case name, also unnamed ones."""
+    """What the data of modules say.
 
-    def __init__(self, modules: Sequence[s.Module], original: Callable[[str], str]) -> None:
+    speeds, blends: by lower-case name, also unnamed ones. start: where the text of the module at
+    hand begins.
+    """
+
+    def __init__(
+        self,
+        modules: Sequence[s.Module],
+        starts: Sequence[int],
+        original: Callable[[str], str],
+    ) -> None:
         self.original = original
+        self.start = 0
         self.tools: dict[str, Tool] = {}
         self.frames: dict[str, Frame] = {}
         self.speeds: dict[str, Speed] = {}
@@ -37,7 +47,7 @@ class DataLift:
         self._held: set[int] = set()
         self._names: set[str] = set()
         assigned = _assigned(modules)
-        for module in modules:
+        for module, self.start in zip(modules, starts, strict=True):
             for item in module.items:
                 if isinstance(item, s.Data) and item.name.lower() not in self._names:
                     constant = item.storage == "CONST" or item.name.lower() not in assigned
@@ -101,7 +111,8 @@ class DataLift:
         storage: Any = {"CONST": "constant", "VAR": "variable", "PERS": "persistent"}[item.storage]
         initial = None if item.value is None else lift(item.value, self.original)
         extents = tuple(n for n in size if isinstance(n, int))
-        return Variable(type, initial, extents, storage, item.scope == "LOCAL", item.span)
+        span = item.span and item.span.moved(self.start)
+        return Variable(type, initial, extents, storage, item.scope == "LOCAL", span)
 
 
 def fixed_target(variable: Variable) -> Target | JointTarget | None:

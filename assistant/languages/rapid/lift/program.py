@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import chain
 from typing import Any
@@ -23,28 +23,42 @@ from assistant.languages.rapid.timers import clocks, with_timers
 from assistant.languages.rapid.walk import nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.program import Declaration, Parameter, Procedure, Program, Variable
+from assistant.program.program import (
+    Declaration,
+    Parameter,
+    Procedure,
+    Program,
+    Variable,
+    identifier,
+)
+from assistant.program.rewriting import map_spans, rewrite
 
 
 def lift(files: Sequence[s.File]) -> Program:
     """The program that the modules of these files say together."""
-    modules = [m for file in files for m in file.modules]
-    return _Lift(modules).program() if modules else Program("empty", entry=None)
+    modules: list[s.Module] = []
+    starts: list[int] = []
+    start = 0
+    for file in files:
+        modules += file.modules
+        starts += [start] * len(file.modules)
+        start += len(file.source.text if file.source else "") + 1
+    return _Lift(modules, starts).program() if modules else Program("empty", entry=None)
 
 
 class _Lift:
-    """modules: one at least."""
+    """modules: one at least. starts: where the text of each begins, see `Language.counts_on`."""
 
-    def __init__(self, modules: Sequence[s.Module]) -> None:
-        self.modules = modules
+    def __init__(self, modules: Sequence[s.Module], starts: Sequence[int]) -> None:
+        self.modules, self.starts = modules, starts
         self.headers = [opening(m) for m in modules]
-        self.main = next((i for i, h in enumerate(self.headers) if not h.unit), 0)
+        self.main = self._main()
         self.names: dict[str, str] = {}
         for header in self.headers:
             self.names.update(header.names)
         routines = (i for m in modules for i in m.items if isinstance(i, s.Routine))
         self.own = {r.name.lower() for r in routines}
-        self.data = DataLift(modules, self.original)
+        self.data = DataLift(modules, starts, self.original)
         self.paths = PathLift(modules, self.data, self.original)
         self.clocks = clocks(modules)
         self.meaning = Meaning(
@@ -54,6 +68,13 @@ class _Lift:
         self.procedures: list[Procedure] = []
         self.declarations: list[Declaration] = []
         self.comments: list[str] = []
+
+    def _main(self) -> int:
+        """The module that names the program: that with its heading, else with its `main`."""
+        whole = [i for i, header in enumerate(self.headers) if not header.unit]
+        headed = (i for i in whole if self.headers[i].program)
+        entered = (i for i in whole if "main" in _routines(self.modules[i]))
+        return next(chain(headed, entered, whole), 0)
 
     def original(self, name: str) -> str:
         return self.names.get(name.lower(), name)
@@ -82,8 +103,16 @@ class _Lift:
     def program(self) -> Program:
         header = self.headers[self.main]
         self.comments += header.comments
-        for module, own in zip(self.modules, self.headers, strict=True):
+        for module, start, own in zip(self.modules, self.starts, self.headers, strict=True):
+            before = len(self.procedures), len(self.declarations)
+            self.data.start = start
             self.module(module, own)
+            if start:
+                _count_on(self.procedures, before[0], start)
+                _count_on(self.declarations, before[1], start)
+            if hidden := self._hidden(module):
+                mine = self.procedures[before[0] :]
+                self.procedures[before[0] :] = [_renamed(q, hidden) for q in mine]
         entry = header.entry or ("main" if "main" in self.own else "")
         found = (q.name for q in self.procedures if q.name.lower() == entry.lower())
         targets = self.paths.targets()  # first: those without orientation become variables
@@ -107,6 +136,15 @@ class _Lift:
         program = with_timers(program, self.clocks, self.original)
         program = apart(replace(program, signals=with_used(declared, used)))
         return with_paths(with_values(program), self.original)
+
+    def _hidden(self, module: s.Module) -> dict[str, str]:
+        """New names for local routines of a module that have the name of one in another."""
+        others = [m for m in self.modules if m is not module]
+        elsewhere = {name for m in others for name in _routines(m)}
+        own = _routines(module)
+        hidden = [r for key, r in own.items() if r.local and key in elsewhere]
+        taken = {*elsewhere, *own, *(name.lower() for name in self.data.variables)}
+        return {r.name.lower(): identifier(f"{module.name}_{r.name}", taken) for r in hidden}
 
     def module(self, module: s.Module, header: Header) -> None:
         """Takes the routines of a module, and what of its other items is no data."""
@@ -187,6 +225,35 @@ class _Lift:
                 mode: Any = "inout" if q.mode else "in"
                 found.append(Parameter(self.original(q.name), type, mode))
         return tuple(found)
+
+
+def _count_on(parts: list[Any], first: int, start: int) -> None:
+    """Moves the spans of procedures and declarations from the first on."""
+    for at, part in enumerate(parts[first:], first):
+        part = replace(part, span=part.span and part.span.moved(start))
+        if isinstance(part, Procedure):
+            part = replace(part, body=map_spans(part.body, lambda span: span.moved(start)))
+        parts[at] = part
+
+
+def _routines(module: s.Module) -> dict[str, s.Routine]:
+    """Those of a module by lower-case name."""
+    return {item.name.lower(): item for item in module.items if isinstance(item, s.Routine)}
+
+
+def _renamed(procedure: Procedure, names: Mapping[str, str]) -> Procedure:
+    """With other names for some procedures, its own and in calls. names: by lower-case name."""
+
+    def named(part: Any) -> Any:
+        match part:
+            case p.Call(name) if name.lower() in names:
+                return replace(part, procedure=names[name.lower()])
+            case e.Apply(name) if name.lower() in names:
+                return replace(part, function=names[name.lower()])
+        return part
+
+    name = names.get(procedure.name.lower(), procedure.name)
+    return replace(procedure, name=name, body=rewrite(procedure.body, named))
 
 
 def _declaration(item: s.Item) -> Declaration:

@@ -34,7 +34,7 @@ def statements_of(text: str, program: Program) -> tuple[p.Statement, ...]:
         return (p.Opaque(verbatim.LANGUAGE, text),)  # a finding when it is built
     if any(isinstance(n, s.Data | s.TargetRunNode) for n in read):
         return (p.Opaque(verbatim.LANGUAGE, text),)
-    paths = PathLift((), DataLift((), str), str)
+    paths = PathLift((), DataLift((), (), str), str)
     procedures = {q.name.lower() for q in program.procedures}
     return StatementLift(Meaning(), paths, procedures).block(read)
 
