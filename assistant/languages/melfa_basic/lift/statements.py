@@ -18,9 +18,9 @@ from assistant.languages.melfa_basic.lift.pallets import define as define_pallet
 from assistant.languages.melfa_basic.lift.paths import Runs, Values
 from assistant.languages.melfa_basic.lift.regions import Region
 from assistant.languages.melfa_basic.lift.settings import FRAME, TOOL, State
-from assistant.languages.melfa_basic.walk import nodes
 from assistant.languages.melfa_basic.lift.ways import Ways
 from assistant.languages.melfa_basic.names import ARC_START
+from assistant.languages.melfa_basic.walk import nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Span
