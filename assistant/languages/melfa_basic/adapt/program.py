@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -26,7 +26,7 @@ from assistant.languages.melfa_basic.dialects import DIALECTS, LAST_STEP, Dialec
 from assistant.languages.melfa_basic.lower.program import Unit, branches_in, steps
 from assistant.languages.melfa_basic.lower.writer import mentioned
 from assistant.languages.melfa_basic.names import is_external, naming
-from assistant.program.diagnostics import Diagnostic, Findings
+from assistant.program.diagnostics import Diagnostic, Findings, Span
 from assistant.program.geometry import BASE
 from assistant.program.program import Procedure, Program
 
@@ -122,17 +122,22 @@ def _written(context: Context, program: Program) -> Iterator[Diagnostic]:
         writing = Unit(program, context.robot, unit, context.dialect, names)
         code = writing.code()
         yield from writing.findings
-        yield from _too_long(code, context.dialect)
+        yield from _too_long(code, context.dialect, writing.writer.spans)
         if (count := steps(code)) > LAST_STEP:
             name = names.units[unit]
             yield rules.TOO_MANY_STEPS(name=name, count=count, most=LAST_STEP, place=name)
 
 
-def _too_long(code: Iterable[s.Item], dialect: Dialect) -> Iterator[Diagnostic]:
-    """Lines that a step cannot hold, such as long conditions."""
+def _too_long(
+    code: Iterable[s.Item], dialect: Dialect, spans: Mapping[int, Span]
+) -> Iterator[Diagnostic]:
+    """Lines that a step cannot hold, such as long conditions. spans: see Writer."""
     most = dialect.line - len(f"{LAST_STEP} ")
     for item in code:
         if isinstance(item, s.Line) and (text := printer.line(item, dialect.upper)):
             length = len(text.encode("utf-8"))
             if length > most:
-                yield rules.LONG_LINE(length=length, most=most, place=text[:40] + "...")
+                place = text[:40] + "..."
+                yield rules.LONG_LINE(
+                    length=length, most=most, place=place, span=spans.get(id(item))
+                )

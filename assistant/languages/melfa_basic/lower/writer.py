@@ -18,7 +18,7 @@ from assistant.languages.melfa_basic.lower.expressions import (
 from assistant.languages.melfa_basic.lower.settings import Settings
 from assistant.languages.melfa_basic.names import Names
 from assistant.program import statements as p
-from assistant.program.diagnostics import Diagnostic, Findings
+from assistant.program.diagnostics import Diagnostic, Findings, Span
 from assistant.program.path import Path
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import records
@@ -56,6 +56,10 @@ class Writer:
         """Position variable, tool and frame of the move before, if that is known."""
         self.number = names.position
         self.made = 0
+        self.spans: dict[int, Span] = {}
+        """Where in the source that is written here stood what a line says, by its identity."""
+        self._at: Span | None = None
+        self._noted = 0
         self.owner: Procedure | None = None
         self.expressions = Expressions(program, dialect, names, robot, self.next_number)
         self.used, self.shared = self._used()
@@ -127,9 +131,20 @@ class Writer:
         self.forget()
 
     def body(self, statements: tuple[p.Statement, ...]) -> None:
+        around = self._at
         for statement in statements:
+            self._note()
+            self._at = statement.span or around
             with self.findings.at(statement.span), self.saying():
                 self.write[type(statement)](self, statement)
+            self._note()
+            self._at = around
+
+    def _note(self) -> None:
+        """The lines since the last time are those of the statement at hand."""
+        if self._at is not None:
+            self.spans.update((id(item), self._at) for item in self.items[self._noted :])
+        self._noted = len(self.items)
 
     def is_first(self, procedure: Procedure) -> bool:
         """Whether its unit begins with it."""
