@@ -107,7 +107,11 @@ class _File:
             )
         blocks = nested(comments.fitted(items, self.dialect))
         if blocks is None:
-            self.complain(self.items[0], "blocks that cross each other", "close each in order")
+            self.complain(
+                self.items[0],
+                "blocks that cross each other or stand too deep",
+                "close each in order",
+            )
             return
         jumps = Jumps(self.dialect, steps.labels_of(items), self.complain)
         items = jumps.lines(blocks)

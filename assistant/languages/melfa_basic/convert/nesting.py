@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Final, Literal
 
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.blocks import closed, divided, opened
+
+DEEPEST: Final = 50
+"""Blocks inside one another that are converted; controllers stop at 16."""
 
 Kind = Literal["If", "For", "While", "Select", "Function"]
 
@@ -43,7 +46,7 @@ def closes(statement: s.Statement | None) -> tuple[Kind, ...]:
 
 
 def nested(items: Sequence[s.Item]) -> list[Node] | None:
-    """The blocks of a program; None if they are not opened and closed in order."""
+    """The blocks of a program; None if they are not opened and closed in order, or too deep."""
     outer: list[Node] = []
     stack: list[Block] = []
 
@@ -56,6 +59,8 @@ def nested(items: Sequence[s.Item]) -> list[Node] | None:
             inside().append(item)
             continue
         if kind := opens(statement):
+            if len(stack) > DEEPEST:
+                return None
             block = Block(kind, [Part(item)])
             inside().append(block)
             stack.append(block)
