@@ -81,12 +81,12 @@ def prove(
     findings += language.check(trees)
     try:
         lifted = language.lift(trees, robot)
+        if has_errors(findings):
+            return Proof(None, (*_reasons(REFUSED_THERE, findings), *findings), lifted)
         expected, actual = compared(trees) if compared else (program, lifted)
     except Refused as refused:
         reasons = [NOT_READ_BACK(reason=f.message, place=f.place) for f in refused.findings]
         return Proof(None, tuple(reasons))
-    if has_errors(findings):
-        return Proof(None, (*_reasons(REFUSED_THERE, findings), *findings), lifted)
     precision = language.precision
     tolerance = Tolerance(precision.position, precision.angle, precision.number)
     comparison = compare(expected, actual, tolerance)

@@ -305,3 +305,8 @@ def test_what_a_dialect_lacks_is_refused_on_that_way_too(text: str) -> None:
     compiled = assistant.compile(loaded.program, language=IV)
     assert not compiled.files
     assert "MB209" in {f.code for f in compiled.findings}
+
+
+def test_blocks_far_too_deep_are_refused() -> None:
+    deep = [f"For M{n}=1 To 2" for n in range(2000)] + ["Next"] * 2000
+    assert any("too deep" in message for message in errors("\n".join(deep) + "\nEnd\n", VI, IV))
