@@ -8,7 +8,7 @@ from dataclasses import replace
 from itertools import zip_longest
 
 import numpy as np
-from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import HealthCheck, assume, example, given, settings
 
 from assistant import languages
 from assistant.languages.melfa_basic import syntax as s
@@ -102,6 +102,8 @@ def test_the_first_dialect_comes_back(tree: s.File) -> None:
 
 
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@example(languages.get(V).parse("1 If M1=1 Then\n2 Close\n3 EndIf\n"))
+@example(languages.get(V).parse("1 If M1=1 Then\n2 GoTo *X\n3 Else\n4 XRun 2\n5 EndIf\n"))
 @given(files(5))
 def test_a_lower_dialect_says_the_same_or_says_why_not(tree: s.File) -> None:
     tree = sayable(parsed(tree), IV)

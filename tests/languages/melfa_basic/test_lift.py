@@ -367,3 +367,16 @@ def test_it_means_what_the_rapid_program_means() -> None:
         positions="",
     )
     assert here.procedures == there.procedures
+
+
+@pytest.mark.parametrize("level", [4, 5, 6])
+def test_a_branch_without_a_word_of_its_own_is_a_text_in_the_if(level: int) -> None:
+    text = "10 If M1=1 Then Close Else M1=2\n20 If M1=3 Then Hlt Else Break\n30 End\n"
+    language = languages.get(f"melfa-basic-{level}")
+    first, second = language.lift(language.parse(text.upper())).procedures[0].body
+    match first:
+        case p.If((p.Branch(_, (p.Opaque(text=inside),)),), (p.Assign(),)):
+            assert inside.upper() == "CLOSE"
+        case _:
+            pytest.fail(repr(first))
+    assert isinstance(second, p.Opaque)  # `Break` of a block would leave another one

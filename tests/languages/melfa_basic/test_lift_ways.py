@@ -215,7 +215,7 @@ def test_a_procedure_is_read_once_for_each_of_eight_settings() -> None:
 
 
 def test_a_text_that_jumps_keeps_the_labels_that_it_names() -> None:
-    text = "Spd 100\n*TOP\nMvs P1\nSpd 200\nIf M_In(1)=1 Then Mva P2 Else *TOP\nMvs P2\nEnd\n"
+    text = "Spd 100\n*TOP\nMvs P1\nSpd 200\nOn M1 GoTo *TOP,,*TOP\nMvs P2\nEnd\n"
     main = lifted(text).procedures[0]
     assert [n.name for n in main.body if isinstance(n, p.Label)] == ["TOP"]
 

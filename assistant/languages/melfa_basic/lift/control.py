@@ -23,13 +23,13 @@ DEEPEST: Final = 50
 """Blocks inside one another that are read as such; controllers stop at 16."""
 
 Body = Callable[[int, int], tuple[p.Statement, ...]]
-Simple = Callable[[s.Statement], list[p.Statement]]
+Single = Callable[[s.Statement], list[p.Statement]]
 
 
 class Control:
     """Lifts what decides the order of the lines; raises Unliftable.
 
-    body: lifts a range of lines. simple: lifts one statement, the branch of an `If`.
+    body: lifts a range of lines. single: lifts one statement, the branch of an `If`.
     labels: those of the procedure that is read, upper case → name. refused: why blocks, by their
     first line, stay as their text.
     """
@@ -40,10 +40,10 @@ class Control:
         structure: Mapping[int, list[int]],
         expressions: Expressions,
         body: Body,
-        simple: Simple,
+        single: Single,
     ) -> None:
         self.code, self.structure, self.expressions = code, structure, expressions
-        self.body, self.simple = body, simple
+        self.body, self.single = body, single
         self.labels: dict[str, str] = {}
         self.refused: dict[int, p.Reason | None] = {}
         self.depth = 0
@@ -212,7 +212,7 @@ class Control:
     def branch(self, node: s.Statement | s.Target) -> tuple[p.Statement, ...]:
         if isinstance(node, s.Target):
             node = s.Jump("GoTo", node)
-        return tuple(self.simple(node))
+        return tuple(self.single(node))
 
     def goto(self, target: s.Target) -> p.Statement:
         place = target.place

@@ -58,7 +58,7 @@ class Reader:
         self.expressions = Expressions(meanings)
         self.runs = Runs(meanings, code, self.own, self.single)
         self.moves = Moves(self.expressions, self.runs)
-        self.control = Control(code, structure, self.expressions, self.body, self.simple)
+        self.control = Control(code, structure, self.expressions, self.body, self.branch)
         self.by_label = {r.label: k for k, r in enumerate(self.flow.regions) if r.label}
         self.form: Form | None = None
         self.names: passes.Names | None = None
@@ -245,7 +245,7 @@ class Reader:
     def one(self, node: s.Statement, at: int, span: Span | None) -> list[p.Statement]:
         """A statement that is no block, or its text."""
         try:
-            if at in self.kept:
+            if at in self.kept and not isinstance(node, s.If):
                 raise Unliftable(reasons.DEPENDED_ON)
             lifted = self.simple(node)
         except Unliftable as found:
@@ -254,8 +254,23 @@ class Reader:
             self.note_dependence(at)
         return [waits.spanned(statement, span) for statement in lifted]
 
+    def branch(self, node: s.Statement) -> list[p.Statement]:
+        """The branch of an `If` in one line, or its text as that of a line of its own.
+
+        Raises Unliftable for `Break`, which would leave the `If` if that becomes a block.
+        """
+        setting = isinstance(node, s.Command) and self.flow.effect(node) is not None
+        try:
+            if setting and self.at in self.kept:
+                raise Unliftable(reasons.DEPENDED_ON)
+            return self.simple(node)
+        except Unliftable as found:
+            if isinstance(node, s.Command) and node.keyword == "Break":
+                raise
+            return [self.opaque(node, found.reason)]
+
     def simple(self, node: s.Statement) -> list[p.Statement]:
-        """A statement that is no block, also as the branch of an `If`; raises Unliftable."""
+        """A statement that is no block; raises Unliftable."""
         if isinstance(node, s.Command) and self.flow.effect(node) is not None:
             return []  # how the moves that follow are made
         lift = STATEMENTS.get(type(node))
