@@ -214,6 +214,15 @@ def test_a_procedure_is_read_once_for_each_of_eight_settings() -> None:
     assert "Mvs P1" in reasons(calls(9))
 
 
+def test_lines_that_no_way_leads_to_stay() -> None:
+    live = "Spd 100\n*TOP\nMvs P1\nSpd 200\nIf M_In(1)=1 Then *TOP\nEnd\n"
+    dead = "*NEVER\nMvs P2\nSpd 50\nIf M_In(2)=1 Then *NEVER\nSpd 60\nGoTo *NEVER\n"
+    (main,) = lifted(live + dead + "End\n").procedures
+    labels = [node.name for node in main.body if isinstance(node, p.Label)]
+    assert "NEVER" in labels
+    assert any(isinstance(node, p.Opaque) and node.text == "Mvs P2" for node in main.body)
+
+
 def test_a_text_that_jumps_keeps_the_labels_that_it_names() -> None:
     text = "Spd 100\n*TOP\nMvs P1\nSpd 200\nOn M1 GoTo *TOP,,*TOP\nMvs P2\nEnd\n"
     main = lifted(text).procedures[0]

@@ -75,6 +75,17 @@ class Contexts:
         """What holds where a line begins."""
         return resolved(self.flow.before.get(at, LOST), form.state)
 
+    @property
+    def unread(self) -> frozenset[int]:
+        """Divided procedures with a part that no way leads to, by their number."""
+        return frozenset(
+            number
+            for number, forms in enumerate(self.forms)
+            if self.flow.is_divided(number)
+            for form in forms.values()
+            if {one.low for one in form.passes.values()} != {low for low, _ in self.parts[number]}
+        )
+
     def _follow(self, form: Form) -> list[Form]:
         """Notes what a form calls, and where it goes; gives what is new or changed by that."""
         more = []

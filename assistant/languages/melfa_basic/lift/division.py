@@ -20,11 +20,16 @@ _WAITS: Final = re.compile(r"W\d+Z?", re.IGNORECASE)
 """Labels that are read together with the lines around them."""
 
 
-def divided(flow: Flow, blocks: Mapping[int, list[int]]) -> Flow:
-    """The flow with procedures divided at labels; the same one if there is nothing to divide."""
+def divided(
+    flow: Flow, blocks: Mapping[int, list[int]], whole: frozenset[int] = frozenset()
+) -> Flow:
+    """The flow with procedures divided at labels; the same one if there is nothing to divide.
+
+    whole: numbers of procedures that stay as they are.
+    """
     depth = depths(flow.code, blocks)
     cuts: set[int] = set()
-    refused: set[int] = set()
+    refused = set(whole)
     made = flow
     while True:
         more: set[int] = set()

@@ -177,10 +177,15 @@ class Unit:
         ways = self.ways
         if not self.divide or not whole.reader.depending or ways is None:
             return whole
-        flow = division.divided(ways.contexts.flow, ways.structure)
-        contexts = Contexts(flow, self._initial()) if flow.cuts else ways.contexts
-        if not flow.cuts or contexts.too_long:
-            return whole
+        undivided: frozenset[int] = frozenset()
+        while True:
+            flow = division.divided(ways.contexts.flow, ways.structure, undivided)
+            contexts = Contexts(flow, self._initial()) if flow.cuts else ways.contexts
+            if not flow.cuts or contexts.too_long:
+                return whole
+            if not contexts.unread:
+                break
+            undivided |= contexts.unread  # lines that never run are kept as well
         self.ways = replace(ways, contexts=contexts)
         made = self._read(program, frozenset())
         if not made.reader.torn and _depending(made) < _depending(whole):
