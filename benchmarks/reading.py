@@ -1,22 +1,27 @@
 """Cases: programs of written-out targets and moves, and of ordinary code, from bytes to trees.
 
 Each language has the same three beside each other: what `read` and `parse` give, a bare regular
-expression over the same bytes, and the grammar alone, every line by lark's tables.
+expression over the same bytes, the grammar alone, every line by lark's tables, and lark alone:
+its own lexer and parser with the same grammar, which build its own tree.
 """
 
 from __future__ import annotations
 
 import re
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from functools import cache
 from importlib import import_module
 from multiprocessing import get_context
 from pathlib import Path as FilePath
 from typing import Any, Final
 
+from lark import Lark
+
 from assistant import languages
+from assistant.resources import read_grammar
 from benchmarks.code import LINES, code
 from benchmarks.emission import Case, emit, program
 
@@ -32,6 +37,7 @@ class Spoken:
 
     room: of its parser. most: targets of one file, None for all in one. smallest: the shortest
     sound program. arguments: of the parser beside the source. line: a target or a move.
+    lark: makes what gives lark's own trees of a text, once.
     """
 
     name: str
@@ -41,6 +47,7 @@ class Spoken:
     smallest: str
     arguments: tuple[str, ...]
     line: re.Pattern[bytes]
+    lark: Callable[[], Callable[[str], Any]]
 
 
 SPOKEN: Final = (
@@ -55,6 +62,7 @@ SPOKEN: Final = (
             rb"CONST robtarget (\w+):=\[\[" + _PARTS + rb"\]\];"
             rb"|Move([LJ]) (\w+),(\w+),(\w+),(\w+)(?:\\WObj:=(\w+))?;"
         ),
+        lambda: rapid_trees(),
     ),
     Spoken(
         "melfa-basic-6",
@@ -67,6 +75,7 @@ SPOKEN: Final = (
             rb"(\w+)=\(" + rb",".join([_NUMBER] * 6) + rb"\)\(([0-9]+),([0-9]+)\)\r?\n"
             rb"|([0-9]+) M(?:ov|vs) (\w+)\r?\n"
         ),
+        lambda: melfa_basic_trees(),
     ),
 )
 
@@ -88,6 +97,17 @@ def written(spoken: Spoken, write: Callable[[int, str, FilePath, int], None]) ->
         return sorted(folder.iterdir())
 
     return prepare
+
+
+def with_lark(spoken: Spoken) -> Any:
+    """The files of the other cases, with lark's tables made before the time is taken."""
+    prepare = written(spoken, targets)
+
+    def prepared(n: int) -> list[FilePath]:
+        spoken.lark()
+        return list(prepare(n))
+
+    return prepared
 
 
 def targets(n: int, name: str, folder: FilePath, most: int) -> None:
@@ -143,6 +163,52 @@ def bare_scan(spoken: Spoken) -> Callable[[list[FilePath]], None]:
     return scan
 
 
+def lark_alone(spoken: Spoken) -> Callable[[list[FilePath]], None]:
+    """The trees that lark builds by itself, none of them turned into ours."""
+
+    def read(files: list[FilePath]) -> None:
+        language = languages.get(spoken.name)
+        trees = spoken.lark()
+        kept = [trees(language.read(file).text) for file in files]
+        assert kept
+
+    return read
+
+
+@cache
+def rapid_trees() -> Callable[[str], Any]:
+    """Lark with the grammar of RAPID, which reads a module at once."""
+    parser = import_module("assistant.languages.rapid.grammar").grammar()
+    return lambda text: parser.parse(text, start="start")
+
+
+@cache
+def melfa_basic_trees() -> Callable[[str], Any]:
+    """Lark with the grammar of MELFA-BASIC, which reads a line at a time.
+
+    Its words become patterns of whole words, those of `vocabulary` with them, since lark has no
+    lexer of ours to tell them from names. Step numbers are cut off, as they are before ours.
+    """
+    vocabulary = import_module("assistant.languages.melfa_basic.vocabulary")
+    text = _LISTED.sub("", read_grammar("melfa_basic.lark"))
+    text = _WORD.sub(lambda found: _whole(found[1], found[2].split("|")), text)
+    for terminal in ("MOTION", "COMMAND"):
+        text += _whole(terminal, vocabulary.words(terminal.lower())) + "\n"
+    parser = Lark(text, start="line", parser="lalr", lexer="contextual", maybe_placeholders=True)
+    lines = re.compile(r"(?:[0-9]+ )?(.*[^\r\n])")
+    return lambda source: [parser.parse(line) for line in lines.findall(source)]
+
+
+_LISTED: Final = re.compile(r"^%declare .*$", re.MULTILINE)
+_WORD: Final = re.compile(r'^([A-Z]+): ["/](#?[a-z]+(?:[ |][a-z]+)*)["/]i$', re.MULTILINE)
+
+
+def _whole(terminal: str, words: Sequence[str]) -> str:
+    """A terminal for these words, before any name."""
+    listed = "|".join(sorted(map(str.lower, words), key=len, reverse=True))
+    return f"{terminal}.1: /(?:{listed})(?![a-z0-9_])/i"
+
+
 # ------------------------------------------------------------------------------- cases
 
 
@@ -165,9 +231,12 @@ def _cases(spoken: Spoken) -> dict[str, Reading]:
             (prepare, bare_scan(spoken)), large
         ),
         f"grammar alone, the same {spoken.title}": Reading((prepare, grammar_only(spoken)), small),
+        f"lark alone, the same {spoken.title}": Reading(
+            (with_lark(spoken), lark_alone(spoken)), small
+        ),
         f"read {spoken.title}, ordinary code": lines,
     }
 
 
 READING: Final[dict[str, dict[str, Reading]]] = {spoken.title: _cases(spoken) for spoken in SPOKEN}
-"""Title → the cases of that language; the grammar alone would take long for a million."""
+"""Title → the cases of that language; the grammar or lark alone would take long for a million."""
