@@ -37,7 +37,6 @@ class Spoken:
 
     room: of its parser. most: targets of one file, None for all in one. smallest: the shortest
     sound program. arguments: of the parser beside the source. line: a target or a move.
-    lark: makes what gives lark's own trees of a text, once.
     """
 
     name: str
@@ -47,7 +46,6 @@ class Spoken:
     smallest: str
     arguments: tuple[str, ...]
     line: re.Pattern[bytes]
-    lark: Callable[[], Callable[[str], Any]]
 
 
 SPOKEN: Final = (
@@ -62,7 +60,6 @@ SPOKEN: Final = (
             rb"CONST robtarget (\w+):=\[\[" + _PARTS + rb"\]\];"
             rb"|Move([LJ]) (\w+),(\w+),(\w+),(\w+)(?:\\WObj:=(\w+))?;"
         ),
-        lambda: rapid_trees(),
     ),
     Spoken(
         "melfa-basic-6",
@@ -75,7 +72,6 @@ SPOKEN: Final = (
             rb"(\w+)=\(" + rb",".join([_NUMBER] * 6) + rb"\)\(([0-9]+),([0-9]+)\)\r?\n"
             rb"|([0-9]+) M(?:ov|vs) (\w+)\r?\n"
         ),
-        lambda: melfa_basic_trees(),
     ),
 )
 
@@ -104,7 +100,7 @@ def with_lark(spoken: Spoken) -> Any:
     prepare = written(spoken, targets)
 
     def prepared(n: int) -> list[FilePath]:
-        spoken.lark()
+        TREES[spoken.room]()
         return list(prepare(n))
 
     return prepared
@@ -168,7 +164,7 @@ def lark_alone(spoken: Spoken) -> Callable[[list[FilePath]], None]:
 
     def read(files: list[FilePath]) -> None:
         language = languages.get(spoken.name)
-        trees = spoken.lark()
+        trees = TREES[spoken.room]()
         kept = [trees(language.read(file).text) for file in files]
         assert kept
 
@@ -207,6 +203,10 @@ def _whole(terminal: str, words: Sequence[str]) -> str:
     """A terminal for these words, before any name."""
     listed = "|".join(sorted(map(str.lower, words), key=len, reverse=True))
     return f"{terminal}.1: /(?:{listed})(?![a-z0-9_])/i"
+
+
+TREES: Final = {"rapid": rapid_trees, "melfa_basic": melfa_basic_trees}
+"""Room → what makes, once, what gives lark's own trees of a text."""
 
 
 # ------------------------------------------------------------------------------- cases
