@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 from assistant import robots
 from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.lift.units import File, Unit, touching
+from assistant.languages.melfa_basic.lift.files import File, touching
+from assistant.languages.melfa_basic.lift.units import Unit
 from assistant.program.program import Program, identifier
 
 if TYPE_CHECKING:

@@ -38,7 +38,7 @@ _SLOTS: Final[tuple[tuple[str, str, Callable[[Any], str]], ...]] = (
 )
 
 
-class Ways:
+class UnknownSettings:
     """Tells why settings are not known. effect: the setting that a statement makes."""
 
     def __init__(self, code: Code, effect: Effect, dialect: str, source: SourceText | None) -> None:
