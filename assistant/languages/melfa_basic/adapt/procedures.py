@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.adapt.evaluation import altered, read_before, shared
 from assistant.languages.melfa_basic.adapt.hoisting import Taken, hoisted
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -112,8 +113,31 @@ def without_parameters(program: Program, findings: Findings) -> Program:
             findings.append(rules.AS_VARIABLES(name=procedure.name, place=place))
     if not forms:
         return program
+    _refuse_other_order(program, forms, findings)
     procedures = tuple(_plain(q, forms, taken) for q in program.procedures)
     return replace(program, procedures=procedures, variables=variables)
+
+
+def _refuse_other_order(program: Program, forms: dict[str, _Form], findings: Findings) -> None:
+    """An error at each statement that would say another thing with its calls in front of it."""
+    changed = altered(program.procedures)
+    alters = {key: changed[key] for key in forms}
+    for node in program.statements():
+        alone = [b.condition for b in node.branches] if isinstance(node, p.If) else [head(node)]
+        read = [pair for value in alone for pair in read_before(value, alters)]
+        with findings.at(node.span):
+            for name, function in dict.fromkeys(read):
+                findings.append(rules.CANNOT_SAY(
+                    what=f"that `{name}` is read before `{function}` changes it",
+                    cure="call it in an assignment of its own, and keep the value before it",
+                ))  # fmt: skip
+            if isinstance(node, p.Call) and node.procedure.lower() in forms:
+                callee = forms[node.procedure.lower()].procedure
+                for name in dict.fromkeys(shared(node, callee, changed)):
+                    findings.append(rules.CANNOT_SAY(
+                        what=f"that `{name}` changes in two ways in the call of `{callee.name}`",
+                        cure="hand over a variable of its own, and assign it after the call",
+                    ))  # fmt: skip
 
 
 def has_form(procedure: Procedure) -> bool:

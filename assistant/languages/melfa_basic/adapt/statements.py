@@ -14,7 +14,7 @@ from assistant.languages.melfa_basic.lower.statements import opaque_line
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Procedure
-from assistant.program.rewriting import Body, map_bodies, map_head
+from assistant.program.rewriting import Body, map_bodies, map_head, records
 
 if TYPE_CHECKING:
     from assistant.languages.melfa_basic.adapt.context import Context
@@ -135,6 +135,8 @@ class _Plain:
     def switch(self, node: p.Switch) -> Iterator[p.Statement]:
         nested = self.selects and not self.context.dialect.nested_select
         if nested or not _selectable(node):
+            if sum(len(c.values) for c in node.cases) > 1:
+                self.compared_once(node.subject)
             if node.cases:
                 yield map_bodies(_as_if(node), self.body)
             else:
@@ -143,6 +145,15 @@ class _Plain:
         self.selects += 1
         yield map_bodies(node, self.body)
         self.selects -= 1
+
+    def compared_once(self, subject: e.Expression) -> None:
+        """An error where a subject calls functions, which each comparison would do again."""
+        for record in records(subject):
+            if isinstance(record, e.Apply) and self.context.program.procedure(record.function):
+                self.context.findings.append(rules.CANNOT_SAY(
+                    what=f"that `{record.function}` is called once for all cases here",
+                    cure="assign it to a variable, and choose by that",
+                ))  # fmt: skip
 
     def call(self, node: p.Call) -> Iterator[p.Statement]:
         """Calls say the unit of what they call, if that is another one."""
