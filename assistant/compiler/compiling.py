@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
@@ -11,7 +12,7 @@ import numpy as np
 from assistant.checks import check
 from assistant.compiler.loading import language_of, load
 from assistant.compiler.places import Places
-from assistant.compiler.proof import Proof, prove
+from assistant.compiler.proof import SAYS_OTHERWISE, Proof, prove
 from assistant.program.diagnostics import (
     Diagnostic,
     Refused,
@@ -20,10 +21,11 @@ from assistant.program.diagnostics import (
     fold,
     has_errors,
 )
+from assistant.program.expressions import Verbatim
 from assistant.program.geometry import Target
 from assistant.program.path import Path, configuration_row
 from assistant.program.program import Origin, Program
-from assistant.program.rewriting import rewrite
+from assistant.program.rewriting import head, records, rewrite
 
 if TYPE_CHECKING:
     from assistant.languages import Language
@@ -42,6 +44,12 @@ TOO_FEW = Rule(
     Severity.ERROR,
     "a unit of {most} targets is too small",
     "allow at least {least} targets a unit",
+)
+KEPT_TEXT = Rule(
+    "CO104",
+    Severity.ERROR,
+    "`{text}` keeps its text, but would be read back as something else where it is written",
+    "say it in statements with plain conditions and numbers",
 )
 LEAST_TARGETS: Final = 10
 """A unit must hold an arc with its start, and be worth a file."""
@@ -130,6 +138,8 @@ def compile_program(
     conversion = target.convert(program, arm) if most_targets is None else None
     if conversion is not None:
         return _converted(conversion, source, places, target, arm)
+    if source.origin is not None:
+        findings += language_of(source.origin.language).assumed(source, target.name)
     if arm is not None:
         if program.robot not in (None, arm.name):
             program = _without_configurations(program)
@@ -153,7 +163,7 @@ def compile_program(
     }
     proof = prove(target, program, files, arm)
     own = () if proof.holds else _own_faults(program.origin)
-    findings += own or proof.findings
+    findings += own or _explained(proof.findings, program)
     kept = files if proof.holds else {}
     return replace(compiled, proof=proof, files=kept, found=tuple(findings))
 
@@ -204,6 +214,21 @@ def _own_faults(written: Origin | None) -> tuple[Diagnostic, ...]:
         return ()
     found = language_of(written.language).check(written.trees)
     return tuple(f for f in found if f.severity is Severity.ERROR)
+
+
+def _explained(found: Sequence[Diagnostic], program: Program) -> Iterator[Diagnostic]:
+    """What is not read back as it was written, with the text that is kept there as the cause."""
+    kept = {
+        node.span: part.text
+        for node in program.statements()
+        if node.span is not None
+        for part in records(head(node))
+        if isinstance(part, Verbatim)
+    }
+    for finding in found:
+        same = finding.code == SAYS_OTHERWISE.code and finding.line is None
+        text = kept.get(finding.span) if same and finding.span else None
+        yield finding if text is None else KEPT_TEXT(text=text, span=finding.span)
 
 
 def _without_configurations(program: Program) -> Program:

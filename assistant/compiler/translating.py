@@ -212,7 +212,10 @@ def _about(
 ) -> _Part | None:
     """The part that a finding is about, None if it is about the whole."""
     if span is not None:
-        return parts.get(span)
+        if span in parts:
+            return parts[span]
+        holding = [s for s in parts if s.start <= span.start and span.end <= s.end]
+        return parts[min(holding, key=lambda s: s.end - s.start)] if holding else None
     return next((names[q] for q in _named(finding.place or "") if q in names), None)
 
 

@@ -184,6 +184,13 @@ class Language(abc.ABC, Generic[T]):
         """
         return None
 
+    def assumed(self, program: Program, to: str) -> Iterator[Diagnostic]:  # noqa: ARG002
+        """What a program of this language takes as given, and the language `to` says for it.
+
+        program: as it was lifted, with the spans of `Places`.
+        """
+        yield from ()
+
     def with_frames(self, frames: Frames) -> Self:  # noqa: ARG002
         """The language with frames written in a way; itself where it has work objects.
 

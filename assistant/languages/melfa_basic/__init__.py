@@ -151,6 +151,11 @@ class MelfaBasic(Language[File]):
         names = [self.file_name(program)] * (1 if program.origin else 0)
         return conversion(program, self.name, names, robot)
 
+    def assumed(self, program: Program, to: str) -> Iterator[Diagnostic]:
+        from assistant.languages.melfa_basic.lift.assumed import assumed
+
+        return assumed(program, to)
+
     def merge(self, tree: File, before: File, after: File, program: Program) -> File:
         """The tree changed where the built ones differ, if that says what the program does.
 

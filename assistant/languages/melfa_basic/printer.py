@@ -15,6 +15,9 @@ from assistant.languages.melfa_basic.tables import (
 
 INDENT: Final = 4
 """Blanks of a level (what RT ToolBox's editor indents by)."""
+SIGNS: Final = ("+", "-")
+SYMBOLS: Final = frozenset({"+", "-", "*", "/", "\\", "<<", ">>", "MOD"})
+"""Operators that no sign follows without brackets."""
 
 
 def line(item: s.Line, upper: bool = False, level: int = 0) -> str:
@@ -68,6 +71,11 @@ def number(node: s.Number) -> str:
     return (str(int(value)) if whole else repr(value).upper()) + node.suffix
 
 
+def _apart(text: str) -> str:
+    """With brackets around what begins with a sign: not every controller reads two in a row."""
+    return f"({text})" if text.startswith(SIGNS) else text
+
+
 class _Words:
     """Prints statements in one case of keywords."""
 
@@ -101,19 +109,25 @@ class _Words:
             case s.Unary(operator=operator, operand=operand):
                 binding = PRECEDENCE["NOT"] if operator == "NOT" else SIGN_PRECEDENCE
                 mark = self.word("Not ") if operator == "NOT" else operator
-                return self.bracketed(mark + self.expression(operand, binding), binding, least)
+                text = self.expression(operand, binding)
+                text = text if operator == "NOT" else _apart(text)
+                return self.bracketed(mark + text, binding, least)
             case s.Binary(operator="^", left=left, right=right):
-                text = (
-                    self.expression(left, POWER_PRECEDENCE + 1)
-                    + "^"
-                    + self.expression(right, SIGN_PRECEDENCE)
-                )
+                text = self.expression(left, POWER_PRECEDENCE) + "^" + self.exponent(right)
                 return self.bracketed(text, POWER_PRECEDENCE, least)
             case s.Binary(operator=operator, left=left, right=right):
                 binding = PRECEDENCE[operator]
                 mark = f" {self.word(operator.capitalize())} " if operator.isalpha() else operator
-                text = self.expression(left, binding) + mark + self.expression(right, binding + 1)
+                second = self.expression(right, binding + 1)
+                second = _apart(second) if operator in SYMBOLS else second
+                text = self.expression(left, binding) + mark + second
                 return self.bracketed(text, binding, least)
+
+    def exponent(self, node: s.Expression) -> str:
+        """What stands behind `^`, which may have a sign of its own; powers count from the left."""
+        if isinstance(node, s.Unary) and node.operator in SIGNS:
+            return node.operator + _apart(self.exponent(node.operand))
+        return self.expression(node, POWER_PRECEDENCE + 1)
 
     @staticmethod
     def bracketed(text: str, binding: int, least: int) -> str:

@@ -255,6 +255,21 @@ RENAMED_IN_TEXT = Rule(
     "use a name in the source that stays: P, J, M or C in front, letters and digits only, short",
 )  # fmt: skip
 
+SETTING_KEPT = Rule(
+    "MB233", W, "nothing sets the {what} of this move, which `{word}` set last is kept for: it is "
+    "written with none",
+    "write `{word} {plain}` in front of it, or `{word}` with the position that is meant",
+)  # fmt: skip
+LOOP_CHANGED = Rule(
+    "MB234", W, "the loop changes {names}, which its end or step is made of: the other "
+    "controller works its end and step out once",
+    "count in a variable of its own up to a value that stays, or write While",
+)  # fmt: skip
+NO_CORNER = Rule(
+    "MB235", W, "a corner of 0 mm is written as a stop at the target",
+    "write `Cnt 0`, or give both distances",
+)  # fmt: skip
+
 # --------------------------------------------------------------- from one dialect to another
 NOT_CONVERTED = Rule("MB501", E, "{title} cannot say {what}", "{cure}")
 

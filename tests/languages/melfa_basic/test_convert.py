@@ -277,9 +277,18 @@ def test_functions_go_through_the_pseudo_program() -> None:
 def test_another_robot_goes_through_the_pseudo_program() -> None:
     text = "10 MOV P1\n20 END\nP1=(+300.00,+0.00,+300.00,+180.00,+0.00,+180.00)(7,0)\n"
     loaded = load_text(SourceText(text, "WORK.prg"), language=IV)
-    compiled = assistant.compile(loaded.program, language=VI, robot="rv-4frl")
+    compiled = assistant.compile(loaded.program, language=VI, robot="rv-4frl", from_robot="rv-7frl")
     assert compiled.ok, compiled.findings
     assert "robot: rv-4frl" in compiled.files["WORK.prg"].decode()
+
+
+def test_the_robot_that_a_program_leaves_open_sets_nothing_in_it() -> None:
+    text = "1 Mov P1\n2 End\nP1=(+300.00,+0.00,+300.00,+180.00,+0.00,+180.00)(7,0)\n"
+    loaded = load_text(SourceText(text, "WORK.prg"), language=V)
+    translation = assistant.translate(loaded, to=IV, robot="rv-4frl")
+    assert translation.ok, translation.findings
+    written = translation.files["WORK.prg"].decode()
+    assert not {"TOOL", "BASE", "SPD", "JOVRD", "CNT"} & set(written.split())
 
 
 @pytest.mark.parametrize(
@@ -310,3 +319,41 @@ def test_what_a_dialect_lacks_is_refused_on_that_way_too(text: str) -> None:
 def test_blocks_far_too_deep_are_refused() -> None:
     deep = [f"For M{n}=1 To 2" for n in range(2000)] + ["Next"] * 2000
     assert any("too deep" in message for message in errors("\n".join(deep) + "\nEnd\n", VI, IV))
+
+
+POINT = "P1=(+300.00,+0.00,+300.00,+180.00,+0.00,+180.00)(7,0)\n"
+
+
+def translated(code: str, to: str, from_robot: str | None = None) -> tuple[str, list[str]]:
+    """What a program of MELFA-BASIC V becomes, and `code line` of what is found about it."""
+    loaded = load_text(SourceText(code + POINT, "WORK.prg"), language=V)
+    robot = None if from_robot is None else "rv-4frl"
+    made = assistant.translate(loaded, to=to, robot=robot, from_robot=from_robot)
+    found = [f"{f.code} {f.line}" for f in made.findings if f.severity != Severity.INFO]
+    return "".join(data.decode() for data in made.files.values()), found
+
+
+@pytest.mark.parametrize(
+    ("code", "to", "has", "found"),
+    [
+        ("1 Mov P1\n2 End\n", "rapid", "tool0", ["MB233 1", "MB233 1"]),
+        ("1 Mov P1\n2 End\n", IV, "TOOL P_NTOOL", ["MB233 1", "MB233 1"]),
+        ("1 Tool P_NTool\n2 Base P_NBase\n3 Mov P1\n", IV, "TOOL P_NTOOL", []),
+        ("1 M_Outb(8)=300\n2 M_Out16(32)=-1\n", "rapid", "_8,44;", []),
+        ("1 M_Out16(32)=-1\n2 End\n", "rapid", "_32,65535;", []),
+        ("1 M4=3\n2 For M3=1 To M4\n3 M4=M4-1\n4 Next\n", "rapid", "FOR M3", ["MB234 2"]),
+        ("1 M4=3\n2 For M3=1 To M4\n3 M5=M4-1\n4 Next\n", "rapid", "FOR M3", []),
+        ("1 M4=3\n2 For M3=1 To M4\n3 M3=M3+1\n4 Next\n", "rapid", "WHILE M3<=M4", []),
+        ("1 Cnt 1,0,0\n2 End\n", "rapid", "main", ["MB235 1"]),
+        ("1 M1=3\n2 M2=(M1=2)+M1 And 7\n", IV, "M2=(M1=2)+M1 AND 7", []),
+        ("1 M1=3\n2 M2=M1\n3 M3=M1 And M2\n", IV, "", ["CO104 3"]),
+        ("1 M1=2\n2 M2=2^M1^3\n", "rapid", "Pow(Pow(2,M1),3)", []),
+        ("1 M1=2\n2 M2=2-(-M1)\n", IV, "M2=2-(-M1)", []),
+        ("1 M1=2\n2 M2=2-(-M1)\n", "rapid", "M2:=2-(-M1)", []),
+    ],
+)
+def test_what_was_meant_stays_or_is_told(code: str, to: str, has: str, found: list[str]) -> None:
+    written, told = translated(code, to, "rv-7frl" if to == IV else None)
+    assert has in written
+    known = ("CO003", "RA306", "MB204")  # of the robot and of joint speeds
+    assert [f for f in told if not f.startswith(known)] == found

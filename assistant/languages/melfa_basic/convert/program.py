@@ -40,7 +40,7 @@ def conversion(
     read = next((arm for arm in arms if lift(trees, arm) == program), robot)
     if read is robot and lift(trees, read) != program:
         return None
-    if robot is not None and read is None and program.robot != robot.name:
+    if robot is not None and read is None and program.robot not in (None, robot.name):
         return None  # another arm: its branches are chosen anew
     converted = convert(trees, dialect)
     left = iter(names)

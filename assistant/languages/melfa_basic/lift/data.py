@@ -18,6 +18,7 @@ from assistant.languages.melfa_basic.lift.scopes import TYPES
 from assistant.languages.melfa_basic.vocabulary.timers import timer_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.program import Signal
 
 
 def assign(node: s.Assign, lift: Expressions, runs: Runs) -> list[p.Statement]:
@@ -84,7 +85,18 @@ def _signal(node: s.Assign, lift: Expressions) -> p.SetSignal:
     if not isinstance(name, e.Name):
         raise Unliftable
     pulse = None if node.delay is None else lift.of(node.delay)
-    return p.SetSignal(name.name, lift.of(node.value), pulse)
+    value = lift.of(node.value)
+    if not lift.m.own:
+        value = _low_bits(value, lift.m.signals[name.name])
+    return p.SetSignal(name.name, value, pulse)
+
+
+def _low_bits(value: e.Expression, signal: Signal) -> e.Expression:
+    """What a group of outputs takes of a constant: its low bits."""
+    match value:
+        case e.Number(value=number) if signal.kind == "group" and float(number).is_integer():
+            return e.Number(int(number) & ((1 << signal.bits) - 1))
+    return value
 
 
 def _masked(node: s.Assign, lift: Expressions) -> p.SetSignal | None:

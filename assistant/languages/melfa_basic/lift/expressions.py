@@ -116,8 +116,8 @@ class Expressions:
             return self.placed(operator, left, right)
         if operator in ("<<", ">>") or ("joints" in kinds and not self.m.own):
             raise Unliftable
-        if operator in LOGICAL and not self.m.own:  # of bits; that of truths is no number
-            raise Unliftable
+        if operator in LOGICAL and not (self.m.own and _of_truths(left, right)):
+            raise Unliftable  # of bits; that of truths is no number
         return e.Binary(operator, self.number(left), self.number(right))  # type: ignore[arg-type]
 
     def group(self, operator: str, left: s.Expression, right: s.Expression) -> e.Name | None:
@@ -400,3 +400,16 @@ class Expressions:
             used.pop()
         name = "relative" if operator == "*" else "offset"
         return e.Apply(name, (self.plain(left), *(e.Number(v) for v in used)))
+
+
+def _of_truths(*operands: s.Expression) -> bool:
+    """Whether logic that was written here may be of truths; else it is vendor text, of bits."""
+    for node in operands:
+        match node:
+            case s.Number(value=value) if value not in (0, 1):
+                return False
+            case s.Unary():
+                return False
+            case s.Binary(operator=written) if operator_name(written) not in (*RELATIONS, *LOGICAL):
+                return False
+    return True

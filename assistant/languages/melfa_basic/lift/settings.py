@@ -45,13 +45,20 @@ INITIAL: Final[State] = tuple(Held(v) for v in (math.inf, 100.0, FINE, FLANGE, B
 class Settings:
     """Reads the setting that a statement makes.
 
-    names: tools and frames by short name, of a heading. tools, frames: position variables (upper
-    case) that `Tool` and `Base` name; tool_values, frame_values: those given as constants.
+    own: it was written here. names: tools and frames by short name, of a heading. tools, frames:
+    position variables (upper case) that `Tool` and `Base` name; tool_values, frame_values: those
+    given as constants.
     """
 
     def __init__(
-        self, positions: Positions, constants: Constants, names: dict[str, dict[str, str]]
+        self,
+        positions: Positions,
+        constants: Constants,
+        names: dict[str, dict[str, str]],
+        *,
+        own: bool,
     ) -> None:
+        self.own = own
         self.positions, self.constants, self.names = positions, constants, names
         self.tools: set[str] = set()
         self.frames: set[str] = set()
@@ -90,6 +97,8 @@ class Settings:
         match numbers:
             case [0.0, *_]:
                 return FINE
+            case [1.0, 0.0, *_] | [1.0, float(), 0.0] if not self.own:
+                return FINE  # no distance on one side of the point: no corner is cut
             case [1.0]:
                 return Blend(math.inf)
             case [1.0, float(radius)]:

@@ -194,7 +194,7 @@ class Unit:
 
     def _ways(self, code: list[Entry], constants: Constants) -> _Ways:
         structure, parts = self._regions(code)
-        settings = Settings(self.file.positions, constants, self.header.names)
+        settings = Settings(self.file.positions, constants, self.header.names, own=self.own)
         flow = Flow(code, parts, structure, settings.effect, self._calls(parts))
         return _Ways(constants, structure, parts, settings, Contexts(flow, self._initial()))
 
