@@ -357,3 +357,11 @@ def test_what_was_meant_stays_or_is_told(code: str, to: str, has: str, found: li
     assert has in written
     known = ("CO003", "RA306", "MB204")  # of the robot and of joint speeds
     assert [f for f in told if not f.startswith(known)] == found
+
+
+def test_a_case_of_a_function_is_worked_out_in_front_of_its_select(tmp_path: Path) -> None:
+    source = tmp_path / "NESTED.prg"
+    inner = "Select FNHALF(M1)\nCase 0 To 4\nHlt\nEnd Select\n"
+    source.write_text(f"Def FNHALF(MA)=MA/2\nSelect M1\nCase M2\n{inner}End Select\nEnd\n")
+    done = assistant.translate(source, to="melfa-basic-4")
+    assert [(f.code, f.line) for f in done.findings] == [("MB501", 4)]

@@ -138,6 +138,8 @@ def test_a_changed_tree_reads_as_it_was_changed(seed: int) -> None:
 @given(files(), SEEDS)
 def test_a_changed_random_tree_reads_as_it_was_changed(file: s.File, seed: int) -> None:
     random, tree = at_random(seed, printed(file))
+    # a comment that the layout puts behind the header has another place than one below it
+    assume(parsed(RAPID.render(tree)) == RAPID.parse(printed(tree)))
     tree = settled(change(tree, random).tree)
     wanted = RAPID.parse(printed(tree))
     assume(not wanted.findings)  # what is put in may not fit beside what is there

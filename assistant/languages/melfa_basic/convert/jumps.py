@@ -21,8 +21,9 @@ from typing import Final
 
 from assistant.languages.melfa_basic import printer, vocabulary
 from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.convert.nesting import Block, Node
+from assistant.languages.melfa_basic.convert.nesting import Block, Node, Part
 from assistant.languages.melfa_basic.dialects import EMITTED_LINE, Dialect
+from assistant.languages.melfa_basic.walk import nodes
 
 Complain = Callable[[s.Item, str, str], None]
 """Says of a line what cannot be said, and what to do."""
@@ -183,6 +184,12 @@ class Jumps:
             return made
         subject = selected.subject
         status = isinstance(subject, s.Variable) and vocabulary.status(subject.name) is not None
+        if _calls(subject) and not all(map(_single, cases)):
+            self.complain(
+                head.head,
+                "a `Select` on the value of a function inside another one",
+                "assign the value to a variable in front of it",
+            )
         if not isinstance(subject, s.Variable) or subject.arguments is not None or status:
             variable = s.Variable("M" + name)  # a value that may change is looked at once
             self.variables.append(variable.name)
@@ -285,6 +292,24 @@ def _selecting(leave: Leave | None) -> bool:
 
 def _goto(label: str) -> s.Line:
     return s.Line(statement=s.Jump("GoTo", s.Target(label)))
+
+
+def _calls(value: s.Expression) -> bool:
+    """Whether a function is called to work it out."""
+    return any(
+        isinstance(node, s.Variable)
+        and node.arguments is not None
+        and (node.key.startswith("FN") or vocabulary.function(node.name) is not None)
+        for node in nodes(value)
+    )
+
+
+def _single(part: Part) -> bool:
+    """Whether a case asks for single values only."""
+    node = part.head.statement
+    return not isinstance(node, s.Case) or all(
+        isinstance(item, s.CaseRange) and item.last is None for item in node.items
+    )
 
 
 def _test(subject: s.Expression, item: s.CaseRange | s.CaseIs) -> s.Expression:
