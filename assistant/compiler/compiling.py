@@ -176,7 +176,7 @@ def _converted(
     arm: Robot | None,
 ) -> Compiled:
     """A program of a sister dialect, whose trees were converted."""
-    findings = [*check(source), *conversion.findings]
+    findings = [*check(source), *(places.spanned(f) for f in conversion.findings)]
     if arm is not None and target.name not in arm.languages:
         findings.append(_other_maker(arm, target))
     compiled = Compiled(source, target.name, Proof(None), source, places)

@@ -73,6 +73,22 @@ class Places:
         line, _ = source.line_column(local.start)
         return Place(source.path, line, source.text[local.start : local.end])
 
+    def spanned(self, finding: Diagnostic) -> Diagnostic:
+        """A finding at a line of the only source by its span alone; of several as it is."""
+        if len(self._starts) != 1 or finding.span is None:
+            return finding
+        span = finding.span.moved(self._starts[0])
+        return replace(
+            finding,
+            span=span,
+            path=None,
+            line=None,
+            column=None,
+            excerpt=None,
+            end_line=None,
+            end_column=None,
+        )
+
     def finding(self, finding: Diagnostic) -> Diagnostic:
         """The finding with the file, the line and its text, if it has a span and no line."""
         found = self._local(finding.span) if finding.span and finding.line is None else None

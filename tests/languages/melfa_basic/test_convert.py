@@ -365,3 +365,4 @@ def test_a_case_of_a_function_is_worked_out_in_front_of_its_select(tmp_path: Pat
     source.write_text(f"Def FNHALF(MA)=MA/2\nSelect M1\nCase M2\n{inner}End Select\nEnd\n")
     done = assistant.translate(source, to="melfa-basic-4")
     assert [(f.code, f.line) for f in done.findings] == [("MB501", 4)]
+    assert [(row.place.line, row.level) for row in done.rows][2] == (4, "not")
