@@ -103,7 +103,7 @@ class MelfaBasic(Language[File]):
         return write_text(self.render(tree), tree.source)
 
     def parse(self, source: SourceText | str) -> File:
-        from assistant.languages.melfa_basic.parser import parse
+        from assistant.languages.melfa_basic.reading.parser import parse
 
         return parse(source, self.name)
 

@@ -58,7 +58,7 @@ class Rapid(Language[File]):
         return encode(replace(source, text=self.render(tree)))
 
     def parse(self, source: SourceText | str) -> File:
-        from assistant.languages.rapid.parser import parse
+        from assistant.languages.rapid.reading.parser import parse
 
         return parse(source)
 

@@ -32,7 +32,7 @@ def foreign(kept: Opaque | Verbatim | Declaration) -> dict[str, Any]:
 
 def items(text: str) -> tuple[s.Item, ...]:
     """The declarations of a text; raises Refused if it is no RAPID."""
-    from assistant.languages.rapid.parser import parse_items
+    from assistant.languages.rapid.reading.parser import parse_items
 
     read: tuple[s.Item, ...] = _read(text, "items", parse_items)
     return read
@@ -40,7 +40,7 @@ def items(text: str) -> tuple[s.Item, ...]:
 
 def statements(text: str) -> tuple[s.StatementNode, ...]:
     """The statements of a text; raises Refused if it is no RAPID."""
-    from assistant.languages.rapid.parser import parse_statements
+    from assistant.languages.rapid.reading.parser import parse_statements
 
     read: tuple[s.StatementNode, ...] = _read(text, "statements", parse_statements)
     return read

@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 from assistant import languages
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MoveRows, PositionRows
-from assistant.languages.melfa_basic.driver import Stop
 from assistant.languages.melfa_basic.lift.gathering import gathered, rows_as_lines
-from assistant.languages.melfa_basic.parser import parse
-from assistant.languages.melfa_basic.reading import TooLarge, read_line
+from assistant.languages.melfa_basic.reading.driver import Stop
+from assistant.languages.melfa_basic.reading.line import TooLarge, read_line
+from assistant.languages.melfa_basic.reading.parser import parse
 from assistant.program.text import SourceText
 
 FIXTURES = FilePath(__file__).parent / "fixtures"

@@ -65,7 +65,7 @@ def kinds(node: Any, seen: set[type]) -> set[type]:
 def test_every_kind_of_node_is_made() -> None:
     seen: set[type] = set()
 
-    @settings(PATIENT, max_examples=600, derandomize=True, database=None)
+    @settings(PATIENT, max_examples=1000, derandomize=True, database=None)
     @given(files())
     def look(tree: s.File) -> None:
         kinds(tree, seen)

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from assistant import languages
 from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid.parser import parse
-from assistant.languages.rapid.rows import find_runs
+from assistant.languages.rapid.reading.parser import parse
+from assistant.languages.rapid.reading.rows import find_runs
 from assistant.languages.rapid.runs import FEWEST
 from assistant.program.diagnostics import Diagnostic
 

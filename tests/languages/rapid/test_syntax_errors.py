@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from assistant import languages
 from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid.parser import parse
+from assistant.languages.rapid.reading.parser import parse
 from assistant.languages.rapid.recovery.mistake import Mistake
 from assistant.languages.rapid.recovery.reading import MOST_FINDINGS
 from assistant.languages.rapid.recovery.statement_mistakes import MISTAKES

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from assistant import languages
 from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid.grammar import grammar
-from assistant.languages.rapid.parser import parse
+from assistant.languages.rapid.reading.grammar import grammar
+from assistant.languages.rapid.reading.parser import parse
 from assistant.languages.rapid.runs import FEWEST
 from assistant.languages.rapid.tables import RESERVED
 

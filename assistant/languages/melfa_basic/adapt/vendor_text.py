@@ -10,7 +10,7 @@ from assistant.languages.melfa_basic.convert.names import variables_of
 from assistant.languages.melfa_basic.convert.steps import targets
 from assistant.languages.melfa_basic.dialects import DIALECTS, Dialect
 from assistant.languages.melfa_basic.names import Names
-from assistant.languages.melfa_basic.parser import statement as read_statement
+from assistant.languages.melfa_basic.reading.parser import statement as read_statement
 from assistant.languages.melfa_basic.vocabulary import function, status
 from assistant.program import expressions as e
 from assistant.program import statements as p

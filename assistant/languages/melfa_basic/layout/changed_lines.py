@@ -10,8 +10,8 @@ from typing import Final
 
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.layout.tokens import Token, tokens
-from assistant.languages.melfa_basic.parser import statement as read
 from assistant.languages.melfa_basic.printer import line as printed
+from assistant.languages.melfa_basic.reading.parser import statement as read
 
 _PARTS: Final = re.compile(r"([ \t]*)([0-9]*)([ \t\f]*)")
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from typing import Final, NamedTuple
 
-from assistant.languages.melfa_basic.reading import lexemes
+from assistant.languages.melfa_basic.reading.line import lexemes
 from assistant.languages.melfa_basic.tables import spelled
 
 _BLANKS: Final = re.compile(r"[ \t\f]+")

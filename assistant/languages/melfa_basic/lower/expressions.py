@@ -166,7 +166,7 @@ class Expressions:
         return s.String(text)
 
     def verbatim(self, language: str, text: str) -> s.Expression:
-        from assistant.languages.melfa_basic.parser import statement
+        from assistant.languages.melfa_basic.reading.parser import statement
 
         line = statement("M0=" + text) if language.startswith("melfa-basic-") else None
         if line is None or line.comment or not isinstance(line.statement, s.Assign):

@@ -11,7 +11,7 @@ from assistant.languages.melfa_basic.dialects import DIALECTS, Dialect
 from assistant.languages.melfa_basic.lower import control, motions, signals
 from assistant.languages.melfa_basic.lower.expressions import Unsayable
 from assistant.languages.melfa_basic.lower.writer import Writer
-from assistant.languages.melfa_basic.parser import statement as read_statement
+from assistant.languages.melfa_basic.reading.parser import statement as read_statement
 from assistant.program import statements as p
 
 

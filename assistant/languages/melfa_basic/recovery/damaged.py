@@ -8,9 +8,16 @@ from typing import Final
 
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.driver import MOST_WORDS, Lexeme, Stop, drive, fits, states_of
-from assistant.languages.melfa_basic.nodes import Nodes
-from assistant.languages.melfa_basic.reading import code_start, rule_of, step_of
+from assistant.languages.melfa_basic.reading.driver import (
+    MOST_WORDS,
+    Lexeme,
+    Stop,
+    drive,
+    fits,
+    states_of,
+)
+from assistant.languages.melfa_basic.reading.line import code_start, rule_of, step_of
+from assistant.languages.melfa_basic.reading.nodes import Nodes
 from assistant.languages.melfa_basic.recovery.mistakes import ILLEGAL, Edit
 from assistant.languages.melfa_basic.recovery.repairs import candidates
 from assistant.program.diagnostics import Diagnostic, Span

@@ -7,7 +7,7 @@ from typing import Final
 
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.driver import Stop
+from assistant.languages.melfa_basic.reading.driver import Stop
 from assistant.languages.melfa_basic.recovery.damaged import mend
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.text import SourceText

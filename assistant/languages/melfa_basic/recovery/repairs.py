@@ -9,9 +9,9 @@ from functools import cache
 from typing import Final
 
 from assistant.languages.lalr import END
-from assistant.languages.melfa_basic.driver import Lexeme, Stop, drive
-from assistant.languages.melfa_basic.grammar import keywords
-from assistant.languages.melfa_basic.nodes import Nodes
+from assistant.languages.melfa_basic.reading.driver import Lexeme, Stop, drive
+from assistant.languages.melfa_basic.reading.grammar import keywords
+from assistant.languages.melfa_basic.reading.nodes import Nodes
 from assistant.languages.melfa_basic.recovery.mistakes import MISTAKES, Edit, foreign
 from assistant.languages.melfa_basic.recovery.wording import expected
 from assistant.languages.melfa_basic.syntax import Line

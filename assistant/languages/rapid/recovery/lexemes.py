@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Final
 
-from assistant.languages.rapid.grammar import grammar
+from assistant.languages.rapid.reading.grammar import grammar
 
 END: Final = "$END"
 SILENT: Final = frozenset({"NOTE", "COMMENT", "BLANK"})

@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.files import with_line_feeds
-from assistant.languages.rapid.grammar import grammar
+from assistant.languages.rapid.reading.grammar import grammar
+from assistant.languages.rapid.reading.shortened import RunInTheWay, Shortened
 from assistant.languages.rapid.recovery import wording
 from assistant.languages.rapid.recovery.broken import CLAUSES, Broken, Kept, Repair
 from assistant.languages.rapid.recovery.lexemes import END, lexemes
 from assistant.languages.rapid.recovery.repairs import best
 from assistant.languages.rapid.recovery.stack import after
-from assistant.languages.rapid.shortened import RunInTheWay, Shortened
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.text import SourceText
 

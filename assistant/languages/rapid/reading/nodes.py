@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.gather import gathered
-from assistant.languages.rapid.rows import Found
+from assistant.languages.rapid.reading.rows import Found
 from assistant.languages.rapid.runs import TargetRun
 from assistant.program.diagnostics import Span
 

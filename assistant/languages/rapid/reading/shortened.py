@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import accumulate
 from typing import Final
 
-from assistant.languages.rapid.rows import Found
+from assistant.languages.rapid.reading.rows import Found
 from assistant.languages.rapid.runs import TargetRun
 
 MARKS: Final = ("\x02", "\x03", "\x04", "\x05")

@@ -6,11 +6,11 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.lalr import END, Tables
-from assistant.languages.rapid.grammar import grammar
+from assistant.languages.rapid.reading.grammar import grammar
 from assistant.languages.rapid.recovery.lexemes import scanner
 
 if TYPE_CHECKING:
-    from assistant.languages.rapid.nodes import Nodes
+    from assistant.languages.rapid.reading.nodes import Nodes
 
 IGNORED: Final = frozenset({"BLANK", "COMMENT"})
 

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any, Final
 
-from assistant.languages.melfa_basic.grammar import grammar, keywords, pattern
+from assistant.languages.melfa_basic.reading.grammar import grammar, keywords, pattern
 
 Row = Mapping[str | None, Any]
 

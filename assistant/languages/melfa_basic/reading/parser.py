@@ -8,9 +8,9 @@ from typing import Final
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MoveRows, PositionRows, rows_at
-from assistant.languages.melfa_basic.driver import Stop
 from assistant.languages.melfa_basic.files import TOKENISED
-from assistant.languages.melfa_basic.reading import TooLarge, code_start, read_line, statement
+from assistant.languages.melfa_basic.reading.driver import Stop
+from assistant.languages.melfa_basic.reading.line import TooLarge, code_start, read_line, statement
 from assistant.program.collecting import uncollected
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.text import SourceText

@@ -8,9 +8,9 @@ from functools import cache
 from typing import Any, Final, NamedTuple
 
 from assistant.languages.lalr import END, Reduction, Tables
-from assistant.languages.melfa_basic.grammar import tables
-from assistant.languages.melfa_basic.lexer import lexer
-from assistant.languages.melfa_basic.nodes import Nodes, Token
+from assistant.languages.melfa_basic.reading.grammar import tables
+from assistant.languages.melfa_basic.reading.lexer import lexer
+from assistant.languages.melfa_basic.reading.nodes import Nodes, Token
 
 MOST_WORDS: Final = 256
 """Words of a line that are read: no controller takes a step of more bytes."""

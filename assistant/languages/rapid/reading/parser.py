@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from typing import Any, Final
 
 from assistant.languages.rapid import files, rules
-from assistant.languages.rapid.rows import Found, find_runs
-from assistant.languages.rapid.shortened import MARKS, RunInTheWay, Shortened
+from assistant.languages.rapid.reading.rows import Found, find_runs
+from assistant.languages.rapid.reading.shortened import MARKS, RunInTheWay, Shortened
 from assistant.languages.rapid.syntax import File, Item, Origin, StatementNode
 from assistant.languages.rapid.tables import MOST_NESTING, MOST_OPERATORS
 from assistant.program.collecting import uncollected
@@ -81,8 +81,8 @@ def _read(
     source: SourceText, start: str, *, runs: bool
 ) -> tuple[Any, tuple[Diagnostic, ...]] | Diagnostic:
     """What the typed tree is made of, and the findings; or why the text cannot be read."""
-    from assistant.languages.rapid.driver import drive
-    from assistant.languages.rapid.nodes import Nodes
+    from assistant.languages.rapid.reading.driver import drive
+    from assistant.languages.rapid.reading.nodes import Nodes
     from assistant.languages.rapid.recovery.reading import read_damaged
 
     text = files.with_line_feeds(source.text)

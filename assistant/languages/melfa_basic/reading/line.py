@@ -8,8 +8,8 @@ from functools import cache
 from typing import Final
 
 from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.driver import Lexeme, Stop, drive
-from assistant.languages.melfa_basic.nodes import Nodes
+from assistant.languages.melfa_basic.reading.driver import Lexeme, Stop, drive
+from assistant.languages.melfa_basic.reading.nodes import Nodes
 from assistant.program.diagnostics import Span
 
 BLANKS: Final = " \t\f\x1a"

@@ -1,0 +1,1 @@
+"""From text to the syntax tree: runs of alike lines into columns, the grammar for the rest."""
