@@ -1,4 +1,4 @@
-r"""The comment lines above a written program: what the language cannot say otherwise.
+"""The comment lines above a written program: what the language cannot say otherwise.
 
     ' robot-assistant: melfa-basic-4
     ' program: seam_program
@@ -7,8 +7,7 @@ r"""The comment lines above a written program: what the language cannot say othe
     ' path: P1-P35 = seam
     ' robot-assistant: end
 
-Letters of names beyond ASCII are written as `\xf6` or `\u4e2d`. Whatever is malformed is left
-out: it is only a comment.
+Names are written in ASCII. Whatever is malformed is left out: it is only a comment.
 """
 
 from __future__ import annotations
@@ -18,6 +17,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any, Final, cast
 
+from assistant.languages.ascii_names import NAME, from_ascii, in_ascii
 from assistant.languages.melfa_basic.dialects import EMITTED_LINE
 from assistant.program.program import Signal, ValueType
 
@@ -79,22 +79,22 @@ def lines(header: Header, dialect: str) -> Iterator[str]:
     yield MARK + dialect
     for key in ("program", "robot", "entry", "unit"):
         if (value := getattr(header, key)) is not None:
-            yield f"{key}: {value if key in AS_IS else _written(value)}"
+            yield f"{key}: {value if key in AS_IS else in_ascii(value)}"
     if header.products:
         yield PRODUCTS
     for kind in NAME_KINDS:
-        yield from packed(kind, (f"{s} = {_written(o)}" for s, o in header.names[kind].items()))
-    yield from packed("path", (f"P{a}-P{b} = {_written(n)}" for a, b, n in header.paths))
+        yield from packed(kind, (f"{s} = {in_ascii(o)}" for s, o in header.names[kind].items()))
+    yield from packed("path", (f"P{a}-P{b} = {in_ascii(n)}" for a, b, n in header.paths))
     yield from packed("inline", header.inline)
     for name, signal in header.signals.items():
         number = "-" if signal.number is None else signal.number
-        yield f"signal: {signal.kind} {signal.direction} {number} {signal.bits} = {_written(name)}"
+        yield f"signal: {signal.kind} {signal.direction} {number} {signal.bits} = {in_ascii(name)}"
     for short, v in header.variables.items():
         words = [v.type, v.storage, *(["x".join(map(str, v.size))] if v.size else [])]
         words += ["local"] if v.local else []
         words += ["initial"] if v.initial else []
-        words += [f"of {_written(v.owner)}"] if v.owner else []
-        yield f"variable: {short} = {_written(v.name)} {' '.join(words)}"
+        words += [f"of {in_ascii(v.owner)}"] if v.owner else []
+        yield f"variable: {short} = {in_ascii(v.name)} {' '.join(words)}"
     yield END
 
 
@@ -110,29 +110,16 @@ def packed(kind: str, entries: Iterable[str]) -> Iterator[str]:
         yield line
 
 
-_ESCAPE: Final = r"\\(?:x[0-9a-f]{2}|u[0-9a-f]{4}|U[0-9a-f]{8})"
-_NAME: Final = rf"(?:[A-Za-z]|{_ESCAPE})(?:[A-Za-z0-9_]|{_ESCAPE})*"
-_PAIR: Final = re.compile(rf"([A-Za-z0-9_-]+) = ({_NAME})")
-_PATH: Final = re.compile(rf"P([0-9]{{1,9}})-P([0-9]{{1,9}}) = ({_NAME})")
+_PAIR: Final = re.compile(rf"([A-Za-z0-9_-]+) = ({NAME})")
+_PATH: Final = re.compile(rf"P([0-9]{{1,9}})-P([0-9]{{1,9}}) = ({NAME})")
 _SIGNAL: Final = re.compile(
-    rf"(digital|analog|group) (input|output) (-|[0-9]{{1,6}}) ([0-9]{{1,3}}) = ({_NAME})"
+    rf"(digital|analog|group) (input|output) (-|[0-9]{{1,6}}) ([0-9]{{1,3}}) = ({NAME})"
 )
 _VARIABLE: Final = re.compile(
-    rf"([A-Z][A-Z0-9_]*) = ({_NAME}) (number|integer|truth|text|position|pose|joints) "
+    rf"([A-Z][A-Z0-9_]*) = ({NAME}) (number|integer|truth|text|position|pose|joints) "
     r"(constant|variable|persistent|parameter)( [0-9]{1,3}(?:x[0-9]{1,3}){0,2})?"
-    rf"( local)?( initial)?(?: of ({_NAME}))?"
+    rf"( local)?( initial)?(?: of ({NAME}))?"
 )
-
-
-def _written(name: str) -> str:
-    """A name in ASCII: a file may be opened in any code page."""
-    return name.encode("ascii", "backslashreplace").decode("ascii")
-
-
-def _meant(name: str) -> str:
-    """The name that was written; as it stands if that is none."""
-    meant = re.sub(_ESCAPE, lambda m: chr(min(int(m[0][2:], 16), 0x10FFFF)), name)
-    return meant if re.fullmatch(r"[^\W\d]\w*", meant) else name
 
 
 def read(texts: Iterable[str]) -> Header:
@@ -140,21 +127,21 @@ def read(texts: Iterable[str]) -> Header:
     header = Header()
     for text in texts:
         key, _, value = text.partition(": ")
-        if key in ("program", "unit") and re.fullmatch(_NAME, value):
-            setattr(header, key, _meant(value))
-        elif key == "entry" and (value == "-" or re.fullmatch(_NAME, value)):
-            header.entry = _meant(value)
+        if key in ("program", "unit") and re.fullmatch(NAME, value):
+            setattr(header, key, from_ascii(value))
+        elif key == "entry" and (value == "-" or re.fullmatch(NAME, value)):
+            header.entry = from_ascii(value)
         elif text == PRODUCTS:
             header.products = True
         elif key == "robot" and re.fullmatch(r"[A-Za-z0-9._/-]{1,64}", value):
             header.robot = value
         elif key in NAME_KINDS:
             found = (_PAIR.fullmatch(entry) for entry in value.split(", "))
-            header.names[key].update({f.group(1): _meant(f.group(2)) for f in found if f})
+            header.names[key].update({f.group(1): from_ascii(f.group(2)) for f in found if f})
         elif key == "path":
             ranges = (_PATH.fullmatch(entry) for entry in value.split(", "))
             header.paths += [
-                (int(f.group(1)), int(f.group(2)), _meant(f.group(3)))
+                (int(f.group(1)), int(f.group(2)), from_ascii(f.group(3)))
                 for f in ranges
                 if f and int(f.group(1)) <= int(f.group(2))
             ]
@@ -162,7 +149,7 @@ def read(texts: Iterable[str]) -> Header:
             header.inline.update(dict.fromkeys(re.findall(r"[PJ][0-9]{1,9}", value)))
         elif key == "signal" and (signal := _SIGNAL.fullmatch(value)):
             kind, direction, number, bits, name = signal.groups()
-            header.signals[_meant(name)] = Signal(
+            header.signals[from_ascii(name)] = Signal(
                 cast(Any, kind),
                 cast(Any, direction),
                 None if number == "-" else int(number),
@@ -171,10 +158,10 @@ def read(texts: Iterable[str]) -> Header:
         elif key == "variable" and (v := _VARIABLE.fullmatch(value)):
             short, name, kind, storage, size, local, initial, owner = v.groups()
             header.variables[short] = Declared(
-                _meant(name),
+                from_ascii(name),
                 cast(ValueType, kind),
                 storage,
-                _meant(owner or ""),
+                from_ascii(owner or ""),
                 bool(local),
                 bool(initial),
                 tuple(int(n) for n in size.split("x")) if size else (),

@@ -1,9 +1,9 @@
-r"""The comment lines that open a module: what RAPID itself has no words for.
+"""The comment lines that open a module: what RAPID itself has no words for.
 
 One item a line: `program: NAME`, `robot: NAME`, `entry: NAME`, `unit of: NAME`,
 `signal: NAME digital output [number [bits]]`, `name: SHORT = original`. Anything else is a
-comment; one that looks like an item is written with `: ` before it. Letters beyond ASCII are
-written as `\xf6` or `\u4e2d`, for a module is ASCII.
+comment; one that looks like an item is written with `: ` before it. Names are written in ASCII,
+for a module is.
 """
 
 from __future__ import annotations
@@ -13,19 +13,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
+from assistant.languages.ascii_names import NAME, from_ascii, in_ascii
 from assistant.languages.rapid import syntax as s
 from assistant.program.program import Program, Signal
 
-_ESCAPE = r"\\(?:x[0-9a-f]{2}|u[0-9a-f]{4}|U[0-9a-f]{8})"
-_NAME = rf"(?:[A-Za-z]|{_ESCAPE})(?:[A-Za-z0-9_]|{_ESCAPE})*"
 _ITEM: Final = re.compile(
-    rf"program: (?P<program>{_NAME})"
+    rf"program: (?P<program>{NAME})"
     r"|robot: (?P<robot>[A-Za-z0-9][A-Za-z0-9_.-]*)"
-    rf"|entry: (?P<entry>{_NAME})"
-    rf"|unit of: (?P<unit>{_NAME})"
-    rf"|signal: (?P<signal>{_NAME}) (?P<kind>digital|analog|group) (?P<direction>input|output)"
+    rf"|entry: (?P<entry>{NAME})"
+    rf"|unit of: (?P<unit>{NAME})"
+    rf"|signal: (?P<signal>{NAME}) (?P<kind>digital|analog|group) (?P<direction>input|output)"
     r"(?: (?P<number>[0-9]{1,9})?(?: x(?P<bits>[0-9]{1,3}))?)?"
-    rf"|name: (?P<short>{_NAME}) = (?P<original>{_NAME})",
+    rf"|name: (?P<short>{NAME}) = (?P<original>{NAME})",
     re.ASCII,
 )
 _QUOTED: Final = ": "
@@ -50,28 +49,18 @@ class Header:
         return single + len(self.signals) + len(self.names) + len(self.comments)
 
 
-def _written(name: str) -> str:
-    return name.encode("ascii", "backslashreplace").decode("ascii")
-
-
-def _meant(name: str) -> str:
-    """The name that was written; as it stands if that is none."""
-    meant = re.sub(_ESCAPE, lambda m: chr(min(int(m[0][2:], 16), 0x10FFFF)), name)
-    return meant if re.fullmatch(r"[^\W\d]\w*", meant) else name
-
-
 def header_lines(program: Program, unit: str | None, names: Sequence[tuple[str, str]]) -> list[str]:
     """The lines of a module's header. names: (short, original) each."""
     if unit is None:
-        lines = [f"program: {_written(program.name)}"]
+        lines = [f"program: {in_ascii(program.name)}"]
         if program.robot:
             lines.append(f"robot: {program.robot}")
         if program.entry:
-            lines.append(f"entry: {_written(program.entry)}")
+            lines.append(f"entry: {in_ascii(program.entry)}")
         lines += [_signal(name, signal) for name, signal in program.signals.items()]
     else:
-        lines = [f"unit of: {_written(program.name)}"]
-    lines += [f"name: {short} = {_written(original)}" for short, original in names]
+        lines = [f"unit of: {in_ascii(program.name)}"]
+    lines += [f"name: {short} = {in_ascii(original)}" for short, original in names]
     if unit is None:
         lines += [
             _QUOTED + c if _ITEM.fullmatch(c) or c.startswith(_QUOTED.strip()) else c
@@ -84,7 +73,7 @@ def _signal(name: str, signal: Signal) -> str:
     number = f" {signal.number}" if signal.number is not None else ""
     bits = f" x{signal.bits}" if signal.bits != 1 else ""
     gap = " " if bits and not number else ""
-    return f"signal: {_written(name)} {signal.kind} {signal.direction}{gap}{number}{bits}"
+    return f"signal: {in_ascii(name)} {signal.kind} {signal.direction}{gap}{number}{bits}"
 
 
 def read_header(comments: Sequence[str]) -> Header:
@@ -96,23 +85,23 @@ def read_header(comments: Sequence[str]) -> Header:
                 comment.removeprefix(_QUOTED) if comment.startswith(_QUOTED) else comment
             )
         elif match["program"]:
-            header.program = _meant(match["program"])
+            header.program = from_ascii(match["program"])
         elif match["robot"]:
             header.robot = match["robot"]
         elif match["entry"]:
-            header.entry = _meant(match["entry"])
+            header.entry = from_ascii(match["entry"])
         elif match["unit"]:
-            header.unit = _meant(match["unit"])
+            header.unit = from_ascii(match["unit"])
         elif match["signal"]:
             number = int(match["number"]) if match["number"] else None
-            header.signals[_meant(match["signal"])] = Signal(
+            header.signals[from_ascii(match["signal"])] = Signal(
                 match["kind"],  # type: ignore[arg-type]
                 match["direction"],  # type: ignore[arg-type]
                 number,
                 int(match["bits"] or 1),
             )
         else:
-            header.names[match["short"].lower()] = _meant(match["original"])
+            header.names[match["short"].lower()] = from_ascii(match["original"])
     return header
 
 
