@@ -7,7 +7,7 @@ fit, is its own.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
@@ -28,11 +28,10 @@ Rows = list[dict[str | None, Any]]
 
 @dataclass(frozen=True, slots=True)
 class Tables:
-    """The tables of one start rule: rows, first state and the one behind the whole text."""
+    """The tables of one start rule: rows and first state. END is shifted behind a whole text."""
 
     rows: Rows
     first: int
-    last: int
     passing: Passing
 
     @staticmethod
@@ -48,10 +47,62 @@ class Tables:
                         rules[target] = Reduction.of(target)
                     target = rules[target]
                 rows[int(state)][terminal] = target
-        return Tables(rows, int(conf.start_state), int(conf.end_state), Passing(rows))
+        last = int(conf.end_state)
+        rows[last][END] = last
+        return Tables(rows, int(conf.start_state), Passing(rows))
+
+    def settle(
+        self,
+        terminal: str | None,
+        states: list[int],
+        values: list[Any],
+        begins: list[int],
+        ends: list[int],
+        nodes: Any,
+    ) -> int | None:
+        """Does the rules that a terminal completes; the state that it leads to.
+
+        None where it does not fit. nodes: as of `Reduction.reduce`.
+        """
+        rows = self.rows
+        action = rows[states[-1]].get(terminal)
+        while action.__class__ is Reduction:
+            if action.passes:
+                states[-1], action = self.passing[states[-2], states[-1], terminal]
+                continue
+            action.reduce(rows, states, values, begins, ends, nodes)
+            action = rows[states[-1]].get(terminal)
+        state: int | None = action
+        return state
+
+    def shift(self, states: list[int], terminal: str) -> bool:
+        """Shifts a terminal in place, without values; False where it does not fit.
+
+        The states are spoiled then.
+        """
+        while (action := self.rows[states[-1]].get(terminal)) is not None:
+            if isinstance(action, int):
+                states.append(action)
+                return True
+            if action.size:
+                del states[-action.size :]
+            states.append(self.rows[states[-1]][action.origin])
+        return False
+
+    def after(self, states: Sequence[int], terminals: Iterable[str]) -> list[int] | None:
+        """The states when these terminals have been shifted, None where one does not fit."""
+        changed = list(states)
+        return changed if all(self.shift(changed, one) for one in terminals) else None
+
+    def fitting(self, states: Sequence[int]) -> frozenset[str]:
+        """The terminals of the grammar, and END, that fit behind what led to these states."""
+        row = self.rows[states[-1]]
+        return frozenset(
+            t for t in row if t is not None and t.isupper() and self.after(states, (t,))
+        )
 
 
-class Passing(dict[tuple[int, int, str], tuple[int, Any]]):
+class Passing(dict[tuple[int, int, str | None], tuple[int, Any]]):
     """Rules in a row that pass one value on, as `sum` does a single `product`, in one step.
 
     From the last state but one, the last one and a terminal to the new last one and what the
@@ -62,7 +113,7 @@ class Passing(dict[tuple[int, int, str], tuple[int, Any]]):
         super().__init__()
         self.rows = rows
 
-    def __missing__(self, key: tuple[int, int, str]) -> tuple[int, Any]:
+    def __missing__(self, key: tuple[int, int, str | None]) -> tuple[int, Any]:
         below, top, terminal = key
         action = self.rows[top].get(terminal)
         while isinstance(action, Reduction) and action.passes:
@@ -135,9 +186,6 @@ class Reduction:
         nodes: has a method `(span, children)` for each rule that is a node.
         """
         size = self.size
-        if self.passes:
-            states[-1] = table[states[-2]][self.origin]
-            return
         begin = end = NOWHERE
         taken: list[Any] = []
         if size:

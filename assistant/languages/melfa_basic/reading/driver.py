@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cache
 from typing import Any, Final, NamedTuple
 
-from assistant.languages.lalr import END, Reduction, Tables
+from assistant.languages.lalr import END
 from assistant.languages.melfa_basic.reading.grammar import tables
 from assistant.languages.melfa_basic.reading.lexer import lexer
 from assistant.languages.melfa_basic.reading.nodes import Nodes, Token
@@ -36,11 +34,6 @@ class Stop:
     word: Lexeme
     start: str
 
-    @property
-    def terminals(self) -> tuple[str, ...]:
-        """All terminals of the grammar, and END."""
-        return _terminals(self.start)
-
 
 def drive(
     text: str, at: int, end: int, start: str, nodes: Nodes, words: list[Lexeme] | None = None
@@ -50,66 +43,24 @@ def drive(
     words: takes what was read.
     """
     found = tables(start)
-    table, passing = found.rows, found.passing
+    rows = found.rows
     states, values, begins, ends = [found.first], list[Any](), list[int](), list[int]()
     following = lexer().next
     count = 0
     while True:
-        word = following(text, at, end, table[states[-1]]) or (END, end, end)
+        word = following(text, at, end, rows[states[-1]]) or (END, end, end)
         type, begin, at = word
-        action = table[states[-1]].get(type)
-        while action.__class__ is Reduction:
-            if action.passes:
-                states[-1], action = passing[states[-2], states[-1], type]
-                continue
-            action.reduce(table, states, values, begins, ends, nodes)
-            if states[-1] == found.last:
-                return values[0]
-            action = table[states[-1]].get(type)
-        if action is None or count > MOST_WORDS or len(states) > 2 * MOST_NESTING:
+        state = found.settle(type, states, values, begins, ends, nodes)
+        if state is not None and type == END:
+            return values[0]
+        if state is None or count > MOST_WORDS or len(states) > 2 * MOST_NESTING:
             return Stop(Lexeme(*word), start)
         count += 1
         if words is not None:
             words.append(Lexeme(*word))
         token = Token(text[begin:at])
         token.type = type
-        states.append(action)
+        states.append(state)
         values.append(token)
         begins.append(begin)
         ends.append(at)
-
-
-def states_of(start: str, words: Iterable[Lexeme]) -> tuple[int, ...]:
-    """The states that words lead to which fit one behind the other."""
-    found = tables(start)
-    states = [found.first]
-    for word in words:
-        action = _settled(found, states, word.type)
-        if not isinstance(action, int):
-            break
-        states.append(action)
-    return tuple(states)
-
-
-def fits(start: str, before: tuple[int, ...], terminal: str) -> bool:
-    """Whether a terminal has room behind what led to these states."""
-    return _settled(tables(start), list(before), terminal) is not None
-
-
-def _settled(found: Tables, states: list[int], terminal: str) -> int | None:
-    """The state that a terminal leads to once its rules are done, None where it does not fit."""
-    while (action := found.rows[states[-1]].get(terminal)) is not None:
-        if isinstance(action, int):
-            return action
-        if action.size:
-            del states[-action.size :]
-        states.append(found.rows[states[-1]][action.origin])
-        if states[-1] == found.last:
-            return found.last if terminal == END else None
-    return None
-
-
-@cache
-def _terminals(start: str) -> tuple[str, ...]:
-    rows = tables(start).rows
-    return tuple(sorted({t for row in rows for t in row if t is not None and t.isupper()} | {END}))

@@ -8,14 +8,8 @@ from typing import Final
 
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.reading.driver import (
-    MOST_WORDS,
-    Lexeme,
-    Stop,
-    drive,
-    fits,
-    states_of,
-)
+from assistant.languages.melfa_basic.reading.driver import MOST_WORDS, Lexeme, Stop, drive
+from assistant.languages.melfa_basic.reading.grammar import tables
 from assistant.languages.melfa_basic.reading.line import code_start, rule_of, step_of
 from assistant.languages.melfa_basic.reading.nodes import Nodes
 from assistant.languages.melfa_basic.recovery.mistakes import ILLEGAL, Edit
@@ -121,8 +115,10 @@ def _best(line: Changed, stop: Stop) -> Edit | None:
     """The cheapest change behind which the line reads on."""
     text = line.text
     read = _words(text)
-    states = states_of(stop.start, read)
-    fitting = frozenset(t for t in stop.terminals if fits(stop.start, states, t))
+    found = tables(stop.start)
+    states = found.after((found.first,), (word.type for word in read))
+    assert states is not None  # each of them was shifted
+    fitting = found.fitting(states)
     if stop.word.type in fitting:  # too many words, or brackets too deep in each other
         return None
     best: tuple[int, Edit] | None = None

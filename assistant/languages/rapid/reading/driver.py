@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
-from assistant.languages.lalr import END, Tables
-from assistant.languages.rapid.reading.grammar import grammar
+from assistant.languages.lalr import END
+from assistant.languages.rapid.reading.grammar import tables
 from assistant.languages.rapid.recovery.lexemes import scanner
 
 if TYPE_CHECKING:
@@ -20,35 +19,23 @@ def drive(text: str, start: str, nodes: Nodes) -> tuple[Any, int] | None:
 
     None where a word does not fit.
     """
-    tables = _tables(start)
-    table = tables.rows
-    states, values, begins, ends = [tables.first], list[Any](), list[int](), list[int]()
+    found = tables(start)
+    rows = found.rows
+    states, values, begins, ends = [found.first], list[Any](), list[int](), list[int]()
     deepest = 0
     for match in scanner().finditer(text):
         type = match.lastgroup
-        if type in IGNORED or (type == "NOTE" and type not in table[states[-1]]):
+        if type in IGNORED or (type == "NOTE" and type not in rows[states[-1]]):
             continue
-        while True:
-            action = table[states[-1]].get(type)
-            if action is None:
-                return None
-            if isinstance(action, int):
-                break
-            action.reduce(table, states, values, begins, ends, nodes)
-        states.append(action)
+        state = found.settle(type, states, values, begins, ends, nodes)
+        if state is None:
+            return None
+        states.append(state)
         values.append(match[0])
         begins.append(match.start())
         ends.append(match.end())
         if len(states) > deepest:
             deepest = len(states)
-    while states[-1] != tables.last or len(values) != 1:
-        action = table[states[-1]].get(END)
-        if action is None:
-            return None
-        action.reduce(table, states, values, begins, ends, nodes)
+    if found.settle(END, states, values, begins, ends, nodes) is None:
+        return None
     return values[0], deepest
-
-
-@cache
-def _tables(start: str) -> Tables:
-    return Tables.of(grammar(), start)

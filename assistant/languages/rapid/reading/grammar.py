@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cache
 from typing import TYPE_CHECKING
 
+from assistant.languages.lalr import Tables
 from assistant.resources import read_grammar
 
 if TYPE_CHECKING:
@@ -24,3 +25,9 @@ def grammar() -> Lark:
         propagate_positions=True,
         maybe_placeholders=True,
     )
+
+
+@cache
+def tables(start: str) -> Tables:
+    """The tables of a start rule."""
+    return Tables.of(grammar(), start)

@@ -7,9 +7,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Final
 
+from assistant.languages.lalr import Tables
 from assistant.languages.rapid.recovery import indentation
 from assistant.languages.rapid.recovery.lexemes import Lexeme
-from assistant.languages.rapid.recovery.stack import Table, after, shift
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,9 +57,8 @@ class Broken:
     text: str
     words: list[Lexeme]
     error: int
-    table: Table
-    end: Any
-    states: list[Any]
+    tables: Tables
+    states: list[int]
     types: tuple[str, ...]
     begins: tuple[int, ...]
     base: int
@@ -104,14 +103,14 @@ class Broken:
         return indentation.code_end(self.text, self.word.start)
 
     def accepts(self, terminal: str) -> bool:
-        return after(self.table, self.end, self.states, (terminal,)) is not None
+        return self.tables.after(self.states, (terminal,)) is not None
 
     def fits(self, terminals: Iterable[str]) -> bool:
         """Whether the statement may be these words."""
-        return after(self.table, self.end, self.states[: self.base + 1], terminals) is not None
+        return self.tables.after(self.states[: self.base + 1], terminals) is not None
 
-    def accepted(self) -> set[str]:
-        return {t for t in self.table[self.states[-1]] if t.isupper() and self.accepts(t)}
+    def accepted(self) -> frozenset[str]:
+        return self.tables.fitting(self.states)
 
     def openers(self) -> list[tuple[str, int]]:
         """Blocks that are open before the statement, the outermost first: word and offset."""
@@ -125,11 +124,11 @@ class Broken:
 
     def reach(self, keep: int, put: Iterable[str], index: int) -> int:
         """Row of the first word that does not fit behind a change; -1 if the change does not."""
-        stack = after(self.table, self.end, self.states[: keep + 1], put)
+        stack = self.tables.after(self.states[: keep + 1], put)
         if stack is None:
             return -1
         for row in range(index, len(self.words)):
-            if not shift(self.table, self.end, stack, self.words[row].type):
+            if not self.tables.shift(stack, self.words[row].type):
                 return row
         return len(self.words)
 

@@ -13,13 +13,12 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.files import with_line_feeds
-from assistant.languages.rapid.reading.grammar import grammar
+from assistant.languages.rapid.reading.grammar import grammar, tables
 from assistant.languages.rapid.reading.shortened import RunInTheWay, Shortened
 from assistant.languages.rapid.recovery import wording
 from assistant.languages.rapid.recovery.broken import CLAUSES, Broken, Kept, Repair
 from assistant.languages.rapid.recovery.lexemes import END, lexemes
 from assistant.languages.rapid.recovery.repairs import best
-from assistant.languages.rapid.recovery.stack import after
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.text import SourceText
 
@@ -59,7 +58,7 @@ class _Reading:
         self.findings: list[Diagnostic] = []
         self._state: Any = parser.parser_state
         self._lexer: Any = parser.lexer_thread
-        self._table, self._end = self._state.parse_conf.states, self._state.parse_conf.end_state
+        self._tables = tables(start)
         self._quiet_until = -1
         self._kept: list[Kept] = []
         self._mends = 0
@@ -108,7 +107,7 @@ class _Reading:
         yield Token(END, "", at, 1, 1, 1, 1, at)
 
     def _after(self, terminals: Sequence[str]) -> list[int] | None:
-        return after(self._table, self._end, self._state.state_stack, terminals)
+        return self._tables.after(self._state.state_stack, terminals)
 
     def _note(self, token: Token) -> None:
         """Remembers where an IF without THEN began: its ENDIF tells what it was meant to be."""
@@ -144,8 +143,7 @@ class _Reading:
             self.text,
             words,
             error,
-            self._table,
-            self._end,
+            self._tables,
             states,
             tuple(getattr(v, "type", "") for v in self._state.value_stack),
             tuple(map(self._begins, self._state.value_stack)),
@@ -161,7 +159,7 @@ class _Reading:
         """How much of the stack stands before the damaged statement, and where that begins."""
         states, values = self._state.state_stack, self._state.value_stack
         base = len(values)
-        while base and not STARTS & self._table[states[base]].keys():
+        while base and not STARTS & self._tables.rows[states[base]].keys():
             base -= 1
             if getattr(values[base], "type", "") in CLAUSES:
                 break

@@ -12,7 +12,6 @@ from assistant.languages.rapid.recovery import indentation
 from assistant.languages.rapid.recovery.broken import CLAUSES, ENDS, TEXTS, Broken, Repair, put
 from assistant.languages.rapid.recovery.left_out import GLUE, MODULE, left_out
 from assistant.languages.rapid.recovery.lexemes import END, Lexeme, lexemes
-from assistant.languages.rapid.recovery.stack import after
 from assistant.languages.rapid.tables import RESERVED
 
 INSERTED: Final = (
@@ -123,7 +122,7 @@ def _forgotten_then(b: Broken) -> Iterator[tuple[Repair, int, int]]:
     head = [word for word in line if word.start < kept.line_end]
     end = head[-1].end
     words = (*head, *put(["_THEN"], end))
-    if after(b.table, b.end, kept.states, [word.type for word in words]) is not None:
+    if b.tables.after(kept.states, (word.type for word in words)) is not None:
         yield Repair("insert", 0, words, kept.line_end, end, end, "_THEN", kept=kept), b.error, 0
 
 
