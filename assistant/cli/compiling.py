@@ -23,6 +23,7 @@ from assistant.program.diagnostics import (
     Refused,
     Rule,
     Severity,
+    Unreadable,
     fold,
     has_errors,
 )
@@ -47,6 +48,12 @@ NO_FILE_NAME = Rule(
     "CL003", Severity.ERROR, "`{name}` is no name of a file", "name the file to write"
 )
 TWICE = Rule("CL004", Severity.ERROR, "standard input can be read only once", "name `-` only once")
+OVER_SOURCE = Rule(
+    "CL007",
+    Severity.ERROR,
+    "`{name}` would be written over the source itself",
+    "name another folder or file",
+)
 STANDARD: Final = "-"
 SIDE_TABLES_ABOVE: Final = 1000
 """Rows of a path that a `.pseudo` file on disk still holds in its text."""
@@ -96,6 +103,7 @@ def run_compile(
     elif ok:
         from assistant.compiler.output import write_files
 
+        keep_sources(sources, [Path(output) / name for name in files])
         written = [str(path) for path in write_files(files, output)]
     if format is FindingFormat.JSON:
         print_json(_answer(done, findings, written, ok))
@@ -164,13 +172,16 @@ def _input(
 def standard_input(language: str | None) -> tuple[SourceText, str | None]:
     """The text on standard input, and the robot language that is named or that it shows.
 
-    It is decoded as files of that language are, else as pseudo text.
+    It is decoded as files of that language are, else as pseudo text. Raises Unreadable if
+    there is nothing.
     """
     from assistant import languages
     from assistant.compiler.loading import PSEUDO_ENCODINGS, language_of
-    from assistant.program.text import decode
+    from assistant.program.text import EMPTY, decode
 
     data = sys.stdin.buffer.read()
+    if not data:
+        raise Unreadable(EMPTY(path="standard input", name="standard input"))
     if language is None and not _PSEUDO.search(data):
         known = map(languages.get, languages.names())
         language = next((one.name for one in known if one.recognises(data)), None)
@@ -225,6 +236,14 @@ def _answer(
         "findings": [finding_record(f) for f in findings],
         "written": list(written),
     }
+
+
+def keep_sources(sources: Sequence[str], written: Sequence[Path]) -> None:
+    """Raises Refused (exit status 2) if a file that is to be written is one of the sources."""
+    read = [Path(source) for source in sources if source != STANDARD]
+    for file in written:
+        if file.is_file() and any(one.exists() and one.samefile(file) for one in read):
+            raise Refused(OVER_SOURCE(path=str(file), name=file), exit_status=2)
 
 
 @contextmanager

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from assistant.program.diagnostics import Diagnostic, Severity
+from assistant.program.diagnostics import LONGEST_EXCERPT, Diagnostic, Severity
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -70,9 +70,11 @@ def print_findings(findings: Iterable[Diagnostic], *, explained: bool = False) -
         screen.print(head)
         if finding.excerpt is not None and finding.line is not None:
             number = f"{finding.line:>6} | "
-            screen.print(Text(number + _visible(finding.excerpt), style="dim"))
-            if finding.column is not None:
-                screen.print(" " * (len(number) + finding.column - 1) + "^" * _width(finding))
+            excerpt, column = _window(finding.excerpt, finding.column)
+            screen.print(Text(number + _visible(excerpt), style="dim"))
+            if column is not None:
+                width = _width(finding, len(excerpt) - column + 1)
+                screen.print(" " * (len(number) + column - 1) + "^" * width)
         if finding.cure:
             screen.print(Text(f"       = {_visible(finding.cure)}", style="green"))
     if screen and explained:
@@ -83,11 +85,21 @@ def print_findings(findings: Iterable[Diagnostic], *, explained: bool = False) -
         )
 
 
-def _width(finding: Diagnostic) -> int:
-    if finding.span is None or finding.excerpt is None or finding.column is None:
-        return 1
-    rest = len(finding.excerpt) - finding.column + 1
-    return max(1, min(finding.span.end - finding.span.start, rest))
+def _width(finding: Diagnostic, rest: int) -> int:
+    """Characters of the finding's span that are shown. rest: of the line, from its column on."""
+    span = finding.span
+    return 1 if span is None else max(1, min(span.end - span.start, rest))
+
+
+def _window(line: str, column: int | None) -> tuple[str, int | None]:
+    """The line around a column and where the column is in it: files of one line are shown too."""
+    if len(line) <= LONGEST_EXCERPT:
+        return line, column
+    start = max(0, (column or 1) - 1 - LONGEST_EXCERPT // 2)
+    shown = line[start : start + LONGEST_EXCERPT]
+    before = "…" if start else ""
+    after = "…" if start + LONGEST_EXCERPT < len(line) else ""
+    return f"{before}{shown}{after}", None if column is None else column - start + len(before)
 
 
 def _visible(text: str) -> str:

@@ -13,6 +13,7 @@ from assistant.cli.compiling import (
     SAME_FILE,
     STANDARD,
     TWICE,
+    keep_sources,
     standard_input,
     working,
 )
@@ -148,6 +149,10 @@ def _write(
     from assistant.compiler.output import write_files
     from assistant.report.translation import written
 
+    reported = [] if report is None else [report]
+    keep_sources(
+        [one.source for one in done], [*(Path(output) / name for name in files), *reported]
+    )
     paths = list(write_files(files, output)) if files else []
     if report is not None:
         paths += write_files({report.name: written(done, report)}, report.parent)

@@ -10,7 +10,7 @@ from urllib.parse import quote
 
 from assistant import __version__
 from assistant.findings.rulebook import Page, page_address, pages, rules
-from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from assistant.program.diagnostics import LONGEST_EXCERPT, Diagnostic, Rule, Severity
 
 SARIF_SCHEMA: Final = (
     "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
@@ -30,8 +30,14 @@ BASE: Final = "ROOT"
 
 
 def finding_record(finding: Diagnostic) -> dict[str, Any]:
-    """A finding as plain data, without the fields that it does not have."""
-    return {key: value for key, value in asdict(finding).items() if value is not None}
+    """A finding as plain data, without the fields that it does not have.
+
+    A line that is too long to be shown is left out.
+    """
+    said = {key: value for key, value in asdict(finding).items() if value is not None}
+    if len(said.get("excerpt", "")) > LONGEST_EXCERPT:
+        del said["excerpt"]
+    return said
 
 
 def github_line(finding: Diagnostic) -> str:

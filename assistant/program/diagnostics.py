@@ -17,6 +17,10 @@ from dataclasses import dataclass, replace
 from typing import Any, Final, Self
 
 
+LONGEST_EXCERPT: Final = 240
+"""Characters of a source line that are shown with a finding."""
+
+
 class Severity(enum.StrEnum):
     """How bad a finding is; an error keeps anything from being written."""
 

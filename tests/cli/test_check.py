@@ -233,3 +233,13 @@ def test_a_name_that_nothing_declares_is_the_sources_own_fault(capsys, tmp_path)
     assert status == 1
     assert "`p1`" in err and "report this" not in err and "correct the source" in err
     assert not out.exists()
+
+
+def test_of_a_very_long_line_the_part_at_the_finding_is_shown(capsys, tmp_path):
+    long = write(tmp_path / "long.mod", BROKEN.replace("reg1", "r:=0;" * 20_000 + "reg1"))
+    status, _, err = run(capsys, "check", long)
+    excerpt, caret = err.splitlines()[1:3]
+    assert status == 1 and len(err) < 1000
+    assert excerpt[caret.index("^") - 5 :].startswith("reg1 = 5;")
+    _, out, _ = run(capsys, "check", long, "--format", "json")
+    assert "RA101" in codes(out) and len(out) < 1000

@@ -127,3 +127,26 @@ def test_wrong_usage_is_2(tmp_path: Path, capsys: Capture, given: list[str]) -> 
     assert status == 2
     assert err
     assert not output.exists()
+
+
+def test_a_program_is_not_written_over(tmp_path: Path, capsys: Capture) -> None:
+    source = tmp_path / "PALLET.prg"
+    source.write_bytes(PALLET.read_bytes())
+    for command in (("translate", source, "--to"), ("compile", source, "-l")):
+        status, _, err = run(capsys, *command, "melfa-basic-6", "-o", tmp_path)
+        assert status == 2 and "CL007" in err
+    status, _, err = run(capsys, "translate", source, *TO_RAPID, "-o", tmp_path, "--report", source)
+    assert status == 2 and "CL007" in err
+    assert source.read_bytes() == PALLET.read_bytes()
+    assert list(tmp_path.iterdir()) == [source]
+
+
+def test_nothing_on_standard_input_is_no_program(
+    tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(b"")))
+    status, _, err = run(
+        capsys, "translate", "-", "--from", "rapid", "--to", "melfa-basic-5", "-o", tmp_path
+    )
+    assert status == 2 and "IN005" in err
+    assert list(tmp_path.iterdir()) == []
