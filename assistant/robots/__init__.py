@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from assistant.robots.catalogue import get, load, names
-from assistant.robots.configure import configure
+from assistant.robots.configure import configure, journey
+from assistant.robots.journey import Journey
 from assistant.robots.robot import Robot
 
-__all__ = ["Robot", "configure", "get", "load", "names"]
+__all__ = ["Journey", "Robot", "configure", "get", "journey", "load", "names"]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,12 +16,8 @@ from numpy.typing import NDArray
 from assistant.program.diagnostics import Diagnostic, fold
 from assistant.program.expressions import Expression, JointValue, Name
 from assistant.program.geometry import BASE, FLANGE, Frame, JointTarget, Target, Tool
-from assistant.program.path import (
-    UNSTATED,
-    Kind,
-    Path,
-    configuration_of,
-)
+from assistant.program.motion import FINE, MAXIMUM_SPEED
+from assistant.program.path import UNSTATED, Kind, Path, configuration_of
 from assistant.program.program import Procedure, Program, bodies
 from assistant.program.rewriting import records, rewrite
 from assistant.program.statements import (
@@ -49,6 +45,7 @@ from assistant.robots.gathering import (
     path_part,
     run_of,
 )
+from assistant.robots.journey import Journey, Leg, Stretch
 from assistant.robots.naming import Names, Place
 from assistant.robots.robot import Robot
 from assistant.robots.run import Floats
@@ -56,7 +53,13 @@ from assistant.robots.solving import solve
 
 
 def configure(program: Program, robot: Robot) -> tuple[Program, tuple[Diagnostic, ...]]:
-    """Fills in the configurations that targets and paths leave open.
+    """Fills in the configurations that targets and paths leave open; see `journey`."""
+    solved = journey(program, robot)
+    return solved.program, solved.findings
+
+
+def journey(program: Program, robot: Robot) -> Journey:
+    """Solves every move of a program, and fills in the configurations that it leaves open.
 
     Findings tell what is out of reach, outside joint limits, or not as stated; such
     targets keep what they say. A target that no move names is configured for the
@@ -76,7 +79,20 @@ def configure(program: Program, robot: Robot) -> tuple[Program, tuple[Diagnostic
             return replace(value, configuration=configuration_of(done[id(value)]))
         return value
 
-    return rewrite(program, visit), fold(survey.findings)
+    configured = rewrite(program, visit)
+    return Journey(configured, robot, survey.legs, fold(survey.findings))
+
+
+Moving = Move | MoveCircular | MoveJoints | Follow
+UNMOVED: Final = Motion(MAXIMUM_SPEED, FINE)
+"""How a target would be reached that no move names."""
+
+
+def _leg(statement: Moving, stretch: Stretch, rows: slice) -> Leg:
+    run, joints = stretch.run, stretch.joints
+    start = joints[rows.start - 1] if rows.start else run.before if run.joined else None
+    known = start is not None and bool(np.isfinite(start).all())
+    return Leg(statement, stretch, rows, joints[rows], start if known else None)
 
 
 class _Survey:
@@ -101,27 +117,38 @@ class _Survey:
         self.parts: list[Part] = []
         self.before, self.joined = robot.home, False
         self.where, self.count = "", 0
+        self.legs: dict[str, tuple[Leg, ...]] = {}
+        self.pending: list[tuple[Moving, int, int]] = []
+        self.made: list[Leg] = []
+        self.rows = self.flushes = 0
 
     def procedure(self, procedure: Procedure) -> None:
         self.where, self.count = procedure.name, 0
         self.names.enter(procedure)
         self.joined = False
         self.body(procedure.body)
+        self.legs[procedure.name], self.made = tuple(self.made), []
 
     def body(self, body: tuple[Statement, ...]) -> None:
         for statement in body:
             match statement:
                 case Move():
                     kind = Kind.JOINT if statement.kind == "joint" else Kind.LINEAR
-                    self.move(kind, statement.target, statement.motion)
+                    self.moving(statement, (kind, statement.target))
                 case MoveCircular():
-                    self.move(Kind.VIA, statement.via, statement.motion)
-                    self.move(Kind.END, statement.target, statement.motion)
+                    via, end = (Kind.VIA, statement.via), (Kind.END, statement.target)
+                    self.moving(statement, via, end)
                 case MoveJoints():
                     self.flush()
-                    self.move_joints(statement)
+                    before = self.before if self.joined else None
+                    joints = self.move_joints(statement)
+                    self.made.append(
+                        self.unsolved(statement)
+                        if joints is None
+                        else Leg(statement, None, slice(0), joints[None], before)
+                    )
                 case Follow():
-                    self.follow(statement.path)
+                    self.follow(statement)
                 case Assign(Name(name), value):
                     self.origins[name.lower()] = self.coming_from(value)
                 case Call() | Goto() | Label() | Opaque():
@@ -142,6 +169,18 @@ class _Survey:
             self.body(each)
         self.joined = False
 
+    def moving(self, statement: Move | MoveCircular, *targets: tuple[Kind, Expression]) -> None:
+        start, flushes = self.rows, self.flushes
+        for kind, target in targets:
+            self.move(kind, target, statement.motion)
+        if self.rows == start + len(targets) and self.flushes == flushes:
+            self.pending.append((statement, start, self.rows))
+        else:
+            self.made.append(self.unsolved(statement))
+
+    def unsolved(self, statement: Moving) -> Leg:
+        return Leg(statement, None, slice(0), np.empty((0, len(self.robot.axes))), None)
+
     def move(self, kind: Kind, target: Expression, motion: Motion) -> None:
         self.count += 1
         label = target.name if isinstance(target, Name) else f"move {self.count} of {self.where}"
@@ -154,14 +193,16 @@ class _Survey:
             self.flush()
             self.joined = False
             return
-        self.moves.append(SingleMove(kind, place, tool, frame, label))
+        self.moves.append(SingleMove(kind, place, tool, frame, motion, label))
+        self.rows += 1
 
     def coming_from(self, value: Expression) -> set[str]:
         """The names in an expression, and those that the variables among them come from."""
         names = {part.name.lower() for part in records(value) if isinstance(part, Name)}
         return names.union(*(self.origins.get(name, ()) for name in names))
 
-    def follow(self, path: Path) -> None:
+    def follow(self, statement: Follow) -> None:
+        path = statement.path
         place = f"path {path.name}"
         tools = [self.tool(name, place) for name in path.tools]
         frames = [self.frame(name, place) for name in path.frames]
@@ -169,15 +210,19 @@ class _Survey:
         known_tools = [tool for tool in tools if tool is not None]
         known_frames = [frame for frame in frames if frame is not None]
         if not len(path):
+            self.made.append(self.unsolved(statement))
             return
         if len(known_tools) < len(tools) or len(known_frames) < len(frames):
             self.flush()
             self.joined = False
+            self.made.append(self.unsolved(statement))
             return
         self.close_moves()
         configurations = self.paths.get(id(path), path).configurations
         self.parts.append(path_part(path, configurations, known_tools, known_frames))
         self.followed[id(path)] = path
+        self.pending.append((statement, self.rows, self.rows + len(path)))
+        self.rows += len(path)
 
     def close_moves(self) -> None:
         """Makes a part of the single moves that have come together."""
@@ -189,6 +234,8 @@ class _Survey:
         """Solves the parts that have come together."""
         self.close_moves()
         parts, self.parts = self.parts, []
+        pending, self.pending = self.pending, []
+        self.rows, self.flushes = 0, self.flushes + 1
         if not parts:
             return
         run = run_of(parts, self.before, self.joined)
@@ -199,6 +246,9 @@ class _Survey:
             solved = solve(replace(run, configurations=first), self.robot)
         self.keep(parts, solved.configurations)
         self.findings.extend(solved.findings)
+        stretch = Stretch(run, solved.joints, solved.configurations)
+        for moving, first_row, end in pending:
+            self.made.append(_leg(moving, stretch, slice(first_row, end)))
         last = solved.joints[-1]
         self.joined = bool(np.isfinite(last).all())
         if self.joined:
@@ -219,17 +269,19 @@ class _Survey:
                 if row[BACK] != UNSTATED:
                     self.done.setdefault(key, row)
 
-    def move_joints(self, statement: MoveJoints) -> None:
+    def move_joints(self, statement: MoveJoints) -> Floats | None:
+        """Where it goes, if the text tells and the arm can."""
         self.count += 1
         target = self.names.joints(statement.target)
         self.joined = False
         if target is None:
-            return
+            return None
         # A declared one is reported once, by its own name.
         literal = isinstance(statement.target, JointValue)
         joints = self.joints(target, f"move {self.count} of {self.where}" if literal else None)
         if joints is not None:
             self.before, self.joined = joints, True
+        return joints
 
     def joints(self, target: JointTarget, label: str | None) -> Floats | None:
         """The angles of the robot's axes; findings, if it has a label, for what is wrong."""
@@ -286,7 +338,7 @@ class _Survey:
             known_tool, known_frame = self.names.tool(tool), self.names.frame(frame)
             if key not in self.done and known_tool is not None and known_frame is not None:
                 place = Place(target, target.pose)
-                moves.append(SingleMove(Kind.JOINT, place, known_tool, known_frame, ""))
+                moves.append(SingleMove(Kind.JOINT, place, known_tool, known_frame, UNMOVED, ""))
         if not moves:
             return
         parts = [moves_part("", moves, self.done)]

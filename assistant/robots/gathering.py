@@ -10,11 +10,14 @@ from typing import Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from assistant.program.expressions import Name
 from assistant.program.geometry import Frame, Tool
+from assistant.program.motion import Blend, Speed
 from assistant.program.path import UNSTATED, Kind, Path, configuration_row
+from assistant.program.statements import Motion
 from assistant.robots.configurations import BACK
 from assistant.robots.naming import Place
-from assistant.robots.run import Floats, Mounting, Run
+from assistant.robots.run import Floats, Mounting, Pace, Run
 
 Configurations = NDArray[np.int8]
 S = TypeVar("S", bound=np.generic)
@@ -29,6 +32,7 @@ class SingleMove:
     place: Place
     tool: Tool
     frame: Frame
+    motion: Motion
     label: str
 
 
@@ -47,7 +51,9 @@ class Part:
     positions: Floats
     quaternions: Floats
     configurations: Configurations
+    external: Floats
     mounting: Mounting
+    pace: Pace
     exact: NDArray[np.bool_]
     label: Callable[[int], str]
 
@@ -67,7 +73,9 @@ def path_part(
         positions=path.positions,
         quaternions=path.quaternions,
         configurations=configurations,
+        external=path.external,
         mounting=Mounting(path.tool, path.frame, tools, frames),
+        pace=Pace(path.speed, path.blend, path.speeds, path.blends),
         exact=np.broadcast_to(np.True_, (len(path),)),
         label=lambda row: f"{path.name}_{row + 1}",
     )
@@ -76,11 +84,14 @@ def path_part(
 def moves_part(name: str, moves: Sequence[SingleMove], done: dict[int, Configurations]) -> Part:
     """Moves of the procedure `name`; done: id of a target → its configuration, if it has one."""
     tools, frames = _Table[Tool](), _Table[Frame]()
+    speeds, blends = _Table[Speed | Name](), _Table[Blend | Name]()
     targets = [move.place.target for move in moves]
     rows = [done.get(id(target), configuration_row(target.configuration)) for target in targets]
     labels = [move.label for move in moves]
     tool = np.array([tools.row(move.tool) for move in moves], dtype=np.int32)
     frame = np.array([frames.row(move.frame) for move in moves], dtype=np.int32)
+    speed = np.array([speeds.row(move.motion.speed) for move in moves], dtype=np.int32)
+    blend = np.array([blends.row(move.motion.blend) for move in moves], dtype=np.int32)
     return Part(
         name=name,
         is_path=False,
@@ -89,7 +100,9 @@ def moves_part(name: str, moves: Sequence[SingleMove], done: dict[int, Configura
         positions=np.array([move.place.pose.position for move in moves], dtype=np.float64),
         quaternions=np.array([move.place.pose.quaternion for move in moves], dtype=np.float64),
         configurations=np.array(rows, dtype=np.int8),
+        external=np.array([target.external for target in targets], dtype=np.float64),
         mounting=Mounting(tool, frame, tools.values, frames.values),
+        pace=Pace(speed, blend, speeds.values, blends.values),
         exact=np.array([not move.place.moved for move in moves]),
         label=labels.__getitem__,
     )
@@ -112,7 +125,9 @@ def run_of(parts: Sequence[Part], before: Floats, joined: bool) -> Run:
         kinds=_joined([part.kinds for part in parts]),
         targets=lambda rows: (position[rows], quaternion[rows]),
         mounting=_mountings([part.mounting for part in parts]),
+        pace=_paces([part.pace for part in parts]),
         configurations=_joined([part.configurations for part in parts]),
+        external=_joined([part.external for part in parts]),
         before=before,
         joined=joined,
         label=label,
@@ -158,6 +173,18 @@ def _mountings(mountings: Sequence[Mounting]) -> Mounting:
         tool.append(np.array([tools.row(t) for t in mounting.tools], np.int32)[mounting.tool])
         frame.append(np.array([frames.row(f) for f in mounting.frames], np.int32)[mounting.frame])
     return Mounting(np.concatenate(tool), np.concatenate(frame), tools.values, frames.values)
+
+
+def _paces(paces: Sequence[Pace]) -> Pace:
+    """One pace with the tables of all."""
+    if len(paces) == 1:
+        return paces[0]
+    speeds, blends = _Table[Speed | Name](), _Table[Blend | Name]()
+    speed, blend = [], []
+    for pace in paces:
+        speed.append(np.array([speeds.row(s) for s in pace.speeds], np.int32)[pace.speed])
+        blend.append(np.array([blends.row(b) for b in pace.blends], np.int32)[pace.blend])
+    return Pace(np.concatenate(speed), np.concatenate(blend), speeds.values, blends.values)
 
 
 class _Table(Generic[V]):

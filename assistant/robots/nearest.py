@@ -20,6 +20,8 @@ SEARCH: Final = (1.0, 60)
 """mm that a turn by one radian counts as, and how many steps are made at most."""
 FINISH: Final = (0.03, 20)
 """The same for the last steps: the position comes first, then the orientation."""
+STARTS: Final = (4000, 8)
+"""Joint angles that are tried as further starts, the same for every pose, and how many are kept."""
 STEP: Final = 1e-4
 """degrees of an axis over which the change of a pose is taken."""
 
@@ -28,15 +30,16 @@ def nearest(robot: Robot, wanted: Pose, tip: Pose) -> Pose:
     """The tip's pose in the robot's base, within reach and limits, nearest to the wanted one.
 
     tip: of the tool on the flange. Damped least squares over the joints, which stay inside their
-    limits, from the best of the arm's branches stretched towards the pose.
+    limits, from the arm's branches stretched towards the pose and from the best of many others.
     """
     flange = wanted @ tip.inverse()
     p, q = np.array([flange.position]), np.array([flange.quaternion])
     found, _ = robot.solve(p, rotations.canonical(q))
     low, high = robot.limits.T
     starts = np.clip(found[:, :, 0].T, low, high)
-    starts = np.vstack([starts, np.clip(robot.home, low, high)])
-    reached = [_refined(_Search(robot, wanted, tip, SEARCH[0]), j, SEARCH[1]) for j in starts]
+    search = _Search(robot, wanted, tip, SEARCH[0])
+    starts = np.vstack([starts, np.clip(robot.home, low, high), _near(search)])
+    reached = [_refined(search, j, SEARCH[1]) for j in starts]
     last = _Search(robot, wanted, tip, FINISH[0])
     joints = _refined(last, min(reached, key=last.cost), FINISH[1])
     p, q = robot.fk(joints)
@@ -66,6 +69,14 @@ class _Search:
 
     def cost(self, joints: Floats) -> float:
         return _cost(self.missing(joints[None])[0])
+
+
+def _near(search: _Search) -> Floats:
+    """(STARTS[1], a) deg of many within the limits that come nearest to the wanted pose."""
+    low, high = search.robot.limits.T
+    joints = np.random.default_rng(0).uniform(low, high, (STARTS[0], len(low)))
+    best = (search.missing(joints) ** 2).sum(axis=1).argsort()[: STARTS[1]]
+    return np.asarray(joints[best])
 
 
 def _cost(missing: Floats) -> float:

@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program import rotations
+from assistant.program.expressions import Name
 from assistant.program.geometry import Frame, Pose, Tool
+from assistant.program.motion import Blend, Speed
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -59,13 +61,27 @@ class Mounting:
 
 
 @dataclass(frozen=True, slots=True)
+class Pace:
+    """How fast the rows are reached and how their corners are rounded.
+
+    speed, blend: (n,) rows of the tables speeds and blends.
+    """
+
+    speed: NDArray[np.int32]
+    blend: NDArray[np.int32]
+    speeds: Sequence[Speed | Name]
+    blends: Sequence[Blend | Name]
+
+
+@dataclass(frozen=True, slots=True)
 class Run:
     """n moves of a program.
 
     names: of the paths and procedures that it consists of. starts: (k + 1,) where each of
     these k parts begins, and n. kinds: (n,) `Kind`. targets: rows → poses of the tool in
     the frame, positions (m, 3) mm and quaternions (m, 4). mounting: the tools and frames of
-    the rows. configurations: (n, 6).
+    the rows. pace: their speeds and blends. configurations: (n, 6). external: (n, 6) deg or
+    mm, NaN for an unused axis.
     before: (a,) deg, where the robot is before the run, as far as is known.
     joined: whether it surely is there, so that a linear first move starts from there.
     label: row → what the row is called in a finding.
@@ -77,7 +93,9 @@ class Run:
     kinds: NDArray[np.uint8]
     targets: Callable[[slice | Rows], tuple[Floats, Floats]]
     mounting: Mounting
+    pace: Pace
     configurations: NDArray[np.int8]
+    external: Floats
     before: Floats
     joined: bool
     label: Callable[[int], str]
