@@ -35,6 +35,16 @@ def test_numbers_of_arguments() -> None:
     assert track is not None and track.most is None and track.words == ("On", "Off")
 
 
+def test_effects_of_commands() -> None:
+    speed = vocabulary.statement("spd")
+    assert speed is not None and speed.effects == {"reads", "sets", "stays"}
+    assert vocabulary.commands("needs") == {"Mxt", "EHMov", "JRC", "Fsc"}
+    assert not vocabulary.commands("reads") & vocabulary.commands("gives")
+    setters = {row.setter.split()[0] for row in vocabulary.variables().values() if row.setter}
+    assert all(vocabulary.statement(word) is not None for word in setters)
+    assert "Ovrd" in setters
+
+
 def test_functions_are_found_with_and_without_their_mark() -> None:
     left = vocabulary.function("LEFT$")
     assert left is not None and left == vocabulary.function("left")

@@ -17,6 +17,7 @@ from assistant.languages.melfa_basic.checks.look import Look
 from assistant.languages.melfa_basic.checks.steps import row_span
 from assistant.languages.melfa_basic.columnar import KEYWORDS, MOV, MVR, MoveRows
 from assistant.languages.melfa_basic.lift.positions import NO_FLAGS, Positions
+from assistant.languages.melfa_basic.vocabulary import commands
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]
@@ -99,13 +100,7 @@ def _changed(look: Look) -> set[str]:
 
 
 KEEPS: Final = (s.Print, s.Open, s.Close, s.DefNames, s.Dim, s.DefOther, s.DefIo, s.Const)
-STAYS: Final = frozenset(
-    {
-        *("Spd", "Ovrd", "JOvrd", "Accel", "Cnt", "Fine", "Oadl", "LoadSet", "Prec", "MvTune"),
-        *("Dly", "HOpen", "HClose", "Wait", "Act"),
-    }
-)
-"""Statements after which the robot is where it was, in the same tool and base."""
+"""Statements after which the robot is where it was, beside commands that say so."""
 
 
 def _is_harmless(statement: s.Statement | None) -> bool:
@@ -113,7 +108,7 @@ def _is_harmless(statement: s.Statement | None) -> bool:
         case None:
             return True
         case s.Command(keyword=keyword):
-            return keyword in STAYS
+            return keyword in commands("stays")
         case s.Assign():
             return True
     return isinstance(statement, KEEPS)

@@ -7,19 +7,12 @@ from dataclasses import dataclass
 from typing import Any, Final, Literal
 
 from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.vocabulary import ANY, function, statements
+from assistant.languages.melfa_basic.vocabulary import ANY, commands, function, statements
 from assistant.languages.melfa_basic.walk import inside
 
 Role = Literal["read", "written", "declared", "either"]
 """What is done with a variable; `either` where a statement may read or write it."""
 
-OUTPUTS: Final = frozenset(
-    {
-        *("CHRSRCH", "EBREAD", "EBWRITE", "NVIN", "NVRUN", "NVPST", "NVTRG"),
-        *("TRRD", "TRWRT", "TROUT", "FSGETDAT", "FSTBAT", "FSTEST"),
-    }
-)
-"""Statements that give back values in some of their arguments."""
 WORDS: Final = frozenset(
     {
         *(word.upper() for row in statements().values() for word in row.words),
@@ -84,7 +77,7 @@ def uses(statement: s.Statement | None) -> Iterator[Use]:
         case s.Call(function):
             yield from _read(function.arguments, "either")
         case s.Command(keyword, arguments):
-            role: Role = "either" if keyword.upper() in OUTPUTS or _unknown(keyword) else "read"
+            role: Role = "either" if keyword in commands("gives") else "read"
             yield from (u for u in _read(arguments, role) if not is_word(u.variable))
         case s.Next():
             return  # its variables are those of the loops
@@ -96,11 +89,6 @@ def is_word(variable: s.Variable) -> bool:
     """Whether a bare name among the arguments of a statement is a word of it, as in `Servo Off`."""
     plain = variable.arguments is None and not variable.suffix and not variable.component
     return plain and variable.key in WORDS
-
-
-def _unknown(keyword: str) -> bool:
-    """Whether a statement is one of a family of cameras, whose arguments are not known here."""
-    return keyword.upper().startswith(("TL", "V3", "VS", "TR"))
 
 
 def _written(target: s.Variable) -> Iterator[Use]:

@@ -342,21 +342,13 @@ def status(look: Look) -> Found:
             cure = "assign another variable"
             if better is not None and better.writable:
                 cure = f"outputs are `{better.name}`"
-            elif variable.key in SETTERS:
-                cure = f"write `{SETTERS[variable.key]}`"
+            elif row.setter:
+                cure = f"write `{row.setter}`"
             # what the tool lists for reading only, controllers may still let programs set
-            sure = variable.key in SETTERS or variable.key.startswith("M_IN")
+            sure = bool(row.setter) or variable.key.startswith("M_IN")
             severity = None if sure else Severity.WARNING
             yield look.at(
                 rules.READ_ONLY, line, variable, name=row.name, cure=cure, severity=severity
             )
         elif use.role == "read" and not row.readable:
             yield look.at(rules.WRITE_ONLY, line, variable, name=row.name)
-
-
-SETTERS: Final = {
-    "M_OVRD": "Ovrd", "M_JOVRD": "JOvrd", "M_SPD": "Spd", "M_SVO": "Servo On", "P_TOOL": "Tool",
-    "P_BASE": "Base", "M_ACL": "Accel", "M_DACL": "Accel", "P_CURR": "Mov", "J_CURR": "Mov",
-    "M_BSNO": "Base", "M_HNDCQ": "HOpen",
-}  # fmt: skip
-"""Status variable → the statement that sets what it shows."""

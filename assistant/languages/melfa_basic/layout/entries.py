@@ -14,14 +14,10 @@ from assistant.languages.melfa_basic.columnar import MoveRows
 from assistant.languages.melfa_basic.layout.merged_names import in_upper_case
 from assistant.languages.melfa_basic.lift.gathering import rows_as_lines
 from assistant.languages.melfa_basic.printer import statement as printed
+from assistant.languages.melfa_basic.vocabulary import commands
 
 MOST_ROWS: Final = 1 << 10
 """Rows of a table that are compared one by one; a longer one is the same or it is not."""
-
-SETTINGS: Final = frozenset(
-    ("Accel", "Base", "Cnt", "Fine", "JOvrd", "Ovrd", "Spd", "Tool", "Oadl", "LoadSet")
-)
-"""Statements that hold for all moves that follow."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +45,7 @@ class Entry:
         """The keyword of a statement that holds for what follows."""
         node = self.line.statement if isinstance(self.line, s.Line) else None
         keyword = node.keyword if isinstance(node, s.Command) else None
-        return keyword if keyword in SETTINGS else None
+        return keyword if keyword in commands("sets") else None
 
 
 def entries(items: Sequence[s.Item]) -> list[Entry]:

@@ -4,25 +4,15 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, Final
+from typing import Any
 
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.blocks import opened
 from assistant.languages.melfa_basic.columnar import MoveRows
-from assistant.languages.melfa_basic.vocabulary import function, status
+from assistant.languages.melfa_basic.vocabulary import commands, function, status
 from assistant.languages.melfa_basic.walk import nodes
 
 Value = float | str
-
-READING: Final = frozenset(
-    {
-        *("Spd", "Ovrd", "JOvrd", "Cnt", "Fine", "Accel", "Tool", "Base", "Dly", "Wait", "HOpen"),
-        *("HClose", "Hlt", "End", "Return", "Error", "Servo", "While", "Oadl", "LoadSet", "Cmp"),
-        *("CmpG", "ColChk", "ColLvl", "Fsc", "FsGChg", "XRun", "XLoad", "XStp", "XRst", "XClr"),
-        *("Priority", "GetM", "RelM", "Torq", "Prec", "MvTune", "SpdOpt", "Act", "JRC", "Mxt"),
-    }
-)
-"""Commands that leave the variables alone that they are given."""
 
 
 class Constants:
@@ -122,7 +112,7 @@ def changed(statement: s.Statement, kept: Keeping) -> Iterator[str]:
             yield variable.key
         case s.Input(variables=variables) | s.FPrm(variables=variables):
             yield from (v.key for v in variables)
-        case s.Command(keyword=keyword, arguments=arguments) if keyword not in READING:
+        case s.Command(keyword=keyword, arguments=arguments) if keyword not in commands("reads"):
             yield from _given(arguments)
         case s.If(then=then, otherwise=otherwise):
             for branch in (then, otherwise):

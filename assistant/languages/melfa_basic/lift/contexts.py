@@ -10,6 +10,7 @@ from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MOV, MoveRows
 from assistant.languages.melfa_basic.lift.flow import INHERITED, Flow, joined, resolved
 from assistant.languages.melfa_basic.lift.settings import JOINT, TCP, UNKNOWN, Held, State
+from assistant.languages.melfa_basic.vocabulary import commands
 from assistant.languages.melfa_basic.walk import nodes
 
 MOST_FORMS: Final = 8
@@ -233,6 +234,6 @@ def depends(statement: s.Statement) -> bool:
     return any(
         isinstance(part, s.Motion)
         or (isinstance(part, s.Variable) and part.key in _READING)
-        or (isinstance(part, s.Command) and part.keyword in ("Mxt", "EHMov", "JRC", "Fsc"))
+        or (isinstance(part, s.Command) and part.keyword in commands("needs"))
         for part in nodes(statement)
     )

@@ -17,8 +17,10 @@ from importlib.resources import files
 from typing import Final, Literal, cast
 
 Role = Literal["motion", "command", "statement", "part"]
+Effect = Literal["reads", "gives", "sets", "needs", "stays"]
 
 ROLES: Final = ("motion", "command", "statement", "part")
+EFFECTS: Final = ("reads", "gives", "sets", "needs", "stays")
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +31,7 @@ class Statement:
     role: `motion`, `command` (a word and a list of arguments), `statement` (a form of its own)
     or `part` (inside of a statement only). dialects: levels that have it, of 4, 5 and 6.
     least, most: arguments that it takes, left-out ones counted; most is None for no limit.
+    effects: what a command does to variables and settings, see the table.
     words: that may stand as its first argument. instead: what to write in a version that lacks
     it, empty where nothing does the same.
     """
@@ -38,6 +41,7 @@ class Statement:
     dialects: frozenset[int]
     least: int = 0
     most: int | None = None
+    effects: frozenset[Effect] = frozenset()
     words: tuple[str, ...] = ()
     instead: str = ""
 
@@ -86,7 +90,8 @@ class Status:
     """A status variable.
 
     type: `M`, `C`, `P` or `J`. index: what each subscript counts, `slot` or `mechanism` and so on.
-    readable, writable: by a program. dialects: as in Statement.
+    readable, writable: by a program. dialects: as in Statement. setter: the statement that sets
+    what it shows, empty for none.
     """
 
     name: str
@@ -95,6 +100,7 @@ class Status:
     readable: bool
     writable: bool
     dialects: frozenset[int]
+    setter: str = ""
 
 
 ANY: Final = "MCPJ"
@@ -140,6 +146,12 @@ def words(role: Role) -> tuple[str, ...]:
     return tuple(row.word for row in statements().values() if row.role == role)
 
 
+@cache
+def commands(effect: Effect) -> frozenset[str]:
+    """The commands of one effect, as spelled in the table."""
+    return frozenset(row.word for row in statements().values() if effect in row.effects)
+
+
 def _statements() -> Iterator[Statement]:
     role: Role = "part"
     for cells in _rows("statements"):
@@ -148,7 +160,10 @@ def _statements() -> Iterator[Statement]:
                 raise ValueError(f"statements.txt: {cells[0]} is no role")
             role = cast(Role, cells[0][1:-1])
             continue
-        word, levels, count, first, instead = (*cells, "", "", "")[:5]
+        word, levels, count, listed, first, instead = (*cells, *[""] * 4)[:6]
+        effects = frozenset(listed.split())
+        if not effects <= set(EFFECTS):
+            raise ValueError(f"statements.txt: {word} has an effect that is none: {listed}")
         least, _, most = (count or "0-").partition("-")
         yield Statement(
             word,
@@ -156,6 +171,7 @@ def _statements() -> Iterator[Statement]:
             _levels(levels),
             int(least),
             int(most) if most else None,
+            cast(frozenset[Effect], effects),
             tuple(first.split()),
             instead,
         )
@@ -174,9 +190,9 @@ def _argument(text: str) -> Argument:
 
 
 def _variable(cells: tuple[str, ...]) -> Status:
-    name, index, access, levels = cells
+    name, index, access, levels, setter = (*cells, "")[:5]
     counted = () if index == "-" else tuple(index.split())
-    return Status(name, name[0], counted, "R" in access, "W" in access, _levels(levels))
+    return Status(name, name[0], counted, "R" in access, "W" in access, _levels(levels), setter)
 
 
 def _levels(text: str) -> frozenset[int]:
