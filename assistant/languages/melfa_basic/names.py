@@ -180,20 +180,20 @@ def _loop_variables(program: Program, procedure: Procedure | None) -> Iterable[s
 def _variable(given: str, letter: str, most: int, taken: set[str]) -> str:
     plain = _plain(given)
     name = plain if plain.startswith(letter) and len(plain) > 1 else letter + plain
-    return _free(name, most, taken)
+    return free(name, most, taken)
 
 
 def _label(given: str, most: int, taken: set[str]) -> str:
     plain = _plain(given)
     if not plain[:1].isalpha() or _MADE_LABEL.fullmatch(plain):
         plain = "L" + plain
-    return _free(plain, most, taken)
+    return free(plain, most, taken)
 
 
 def program_name(given: str, taken: set[str]) -> str:
     """A program name: upper-case letters and digits, at most twelve."""
     plain = _plain(given)
-    return _free(plain or "MAIN", PROGRAM_NAME, taken)
+    return free(plain or "MAIN", PROGRAM_NAME, taken)
 
 
 def _plain(given: str) -> str:
@@ -202,10 +202,11 @@ def _plain(given: str) -> str:
     return re.sub(r"[^A-Z0-9]", "", ascii.upper())
 
 
-def _free(name: str, most: int, taken: set[str]) -> str:
-    free, count = name[:most], 2
-    while free in taken:
+def free(name: str, most: int, taken: set[str]) -> str:
+    """A name of at most so many characters that begins like the given one; then it is taken."""
+    found, count = name[:most], 2
+    while found in taken:
         tail = f"Z{count}" if name[-1:].isdigit() else str(count)
-        free, count = name[: most - len(tail)] + tail, count + 1
-    taken.add(free)
-    return free
+        found, count = name[: most - len(tail)] + tail, count + 1
+    taken.add(found)
+    return found

@@ -15,7 +15,12 @@ from assistant.languages.melfa_basic.convert.jumps import Jumps
 from assistant.languages.melfa_basic.convert.memory import Memory
 from assistant.languages.melfa_basic.convert.nesting import nested
 from assistant.languages.melfa_basic.dialects import DIALECTS, Dialect
-from assistant.program.diagnostics import Diagnostic
+from assistant.languages.melfa_basic.files import recognises
+from assistant.languages.melfa_basic.layout.lines import lay_out
+from assistant.languages.melfa_basic.layout.rendering import render
+from assistant.languages.melfa_basic.reading.parser import parse
+from assistant.program.diagnostics import Diagnostic, has_errors
+from assistant.program.text import SourceText
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,32 +165,28 @@ class _File:
 
     def written(self) -> s.File:
         """The tree of the text that is written."""
-        from assistant.languages.melfa_basic import MelfaBasic
-
-        language = MelfaBasic(self.dialect.name)
         source = self.tree.source
         if self.keeps_numbers:
             items = tuple(memories.put_in(self.items, self.memory, self.dialect.name))
             changed = replace(self.tree, dialect=self.dialect.name, items=items)
-            return _read(language, language.render(changed), self.tree)
-        text = self.numbered_text(language, marked=False)
+            return _read(render(changed), self.dialect, self.tree)
+        text = self.numbered_text(marked=False)
         encoded = text.encode(source.encoding if source else "utf-8", "replace")
-        if any(MelfaBasic(d).recognises(encoded) for d in DIALECTS if d != language.name):
-            text = self.numbered_text(language, marked=True)
-        return _read(language, text, self.tree)
+        others = (d for d in DIALECTS.values() if d.name != self.dialect.name)
+        if any(recognises(encoded, other.level) for other in others):
+            text = self.numbered_text(marked=True)
+        return _read(text, self.dialect, self.tree)
 
-    def numbered_text(self, language: object, *, marked: bool) -> str:
-        from assistant.languages.melfa_basic import MelfaBasic
-
-        assert isinstance(language, MelfaBasic)
+    def numbered_text(self, *, marked: bool) -> str:
         items = memories.put_in(self.items, self.memory, self.dialect.name, marked=marked)
         lines = steps.numbered(items, self.dialect.step, self.as_steps)
         if lines is None:
             self.complain(self.items[0], "a program of so many lines", "split it into programs")
             return ""
         self.measure(lines)
-        text = language.render(s.File(self.dialect.name, tuple(lines)))
-        return language.format(language.parse(text))
+        text = render(s.File(self.dialect.name, tuple(lines)))
+        tree = parse(text, self.dialect.name)
+        return text if has_errors(tree.findings) else lay_out(tree)
 
     def measure(self, lines: Sequence[s.Item]) -> None:
         """Lines that are too long for the dialect."""
@@ -201,15 +202,11 @@ class _File:
                 )
 
 
-def _read(language: object, text: str, tree: s.File) -> s.File:
-    """The tree of a text as the file that it will be."""
-    from assistant.languages.melfa_basic import MelfaBasic
-    from assistant.program.text import SourceText
-
-    assert isinstance(language, MelfaBasic)
+def _read(text: str, dialect: Dialect, tree: s.File) -> s.File:
+    """The tree of a text as the file that it will be. tree: that it was made from."""
     source = tree.source
     if source is None:
-        return language.parse(SourceText(text))
+        return parse(SourceText(text), dialect.name)
     plain = text.replace("\r\n", "\n").replace("\n", source.newline)
     path = None if source.path is None else PurePath(source.path).stem + ".prg"
-    return language.parse(SourceText(plain, path, source.encoding, source.newline))
+    return parse(SourceText(plain, path, source.encoding, source.newline), dialect.name)

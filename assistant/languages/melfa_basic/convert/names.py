@@ -10,6 +10,7 @@ from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic import vocabulary
 from assistant.languages.melfa_basic.columnar import MoveRows, PositionRows
 from assistant.languages.melfa_basic.dialects import Dialect
+from assistant.languages.melfa_basic.names import free
 from assistant.languages.melfa_basic.tables import RESERVED
 from assistant.program.rewriting import records, rewrite
 
@@ -67,15 +68,15 @@ def shortened(files: Sequence[Sequence[s.Item]], dialect: Dialect) -> Names:
         digits = max(len(n) - len(stem) for n in written if _numbered(n, stem))
         if len(stem) + digits > dialect.names:
             stems = {n.rstrip("0123456789") for n in written} | set(names.stems.values())
-            names.stems[stem] = _free(stem, dialect.names - digits, stems)
+            names.stems[stem] = free(stem, dialect.names - digits, stems)
     for name in sorted(written):
         if len(name) > dialect.names and name.rstrip("0123456789") not in names.stems:
-            names.variables[name] = _free(name, dialect.names, taken)
+            names.variables[name] = free(name, dialect.names, taken)
     labels = {label for items in files for label in _labels(items)}
     short = {n for n in labels if _plain_label(n, dialect)} | RESERVED
     for name in sorted(labels - short):
         plain = name.replace("_", "") if dialect.upper else name
-        names.labels[name] = _free(plain, dialect.labels, short)
+        names.labels[name] = free(plain, dialect.labels, short)
     return names
 
 
@@ -96,16 +97,6 @@ def _labels(items: Sequence[s.Item]) -> Iterator[str]:
 
 def _numbered(name: str, stem: str) -> bool:
     return name.startswith(stem) and name[len(stem) :].isdigit()
-
-
-def _free(name: str, most: int, taken: set[str]) -> str:
-    """A name of at most so many characters that begins like the long one and is not taken."""
-    free, count = name[:most], 2
-    while free in taken:
-        mark = f"Z{count}" if name[-1:].isdigit() else str(count)
-        free, count = name[: most - len(mark)] + mark, count + 1
-    taken.add(free)
-    return free
 
 
 def renamed(items: Sequence[s.Item], names: Names, *, upper: bool) -> list[s.Item]:
