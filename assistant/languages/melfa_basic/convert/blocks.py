@@ -15,10 +15,10 @@ from typing import Final
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.convert.chains import chained
 from assistant.languages.melfa_basic.convert.nesting import Block, Node, flat, nested
-from assistant.languages.melfa_basic.convert.steps import goes_to, targets
+from assistant.languages.melfa_basic.convert.steps import targets
 from assistant.languages.melfa_basic.dialects import Dialect
+from assistant.languages.melfa_basic.jumping import THEN, branches, goes_to
 
-_THEN: Final = re.compile(r"(I[0-9]+)T1")
 _WAIT: Final = re.compile(r"W[0-9]+")
 _LEFT: Final = re.compile(r"B[0-9]+Z")
 
@@ -65,7 +65,7 @@ def _without_ifs(lines: list[s.Item], refused: set[str]) -> list[s.Item]:
 def _names(lines: Sequence[s.Item]) -> Iterator[str]:
     for item in lines:
         if isinstance(item, s.Line) and item.label is not None:
-            if found := _THEN.fullmatch(item.label.upper()):
+            if found := THEN.fullmatch(item.label.upper()):
                 yield found.group(1) + "Z"
 
 
@@ -142,46 +142,14 @@ def _ifs(items: Sequence[s.Item], refused: set[str]) -> tuple[list[s.Item], dict
     for at, item in enumerate(items):
         match item:
             case s.Line(label=None, statement=s.If(then=s.Target(place=str() as name))):
-                found = _THEN.fullmatch(name.upper())
+                found = THEN.fullmatch(name.upper())
                 if found is None or found.group(1) + "Z" in refused:
                     continue
-                places = _branches(items, labels, at, found.group(1))
+                places = branches(items, labels, at, found.group(1))
                 if places:
                     end = _replaced(lines, items, places)
                     ends[id(end)] = found.group(1) + "Z"
     return [line for line in lines if line is not None], ends
-
-
-def _branches(
-    items: Sequence[s.Item], labels: dict[str, int], at: int, name: str
-) -> list[int] | None:
-    """For each branch its `If`, the jump to the end, the label of the next; then the end."""
-    places: list[int] = []
-    branch, end = 1, labels.get(name + "Z", -1)
-    while True:
-        item = items[at]
-        then, other = f"{name}T{branch}", f"{name}N{branch}"
-        match item:
-            case s.Line(
-                label=None,
-                statement=s.If(
-                    then=s.Target(place=str() as yes), otherwise=s.Target(place=str() as no)
-                ),
-            ) if (yes.upper(), no.upper()) == (then, other):
-                pass
-            case _:
-                return None
-        after = labels.get(other, -1)
-        if labels.get(then) != at + 1 or not at + 2 <= after - 1 < end:
-            return None
-        jump = items[after - 1]
-        if not goes_to(jump, name + "Z"):
-            return None
-        places += [at, after - 1, after]
-        branch += 1
-        if labels.get(f"{name}T{branch}") != after + 2:
-            return [*places, end]
-        at = after + 1
 
 
 def _replaced(lines: list[s.Item | None], items: Sequence[s.Item], places: Sequence[int]) -> s.Line:

@@ -24,14 +24,6 @@ def targets(items: Sequence[s.Item]) -> Iterator[s.Target]:
             yield from (r for r in records(item.statement) if isinstance(r, s.Target))
 
 
-def goes_to(item: object, label: str) -> bool:
-    """Whether a line is a jump to a label, in upper case, and nothing else but a comment."""
-    match item:
-        case s.Line(label=None, statement=s.Jump("GoTo", s.Target(place=str() as place))):
-            return place.upper() == label
-    return False
-
-
 def retargeted(node: T, places: dict[str | int, str | int]) -> T:
     """The node with jump targets exchanged by a table: step numbers, labels in upper case."""
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
-from typing import Final
 
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.blocks import closed, divided, opened
 from assistant.languages.melfa_basic.columnar import MoveRows
+from assistant.languages.melfa_basic.jumping import THEN, branches
 
 Entry = s.Line | MoveRows
 Code = Sequence[Entry]
@@ -57,14 +56,8 @@ def _close(
         stack.clear()
 
 
-_THEN: Final = re.compile(r"(I[0-9]+)T1")
-
-
 def _jumping(code: Code) -> dict[int, list[int]]:
-    """The same for an `If` that is written with jumps to labels `I1T1`, `I1N1` … `I1Z`.
-
-    Places: for each branch its `If`, the jump to the end, the label of the next; the end.
-    """
+    """The same for an `If` that is written with jumps: see `branches`."""
     labels: dict[str, int] = {}
     for at, item in enumerate(code):
         if isinstance(item, s.Line) and item.label is not None:
@@ -77,38 +70,11 @@ def _jumping(code: Code) -> dict[int, list[int]]:
             case s.Line(
                 label=None, comment=None, statement=s.If(then=s.Target(place=str() as name))
             ):
-                first = _THEN.fullmatch(name)
-                places = _branches(code, labels, at, first.group(1)) if first else None
+                first = THEN.fullmatch(name)
+                places = branches(code, labels, at, first.group(1)) if first else None
                 if places:
                     found[at] = places
     return found
-
-
-def _branches(code: Code, labels: Mapping[str, int], at: int, name: str) -> list[int] | None:
-    places: list[int] = []
-    branch = 1
-    end = labels.get(name + "Z", -1)
-    while True:
-        then, following = f"{name}T{branch}", f"{name}N{branch}"
-        item = code[at]
-        test = item.statement if isinstance(item, s.Line) and item.label is None else None
-        if not isinstance(test, s.If) or (test.then, test.otherwise) != (
-            s.Target(then),
-            s.Target(following),
-        ):
-            return None
-        after = labels.get(following, -1)
-        if labels.get(then) != at + 1 or not at + 2 <= after - 1 < end:
-            return None
-        jump = code[after - 1]
-        leave = s.Jump("GoTo", s.Target(name + "Z"))
-        if not isinstance(jump, s.Line) or jump.statement != leave:
-            return None
-        places += [at, after - 1, after]
-        branch += 1
-        if labels.get(f"{name}T{branch}") != after + 2:
-            return [*places, end]
-        at = after + 1
 
 
 def labels_in(code: Code, low: int, high: int) -> set[str]:
