@@ -23,6 +23,10 @@ EXACT_LENGTH: Final = 1e-6
 MOST_TOLERANCE: Final = 10.0
 """mm; over this, contours of a work piece would lose their shape."""
 MOST_BITS: Final = 32
+LARGEST: Final = 1e6
+"""mm, mm/s, degrees …: no robot is a kilometre long."""
+MOST_VALUE: Final = 2.0**MOST_BITS - 1
+"""Of a signal: all bits of the widest group."""
 LEAST_DIRECTION: Final = 1e-9
 
 
@@ -44,9 +48,9 @@ def kind_of(value: object) -> str:
 
 
 def number(
-    unit: str, *, least: float = -math.inf, above: float = -math.inf, most: float = math.inf
+    unit: str, *, least: float = -LARGEST, above: float = -math.inf, most: float = LARGEST
 ) -> Read:
-    """A finite number of a unit: not below `least`, over `above`, not over `most`."""
+    """A number of a unit: not below `least`, over `above`, not over `most`."""
     wanted = f"a number of {unit}" if unit else "a number"
 
     def read(value: Any) -> float:
@@ -63,8 +67,8 @@ def number(
         return result + 0.0
 
     def _range() -> str:
-        low = f"over {above:g}" if above > -math.inf else f"{least:g} or more"
-        return low + (f", at most {most:g}" if most < math.inf else "")
+        low = f"over {above:g}" if above > -math.inf else f"{least:.10g} or more"
+        return f"{low}, at most {most:.10g}"
 
     return read
 
@@ -110,8 +114,8 @@ def name(value: Any) -> str:
     return given
 
 
-def _vector(unit: str, count: int = 3) -> Callable[[Any], tuple[float, ...]]:
-    component = number("")
+def _vector(unit: str, count: int = 3, most: float = LARGEST) -> Callable[[Any], tuple[float, ...]]:
+    component = number("", least=-most, most=most)
 
     def read(value: Any) -> tuple[float, ...]:
         cure = f"write {count} numbers{unit} in brackets"
@@ -137,7 +141,7 @@ def position(value: Any) -> Vector:
 
 def direction(value: Any) -> Vector:
     """A vector of any length but none, made a unit one."""
-    vector = np.array(_vector("")(value))
+    vector = np.array(_vector("", most=math.inf)(value))
     largest = np.abs(vector).max()
     if largest < LEAST_DIRECTION:
         raise Wrong("points nowhere", "write three numbers that are not all zero")
@@ -154,7 +158,7 @@ def euler_zyx(value: Any) -> Quaternion:
 
 def quaternion(value: Any) -> tuple[Quaternion, float]:
     """The unit quaternion, and how long the one was that was given."""
-    parts = np.array(_vector(", w, x, y, z,", 4)(value))
+    parts = np.array(_vector(", w, x, y, z,", 4, math.inf)(value))
     with np.errstate(over="ignore"):
         length = float(np.linalg.norm(parts))
     if not abs(length - 1.0) <= REPAIRABLE:
@@ -185,7 +189,7 @@ def switches(value: Any) -> dict[str, float]:
     """Signals by name, each with its value; true and false are 1 and 0."""
     if not isinstance(value, dict):
         raise Wrong(f"is {kind_of(value)}", "write {signal = 1} with the signal's name")
-    read = number("")
+    read = number("", least=-MOST_VALUE, most=MOST_VALUE)
     found: dict[str, float] = {}
     for signal, given in value.items():
         try:
