@@ -14,7 +14,7 @@ from assistant.program import statements as p
 from assistant.program.geometry import Configuration, Frame, JointTarget, Pose, Target, Tool
 from assistant.program.motion import FINE, FULL_BLEND, Blend, Speed
 from assistant.program.path import Kind, Path
-from assistant.program.program import Procedure, Program, Signal, Variable
+from assistant.program.program import Parameter, Procedure, Program, Signal, Variable
 
 speeds = st.builds(
     Speed,
@@ -43,6 +43,8 @@ def target(seed: int) -> Target:
     return Target(Pose.of(rng.uniform(-900, 900, 3), quaternion), stated if seed % 3 else None)
 
 
+in_base = st.builds(dataclasses.replace, motions, frame=st.just("base"))
+"""Of joint targets, which are in no frame."""
 targets = st.integers(0, 99).map(target)
 positions = st.one_of(
     st.sampled_from([e.Name("home"), e.Name("park_position")]),
@@ -56,12 +58,17 @@ positions = st.one_of(
         lambda z: e.Apply("relative", (e.Name("HOME"), e.Number(0), e.Number(0), z)), numbers
     ),
 )
+places = st.sampled_from(
+    [e.Number(1), e.Name("count"), e.Binary("+", e.Name("count"), e.Number(1))]
+)
+elements = st.builds(lambda at: e.Index(e.Name("row"), (at,)), places)
 values = st.recursive(
-    st.one_of(numbers, st.sampled_from([e.Name("count"), e.Name("limit"), e.Name("ok")])),
+    st.one_of(elements, numbers, st.sampled_from([e.Name("count"), e.Name("limit"), e.Name("ok")])),
     lambda inner: st.one_of(
         st.builds(e.Binary, st.sampled_from(["+", "-", "*", "/", "mod", "div", "^"]), inner, inner),
         st.builds(lambda v: e.Apply("abs", (v,)), inner),
         st.builds(lambda v: e.Apply("sin", (v,)), inner),
+        st.builds(lambda a, b: e.Apply("larger", (a, b)), inner, inner),
         st.builds(lambda v: e.Unary("-", v), inner),
     ),
     max_leaves=5,
@@ -74,6 +81,7 @@ conditions = st.recursive(
     ),
     max_leaves=3,
 )
+seconds = st.sampled_from([e.Number(2), e.Number(0.25), e.Name("limit")])
 
 
 @st.composite
@@ -113,11 +121,13 @@ simple = st.one_of(
     paths(),
     st.builds(p.Move, st.sampled_from(["joint", "linear"]), positions, motions),
     st.builds(p.MoveCircular, positions, positions, motions),
-    st.builds(p.MoveJoints, st.just(e.Name("ready")), motions),
-    st.builds(p.MoveJoints, st.just(e.JointValue(JointTarget((1.5, 2, 3, 4, 5, 6)))), motions),
+    st.builds(p.MoveJoints, st.just(e.Name("ready")), in_base),
+    st.builds(p.MoveJoints, st.just(e.JointValue(JointTarget((1.5, 2, 3, 4, 5, 6)))), in_base),
     st.builds(p.Wait, st.sampled_from([e.Number(0.5), e.Name("limit")])),
     st.builds(p.WaitSignal, st.just("ok"), st.sampled_from([e.Truth(True), e.Number(0)])),
+    st.builds(p.WaitSignal, st.just("ok"), st.just(e.Truth(True)), seconds),
     st.builds(p.WaitUntil, conditions),
+    st.builds(p.WaitUntil, conditions.filter(lambda c: "larger" not in repr(c)), seconds),
     st.builds(p.StartTimer, st.sampled_from(["lap", "timer_3"])),
     st.builds(
         p.Assign,
@@ -134,11 +144,13 @@ simple = st.one_of(
         st.sampled_from([e.Truth(True), e.Number(0)]),
         st.sampled_from([None, e.Number(0.25)]),
     ),
-    st.builds(p.SetSignal, st.just("mode"), values),
+    st.builds(p.SetSignal, st.sampled_from(["mode", "answer", "level"]), values),
     st.builds(p.Gripper, st.sampled_from(["open", "close"]), st.integers(1, 8)),
     st.builds(p.SetAcceleration, st.just(e.Number(50)), st.just(e.Number(80))),
     st.builds(p.SetOverride, st.just(e.Number(40))),
     st.builds(p.Assign, st.sampled_from([e.Name("count"), e.Name("limit")]), values),
+    st.builds(p.Assign, elements, values),
+    st.builds(lambda v: p.Call("show", (v, e.Name("count"))), values),
     st.builds(p.Comment, st.text(max_size=150)),
     st.builds(p.Message, st.just((e.Text("hello"),))),
     st.sampled_from([p.Call("weld"), p.Call("far"), p.Stop(), p.Return(), p.Goto("again")]),
@@ -168,15 +180,47 @@ bodies = st.lists(statements, max_size=8).map(tuple)
 
 def alone(statement: p.Statement) -> bool:
     """Whether a called program can say it: it has no variables of the main one."""
+    told = repr(statement)
+    main = ("count", "row", "larger", "level", "answer")
+    return not isinstance(statement, p.Call | p.Goto) and not any(name in told for name in main)
+
+
+def unaliased(statement: p.Statement) -> bool:
+    """Whether `show` can say it: it is given `count` to change, and may not name it besides."""
     return not isinstance(statement, p.Call | p.Goto) and "count" not in repr(statement)
 
 
+larger = Procedure(
+    "larger",
+    (
+        p.If((p.Branch(e.Binary(">", e.Name("a"), e.Name("b")), (p.Return(e.Name("a")),)),)),
+        p.Return(e.Name("b")),
+    ),
+    (Parameter("a", "number"), Parameter("b", "number")),
+    result="number",
+)
+
+
+def show(body: tuple[p.Statement, ...]) -> Procedure:
+    """A procedure with a parameter of each mode and a variable of its own."""
+    own = p.Assign(e.Name("own"), e.Binary("+", e.Name("v"), e.Name("kept")))
+    kept = p.Assign(e.Name("kept"), e.Name("own"))
+    return Procedure(
+        "show",
+        (own, *body, kept),
+        (Parameter("v", "number"), Parameter("kept", "number", "inout")),
+        {"own": Variable("number", e.Number(1))},
+    )
+
+
 programs = st.builds(
-    lambda main, weld, far, comments: Program(
+    lambda main, weld, shown, far, comments: Program(
         "my_long_program_name",
         (
             Procedure("weld", (p.Label("again"), *weld)),
             Procedure("main", (p.Label("again"), *main)),
+            show(shown),
+            larger,
             Procedure("far", far, unit="far_away_unit"),
         ),
         comments=tuple(comments),
@@ -189,6 +233,8 @@ programs = st.builds(
             "glue": Signal("digital", "output", 5),
             "ok": Signal("digital", "input", 7),
             "mode": Signal("group", "output", 32, 8),
+            "answer": Signal("group", "output", 48, 12),
+            "level": Signal("analog", "output", 6010),
             "spare": Signal("digital", "input"),
         },
         targets={"home": target(3), "park_position": target(4), "P7": target(5)},
@@ -196,6 +242,7 @@ programs = st.builds(
         variables={
             "count": Variable("integer", e.Number(3)),
             "limit": Variable("number", storage="constant", initial=e.Number(1.5)),
+            "row": Variable("number", e.Aggregate((e.Number(4), e.Number(5))), (2,)),
             "unset": Variable("truth", storage="persistent"),
             "place": Variable("position", e.TargetValue(target(8))),
             "word": Variable("text", e.Text("a word")),
@@ -203,6 +250,7 @@ programs = st.builds(
     ),
     bodies,
     bodies.map(lambda body: tuple(s for s in body if s != p.Call("weld"))),
+    st.lists(simple.filter(unaliased), max_size=3).map(tuple),
     st.lists(simple.filter(alone), max_size=5).map(tuple),
     st.lists(st.text(max_size=60), max_size=2),
 )

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import get_args
+
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, Phase, assume, given, settings
+from hypothesis import strategies as st
 
 from assistant import languages
+from assistant.languages.language import Frames
 from assistant.program import rotations
 from assistant.program import statements as p
 from assistant.program.diagnostics import Severity
@@ -22,7 +26,7 @@ DIALECTS = ["melfa-basic-4", "melfa-basic-5", "melfa-basic-6"]
 
 def there_and_back(program: Program, name: str, robot=None, **options):  # type: ignore[no-untyped-def]
     """The adapted program, what came back of it, and its texts."""
-    language = languages.get(name)
+    language = languages.get(name).with_frames(options.pop("frames", "base"))
     any_length = options.pop("any_length", False)
     adapted = language.adapt(program, robot, **options)
     errors = [f for f in adapted.findings if f.severity is Severity.ERROR]
@@ -43,18 +47,33 @@ def there_and_back(program: Program, name: str, robot=None, **options):  # type:
     return adapted.program, language.lift(parsed, robot), texts
 
 
-@pytest.mark.parametrize("name", DIALECTS)
-@given(program=programs)
-@settings(
-    max_examples=25,
+def comes_back(program: Program, name: str, frames: Frames) -> None:
+    adapted, lifted, _ = there_and_back(program, name, any_length=True, frames=frames)
+    assert differences(lifted, adapted) == []
+    assert languages.get(name).with_frames(frames).adapt(adapted).program == adapted
+
+
+random_programs = settings(
+    max_examples=34,
     deadline=None,
     suppress_health_check=list(HealthCheck),
     phases=[Phase.explicit, Phase.reuse, Phase.generate],
 )
-def test_random_programs_come_back(name: str, program: Program) -> None:
-    adapted, lifted, _ = there_and_back(program, name, any_length=True)
-    assert differences(lifted, adapted) == []
-    assert languages.get(name).adapt(adapted).program == adapted
+
+
+@pytest.mark.parametrize("name", DIALECTS)
+@given(program=programs, frames=st.sampled_from(get_args(Frames)))
+@random_programs
+def test_random_programs_come_back(name: str, program: Program, frames: Frames) -> None:
+    comes_back(program, name, frames)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", DIALECTS)
+@given(program=programs, frames=st.sampled_from(get_args(Frames)))
+@settings(random_programs, max_examples=500)
+def test_many_random_programs_come_back(name: str, program: Program, frames: Frames) -> None:
+    comes_back(program, name, frames)
 
 
 @pytest.mark.parametrize("name", DIALECTS)

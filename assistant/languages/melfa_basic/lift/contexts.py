@@ -9,7 +9,15 @@ from typing import Any, Final
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MOV, MoveRows
 from assistant.languages.melfa_basic.lift.flow import INHERITED, Flow, joined, resolved
-from assistant.languages.melfa_basic.lift.settings import JOINT, TCP, UNKNOWN, Held, State
+from assistant.languages.melfa_basic.lift.settings import (
+    FRAME,
+    JOINT,
+    TCP,
+    TOOL,
+    UNKNOWN,
+    Held,
+    State,
+)
 from assistant.languages.melfa_basic.vocabulary import commands
 from assistant.languages.melfa_basic.walk import nodes
 
@@ -29,6 +37,7 @@ class Form:
 
     One that is divided is read in several passes, each under the settings of its own way there;
     itself it is the first. number: among the forms of the procedure, or the passes from `low` on.
+    name: what the procedure is called in this form, once that is decided.
     """
 
     region: int
@@ -44,6 +53,7 @@ class Form:
     """Passes that a line leads to, by line, then by place."""
     falls: Form | None = None
     """The pass that stands below this one."""
+    name: str = ""
 
 
 class Contexts:
@@ -202,16 +212,18 @@ def _inherited(state: State) -> set[int]:
     return {k for k, h in enumerate(state) if h.value is INHERITED}
 
 
-_READING: Final = frozenset(
-    {
-        *("P_CURR", "P_FBC", "P_TOOL", "P_BASE", "P_CURRR", "M_TOOL", "M_BSNO", "M_SPD"),
-        *("M_RSPD", "M_JOVRD", "PTOJ", "JTOP"),
-    }
-)
-"""Status variables and functions that tell what holds, or depend on it."""
-
-
 _ALL: Final = frozenset(range(5))
+_READING: Final = {
+    **dict.fromkeys(("P_CURR", "P_FBC", "P_CURRR", "PTOJ", "JTOP"), frozenset({TOOL, FRAME})),
+    **dict.fromkeys(("P_TOOL", "M_TOOL"), frozenset({TOOL})),
+    **dict.fromkeys(("P_BASE", "M_BSNO"), frozenset({FRAME})),
+    "M_SPD": frozenset({TCP}),
+    "M_JOVRD": frozenset({JOINT}),
+    "M_RSPD": _ALL,
+}
+"""Settings that status variables and functions tell, or depend on."""
+_SPARED: Final[dict[str, frozenset[int]]] = {"Mov": frozenset({TCP}), "Mva": frozenset()}
+"""Settings that a move does not depend on; others are at no percentage of joint speed."""
 
 
 def _used(item: s.Line | MoveRows) -> frozenset[int]:
@@ -220,20 +232,20 @@ def _used(item: s.Line | MoveRows) -> frozenset[int]:
         case MoveRows(kinds=kinds):
             joint = kinds == MOV
             return _ALL - ({TCP} if joint.all() else {JOINT} if not joint.any() else set())
-        case s.Line(statement=s.Motion(keyword="Mov", append=None)):
-            return _ALL - {TCP}
-        case s.Line(statement=s.Motion(append=None)):
-            return _ALL - {JOINT}
-        case s.Line(statement=statement) if statement is not None and depends(statement):
-            return _ALL
+        case s.Line(statement=statement) if statement is not None:
+            return depends(statement)
     return frozenset()
 
 
-def depends(statement: s.Statement) -> bool:
-    """Whether what a statement does depends on the settings."""
-    return any(
-        isinstance(part, s.Motion)
-        or (isinstance(part, s.Variable) and part.key in _READING)
-        or (isinstance(part, s.Command) and part.keyword in commands("needs"))
-        for part in nodes(statement)
-    )
+def depends(statement: s.Statement) -> frozenset[int]:
+    """The settings that what a statement does depends on."""
+    found: frozenset[int] = frozenset()
+    for part in nodes(statement):
+        match part:
+            case s.Motion(keyword=keyword):
+                found |= _ALL - _SPARED.get(keyword, frozenset({JOINT}))
+            case s.Variable(key=key) if key in _READING:
+                found |= _READING[key]
+            case s.Command(keyword=keyword) if keyword in commands("needs"):
+                found |= _ALL
+    return found

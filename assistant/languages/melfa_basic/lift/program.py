@@ -35,9 +35,10 @@ def lift(trees: Sequence[s.File], robot: Robot | None = None, *, divide: bool = 
         name, robot=main.header.robot, comments=main.comments, signals=dict(main.header.signals)
     )
     touched = touching({(stem(f.tree) or f"-{k}").upper(): f for k, f in enumerate(files)})
+    programs = frozenset(name for f in files for name in f.called() if name is not None)
     for file in [main, *rest]:
         unit = None if file is main else (file.header.unit or stem(file.tree) or "unit")
-        program = Unit(file, main, unit, robot, touched, divide).add_to(program)
+        program = Unit(file, main, unit, robot, touched, programs, divide).add_to(program)
     return program
 
 

@@ -8,7 +8,7 @@ from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MoveRows
 from assistant.languages.melfa_basic.lift import passes, reasons, waits
 from assistant.languages.melfa_basic.lift.blocks import Code, labels_in
-from assistant.languages.melfa_basic.lift.contexts import Contexts, Form, depends
+from assistant.languages.melfa_basic.lift.contexts import Contexts, Form
 from assistant.languages.melfa_basic.lift.control import Control
 from assistant.languages.melfa_basic.lift.meanings import Meanings, Routine, Unliftable
 from assistant.languages.melfa_basic.lift.paths import Values
@@ -155,7 +155,7 @@ class Reader(Statements):
         self.meanings.placing = values[TOOL], values[FRAME]
         assert self.form is not None
         self.meanings.variants = {
-            self._function_key(callee): self.name_of(made)
+            self._function_key(callee): made.name
             for callee, made in self.form.called.get(at, {}).items()
         }
         for to in self.form.goes.get(at, {}).values():
@@ -216,8 +216,8 @@ class Reader(Statements):
             lifted = self.simple(node)
         except Unliftable as found:
             lifted = [self.opaque(node, found.reason or self.control.refused.get(at))]
-        if not isinstance(node, s.Motion) and depends(node) and _has_verbatim(lifted):
-            self.note_dependence(at)
+        if not isinstance(node, s.Motion) and _has_verbatim(lifted):
+            self.note_dependence(node)
         return [waits.spanned(statement, span) for statement in lifted]
 
     # ------------------------------------------------------------------------- functions

@@ -62,19 +62,14 @@ class Statements:
         self.at = 0
         self.torn = False
         """Whether a text with a jump stands in a divided procedure, where it leads astray."""
-        self.depending: list[tuple[Form, int]] = []
-        """Lines kept as text that do what they do under the settings that hold there."""
+        self.depending: list[tuple[Form, int, frozenset[int]]] = []
+        """Lines kept as text, and the settings under which they do what they do."""
 
     @property
     def values(self) -> Values:
         assert self.form is not None
         state: State = self.contexts.at(self.at, self.form)
         return tuple(held.value for held in state)
-
-    def name_of(self, form: Form) -> str:
-        """What a procedure is called in the form that one way of calling it makes."""
-        name = self.routines[form.region].name
-        return name if form.number == 1 else f"{name}_{form.number}"
 
     def branch(self, node: s.Statement) -> list[p.Statement]:
         """The branch of an `If` in one line, or its text as that of a line of its own.
@@ -111,8 +106,7 @@ class Statements:
     def opaque(self, statement: s.Statement, found: p.Reason | None) -> p.Opaque:
         self.runs.forget()
         self.runs.arc_pending = False
-        if depends(statement):
-            self.note_dependence(self.at)
+        self.note_dependence(statement)
         if found is reasons.WAYS and self.form is not None:
             found = self.unknown.differing(statement, self.contexts.at(self.at, self.form))
         dialect = self.meanings.dialect
@@ -121,9 +115,11 @@ class Statements:
         reason = reasons.reason_for(statement, found)
         return p.Opaque(dialect, reasons.text_of(statement, dialect), reason=reason)
 
-    def note_dependence(self, at: int) -> None:
+    def note_dependence(self, statement: s.Statement) -> None:
+        """Notes what a statement at hand, which stays as its text, depends on."""
         assert self.form is not None
-        self.depending.append((self.form, at))
+        if settings := depends(statement):
+            self.depending.append((self.form, self.at, settings))
 
     def left(self, _: s.Command) -> list[p.Statement]:
         """`Exit Function`."""
@@ -160,7 +156,7 @@ class Statements:
             raise Unliftable(reasons.NO_PROCEDURE)
         assert self.form is not None
         self.runs.forget()
-        return p.Call(self.name_of(self.form.called[self.at][callee]))
+        return p.Call(self.form.called[self.at][callee].name)
 
     def call(self, node: s.Call) -> list[p.Statement]:
         key = node.function.key

@@ -7,7 +7,15 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.lift import blocks, data, declared, division, regions, routines
+from assistant.languages.melfa_basic.lift import (
+    alike,
+    blocks,
+    data,
+    declared,
+    division,
+    regions,
+    routines,
+)
 from assistant.languages.melfa_basic.lift.blocks import Entry
 from assistant.languages.melfa_basic.lift.constants import Constants
 from assistant.languages.melfa_basic.lift.contexts import Contexts, Form
@@ -67,8 +75,9 @@ class _Ways:
 class Unit:
     """Adds a file to a program. unit: its name there, None for the main one.
 
-    touched: settings that each program changes, by its name in upper case. divide: procedures in
-    which settings differ with the way are read once for each way.
+    touched: settings that each program changes, by its name in upper case. programs: names of
+    those that are called, which no subroutine has. divide: procedures in which settings differ
+    with the way are read once for each way.
     """
 
     def __init__(
@@ -78,11 +87,13 @@ class Unit:
         unit: str | None,
         robot: Robot | None,
         touched: Mapping[str, frozenset[int]],
+        programs: frozenset[str],
         divide: bool = True,
     ) -> None:
         self.grids = not file.own
         self.file, self.main, self.unit, self.robot = file, main, unit, robot
-        self.touched, self.divide = touched, divide and not file.own
+        self.touched, self.programs = touched, programs
+        self.divide = divide and not file.own
         self.own, self.header = file.own, file.header
         self.ways: _Ways | None = None
 
@@ -146,8 +157,9 @@ class Unit:
         reader = reading.reader
         return frozenset(
             line
-            for form, at in reader.depending
-            for held in reader.contexts.at(at, form)
+            for form, at, settings in reader.depending
+            for slot, held in enumerate(reader.contexts.at(at, form))
+            if slot in settings
             for line in held.by
         )
 
@@ -170,6 +182,7 @@ class Unit:
         if ways is None:
             self.ways = ways = self._ways(code, meanings.constants)
         listed = self._routines(code, ways.parts, meanings, program)
+        self._name_forms(ways.contexts, listed, program)
         source = self.file.tree.source
         calls = dict(self.main.header.names["unit"]), dict(self.main.header.names["first"])
         reader = Reader(
@@ -183,6 +196,9 @@ class Unit:
         for number, forms in enumerate(ways.contexts.forms):
             for form in forms.values():
                 self._procedure(number, form, reading, taken_away)
+        several = [forms.values() for forms in ways.contexts.forms if len(forms) > 1]
+        origin = {form.name: form.region for forms in several for form in forms}
+        reading.procedures = alike.as_one(reading.procedures, origin)
         reading.procedures += [replace(f, unit=self.unit) for f in functions]
         return reading
 
@@ -265,7 +281,7 @@ class Unit:
         self, code: list[Entry], parts: list[Region], meanings: Meanings, program: Program
     ) -> list[Routine]:
         """What each region is called; functions are noted among the meanings."""
-        taken = {q.name for q in program.procedures}
+        taken = {*(q.name for q in program.procedures), *self.programs}
         listed = []
         for number, region in enumerate(parts):
             if number == 0:
@@ -283,6 +299,16 @@ class Unit:
             taken.add(name)
             listed.append(routine)
         return listed
+
+    def _name_forms(self, contexts: Contexts, listed: list[Routine], program: Program) -> None:
+        """The first form of a procedure has its name, the others a number behind it."""
+        taken = {*(q.name for q in program.procedures), *(r.name for r in listed), *self.programs}
+        for routine, forms in zip(listed, contexts.forms, strict=True):
+            for form in forms.values():
+                form.name = routine.name
+                if form.number > 1:
+                    form.name = identifier(f"{routine.name}_{form.number}", taken)
+                    taken.add(form.name)
 
     def _first_name(self) -> str:
         header = self.header
@@ -322,7 +348,7 @@ class Unit:
         meanings.inside = None
         if number == 0 and self._has_no_code(reader, body):
             return
-        name = reader.name_of(form)
+        name = form.name
         owned = {v: d for (owner, v), d in reading.local.items() if owner.lower() == name.lower()}
         span = getattr(reader.code[region.low - 1], "span", None) if region.low else None
         reading.procedures.append(
@@ -350,7 +376,7 @@ class Unit:
 
 
 def _depending(reading: _Reading) -> set[int]:
-    return {at for _, at in reading.reader.depending}
+    return {at for _, at, _ in reading.reader.depending}
 
 
 def _is_plain(inside: Inside) -> bool:

@@ -1,0 +1,90 @@
+"""How often a procedure is read: once for all settings at its calls that it says the same with."""
+
+from __future__ import annotations
+
+import pytest
+
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.geometry import BASE, FLANGE, Pose, Tool
+from assistant.program.motion import FINE, Speed
+from assistant.program.program import Procedure, Program, Variable
+
+from .programs import differences, target
+from .test_lift import lifted
+from .test_translation import DIALECTS, there_and_back
+
+
+def called_twice(body: tuple[p.Statement, ...], second: p.Motion) -> Program:
+    """A procedure that is called behind a joint move, and again behind another motion."""
+    first = p.Motion(Speed(100.0, joint=10.0), FINE, FLANGE, BASE)
+    home = e.Name("home")
+    main = (
+        *(p.Move("joint", home, first), p.Call("part")),
+        *(p.Move("joint", home, second), p.Call("part")),
+    )
+    return Program(
+        "job",
+        (Procedure("main", main), Procedure("part", body)),
+        tools={"torch": Tool(Pose((0.0, 0.0, 120.0)))},
+        targets={"home": target(3)},
+        variables={"place": Variable("position")},
+    )
+
+
+@pytest.mark.parametrize("name", DIALECTS)
+def test_an_arc_from_where_the_robot_stands_is_at_no_percentage(name: str) -> None:
+    motion = p.Motion(Speed(50.0), FINE, FLANGE, BASE)
+    arc = p.MoveCircular(e.TargetValue(target(4)), e.Name("home"), motion)
+    faster = p.Motion(Speed(100.0, joint=20.0), FINE, FLANGE, BASE)
+    adapted, back, _ = there_and_back(called_twice((arc,), faster), name)
+    assert differences(back, adapted) == []
+
+
+@pytest.mark.parametrize("name", DIALECTS)
+def test_a_position_is_read_by_the_same_words_with_any_tool(name: str) -> None:
+    read = p.Assign(e.Name("place"), e.Apply("here"))
+    torch = p.Motion(Speed(100.0, joint=10.0), FINE, "torch", BASE)
+    adapted, back, _ = there_and_back(called_twice((read,), torch), name)
+    assert differences(back, adapted) == []
+
+
+def names(program: Program) -> list[str]:
+    return [procedure.name for procedure in program.procedures]
+
+
+def calls(program: Program) -> list[str]:
+    return [node.procedure for node in program.statements() if isinstance(node, p.Call)]
+
+
+PART = "*PART\nMvs P1 Wth M_Out(3)=1\nReturn\n"
+
+
+def test_forms_that_stay_the_same_text_are_one() -> None:
+    program = lifted("Spd 9\nGoSub *PART\nSpd 5\nGoSub *OUTER\nEnd\n*OUTER\nGoSub *PART\nReturn\n"
+                     + PART)  # fmt: skip
+    assert names(program) == ["main", "OUTER", "PART"]
+    assert calls(program) == ["PART", "OUTER", "PART"]
+
+
+def test_what_a_text_does_not_depend_on_is_no_text() -> None:
+    program = lifted("JOvrd 5\nSpd 9\nMvs P1 Wth M_Out(3)=1\nMov P2+(0,0,1)\nEnd\n")
+    kept = [node.text for node in program.statements() if isinstance(node, p.Opaque)]
+    assert kept == ["Spd 9", "Mvs P1 Wth M_Out(3)=1"]
+
+
+def test_a_second_form_has_a_name_of_its_own() -> None:
+    program = lifted(
+        "Spd 9\nGoSub *PART\nSpd 5\nGoSub *PART\nGoSub *PART_2\nEnd\n"
+        "*PART\nMvs P1\nReturn\n*PART_2\nM1=1\nReturn\n"
+    )
+    assert names(program) == ["main", "PART", "PART_2_2", "PART_2"]
+    assert calls(program) == ["PART", "PART_2_2", "PART_2"]
+
+
+def test_a_subroutine_is_not_named_like_a_program_that_is_called() -> None:
+    program = lifted('GoSub *PART\nCallP "PART"\nEnd\n*PART\nM1=1\nReturn\n')
+    assert names(program) == ["main", "PART_2"]
+    inner, other = (node for node in program.statements() if isinstance(node, p.Call))
+    assert (inner.procedure, inner.unit) == ("PART_2", None)
+    assert (other.procedure, other.unit) == ("PART", "PART")
