@@ -1,44 +1,25 @@
-"""The nodes of a tree, one after the other."""
+"""The nodes of a tree, one after the other, and the lists of statements."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import fields
 from typing import Any, Final
 
 from assistant.languages.language import Part
 from assistant.languages.rapid import syntax as s
+from assistant.languages.walking import Walk
 from assistant.program.diagnostics import Span
 
-
-def nodes(root: Any) -> Iterator[Any]:
-    """Every node of a tree (or of a tuple of trees), as they stand in the text."""
-    pending = [root]
-    while pending:
-        item = pending.pop()
-        if isinstance(item, tuple):
-            pending.extend(reversed(item))
-        elif isinstance(item, s.Node):
-            yield item
-            pending.extend([getattr(item, name) for name in inside(type(item))])
-
-
-_FIELDS: Final[dict[type, tuple[str, ...]]] = {}
-
-
-def inside(kind: type[s.Node]) -> tuple[str, ...]:
-    """Fields that may hold nodes, the last one first."""
-    if kind not in _FIELDS:
-        _FIELDS[kind] = tuple(f.name for f in reversed(fields(kind)) if f.name != "span")
-    return _FIELDS[kind]
+_WALK: Final = Walk(lambda kind: issubclass(kind, s.Node))
+nodes: Final = _WALK.nodes
+inside: Final = _WALK.inside
 
 
 def data(file: s.File) -> Iterator[Part]:
     """The data of modules and routines that have a place in the text."""
     for module in file.modules:
         for item in module.items:
-            inside = item.body if isinstance(item, s.Routine) else (item,)
-            for node in inside:
+            for node in item.body if isinstance(item, s.Routine) else (item,):
                 match node:
                     case s.Data(span=Span() as span):
                         yield Part(span, node.name)

@@ -62,7 +62,7 @@ def _places(look: Look) -> Iterator[tuple[s.Node, Scope]]:
             if isinstance(item, s.Routine):
                 scope = Scope(scope.types, item)
             yield item, scope
-            for name in inside(type(item)):
+            for name in inside(type(item)) or ():
                 part = getattr(item, name)
                 if isinstance(part, tuple) or (
                     isinstance(part, s.Node) and type(part) not in LEAVES

@@ -1,0 +1,39 @@
+"""Every node of a typed tree, quickly: the lines of a file are asked many times."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import fields
+from typing import Any
+
+
+class Walk:
+    """Goes through trees of one language. is_node: whether a type is one of its nodes."""
+
+    def __init__(self, is_node: Callable[[type], bool]) -> None:
+        self._is_node = is_node
+        self._inside: dict[type, tuple[str, ...] | None] = {}
+
+    def inside(self, kind: type) -> tuple[str, ...] | None:
+        """Fields of a node that may hold nodes, the last one first; None for what is no node."""
+        if kind not in self._inside:
+            found = None
+            if self._is_node(kind):
+                found = tuple(f.name for f in reversed(fields(kind)) if f.name != "span")
+            self._inside[kind] = found
+        return self._inside[kind]
+
+    def nodes(self, root: Any) -> Iterator[Any]:
+        """Every node in a node or a tuple of them, itself first, as they stand in the text."""
+        known = self._inside
+        pending = [root]
+        while pending:
+            item = pending.pop()
+            kind = type(item)
+            if kind is tuple:
+                pending.extend(item[::-1])
+                continue
+            names = known[kind] if kind in known else self.inside(kind)
+            if names is not None:
+                yield item
+                pending.extend([getattr(item, name) for name in names])
