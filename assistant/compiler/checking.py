@@ -216,19 +216,19 @@ def _check_texts(
     arm: Robot | None,
     checked: Checked,
 ) -> list[Diagnostic]:
-    """Findings of a program; of a broken one only why it cannot be read."""
+    """Findings of a program; of a broken one those of its text, as it is not known what it does."""
     trees = read_trees(language, texts, beside=beside)
     found = [finding for tree in trees for finding in tree.findings]
     complete = not has_errors(found)
     for text in texts:
         checked.texts[text.path or ""] = Text(text, language.comment_mark, complete)
-    if not complete:
-        return found
     folder = FilePath(texts[0].path or "").absolute().parent
     beside_it = [] if beside is None else read_companions(language, trees, beside)
     strangers = {tree.source.path for tree in beside_it}
     said = configured(language, folder).check([*trees, *beside_it])
     found += (finding for finding in said if finding.path not in strangers)
+    if not complete:
+        return found
     try:
         program = language.lift(trees, arm)
     except Refused as refused:

@@ -38,7 +38,7 @@ TWO_LABELS = Rule(
 )
 NO_POSITION = Rule(
     "MB104",
-    E,
+    W,
     "the {kind} `{name}` has no value (controller error 3860)",
     "add its line at the end of the program, assign it first, or teach it on the controller",
 )

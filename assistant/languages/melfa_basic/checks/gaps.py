@@ -59,7 +59,7 @@ def arguments(look: Look) -> Found:
 
 def lines(look: Look) -> Found:
     """Steps that hold nothing, and what looks like a variable line between steps."""
-    code = [at for at, item in enumerate(look.tree.items) if isinstance(item, s.Line | MoveRows)]
+    code = [at for at, item in enumerate(look.tree.items) if _is_step(look, item)]
     last = code[-1] if code else -1
     for item in look.tree.items[: last + 1]:
         match item:
@@ -68,3 +68,11 @@ def lines(look: Look) -> Found:
             case s.Data(type=""):
                 name = item.variable.name
                 yield look.at(rules.AMONG_STEPS, item, item.variable, name=name)
+
+
+def _is_step(look: Look, item: s.Item) -> bool:
+    """Whether an item is code; what has no number and is damaged may be a variable line."""
+    sure = look.damage is None
+    return isinstance(item, MoveRows) or (
+        isinstance(item, s.Line) and (sure or item.number is not None)
+    )

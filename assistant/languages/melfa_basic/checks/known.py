@@ -26,7 +26,7 @@ class Known:
 
     given: names that something gives a value. declared: by Def, Dim, FPrm or a Function's head.
     dimensioned: arrays. read: names that something reads. rows: numbers that have a position
-    line, by stem. taught: whether the file has any lines of positions.
+    line, by stem.
     """
 
     given: set[str] = field(default_factory=set)
@@ -34,7 +34,6 @@ class Known:
     dimensioned: set[str] = field(default_factory=set)
     read: set[str] = field(default_factory=set)
     rows: dict[str, list[Ints]] = field(default_factory=dict)
-    taught: bool = False
 
     def has_row(self, name: str) -> bool:
         found = NUMBERED.fullmatch(name)
@@ -48,7 +47,7 @@ def known(look: Look) -> Known:
     """Worked out once for a file."""
     found = Known()
     for tree in look.included:
-        beside = look if tree is look.tree else Look(tree, look.dialect, look.calls)
+        beside = look if tree is look.tree else Look(tree, look.dialect, look.calls, look.damage)
         _take(beside, found)
     return found
 
@@ -80,7 +79,6 @@ def _take(look: Look, found: Known) -> None:
             case s.DefFunction(name, _, parameters):
                 found.given |= {name.upper(), *(p.key for p in parameters)}
     for item in look.data:
-        found.taught = found.taught or isinstance(item, PositionRows) or is_position(item)
         if isinstance(item, PositionRows):
             found.rows.setdefault(item.stem.upper(), []).append(item.numbers)
         elif not _is_empty(item):

@@ -11,6 +11,7 @@ from typing import Any, Final, TypeVar, cast
 
 from assistant.languages.melfa_basic import printer
 from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.checks.damage import Damage
 from assistant.languages.melfa_basic.checks.uses import Use, uses
 from assistant.languages.melfa_basic.columnar import MoveRows, PositionRows
 from assistant.languages.melfa_basic.dialects import Dialect
@@ -63,10 +64,12 @@ def program_name(tree: s.File) -> str:
 
 
 class Look:
-    """One file, as a rule sees it. calls: the files that stand beside it."""
+    """One file, as a rule sees it. calls: the files that stand beside it. damage: in them."""
 
-    def __init__(self, tree: s.File, dialect: Dialect, calls: Calls) -> None:
-        self.tree, self.dialect, self.calls = tree, dialect, calls
+    def __init__(
+        self, tree: s.File, dialect: Dialect, calls: Calls, damage: Damage | None = None
+    ) -> None:
+        self.tree, self.dialect, self.calls, self.damage = tree, dialect, calls, damage
         self.code: list[Entry] = [i for i in tree.items if isinstance(i, s.Line | MoveRows)]
 
     # ------------------------------------------------------------------------- what is in it

@@ -165,7 +165,7 @@ def _steps(look: Look) -> set[int]:
     for item in look.code:
         if isinstance(item, MoveRows):
             found.update(item.steps.tolist())
-    return found
+    return found if look.damage is None else found | look.damage.steps
 
 
 def _all_labels(look: Look) -> set[str]:

@@ -15,7 +15,7 @@ from assistant.languages.melfa_basic.checks.look import Look
 from assistant.languages.melfa_basic.checks.steps import MOST_ROWS, row_span
 from assistant.languages.melfa_basic.columnar import MVR, MoveRows
 from assistant.languages.melfa_basic.walk import nodes
-from assistant.program.diagnostics import Diagnostic, Severity
+from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]
 
@@ -45,10 +45,8 @@ def variables(look: Look) -> Found:
                 yield look.at(rules.NO_DIM, line, variable, name=_named(variable))
         elif key in moved or re.fullmatch(r"[PJ][0-9]+", key):
             kind = "joint variable" if key[0] == "J" else "position"
-            # positions of a file that has no lines of any are taught on the controller
-            severity = None if names.taught else Severity.WARNING
             name = variable.name
-            yield look.at(rules.NO_POSITION, line, name, kind=kind, name=name, severity=severity)
+            yield look.at(rules.NO_POSITION, line, name, kind=kind, name=name)
         else:
             yield look.at(rules.NO_VALUE, line, variable, name=_named(variable))
     for item in look.code:
@@ -63,13 +61,12 @@ def _undefined_rows(look: Look, rows: MoveRows, names: Known) -> Found:
     found = np.zeros(len(numbers), dtype=bool)
     for table in names.rows.get(stem, ()):
         found |= np.isin(numbers, table)
-    severity = None if names.taught else Severity.WARNING
     missing = [n for n in numbers[~found].tolist() if f"{stem}{n}" not in names.given]
     for number in missing[:MOST_ROWS]:
         fitting = (rows.end == number) | (rows.via == number) | (rows.start == number)
         name = f"{rows.stem}{number}"
         where = row_span(look, rows, int(np.argmax(fitting)), name)
-        yield look.finding(rules.NO_POSITION, where, kind="position", name=name, severity=severity)
+        yield look.finding(rules.NO_POSITION, where, kind="position", name=name)
 
 
 def _named(variable: s.Variable) -> str:

@@ -20,10 +20,11 @@ from assistant.languages.rapid.checks import (
     undeclared,
     unused,
 )
+from assistant.languages.rapid.checks.damage import damage_of
 from assistant.languages.rapid.checks.scope import Look, Task
 from assistant.languages.rapid.checks.tasks import tasks
 from assistant.languages.rapid.walk import nodes
-from assistant.program.diagnostics import Diagnostic, Severity
+from assistant.program.diagnostics import Diagnostic, has_errors
 
 __all__ = ["ADVICE", "RULES", "check", "loaded_files"]
 
@@ -62,32 +63,45 @@ ADVICE: Final[tuple[Callable[[Look], Iterator[Diagnostic]], ...]] = (
 program that it comes from has been checked, and its author wrote no RAPID."""
 
 
+WHOLE: Final[frozenset[Callable[[Look], Iterator[Diagnostic]]]] = frozenset(
+    {
+        names.modules,
+        order.declarations,
+        order.handlers,
+        storage.places,
+        flow.jumps,
+        flow.handled,
+        flow.returns,
+        flow.unreachable,
+        flow.choices,
+        arcs.arcs,
+        unused.unused,
+    }
+)
+"""Rules of what surrounds or follows each other: not asked about a module with a syntax error."""
+
+
 def check(trees: Sequence[s.File]) -> tuple[Diagnostic, ...]:
     """Findings of the parser and of every rule, over the modules of a program.
 
-    They are one task's, unless their folders are named like several tasks. Where a syntax error
-    is, the rules are not asked: what they would say follows from it.
+    They are one task's, unless their folders are named like several tasks. What may follow from
+    a syntax error is left out.
     """
     found = [finding for tree in trees for finding in tree.findings]
-    damaged = {(f.path, f.line) for f in found if f.severity is Severity.ERROR}
+    damage = damage_of(trees)
     for files, common in tasks(trees):
         task = Task(files, common)
         for tree in files:
+            broken = has_errors(tree.findings)
             for module in tree.modules:
                 look = Look(tree, module, task)
                 for rule in RULES if look.compiled else (*RULES, *ADVICE):
-                    found += (f for f in rule(look) if not damaged or damaged.isdisjoint(_lines(f)))
+                    if broken and rule in WHOLE:
+                        continue
+                    found += (
+                        f for f in rule(look) if damage is None or not damage.explains(f, tree)
+                    )
     return tuple(dict.fromkeys(found))
-
-
-def _lines(finding: Diagnostic) -> Iterator[tuple[str | None, int | None]]:
-    first = finding.line or 0
-    for line in range(first, min(finding.end_line or first, first + MOST_LINES) + 1):
-        yield finding.path, line
-
-
-MOST_LINES: Final = 50
-"""Of a statement; a finding of a whole routine or table is not of one damaged place."""
 
 
 def loaded_files(root: s.File) -> tuple[str, ...]:
