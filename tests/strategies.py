@@ -416,7 +416,7 @@ def programs(most: int = 3) -> st.SearchStrategy[Program]:
 @st.composite
 def procedures(draw: st.DrawFn) -> Procedure:
     modes = st.sampled_from(["in", "inout"])
-    parameters = draw(_once(st.tuples(_types(), modes)))
+    parameters = draw(_once(st.tuples(_types(), modes, st.integers(0, 3))))
     taken = {name.lower() for name in parameters}
     local = {n: v for n, v in draw(_once(variables())).items() if n.lower() not in taken}
     return Procedure(

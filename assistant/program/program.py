@@ -81,11 +81,15 @@ class Variable:
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """mode: `in` is a copy, `inout` the caller's own variable."""
+    """mode: `in` is a copy, `inout` the caller's own variable.
+
+    dimensions: of an array of any extents, 0 for a single value.
+    """
 
     name: str
     type: ValueType
     mode: Literal["in", "inout"] = "in"
+    dimensions: int = 0
 
 
 @dataclass(frozen=True, slots=True)

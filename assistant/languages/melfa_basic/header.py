@@ -42,6 +42,7 @@ class Declared:
     """A variable: original name, type, storage, procedure it belongs to, and marks.
 
     storage: that of a `Variable`, or `parameter`. initial: the code begins with its first value.
+    size: of an array; a parameter takes one of any extents, written as 0.
     """
 
     name: str

@@ -74,7 +74,8 @@ def opaque_lines(language: str, text: str) -> list[str]:
 
 def parameter_text(parameter: Parameter) -> str:
     mode = "inout " if parameter.mode == "inout" else ""
-    return f"{name_text(parameter.name)} {mode}{parameter.type}"
+    extents = "[" + "," * (parameter.dimensions - 1) + "]" if parameter.dimensions else ""
+    return f"{name_text(parameter.name)} {mode}{parameter.type}{extents}"
 
 
 def _signal_text(signal: Signal) -> str:
@@ -148,11 +149,12 @@ def read_parameters(tree: Node) -> tuple[Parameter, ...]:
 
 
 def _read_parameter(tree: Node) -> Parameter:
-    name, mode, type_ = tree.children
+    name, mode, type_, extents = tree.children
     return Parameter(
         read_name(cast(Node, name)),
         cast(ValueType, str(type_)),
         "in" if mode is None else "inout",
+        0 if extents is None else str(extents).count(",") + 1,
     )
 
 

@@ -50,6 +50,7 @@ _SPOKEN: Final = {
     "NAME": "a name",
     "QUOTED_NAME": "a name",
     "WORD": "a name",
+    "OPEN": "`[]`",
     "STRING": '"a text"',
     "NUMBER": "a number",
     "SIGNED": "a number",

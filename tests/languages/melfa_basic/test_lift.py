@@ -11,7 +11,7 @@ from assistant import languages
 from assistant.program import expressions as e
 from assistant.program import rotations
 from assistant.program import statements as p
-from assistant.program.motion import FINE, Blend
+from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.program import Parameter, Procedure, Program, Signal
 from assistant.program.pseudo import parse as parse_pseudo
 from assistant.program.pseudo import print_program
@@ -201,8 +201,32 @@ def test_a_result_that_is_changed_later_is_a_variable() -> None:
     assert result.body[-1] == p.Return(e.Name("result"))
 
 
-def test_a_function_that_takes_an_array_is_kept_whole() -> None:
-    text = "Function V fnAll(ByVal P())\nMov P(1)\nFEnd"
+def test_a_function_takes_an_array() -> None:
+    main, all_ = lifted(
+        "Dim PRow(3),M1(2)\nFunction Main\nM1(2)=5\nfnAll(PRow,M1)\nFEnd\n"
+        "Function V fnAll(ByVal PA(),ByRef MB%())\nMB%(1)=MB%(2)\nMov PA(MB%(1))\nFEnd\n"
+    ).procedures
+    assert all_.parameters == (
+        Parameter("PA", "position", "in", 1), Parameter("MB", "integer", "inout", 1),
+    )  # fmt: skip
+    assert main.body[-1] == p.Call("fnAll", (e.Name("PRow"), e.Name("M1")))
+    first = e.Index(e.Name("MB"), (e.Number(1),))
+    assert all_.body[0] == p.Assign(first, e.Index(e.Name("MB"), (e.Number(2),)))
+    (move,) = moves(all_)
+    assert move.target == e.Index(e.Name("PA"), (first,))
+
+
+@pytest.mark.parametrize("given", ["P1", "PGrid", "PRow(1)"])
+def test_an_array_parameter_takes_an_array_of_one_extent(given: str) -> None:
+    program = lifted(
+        f"Dim PRow(3),PGrid(2,2)\nFunction Main\nfnAll({given})\nFEnd\n"
+        "Function V fnAll(ByVal PA())\nMov PA(1)\nFEnd\n"
+    )
+    assert [type(node) for node in program.procedures[0].body] == [p.Opaque]
+
+
+def test_a_function_that_takes_an_array_of_two_extents_is_kept_whole() -> None:
+    text = "Function V fnAll(ByVal P())\nMov P(1,2)\nFEnd"
     program = lifted(f"Function Main\nFEnd\n{text}\n")
     (kept,) = program.declarations
     assert kept.text.splitlines() == text.splitlines()
@@ -217,6 +241,15 @@ def test_def_fn_and_fprm() -> None:
 
 
 # ------------------------------------------------------------------------------ values
+
+
+@pytest.mark.parametrize("level", [5, 6])
+def test_the_percentages_of_the_start_are_known(level: int) -> None:
+    (main,) = lifted("JOvrd 20\nJOvrd M_NJOvrd\nMov P1\nOvrd M_NOvrd\n", level).procedures
+    move, override = main.body
+    assert isinstance(move, p.Move) and isinstance(move.motion.speed, Speed)
+    assert move.motion.speed.joint in (None, 100.0)
+    assert override == p.SetOverride(e.Number(100))
 
 
 def test_a_parameter_is_what_the_caller_gives_whatever_its_line_says() -> None:

@@ -229,6 +229,16 @@ def test_a_text_that_jumps_keeps_the_labels_that_it_names() -> None:
     assert [n.name for n in main.body if isinstance(n, p.Label)] == ["TOP"]
 
 
+def test_a_setting_that_a_subroutine_makes_on_some_ways_only_may_be_the_callers() -> None:
+    sub = "End\n*S\nIf M_In(1)=1 Then Cnt 0\nReturn\n"
+    assert not reasons(f"GoSub *S\nMvs P1\n{sub}")
+    assert not reasons(f"Cnt 1,5\nCnt 0\nGoSub *S\nGoSub *S\nMvs P1\n{sub}")
+    assert "Mvs P1" in reasons(f"Cnt 1,5\nGoSub *S\nMvs P1\n{sub}")
+    deeper = f"{sub}*T\nGoSub *S\nIf M_In(2)=1 Then Cnt 1,5\nReturn\n"
+    assert "Mvs P1" in reasons(f"GoSub *T\nMvs P1\n{deeper}")
+    assert not reasons(f"GoSub *S\nGoSub *T\nCnt 0\nMvs P1\n{deeper}")
+
+
 def test_a_move_tells_which_settings_meet() -> None:
     text = "10 SPD 100\n20 IF M1=1 THEN SPD 50\n30 MVS P1\n40 END\n"
     why, cure = reasons(text, 4)["MVS P1"]

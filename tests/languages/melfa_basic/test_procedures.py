@@ -13,7 +13,16 @@ from assistant.compiler.proof import prove
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Severity
-from assistant.program.program import Parameter, Procedure, Program, Signal, Variable
+from assistant.program.program import (
+    Parameter,
+    Procedure,
+    Program,
+    Signal,
+    ValueType,
+    Variable,
+)
+from assistant.program.pseudo import parse as parse_pseudo
+from assistant.program.pseudo import print_program
 
 from .test_lower import DIALECTS, program, written
 
@@ -218,6 +227,64 @@ def test_random_procedures_come_back(name: str, job: Program) -> None:
     assert proof.holds, [f.message[:300] for f in proof.findings]
     again = language.adapt(adapted.program).program
     assert replace(again, origin=None) == adapted.program
+
+
+places = st.one_of(elements, st.builds(lambda a: e.Index(e.Name("given"), (a,)), elements))
+cells = st.builds(lambda row, a: e.Index(e.Name(row), (a,)), st.sampled_from(["given", "kept"]),
+                  places)  # fmt: skip
+inner_lines = st.one_of(
+    st.builds(p.Assign, cells, st.one_of(numbers, cells)),
+    st.just(p.Call("rows", (e.Name("given"), e.Name("kept")))),
+    st.just(p.Call("rows", (e.Name("kept"), e.Name("given")))),
+)
+rows = st.sampled_from([e.Name("one"), e.Name("two")])
+
+
+@pytest.mark.parametrize("name", ["melfa-basic-6", "rapid"])
+@given(
+    calls=st.lists(st.builds(lambda *r: p.Call("rows", r), rows, rows), max_size=3).map(tuple),
+    body=st.lists(inner_lines, max_size=4).map(tuple),
+    type=st.sampled_from(["number", "integer"]),
+)
+@settings(max_examples=12, deadline=None)
+def test_random_arrays_are_handed_over(
+    name: str, calls: tuple[p.Call, ...], body: tuple[p.Statement, ...], type: ValueType
+) -> None:
+    taken = (Parameter("given", type, "in", 1), Parameter("kept", type, "inout", 1))
+    own = {"m": Variable("number", e.Number(1))}
+    values = e.Aggregate((e.Number(1), e.Number(2)))
+    variables = {row: Variable(type, values, (2,)) for row in ("one", "two")}
+    job = Program(
+        "job", (Procedure("main", calls), Procedure("rows", body, taken, own)), variables=variables
+    )
+    assert parse_pseudo(print_program(job).text) == job
+    language = languages.get(name)
+    adapted = language.adapt(job)
+    assert not [f for f in adapted.findings if f.severity is Severity.ERROR]
+    tree = language.build(adapted.program)
+    files = {language.file_name(adapted.program, None): language.encode(tree)}
+    proof = prove(language, adapted.program, files)
+    assert proof.holds, [f.message[:300] for f in proof.findings]
+    assert not [
+        f
+        for f in language.check([language.parse(language.decode(next(iter(files.values())), "a"))])
+        if f.severity is Severity.ERROR
+    ]
+
+
+@pytest.mark.parametrize(
+    ("name", "parameter", "cure"),
+    [
+        ("melfa-basic-4", "num a{*}", "use an array of the program"),
+        ("melfa-basic-5", "INOUT num a{*}", "use an array of the program"),
+        ("melfa-basic-6", "num a{*,*}", "give it one dimension"),
+    ],
+)
+def test_arrays_that_a_dialect_cannot_hand_over(name: str, parameter: str, cure: str) -> None:
+    job = program("", f" PROC part({parameter})\n ENDPROC\n")
+    found = languages.get(name).adapt(job).findings
+    (one,) = [f for f in found if f.severity is Severity.ERROR]
+    assert "the array parameter `a` of `part`" in one.message and one.cure == cure
 
 
 COUNTED = " FUNC num counted(num k)\n  n:=n+1;\n  RETURN k;\n ENDFUNC\n"

@@ -40,6 +40,33 @@ def with_filled_arrays(program: Program, findings: Findings) -> Program:
     return replace(program, variables=variables, procedures=tuple(procedures))
 
 
+def with_array_parameters(program: Program, functions: bool, findings: Findings) -> Program:
+    """The program with the types of its array parameters that arrays have.
+
+    functions: whether the dialect has them; others hand over no arrays, `CallP` no whole ones.
+    """
+    firsts = {q.unit: q.name for q in reversed(program.procedures)}
+    procedures = []
+    for procedure in program.procedures:
+        first = procedure.unit is not None and firsts[procedure.unit] == procedure.name
+        called = first or not functions
+        for q in procedure.parameters:
+            if not q.dimensions or (q.dimensions == 1 and not called):
+                continue
+            with findings.at(procedure.span):
+                findings.append(rules.CANNOT_SAY(
+                    what=f"the array parameter `{q.name}` of `{procedure.name}`",
+                    cure="use an array of the program" if called else "give it one dimension",
+                    place=procedure.name,
+                ))  # fmt: skip
+        parameters = tuple(
+            replace(q, type="number") if q.dimensions and q.type == "integer" else q
+            for q in procedure.parameters
+        )
+        procedures.append(replace(procedure, parameters=parameters))
+    return replace(program, procedures=tuple(procedures))
+
+
 def _with(procedure: Procedure, variables: dict[str, Variable]) -> Procedure:
     return replace(procedure, variables=variables)
 

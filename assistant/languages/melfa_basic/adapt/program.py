@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from assistant.languages.language import Adapted
 from assistant.languages.melfa_basic import printer, rules
 from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.adapt.arrays import with_filled_arrays
+from assistant.languages.melfa_basic.adapt.arrays import with_array_parameters, with_filled_arrays
 from assistant.languages.melfa_basic.adapt.computed import with_computed_targets
 from assistant.languages.melfa_basic.adapt.context import Context
 from assistant.languages.melfa_basic.adapt.data import with_plain_data
@@ -67,6 +67,7 @@ def adapt(
 
 def _with_plain_procedures(program: Program, dialect: Dialect, findings: Findings) -> Program:
     """With variables, parameters and computed targets as the dialect has them."""
+    program = with_array_parameters(program, dialect.functions, findings)
     program = with_filled_arrays(program, findings)
     fresh = (with_fresh_variables(q, q.name == program.entry) for q in program.procedures)
     program = replace(program, procedures=tuple(fresh))

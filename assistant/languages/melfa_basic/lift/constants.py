@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, Final
 
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.blocks import opened
@@ -13,6 +13,10 @@ from assistant.languages.melfa_basic.vocabulary import commands, function, statu
 from assistant.languages.melfa_basic.walk import nodes
 
 Value = float | str
+
+
+INITIAL: Final = {"M_NOVRD": 100.0, "M_NJOVRD": 100.0}
+"""Status variables that never change: the percentages that hold when a program starts."""
 
 
 class Constants:
@@ -61,7 +65,7 @@ class Constants:
             case s.String(value=text):
                 return text
             case s.Variable(arguments=None, component=""):
-                return self.values.get(node.key)
+                return INITIAL.get(node.key) or self.values.get(node.key)
             case s.Unary(operator=("-" | "+") as sign, operand=operand):
                 inner = self.value(operand)
                 if not isinstance(inner, float):

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MOV, MoveRows
-from assistant.languages.melfa_basic.lift.flow import INHERITED, Flow, joined, resolved
+from assistant.languages.melfa_basic.lift.flow import Flow, is_inherited, joined, resolved
 from assistant.languages.melfa_basic.lift.settings import (
     FRAME,
     JOINT,
@@ -209,7 +209,7 @@ class Contexts:
 
 
 def _inherited(state: State) -> set[int]:
-    return {k for k, h in enumerate(state) if h.value is INHERITED}
+    return {k for k, h in enumerate(state) if is_inherited(h.value)}
 
 
 _ALL: Final = frozenset(range(5))

@@ -10,6 +10,7 @@ import numpy as np
 from assistant.languages.melfa_basic import printer
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.functions import ANALOG, OF_ANGLE, PLAIN, TO_ANGLE
+from assistant.languages.melfa_basic.lift.constants import INITIAL
 from assistant.languages.melfa_basic.lift.meanings import SIGNALS, Meanings, Unliftable
 from assistant.languages.melfa_basic.lift.pallets import declared
 from assistant.languages.melfa_basic.lift.positions import target_of
@@ -235,6 +236,8 @@ class Expressions:
             return self.here(key)
         if key in ("M_ON", "M_OFF"):
             return e.Number(int(key == "M_ON"))
+        if key in INITIAL:
+            return e.Number(round(INITIAL[key]))
         if key == "M_PI":
             return e.Number(math.pi)
         return self.m.name(node)
@@ -262,11 +265,20 @@ class Expressions:
     def arguments(self, parameters: Any, given: Any) -> tuple[e.Expression, ...]:
         if len(parameters) != len(given) or any(a is None for a in given):
             raise Unliftable
+        if any(self.extents(a) != q.dimensions for q, a in zip(parameters, given, strict=True)):
+            raise Unliftable
         made = tuple(self.number(a) for a in given)
         for parameter, value in zip(parameters, made, strict=True):
             if parameter.mode == "inout" and not isinstance(value, e.Name | e.Member | e.Index):
                 raise Unliftable
         return made
+
+    def extents(self, node: s.Expression) -> int:
+        """How many extents a value has: none but that of a whole array."""
+        match node:
+            case s.Variable(arguments=None, component=""):
+                return len(self.m.size_of(node.key))
+        return 0
 
     def component(self, node: s.Variable) -> e.Expression:
         """X, Y, Z in mm; joints are read in radian."""

@@ -11,6 +11,7 @@ import heapq
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from copy import copy
+from dataclasses import dataclass
 from typing import Any, Final
 
 from assistant.languages.melfa_basic import syntax as s
@@ -32,6 +33,15 @@ class Inherited:
 
 
 INHERITED: Final = Inherited()
+
+
+@dataclass(frozen=True, slots=True)
+class OrInherited:
+    """A setting that some ways make, and others leave as the caller of a procedure has it."""
+
+    value: Any
+
+
 _ENTRY: Final[State] = (Held(INHERITED),) * 5
 _LOST: Final[State] = (Held(UNKNOWN),) * 5
 
@@ -41,19 +51,42 @@ def joined(one: State | None, two: State) -> State:
     if one is None or one is two or one == two:
         return two
     return tuple(
-        a if a == b else Held(a.value if a.value == b.value else UNKNOWN, a.by | b.by)
+        a if a == b else Held(_met(a.value, b.value), a.by | b.by)
         for a, b in zip(one, two, strict=True)
     )
 
 
+def _met(one: Any, two: Any) -> Any:
+    """What two ways agree on, for one caller or for all."""
+    if one == two:
+        return one
+    if not is_inherited(one) and not is_inherited(two):
+        return UNKNOWN
+    made = {part for part in map(_made, (one, two)) if part is not INHERITED}
+    return OrInherited(*made) if len(made) == 1 and UNKNOWN not in made else UNKNOWN
+
+
+def is_inherited(value: Any) -> bool:
+    """Whether a setting may be the caller's."""
+    return value is INHERITED or isinstance(value, OrInherited)
+
+
+def _made(value: Any) -> Any:
+    return value.value if isinstance(value, OrInherited) else value
+
+
 def resolved(state: State, inherited: State) -> State:
     """The state with what the caller has in the places that are inherited."""
-    if not any(h.value is INHERITED for h in state):
+    if not any(is_inherited(h.value) for h in state):
         return state
     return tuple(
-        Held(up.value, h.by | up.by) if h.value is INHERITED else h
+        Held(_resolved(h.value, up.value), h.by | up.by) if is_inherited(h.value) else h
         for h, up in zip(state, inherited, strict=True)
     )
+
+
+def _resolved(value: Any, given: Any) -> Any:
+    return given if value is INHERITED else _met(value.value, given)
 
 
 class Flow:
@@ -152,7 +185,7 @@ class Flow:
 
     def _settle(self) -> None:
         order = self._callees_first()
-        for _ in range(len(self.regions) + 3):
+        for _ in range(2 * len(self.regions) + 3):
             before, self.before = list(self.exits), {}
             for number in order:
                 self._run(number, self.regions[number])

@@ -124,8 +124,9 @@ _NODES: Final[dict[type, Reason]] = {
     s.Include: Reason("it takes in another file", "put that file's lines here"),
     s.Const: Reason("the constant's value is worked out elsewhere", "give it a plain number"),
     s.Call: Reason(
-        "the function takes arrays, or changes what it is given in a way that is not known",
-        "mark its parameters ByVal or ByRef",
+        "the function takes arrays of several extents, or other arguments, or changes them in a way"
+        " that is not known",
+        "give arrays of one extent for parameters with (), and mark those ByVal or ByRef",
     ),
     s.Next: Reason("its block does not end where it should", "close the blocks inside one another"),
     s.For: Reason("its block does not end where it should", "close the blocks inside one another"),

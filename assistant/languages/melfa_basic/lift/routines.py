@@ -27,7 +27,7 @@ EXIT: Final = s.Command("Exit Function")
 
 
 def routine_of(code: Code, region: Region, name: str, meanings: Meanings) -> Routine:
-    """What a function is. Parameters that may be arrays, or changed in an unknown way, are None."""
+    """What a function is. Parameters of several extents, or changed in an unknown way, are None."""
     function = region.function
     assert function is not None
     kept = meanings.constants.kept
@@ -38,15 +38,28 @@ def routine_of(code: Code, region: Region, name: str, meanings: Meanings) -> Rou
         for key in changed(item.statement, kept)
     }
     parameters: list[Parameter] = []
+    extents = _extents(code[region.low : region.high])
     for given in function.parameters or ():
         key = given.name.upper()
-        if given.array or (not given.mode and key in assigned):
+        whole = extents.get(key, set()) <= {1}  # no other number of subscripts than one
+        if (not given.mode and key in assigned) or (given.array and not whole):
             return Routine(name, result_type(function), None)
         mode: Any = "inout" if given.mode == "ByRef" else "in"
         known = meanings.header.variables.get(key) if meanings.own else None
         kind = known.type if known else SUFFIXES.get(given.suffix, letter_type(key))
-        parameters.append(Parameter(known.name if known else given.name, kind, mode))
+        spelled = known.name if known else given.name
+        parameters.append(Parameter(spelled, kind, mode, int(given.array)))
     return Routine(name, result_type(function), tuple(parameters))
+
+
+def _extents(code: Code) -> dict[str, set[int]]:
+    """Numbers of subscripts that names stand with, in upper case."""
+    found: dict[str, set[int]] = {}
+    for item in code:
+        for part in nodes(item.statement) if isinstance(item, s.Line) else ():
+            if isinstance(part, s.Variable) and part.arguments is not None:
+                found.setdefault(part.key, set()).add(len(part.arguments))
+    return found
 
 
 def result_type(function: s.Function) -> ValueType | None:
@@ -71,6 +84,7 @@ def inside_of(
     for parameter in routine.parameters or ():
         inside.names[parameter.name.upper()] = parameter.name
         inside.types[parameter.name.upper()] = parameter.type
+        inside.sizes[parameter.name.upper()] = (0,) * parameter.dimensions
     scope = scope_of(code[region.low : region.high], (*meanings.routines, key))
     taken = set(inside.names)
     defined = _defined(code[region.low : region.high])

@@ -67,7 +67,8 @@ def _declared(
 ) -> headers.Declared:
     whose = next((p.name for p in unit.program.procedures if p.name.lower() == owner), "")
     if isinstance(variable, Parameter):
-        return headers.Declared(name, variable.type, "parameter", whose)
+        extents = (0,) * variable.dimensions
+        return headers.Declared(name, variable.type, "parameter", whose, size=extents)
     return headers.Declared(
         name, variable.type, variable.storage, whose,
         variable.local, variable.initial is not None, variable.size,

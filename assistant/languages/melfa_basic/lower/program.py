@@ -159,7 +159,8 @@ class Unit:
         for q in procedure.parameters:
             variable = self.variable(procedure, q)
             mode: Literal["ByVal", "ByRef"] = "ByVal" if q.mode == "in" else "ByRef"
-            parameters.append(s.FunctionParameter(mode, variable.name, variable.suffix))
+            whole = q.dimensions > 0
+            parameters.append(s.FunctionParameter(mode, variable.name, variable.suffix, whole))
         return s.Function(letter + suffix, name, "", tuple(parameters))
 
     def variable(self, procedure: Procedure, parameter: Parameter) -> s.Variable:

@@ -217,13 +217,13 @@ class _Lift:
         found: list[Parameter] = []
         for group in node.parameters:
             for q in group.alternatives:
-                if isinstance(q, s.Placeholder) or group.optional or q.dimensions:
+                if isinstance(q, s.Placeholder) or group.optional or q.dimensions < 0:
                     return None
                 type = VALUE_OF_TYPE.get(q.type.lower())
                 if type is None:
                     return None
                 mode: Any = "inout" if q.mode else "in"
-                found.append(Parameter(self.original(q.name), type, mode))
+                found.append(Parameter(self.original(q.name), type, mode, q.dimensions))
         return tuple(found)
 
 

@@ -81,7 +81,8 @@ def _routine(procedure: Procedure, program: Program, names: Naming) -> s.Routine
 
 def _parameter(parameter: Parameter, name: str) -> s.ParameterGroup:
     mode = "INOUT" if parameter.mode == "inout" else ""
-    return s.ParameterGroup(False, (s.ParameterNode(mode, TYPE_OF_VALUE[parameter.type], name),))
+    node = s.ParameterNode(mode, TYPE_OF_VALUE[parameter.type], name, parameter.dimensions)
+    return s.ParameterGroup(False, (node,))
 
 
 def _apart(
