@@ -14,10 +14,11 @@ from typing import Any, Final
 from assistant.compiler.compiling import Compiled, compile_program
 from assistant.compiler.places import Places, Trace
 from assistant.languages.language import Language
+from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, Severity, Span
 from assistant.program.program import Procedure, Program, Variable
-from assistant.program.rewriting import Body, map_bodies
+from assistant.program.rewriting import Body, map_bodies, records
 
 HEADING: Final = (
     "DRAFT: not for production. What could not be translated stands as comments behind",
@@ -110,6 +111,8 @@ def _without(
             part = parts.get(name.lower())
             heads += _quoted(part.span if part else None, places, name)
     procedures = tuple(_procedure(q, spans, names, places) for q in program.procedures)
+    if not kept and all(map(_serves, filter(_vendor_text, records(procedures)))):
+        procedures = tuple(replace(q, body=_alone(q.body)) for q in procedures)
     return replace(
         program,
         procedures=procedures,
@@ -149,6 +152,20 @@ def _procedure(
         said = (t for name in gone for t in _quoted(variables[name].span, places, name))
         body, variables = (*map(p.Comment, said), *body), _fewer(variables, gone)
     return replace(procedure, body=body, variables=variables)
+
+
+def _vendor_text(record: Any) -> bool:
+    return isinstance(record, p.Opaque | e.Verbatim)
+
+
+def _serves(record: Any) -> bool:
+    """Whether it is there for other vendor text only, as a setting of moves that stay text."""
+    return isinstance(record, p.Opaque) and record.reason is not None and record.reason.serves
+
+
+def _alone(body: Body) -> Body:
+    """Without what serves vendor text, of which none is left."""
+    return tuple(map_bodies(one, _alone) for one in body if not _serves(one))
 
 
 def _body(body: Body, spans: Collection[Span], places: Places) -> Iterator[p.Statement]:

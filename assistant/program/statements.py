@@ -234,10 +234,14 @@ class Message(Spanned):
 
 @dataclass(frozen=True, slots=True)
 class Reason:
-    """why: a clause on what keeps a statement from being said otherwise. cure: what to do."""
+    """why: a clause on what keeps a statement from being said otherwise. cure: what to do.
+
+    serves: it stays for the sake of others that stay, and would not be there without them.
+    """
 
     why: str
     cure: str
+    serves: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -98,6 +98,14 @@ def test_each_statement_of_melfa_basic_has_its_level(tmp_path: Path, language: s
     }
 
 
+def test_a_program_that_is_not_beside_changes_no_meaning(tmp_path: Path) -> None:
+    text = '10 XLOAD 2,"OTHER"\n20 XRUN 2,"OTHER"\n30 END\n'
+    translation = translated(tmp_path, text, "melfa-basic-5")
+    assert translation.ok
+    assert {row.level for row in translation.rows} == {"supported"}
+    assert [f.code for row in translation.rows for f in row.reasons] == ["MB115"]
+
+
 def test_a_level_says_why(tmp_path: Path) -> None:
     rows = {row.place.line: row for row in translated(tmp_path, MODULE, "melfa-basic-5").rows}
     assert [f.code for f in rows[7].reasons] == ["MB204"]
@@ -149,6 +157,21 @@ def test_a_draft_stops_at_what_it_cannot_say(tmp_path: Path, to: str) -> None:
         ["not translated, line 13:", "| SetDO do1,1"],
         ["not translated, line 15:", "| n:=n+ClkRead(timer)"],
     ]
+
+
+def test_settings_of_what_a_draft_leaves_out_do_not_take_the_moves_with_them(
+    tmp_path: Path,
+) -> None:
+    text = (
+        "Tool P_NTool\nBase P_NBase\nSpd 100\nMvs P1\nFsc On\nMvs P2\n"
+        "P1=(400,0,300,180,0,180)(7,0)\nP2=(400,10,300,180,0,180)(7,0)\n"
+    )
+    found = translated(tmp_path, text, "melfa-basic-4", language="melfa-basic-5", draft=True)
+    assert [row.text for row in found.rows if row.level == "not"] == ["Fsc On"]
+    assert found.draft and found.proof.holds
+    (data,) = found.files.values()
+    words = [_word(line) for line in data.decode().splitlines() if line[0].isdigit()]
+    assert words.count("MVS") == 2 and words.count("HLT") == 1
 
 
 def test_a_draft_in_rapid(tmp_path: Path) -> None:

@@ -39,7 +39,9 @@ STATUS: Final = Reason(
     "it reads or writes a state of the controller itself", "keep the state in a variable of its own"
 )
 DEPENDED_ON: Final = Reason(
-    "something below depends on this setting and stays as its text", "see to that first"
+    "something below depends on this setting and stays as its text",
+    "see to that first",
+    serves=True,
 )
 _INTERRUPTS: Final = Reason(
     "it belongs to an interrupt, which works beside the program",
