@@ -63,7 +63,11 @@ places = st.sampled_from(
 )
 elements = st.builds(lambda at: e.Index(e.Name("row"), (at,)), places)
 values = st.recursive(
-    st.one_of(elements, numbers, st.sampled_from([e.Name("count"), e.Name("limit"), e.Name("ok")])),
+    st.one_of(
+        *(elements, numbers),
+        st.sampled_from([e.Name("count"), e.Name("limit"), e.Name("ok")]),
+        st.sampled_from([e.Name("sensor"), e.Name("dial")]),
+    ),
     lambda inner: st.one_of(
         st.builds(e.Binary, st.sampled_from(["+", "-", "*", "/", "mod", "div", "^"]), inner, inner),
         st.builds(lambda v: e.Apply("abs", (v,)), inner),
@@ -150,6 +154,7 @@ simple = st.one_of(
     st.builds(p.SetOverride, st.just(e.Number(40))),
     st.builds(p.Assign, st.sampled_from([e.Name("count"), e.Name("limit")]), values),
     st.builds(p.Assign, elements, values),
+    st.sampled_from([e.Apply("here"), e.Name("home")]).map(lambda v: p.Assign(e.Name("place"), v)),
     st.builds(lambda v: p.Call("show", (v, e.Name("count"))), values),
     st.builds(p.Comment, st.text(max_size=150)),
     st.builds(p.Message, st.just((e.Text("hello"),))),
@@ -181,7 +186,7 @@ bodies = st.lists(statements, max_size=8).map(tuple)
 def alone(statement: p.Statement) -> bool:
     """Whether a called program can say it: it has no variables of the main one."""
     told = repr(statement)
-    main = ("count", "row", "larger", "level", "answer")
+    main = ("count", "row", "larger", "place")
     return not isinstance(statement, p.Call | p.Goto) and not any(name in told for name in main)
 
 
@@ -235,6 +240,8 @@ programs = st.builds(
             "mode": Signal("group", "output", 32, 8),
             "answer": Signal("group", "output", 48, 12),
             "level": Signal("analog", "output", 6010),
+            "sensor": Signal("analog", "input", 6020),
+            "dial": Signal("group", "input", 64, 12),
             "spare": Signal("digital", "input"),
         },
         targets={"home": target(3), "park_position": target(4), "P7": target(5)},
