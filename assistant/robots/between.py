@@ -15,14 +15,15 @@ from numpy.typing import NDArray
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.path import Kind
 from assistant.robots import findings as rules
-from assistant.robots.robot import CHUNK, CLOSING, LIMIT_TOLERANCE, Robot
+from assistant.robots.arms.arm import CLOSING
+from assistant.robots.robot import CHUNK, LIMIT_TOLERANCE, Robot
 from assistant.robots.run import Run
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
 WIDE: Final = 20.0
-"""degrees that an axis turns in one move from which on the line is looked at."""
+"""degrees or mm that an axis moves in one move from which on the line is looked at."""
 SAMPLES: Final = 12
 """Poses on such a line."""
 
@@ -45,7 +46,7 @@ def lines(run: Run, robot: Robot, joints: Floats, branch: Rows) -> Lines:
     n, axes = joints.shape
     winding = np.zeros((n, axes), dtype=np.int64)
     step = np.zeros((n, axes))
-    step[1:] = _shortest(np.diff(joints, axis=0))
+    step[1:] = robot.wound(np.diff(joints, axis=0))
     with np.errstate(invalid="ignore"):
         wide = (np.abs(step) > WIDE).any(axis=1)
     wide &= (run.kinds == Kind.LINEAR) & run.mounting.unchanged()
@@ -61,7 +62,7 @@ def lines(run: Run, robot: Robot, joints: Floats, branch: Rows) -> Lines:
             between = np.concatenate(
                 [joints[here - 1][:, None], found, joints[here][:, None]], axis=1
             )
-            swept = _shortest(np.diff(between, axis=1)).sum(axis=1)
+            swept = robot.wound(np.diff(between, axis=1)).sum(axis=1)
             winding[here] = np.round((swept - step[here]) / 360.0)
             bad += _bad(robot, here, found, excess)
     bad.sort()
@@ -117,10 +118,8 @@ def _bad(robot: Robot, rows: Rows, found: Floats, excess: Floats) -> list[tuple[
         sample, axis = np.unravel_index(beyond[i].argmax(), beyond[i].shape)
         angle = found[i, sample, axis]
         limit = low[axis] if angle < low[axis] else high[axis]
-        reason = f"would have {robot.axes[axis]} at {angle:.2f} degrees, limit {limit:g}"
+        reason = (
+            f"would have {robot.axes[axis]} at {angle:.2f} {robot.units[axis]}, limit {limit:g}"
+        )
         out.append((int(rows[i]), reason))
     return out
-
-
-def _shortest(step: Floats) -> Floats:
-    return np.asarray(step - 360.0 * np.round(step / 360.0))

@@ -13,7 +13,9 @@ import numpy as np
 
 from assistant.program.diagnostics import Refused, Rule, Severity, Unreadable
 from assistant.program.text import read_bytes
-from assistant.robots.lengths import Lengths
+from assistant.robots.arms.five_axis import FiveAxis
+from assistant.robots.arms.lengths import Lengths
+from assistant.robots.arms.six_axis import SixAxis
 from assistant.robots.robot import Robot
 
 NO_TOML = Rule(
@@ -117,8 +119,7 @@ class _Reader:
             source=texts["source"],
             languages=self.texts("languages"),
             unconfirmed=self.texts("unconfirmed", needed=False),
-            axes=AXES[len(axes)],
-            lengths=Lengths(**arm),
+            arm=(FiveAxis if len(axes) == 5 else SixAxis)(Lengths(**arm)),
             zero=column["zero"],
             limits=limits,
             speeds=column["speed"],

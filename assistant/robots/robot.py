@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final, Literal
 
 import numpy as np
@@ -11,20 +12,17 @@ from numpy.typing import ArrayLike, NDArray
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.path import UNSTATED
 from assistant.program.program import Program
-from assistant.robots import five_axis, six_axis
-from assistant.robots.configurations import BACK, DOWN, FLIP, QUADRANTS, TURNING_AXES
-from assistant.robots.lengths import Lengths
+from assistant.robots.arms.arm import BOUNDARY, CLOSING, Arm
+from assistant.robots.arms.five_axis import FiveAxis
+from assistant.robots.arms.lengths import Lengths
+from assistant.robots.arms.six_axis import SixAxis
+from assistant.robots.configurations import BACK, QUADRANTS, TURNING_AXES
 
 Floats = NDArray[np.float64]
 Truths = NDArray[np.bool_]
 
-CLOSING: Final = 1e-5
-"""mm and, for six axes, degrees within which forward kinematics must come back to a pose."""
 LIMIT_TOLERANCE: Final = 1e-6
-"""degrees by which a joint may pass its limit: rounding, no motion."""
-BOUNDARY: Final = 1e-6
-"""degrees below a quadrant's first angle that still count to it, for joints that are
-meant to be 0 or 90 and come out of arithmetic as a little less."""
+"""degrees or mm by which a joint may pass its limit: rounding, no motion."""
 QUADRANT_TOLERANCE: Final = 1.0
 """degrees by which a joint may leave the quadrant that a target states: taught positions
 are rounded, and near a singularity a rounded position turns the wrist by that much."""
@@ -32,13 +30,14 @@ CHUNK: Final = 16384
 """Rows that are computed at once: the columns stay in the processor's cache."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Robot:
-    """A robot of the catalogue.
+    """A robot of the catalogue, or one of the user's own.
 
-    axes: names of the a joints, ("J1", …); a five-axis arm has no "J4".
-    zero: (a,) deg of the common chain (see `six_axis`) where the maker's angle is 0.
-    limits: (a, 2) deg. speeds: (a,) deg/s. home: (a,) deg. tcp_speed: mm/s. payload: kg.
+    Joints are degrees, of an axis that slides (J3 of a SCARA) mm.
+
+    arm: its kind with its lengths. zero: (a,) of the arm's chain where the maker's joint is 0.
+    limits: (a, 2). speeds: (a,) a second. home: (a,). tcp_speed: mm/s. payload: kg.
     reach: mm from axis 1 to the wrist centre of the stretched arm.
     counts: what a target's configuration says of axes 1, 4 and 6: `quadrants` (ABB) or
     only whole `turns` (Mitsubishi).
@@ -50,8 +49,7 @@ class Robot:
     maker: str
     controller: str
     languages: tuple[str, ...]
-    axes: tuple[str, ...]
-    lengths: Lengths
+    arm: Arm
     zero: Floats
     limits: Floats
     speeds: Floats
@@ -64,24 +62,43 @@ class Robot:
     unconfirmed: tuple[str, ...] = ()
 
     @property
+    def axes(self) -> tuple[str, ...]:
+        """Names of the a joints, ("J1", …); a five-axis arm has no "J4"."""
+        return self.arm.axes
+
+    @property
+    def lengths(self) -> Lengths:
+        """Link lengths of a vertical arm; raises TypeError for an arm of another kind."""
+        if not isinstance(self.arm, SixAxis | FiveAxis):
+            raise TypeError(f"{self.title} has no link lengths of a vertical arm")
+        return self.arm.lengths
+
+    @property
     def five_axis(self) -> bool:
         """Whether the arm has no axis 4, so that its tool stays in one vertical plane."""
-        return "J4" not in self.axes
+        return isinstance(self.arm, FiveAxis)
 
     @property
     def branches(self) -> int:
         """How many arm branches `ik` gives."""
-        return 4 if self.five_axis else six_axis.BRANCHES
+        return self.arm.branches
+
+    @cached_property
+    def sliding(self) -> Truths:
+        """(a,) which axes slide: their joints are mm, and have no turns."""
+        return self.arm.sliding
+
+    @cached_property
+    def units(self) -> tuple[str, ...]:
+        """(a,) what the joints are measured in, as a message says it."""
+        return tuple("mm" if slides else "degrees" for slides in self.sliding)
 
     def fk(self, joints: ArrayLike) -> tuple[Floats, Floats]:
-        """(n, a) deg → flange in the base: positions (n, 3) mm, quaternions (n, 4)."""
-        angles = np.radians(self._joints(joints) + self.zero)
-        room = five_axis if self.five_axis else six_axis
-        positions, quaternions = room.fk(self.lengths, angles)
-        return positions, quaternions
+        """(n, a) joints → flange in the base: positions (n, 3) mm, quaternions (n, 4)."""
+        return self.arm.fk(self.chained(joints))
 
     def ik(self, positions: ArrayLike, quaternions: ArrayLike) -> tuple[Floats, Truths]:
-        """Flange poses → joints (n, b, a) deg of every arm branch, valid (n, b).
+        """Flange poses → joints (n, b, a) of every arm branch, valid (n, b).
 
         Valid: forward kinematics comes back to the pose, and every joint is inside its
         limits. An axis that turns further than once is given nearest to the middle of its
@@ -102,20 +119,24 @@ class Robot:
     def solve(
         self, positions: Floats, quaternions: Floats, branches: tuple[int, ...] | None = None
     ) -> tuple[Floats, Floats]:
-        """Flange poses → joints (a, b, n) deg, unproven, and excess (b, n) mm of the reach.
+        """Flange poses → joints (a, b, n), unproven, and excess (b, n) mm of the reach.
 
         branches: of `branch_of`, which to compute; None for all. Each axis is nearest to
         the middle of its range.
         """
         wanted = tuple(range(self.branches)) if branches is None else branches
-        room = five_axis if self.five_axis else six_axis
-        angles, excess = room.ik(self.lengths, positions, quaternions, wanted)
-        joints = np.degrees(angles, out=angles)
+        joints, excess = self.arm.ik(positions, quaternions, wanted)
+        if self._slides:
+            joints[~self.sliding] = np.degrees(joints[~self.sliding])
+        else:
+            np.degrees(joints, out=joints)
         joints -= self.zero[:, None, None]
         turns = joints - self.limits.mean(axis=1)[:, None, None]
         turns *= 1.0 / 360.0
         np.rint(turns, out=turns)
         turns *= 360.0
+        if self._slides:
+            turns[self.sliding] = 0.0
         joints -= turns
         return joints, excess
 
@@ -123,10 +144,11 @@ class Robot:
         """(n,) whether forward kinematics of joints (n, a) gives the poses."""
         p, q = self.fk(joints)
         near = np.linalg.norm(p - positions, axis=1) < CLOSING
-        angle = five_axis.MISS_TOLERANCE if self.five_axis else CLOSING
         same = np.abs(np.einsum("ij,ij->i", q, quaternions))
         # 1 - cos(half the angle), whose rounding is far below either tolerance.
-        return np.asarray(near & (1.0 - same < 1.0 - np.cos(np.radians(angle) / 2.0) + 1e-14))
+        return np.asarray(
+            near & (1.0 - same < 1.0 - np.cos(np.radians(self.arm.angle) / 2.0) + 1e-14)
+        )
 
     def inside(self, joints: ArrayLike) -> Truths:
         """(..., a) deg → (...,) whether every joint is inside its limits; NaN is not."""
@@ -137,21 +159,10 @@ class Robot:
         )
 
     def configuration(self, joints: ArrayLike) -> NDArray[np.int8]:
-        """(n, a) deg → (n, 6) neutral configuration columns (see `Path`).
-
-        A five-axis arm has flip 1 and quadrant 0 for axis 4, which is FLG1 6 for the
-        front, upper branch.
-        """
+        """(n, a) joints → (n, 6) neutral configuration columns (see `Path`)."""
         j = self._joints(joints)
-        chain = np.radians(j + self.zero)
-        upper, fore = chain[:, 1], chain[:, 1] + chain[:, 2]
-        arm = self.lengths
-        r = arm.a1 + arm.a2 * np.sin(upper) + arm.a3 * np.cos(fore) + arm.d4 * np.sin(fore)
-        back = r < -CLOSING
-        lower = chain[:, 2] + np.arctan2(arm.a3, arm.d4) < -np.radians(BOUNDARY)
-        flip = np.ones(len(j), bool) if self.five_axis else j[:, 4] < -BOUNDARY
         columns = np.zeros((len(j), 6), dtype=np.int8)
-        columns[:, BACK], columns[:, DOWN], columns[:, FLIP] = back, lower ^ back, flip
+        columns[:, : QUADRANTS.start] = self.arm.shape(self.chained(j))
         for column, axis in self.turning():
             columns[:, column] = np.floor((j[:, axis] + BOUNDARY) / 90.0)
             if self.counts == "turns":
@@ -179,11 +190,7 @@ class Robot:
 
     def branch_of(self, configurations: NDArray[np.integer]) -> NDArray[np.intp]:
         """(n, 6) configurations → (n,) index of the branch among those of `ik`."""
-        c = configurations.astype(np.intp)
-        back = c[:, BACK] == 1
-        lower = (c[:, DOWN] == 1) ^ back
-        branch = 2 * back + lower
-        return np.asarray(branch if self.five_axis else 2 * branch + (c[:, FLIP] == 1))
+        return self.arm.branch(configurations[:, : QUADRANTS.start].astype(np.intp))
 
     def turned(
         self, joints: Floats, configurations: NDArray[np.integer]
@@ -205,7 +212,7 @@ class Robot:
             out[:, axis] += 360.0 * np.round((centre - out[:, axis]) / 360.0)
             off = np.abs(out[:, axis] - centre) - half
             fits[:, column - QUADRANTS.start] = off <= QUADRANT_TOLERANCE
-        if not self.five_axis:
+        if self.arm.spherical:
             fits[np.abs(joints[:, 4]) < IN_LINE, 1:] = True
         return out, fits
 
@@ -218,18 +225,26 @@ class Robot:
         )
 
     def chain(self, joints: ArrayLike) -> Floats:
-        """(n, a) deg → (n, 6, 3) mm: base, axis 2, axis 3, forearm, wrist centre, flange."""
-        j = np.radians(self._joints(joints) + self.zero)
-        arm, fore = self.lengths, j[:, 1] + j[:, 2]
-        c1, s1 = np.cos(j[:, 0]), np.sin(j[:, 0])
-        zero = np.zeros(len(j))
-        r2, z2 = zero + arm.a1, zero + arm.d1
-        r3, z3 = r2 + arm.a2 * np.sin(j[:, 1]), z2 + arm.a2 * np.cos(j[:, 1])
-        r4, z4 = r3 + arm.a3 * np.cos(fore), z3 - arm.a3 * np.sin(fore)
-        r5, z5 = r4 + arm.d4 * np.sin(fore), z4 + arm.d4 * np.cos(fore)
-        arms = [(zero, zero), (r2, z2), (r3, z3), (r4, z4), (r5, z5)]
-        points = [np.stack([r * c1, r * s1, z], axis=-1) for r, z in arms]
-        return np.stack([*points, self.fk(joints)[0]], axis=1)
+        """(n, a) joints → (n, k, 3) mm, the ends of the links from the base to the flange.
+
+        Of a vertical arm these are base, axis 2, axis 3, forearm, wrist centre, flange.
+        """
+        return self.arm.points(self.chained(joints))
+
+    def chained(self, joints: ArrayLike) -> Floats:
+        """(n, a) joints → values of the arm's chain: radians, mm for an axis that slides."""
+        values = self._joints(joints) + self.zero
+        if not self._slides:
+            return np.radians(values)
+        values[:, ~self.sliding] = np.radians(values[:, ~self.sliding])
+        return values
+
+    def wound(self, joints: Floats) -> Floats:
+        """Differences (..., a) of joints, the whole turns of each axis taken out."""
+        out = np.asarray(joints - 360.0 * np.round(joints / 360.0))
+        if self._slides:
+            out[..., self.sliding] = joints[..., self.sliding]
+        return out
 
     def check(self, program: Program) -> tuple[Diagnostic, ...]:
         """What of a program is out of this robot's reach or limits."""
@@ -237,6 +252,10 @@ class Robot:
 
         _, findings = configure(program, self)
         return findings
+
+    @cached_property
+    def _slides(self) -> bool:
+        return bool(self.sliding.any())
 
     def _joints(self, joints: ArrayLike) -> Floats:
         return np.asarray(joints, dtype=np.float64).reshape(-1, len(self.axes))

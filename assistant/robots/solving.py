@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 from assistant.program.diagnostics import Diagnostic, Severity
 from assistant.program.path import UNSTATED, Kind
 from assistant.robots import findings as rules
+from assistant.robots.arms.arm import CLOSING
 from assistant.robots.between import lines
 from assistant.robots.branches import choose
 from assistant.robots.configurations import BACK, QUADRANTS
-from assistant.robots.robot import CHUNK, CLOSING, LIMIT_TOLERANCE, Robot
+from assistant.robots.robot import CHUNK, LIMIT_TOLERANCE, Robot
 from assistant.robots.run import Run
 from assistant.robots.survey import finite_poses, survey_of
 from assistant.robots.turns import FREE, filled, turn
@@ -116,10 +117,8 @@ def _branches_at(joints: Floats, robot: Robot) -> Truths:
     """(b,) which branches joints (a,) belong to; several at a singularity."""
     p, q = robot.fk(joints)
     found, _ = robot.solve(p, q)
-    # Axis 5 instead of 4 and 6, which mean nothing by themselves where it is 0.
-    compared = [i for i, axis in enumerate(robot.axes) if axis in ("J1", "J2", "J3", "J5")]
-    off = found[compared, :, 0] - joints[compared, None]
-    return np.asarray((np.abs(off - 360.0 * np.round(off / 360.0)) < 0.1).all(axis=0))
+    off = robot.wound(found[:, :, 0].T - joints)[:, list(robot.arm.compared)]
+    return np.asarray((np.abs(off) < 0.1).all(axis=1))
 
 
 def _chain_starts(run: Run) -> Rows:
@@ -138,8 +137,8 @@ def _cost(run: Run, robot: Robot, allowed: Truths, sheet: NDArray[np.intp] | Non
         joints = np.take_along_axis(joints, sheet[None][:, :, rows], axis=1)
     speeds = robot.speeds[:, None, None]
     step = np.abs(np.diff(joints, axis=2, prepend=run.before[:, None, None] + joints[:, :, :1] * 0))
-    turning = (robot.limits[:, 1] - robot.limits[:, 0] >= 360.0)[:, None, None]
-    step = np.where(turning, np.minimum(step % 360.0, -step % 360.0), step)
+    turning = (robot.limits[:, 1] - robot.limits[:, 0] >= 360.0) & ~robot.sliding
+    step = np.where(turning[:, None, None], np.minimum(step % 360.0, -step % 360.0), step)
     seconds = (step / speeds).max(axis=0)
     return np.asarray(np.where(allowed[:, rows], seconds, 0.0).sum(axis=1))
 
@@ -178,7 +177,7 @@ def _turned(
     """
     stated = said[:, BACK] != UNSTATED
     out = joints.copy()
-    if not robot.five_axis:
+    if robot.arm.spherical:
         _straighten(out, float(run.before[3]), float(robot.limits[5].mean()))
     off = np.empty(0, np.intp)
     wanted: Floats | None = None
@@ -239,14 +238,15 @@ def _branch_change(
         reason = f"is {excess[0, 0]:.1f} mm short of it"
     elif beyond[axis] > LIMIT_TOLERANCE:
         limit = low[axis] if angles[axis] < low[axis] else high[axis]
-        reason = f"would have {robot.axes[axis]} at {angles[axis]:.2f} degrees, limit {limit:g}"
+        value = f"{angles[axis]:.2f} {robot.units[axis]}"
+        reason = f"would have {robot.axes[axis]} at {value}, limit {limit:g}"
     else:
         reason = "is not what is stated or what the rest of the path allows"
     return rules.BRANCH_CHANGE(
         place=run.what(rows),
         severity=severity,
         robot=robot.title,
-        branch=_branch_words(before[0]),
+        branch=robot.arm.words(before[0, : QUADRANTS.start]),
         reason=reason,
         where=run.label(row),
     )
@@ -289,13 +289,7 @@ def _other_quadrant(
 
 def _described(row: NDArray[np.integer], robot: Robot) -> str:
     """A configuration in words."""
-    return f"{_branch_words(row)}, {robot.counts} {_counted(row, robot)}"
-
-
-def _branch_words(row: NDArray[np.integer]) -> str:
-    back, down, flip = (int(v) == 1 for v in row[: QUADRANTS.start])
-    words = ("back" if back else "front", "elbow down" if down else "elbow up")
-    return ", ".join((*words, "flip" if flip else "no flip"))
+    return f"{robot.arm.words(row[: QUADRANTS.start])}, {robot.counts} {_counted(row, robot)}"
 
 
 def _counted(row: NDArray[np.integer], robot: Robot) -> str:

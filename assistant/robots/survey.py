@@ -11,9 +11,8 @@ from assistant.program.diagnostics import Diagnostic
 from assistant.program.geometry import Pose
 from assistant.program.path import Kind
 from assistant.robots import findings as rules
-from assistant.robots.five_axis import MISS_TOLERANCE
-from assistant.robots.five_axis import fk as five_fk
-from assistant.robots.robot import CHUNK, CLOSING, LIMIT_TOLERANCE, Robot
+from assistant.robots.arms.arm import CLOSING, MISS_TOLERANCE
+from assistant.robots.robot import CHUNK, LIMIT_TOLERANCE, Robot
 from assistant.robots.run import Run
 from assistant.robots.wrist import PAIRS, directions
 
@@ -108,7 +107,7 @@ def _nearest(run: Run, robot: Robot, row: int) -> str:
     """What a cure adds for an arm of five axes: the pose in its base that it can take instead."""
     if not robot.five_axis:
         return ""
-    from assistant.robots.five_axis import to_ab
+    from assistant.robots.arms.five_axis import to_ab
     from assistant.robots.nearest import nearest
 
     rows = np.array([row])
@@ -123,7 +122,7 @@ def _nearest(run: Run, robot: Robot, row: int) -> str:
 
 def survey_of(run: Run, robot: Robot) -> Survey:
     survey = Survey(np.zeros((robot.branches, len(run)), dtype=bool))
-    if not robot.five_axis and (run.kinds != Kind.JOINT).any():
+    if robot.arm.spherical and (run.kinds != Kind.JOINT).any():
         survey.bends = np.zeros((PAIRS, 2, len(run)), dtype=np.float32)
     low, high = (limit[:, None, None] for limit in robot.limits.T)
     for start in range(0, len(run), CHUNK):
@@ -133,7 +132,7 @@ def survey_of(run: Run, robot: Robot) -> Survey:
         beyond = np.maximum(low - joints, joints - high)
         reached = excess < CLOSING / 2.0
         allowed = reached & (beyond <= LIMIT_TOLERANCE).all(axis=0) & finite
-        missed = _miss(robot, joints, q)
+        missed = robot.arm.miss(robot.chained(joints[:, 0].T), q)
         allowed &= missed <= MISS_TOLERANCE
         survey.allowed[:, rows] = allowed
         if survey.bends is not None:
@@ -146,11 +145,10 @@ def survey_of(run: Run, robot: Robot) -> Survey:
         bad = bad[finite[bad]]
         least = excess[:, bad].min(axis=0)
         far = bad[least >= CLOSING / 2.0]
-        beyond_reach = np.hypot(robot.lengths.a3, robot.lengths.d4) + robot.lengths.a2
         survey.reach.add(
             start + far,
             least[least >= CLOSING / 2.0],
-            far=_span(robot, p[far], q[far]) > beyond_reach,
+            far=robot.arm.too_far(p[far], q[far]),
         )
         near = bad[least < CLOSING / 2.0]
         aside = near[missed[near] > MISS_TOLERANCE]
@@ -177,23 +175,3 @@ def finite_poses(run: Run, rows: slice | Rows) -> tuple[Floats, Floats, Truths]:
         p = np.where(finite[:, None], p, 0.0)
         q = np.where(finite[:, None], q, (1.0, 0.0, 0.0, 0.0))
     return p, q, finite
-
-
-def _miss(robot: Robot, joints: Floats, quaternions: Floats) -> Floats:
-    """(n,) degrees by which the nearest pose of a five-axis arm is turned; else 0."""
-    if not robot.five_axis:
-        return np.zeros(len(quaternions))
-    _, q = five_fk(robot.lengths, np.radians(joints[:, 0].T + robot.zero))
-    same = np.abs(np.einsum("ij,ij->i", q, quaternions))
-    return np.asarray(2.0 * np.degrees(np.arccos(np.clip(same, 0.0, 1.0))))
-
-
-def _span(robot: Robot, p: Floats, q: Floats) -> Floats:
-    """Mm from axis 2 to the wrist centre, by the shorter way round axis 1."""
-    w, x, y, z = q.T
-    axis = np.stack(
-        [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)], axis=-1
-    )
-    wrist = p - robot.lengths.d6 * axis
-    r = np.hypot(wrist[:, 0], wrist[:, 1]) - robot.lengths.a1
-    return np.hypot(r, wrist[:, 2] - robot.lengths.d1)

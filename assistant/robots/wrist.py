@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program.path import Kind
-from assistant.robots.six_axis import BRANCHES
+from assistant.robots.arms.six_axis import BRANCHES
 
 Floats = NDArray[np.float64]
 Truths = NDArray[np.bool_]

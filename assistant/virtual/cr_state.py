@@ -58,7 +58,7 @@ class CrState:
         positions, quaternions = self.robot.fk(np.array([self.joints]))
         values = list(positions[0])
         if self.robot.five_axis:
-            from assistant.robots.five_axis import to_ab
+            from assistant.robots.arms.five_axis import to_ab
 
             values += list(to_ab(positions, quaternions)[0])
         else:

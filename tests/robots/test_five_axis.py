@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from assistant import robots
 from assistant.program import rotations
-from assistant.robots import five_axis
+from assistant.robots.arms import five_axis
 
 coordinates = st.lists(st.floats(-500, 500), min_size=3, max_size=3)
 angles = st.floats(-180, 180, exclude_min=True)

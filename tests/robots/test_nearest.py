@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from assistant import robots
 from assistant.program import pseudo, rotations
 from assistant.program.geometry import Pose
-from assistant.robots.five_axis import from_ab
+from assistant.robots.arms.five_axis import from_ab
 from assistant.robots.nearest import nearest
 
 ARM = robots.get("rv-2aj")

@@ -103,7 +103,7 @@ def test_long_paths_are_split(name: str, most: int) -> None:
 @pytest.mark.parametrize("name", DIALECTS)
 def test_five_axes(name: str) -> None:
     from assistant import robots
-    from assistant.robots import five_axis
+    from assistant.robots.arms import five_axis
 
     robot = robots.get("rv-2aj")
     rng = np.random.default_rng(5)

@@ -161,7 +161,7 @@ class Context:
         return replace(target, configuration=configuration, external=_printed(target.external))
 
     def _in_reach(self, name: str, target: Target) -> Target:
-        from assistant.robots import five_axis
+        from assistant.robots.arms import five_axis
 
         position = np.array([target.pose.position])
         quaternion = np.array([target.pose.quaternion])

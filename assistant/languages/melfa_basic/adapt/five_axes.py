@@ -38,7 +38,7 @@ def over_the_back(
     Their A and B depend on axis 1, which no source says of this branch; straight down both
     branches show the same.
     """
-    from assistant.robots import five_axis
+    from assistant.robots.arms import five_axis
 
     tilt = five_axis.to_ab(positions, quaternions)[:, 1]
     tilted = np.abs(np.sin(np.radians(tilt))) > VERTICAL

@@ -70,7 +70,7 @@ def _arcs_as_one(path: Path) -> Path:
 
 
 def _in_reach(context: Context, path: Path) -> Path:
-    from assistant.robots import five_axis
+    from assistant.robots.arms import five_axis
 
     behind = over_the_back(path.positions, path.quaternions, path.configurations)
     if behind.any():

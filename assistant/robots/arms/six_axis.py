@@ -7,19 +7,77 @@ zero has the forearm level, which is J3 = 90 here, with the same senses of all a
 
 from __future__ import annotations
 
-from typing import Final
+from dataclasses import dataclass
+from typing import ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program import rotations
-from assistant.robots.five_axis import reach_excess, two_links, zyz
-from assistant.robots.lengths import Lengths
+from assistant.robots.arms.arm import BOUNDARY, Arm, Link, Rows, Truths
+from assistant.robots.arms.lengths import Lengths, wrist_words
+from assistant.robots.arms.links import axis_z, reach_excess, two_links, zyz
 
 Floats = NDArray[np.float64]
 
 BRANCHES: Final = 8
 """Branch 4·back + 2·lower + flip; lower: the forearm is bent backwards from the upper arm."""
+
+
+@dataclass(frozen=True, slots=True)
+class SixAxis(Arm):
+    """An arm of six axes, the last three of which meet in the wrist centre."""
+
+    lengths: Lengths
+    kind: ClassVar[str] = "six-axis"
+    spherical: ClassVar[bool] = True
+    axes: ClassVar[tuple[str, ...]] = ("J1", "J2", "J3", "J4", "J5", "J6")
+    branches: ClassVar[int] = BRANCHES
+    # Axis 5 instead of 4 and 6, which mean nothing by themselves where it is 0.
+    compared: ClassVar[tuple[int, ...]] = (0, 1, 2, 4)
+
+    @property
+    def reach(self) -> float:
+        return self.lengths.reach
+
+    def fk(self, joints: Floats) -> tuple[Floats, Floats]:
+        return fk(self.lengths, joints)
+
+    def ik(
+        self, positions: Floats, quaternions: Floats, branches: tuple[int, ...]
+    ) -> tuple[Floats, Floats]:
+        return ik(self.lengths, positions, quaternions, branches)
+
+    def shape(self, joints: Floats) -> NDArray[np.int8]:
+        back, lower = self.lengths.sides(joints)
+        flip = joints[:, 4] < -np.radians(BOUNDARY)
+        return np.stack([back, lower ^ back, flip], axis=-1).astype(np.int8)
+
+    def branch(self, shape: NDArray[np.intp]) -> Rows:
+        back = shape[:, 0] == 1
+        lower = (shape[:, 1] == 1) ^ back
+        return np.asarray(4 * back + 2 * lower + (shape[:, 2] == 1), dtype=np.intp)
+
+    def words(self, shape: NDArray[np.integer]) -> str:
+        return wrist_words(shape)
+
+    def points(self, joints: Floats) -> Floats:
+        return self.lengths.points(joints, self.fk(joints)[0])
+
+    def too_far(self, positions: Floats, quaternions: Floats) -> Truths:
+        return self.lengths.too_far(positions, quaternions)
+
+    def links(self) -> tuple[Link, ...]:
+        """The same chain by the standard parameters of Denavit and Hartenberg."""
+        arm, quarter = self.lengths, np.pi / 2.0
+        return (
+            Link(a=arm.a1, d=arm.d1, alpha=-quarter),
+            Link(a=arm.a2, offset=-quarter),
+            Link(a=arm.a3, alpha=quarter, offset=quarter),
+            Link(d=arm.d4, alpha=-quarter),
+            Link(alpha=quarter),
+            Link(d=arm.d6),
+        )
 
 
 def fk(lengths: Lengths, joints: Floats) -> tuple[Floats, Floats]:
@@ -110,9 +168,3 @@ def ik(
                 joints[4, at] = -j5 if flip else j5
                 joints[5, at] = j6 + half_turn if flip else j6
     return joints, excess
-
-
-def axis_z(quaternions: Floats) -> tuple[Floats, Floats, Floats]:
-    """The flange's own z axis, (n,) a component."""
-    w, x, y, z = quaternions.T
-    return 2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)

@@ -13,21 +13,78 @@ interpolation that its users compute with.
 
 from __future__ import annotations
 
-from typing import Final
+from dataclasses import dataclass
+from typing import ClassVar, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from assistant.program import rotations
-from assistant.robots.lengths import Lengths
+from assistant.robots.arms.arm import MISS_TOLERANCE, Arm, Link, Rows, Truths, turn_between
+from assistant.robots.arms.lengths import Lengths, wrist_words
+from assistant.robots.arms.links import reach_excess, two_links, zyz
 
 Floats = NDArray[np.float64]
 
 ON_AXIS: Final = 1e-6
 """mm; a point nearer to axis 1 has no azimuth of its own and gets 0."""
-MISS_TOLERANCE: Final = 0.01
-"""degrees; a tool axis so little outside the plane of the arm counts as inside it. It is
-what a position printed with two decimals turns the plane by at short reach."""
+
+
+@dataclass(frozen=True, slots=True)
+class FiveAxis(Arm):
+    """An arm of five axes; a1 and a3 are 0."""
+
+    lengths: Lengths
+    kind: ClassVar[str] = "five-axis"
+    angle: ClassVar[float] = MISS_TOLERANCE
+    flags: ClassVar[int] = 6
+    axes: ClassVar[tuple[str, ...]] = ("J1", "J2", "J3", "J5", "J6")
+    branches: ClassVar[int] = 4
+    compared: ClassVar[tuple[int, ...]] = (0, 1, 2, 3)
+
+    @property
+    def reach(self) -> float:
+        return self.lengths.reach
+
+    def fk(self, joints: Floats) -> tuple[Floats, Floats]:
+        return fk(self.lengths, joints)
+
+    def ik(
+        self, positions: Floats, quaternions: Floats, branches: tuple[int, ...]
+    ) -> tuple[Floats, Floats]:
+        return ik(self.lengths, positions, quaternions, branches)
+
+    def shape(self, joints: Floats) -> NDArray[np.int8]:
+        """Flip is 1, which is FLG1 6 for the front, upper branch."""
+        back, lower = self.lengths.sides(joints)
+        return np.stack([back, lower ^ back, np.ones_like(back)], axis=-1).astype(np.int8)
+
+    def branch(self, shape: NDArray[np.intp]) -> Rows:
+        back = shape[:, 0] == 1
+        return np.asarray(2 * back + ((shape[:, 1] == 1) ^ back), dtype=np.intp)
+
+    def words(self, shape: NDArray[np.integer]) -> str:
+        return wrist_words(shape)
+
+    def points(self, joints: Floats) -> Floats:
+        return self.lengths.points(joints, self.fk(joints)[0])
+
+    def miss(self, joints: Floats, quaternions: Floats) -> Floats:
+        return turn_between(self.fk(joints)[1], quaternions)
+
+    def too_far(self, positions: Floats, quaternions: Floats) -> Truths:
+        return self.lengths.too_far(positions, quaternions)
+
+    def links(self) -> tuple[Link, ...]:
+        """The same chain by the standard parameters of Denavit and Hartenberg."""
+        arm, quarter = self.lengths, np.pi / 2.0
+        return (
+            Link(d=arm.d1, alpha=-quarter),
+            Link(a=arm.a2, offset=-quarter),
+            Link(a=arm.d4),
+            Link(alpha=quarter, offset=quarter),
+            Link(d=arm.d6),
+        )
 
 
 def to_ab(positions: ArrayLike, quaternions: ArrayLike) -> Floats:
@@ -57,13 +114,6 @@ def miss(positions: ArrayLike, quaternions: ArrayLike) -> Floats:
     """
     m = _in_plane(_azimuth(positions), quaternions)
     return np.asarray(np.degrees(np.abs(np.arcsin(np.clip(m[:, 1, 2], -1.0, 1.0)))))
-
-
-def zyz(first: Floats, second: Floats, third: Floats) -> Floats:
-    """(..., 4) quaternions of Rz(first)·Ry(second)·Rz(third), radians."""
-    plus, minus, half = (first + third) / 2.0, (first - third) / 2.0, second / 2.0
-    c, s = np.cos(half), np.sin(half)
-    return np.stack([c * np.cos(plus), -s * np.sin(minus), s * np.cos(minus), c * np.sin(plus)], -1)
 
 
 def fk(lengths: Lengths, joints: Floats) -> tuple[Floats, Floats]:
@@ -115,22 +165,6 @@ def ik(
             joints[:, lower, ~behind] = found[:, ~behind]
     outside = reach_excess(lengths.a2, lengths.d4, np.hypot(r, z))
     return joints[:, list(branches)], np.broadcast_to(outside, (len(branches), len(positions)))
-
-
-def two_links(upper: float, fore: float, distance: Floats) -> tuple[Floats, Floats]:
-    """Angles at the elbow and between upper link and line to the wrist, radians, both >= 0.
-
-    Out of reach the arm is stretched or folded towards the wrist.
-    """
-    cosine = (distance * distance - upper * upper - fore * fore) / (2.0 * upper * fore)
-    elbow = np.arccos(np.clip(cosine, -1.0, 1.0))
-    return elbow, np.arctan2(fore * np.sin(elbow), upper + fore * np.cos(elbow))
-
-
-def reach_excess(upper: float, fore: float, distance: Floats) -> Floats:
-    """How many mm a wrist at that distance from axis 2 is too far or too near, else 0."""
-    far, near = distance - (upper + fore), abs(upper - fore) - distance
-    return np.maximum(np.maximum(far, near), 0.0)
 
 
 def _azimuth(positions: ArrayLike) -> Floats:
