@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final, Literal
@@ -178,7 +178,8 @@ def _report(
     shown = [part for part in parts.values() if part.found or not part.silent]
     shown.sort(key=lambda part: (part.span.start, -part.span.end))
     trace = Trace(written.program, written.proof.lifted)
-    rows = [row for part in shown if (row := _row(part, places, trace)) is not None]
+    advice = _advice(compiled)
+    rows = [row for part in shown if (row := _row(part, places, trace, advice)) is not None]
     return tuple(rows), fold(whole)
 
 
@@ -232,12 +233,29 @@ def _named(place: str) -> Iterator[str]:
         yield words[0].rpartition("_")[0]
 
 
-def _row(part: _Part, places: Places, trace: Trace) -> Row | None:
+def _advice(compiled: Compiled) -> Callable[[Diagnostic], bool]:
+    """Whether a finding is a remark of a language's rules, of the program and not its translation."""
+    origin = compiled.source.origin
+    names = {compiled.language} if origin is None else {compiled.language, origin.language}
+    languages = [language_of(name) for name in names]
+
+    def is_advice(finding: Diagnostic) -> bool:
+        return finding.severity is Severity.INFO and any(
+            finding.code.startswith(one.family) and not finding.code.startswith(one.fixed)
+            for one in languages
+        )
+
+    return is_advice
+
+
+def _row(
+    part: _Part, places: Places, trace: Trace, is_advice: Callable[[Diagnostic], bool]
+) -> Row | None:
     place = places.of(part.span)
     if place is None:
         return None
     level: Level = "supported"
-    if part.found:
+    if not all(map(is_advice, part.found)):
         errors = any(f.severity is Severity.ERROR for f in part.found)
         level = "not" if errors else "partial"
     lines = [line.strip() for line in place.text.splitlines() if line.strip()]

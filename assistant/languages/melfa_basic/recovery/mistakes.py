@@ -9,6 +9,8 @@ from functools import cache
 from importlib.resources import files
 from typing import Final
 
+from assistant.languages.melfa_basic.vocabulary import statements
+
 
 @dataclass(frozen=True, slots=True)
 class Mistake:
@@ -74,6 +76,8 @@ _FLAGS: Final = re.IGNORECASE
 ILLEGAL: Final = 4310
 """The controller's error for a character that programs cannot have."""
 
+_WORDS: Final = "|".join(word for word in statements() if word.isalnum())
+
 MISTAKES: Final = (
     Mistake(
         "`{1}` is a typographic mark", "write the plain mark ' before a comment",
@@ -107,6 +111,8 @@ MISTAKES: Final = (
     Mistake(
         "`{0}` assigns in other languages", "write `=`", "1 M1¦:=5", ":=", "=",
     ),
+    Mistake("`{1}` is a word of the language, no variable", "give the variable another name",
+            "1 ¦Fine=2", rf"({_WORDS})\s*=(?!=)", "M1=", rf"^\s*(?P<at>(?:{_WORDS})\s*)", back=True),
     Mistake("`{0}` compares in other languages", "write `=`", "1 If M1=¦=1 Then *A", "=+", ""),
     Mistake(
         "`{0}` compares in other languages", "write `<>`", "1 If M1 ¦!= 1 Then *A", r"!\s*=", "<>",
