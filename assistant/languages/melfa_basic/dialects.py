@@ -28,7 +28,6 @@ class Dialect:
 
     name: str
     title: str
-    controllers: str
     level: int
     """A program of a lower one is accepted by a higher one as it stands [CR1D 4-130]."""
 
@@ -58,8 +57,6 @@ class Dialect:
     """`_` from the third character of a label [CR750]; before only as `L_`, a shared label."""
     suffixes: str
     """Type marks behind a name: text, 16 bit, 32 bit, single, double [CR750 4-394]."""
-    long_integers: bool
-    """`Def Long` and the mark `&` [RT ToolBox]."""
 
     # -------------------------------------------------------------------- statements
     blocks: bool
@@ -76,20 +73,12 @@ class Dialect:
     """`Fine mm,P` and `Fine deg,J` beside pulses [RT ToolBox]."""
     numbered_frames: bool
     """`Tool 1` and `Base 1` pick stored ones [RT ToolBox]."""
-    constants: bool
-    """`Const` [RT ToolBox]."""
     shortest_wait: float
     """Seconds that `Dly` waits at least [COSIROP]; V counts in hundredths."""
 
     # -------------------------------------------------------------------- procedures
     functions: bool
     """`Function … FEnd`, called by name [RT ToolBox]."""
-    references: bool
-    """`ByVal` and `ByRef` before a parameter [RT ToolBox]."""
-    includes: bool
-    """`#Include` of another program [RT ToolBox]."""
-    statics: bool
-    """`Static` before a definition [RT ToolBox]."""
 
     # ------------------------------------------------------------------------ values
     inverse_sines: bool
@@ -111,7 +100,6 @@ EMITTED_LINE: Final = 120
 FOUR: Final = Dialect(
     name="melfa-basic-4",
     title="MELFA-BASIC IV",
-    controllers="CR1 to CR9 (CRn-500)",
     level=4,
     upper=True,
     step=10,
@@ -124,7 +112,6 @@ FOUR: Final = Dialect(
     longest=8,
     label_underscores=False,
     suffixes="$%!#",
-    long_integers=False,
     blocks=False,
     breaks=False,
     wide_wait=False,
@@ -132,22 +119,18 @@ FOUR: Final = Dialect(
     singular_type=False,
     fine_distance=False,
     numbered_frames=False,
-    constants=False,
     shortest_wait=0.05,
     functions=False,
-    references=False,
-    includes=False,
-    statics=False,
     inverse_sines=False,
     groups={8: ("M_INB", "M_OUTB"), 16: ("M_INW", "M_OUTW")},
     nesting=Nesting(calls=7),
 )
+"""Controllers CR1 to CR9 (CRn-500)."""
 
 FIVE: Final = replace(
     FOUR,
     name="melfa-basic-5",
     title="MELFA-BASIC V",
-    controllers="CRnD-700, CRnQ-700, CR750, CR751",
     level=5,
     upper=False,
     step=1,
@@ -160,7 +143,6 @@ FIVE: Final = replace(
     longest=40,
     label_underscores=True,
     suffixes="$%&!#",
-    long_integers=True,
     blocks=True,
     breaks=True,
     wide_wait=True,
@@ -168,23 +150,20 @@ FIVE: Final = replace(
     singular_type=True,
     fine_distance=True,
     numbered_frames=True,
-    constants=True,
     shortest_wait=0.01,
     inverse_sines=True,
     groups={8: ("M_In8", "M_Out8"), 16: ("M_In16", "M_Out16"), 32: ("M_In32", "M_Out32")},
     nesting=Nesting(),
 )
+"""Controllers CRnD-700, CRnQ-700, CR750, CR751."""
 
 SIX: Final = replace(
     FIVE,
     name="melfa-basic-6",
     title="MELFA-BASIC VI",
-    controllers="CR800",
     level=6,
     functions=True,
-    references=True,
-    includes=True,
-    statics=True,
 )
+"""Controller CR800."""
 
 DIALECTS: Final = {dialect.name: dialect for dialect in (FOUR, FIVE, SIX)}

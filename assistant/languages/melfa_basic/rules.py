@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Final
-
 from assistant.program.diagnostics import Rule, Severity
 
 E, W, I = Severity.ERROR, Severity.WARNING, Severity.INFO  # noqa: E741
@@ -272,9 +270,6 @@ NO_CORNER = Rule(
 
 # --------------------------------------------------------------- from one dialect to another
 NOT_CONVERTED = Rule("MB501", E, "{title} cannot say {what}", "{cure}")
-
-ALL: Final = tuple(value for value in list(globals().values()) if isinstance(value, Rule))
-"""Every rule of this room, for the docs."""
 
 # ------------------------------------------------------------------------- renumbering
 PAST_LAST_STEP = Rule(

@@ -224,6 +224,10 @@ NAMED_TYPES: Final = {
 }
 
 
+def has(word: str, level: int) -> bool:
+    return level in vocabulary.statements()[word.upper()].dialects
+
+
 @cache
 def definition(level: int) -> Strategy:
     """Definitions that may stand anywhere."""
@@ -255,13 +259,13 @@ def definition(level: int) -> Strategy:
         st.builds(lambda given: s.DefOther("Arch", given), some(number, 1, 8)),
         dim,
     ]
-    if LEVELS[level].constants:
+    if has("Const", level):
         variable, value = variables("M", level), expressions("M", level, 0)
         made.append(st.builds(s.Const, st.sampled_from(("", "Inte")), variable, value))
     if level > 4:
         kinds = st.sampled_from(("MoTrg", "Gps", "Map"))
         made.append(st.builds(s.DefOther, kinds, some(number, 1)))
-    if LEVELS[level].statics:
+    if has("Static", level):
         made.append(st.builds(s.Static, numbers | dim))
         made.append(st.builds(s.DefNames, st.just("Work"), some(variables("P", level), 1)))
     return st.one_of(made)
@@ -279,7 +283,7 @@ def definitions(level: int) -> Strategy:
     """What stands at the head of a program."""
     parameters = some(variables("M", level) | variables("P", level), 1).map(s.FPrm)
     heads = [parameters]
-    if LEVELS[level].includes:
+    if has("#Include", level):
         heads.append(st.just(s.Include("BASE")))
     first = st.lists(st.one_of(heads), max_size=1)
     return st.builds(lambda a, b: (*a, *b), first, st.lists(definition(level), max_size=2))

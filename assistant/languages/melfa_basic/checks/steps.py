@@ -42,13 +42,9 @@ def order(look: Look) -> Found:
                 yield look.finding(rules.NOT_ASCENDING, where, number=item.number, before=before)
             before = item.number
     first = next((line for line in look.lines if line.statement or line.label), None)
-    if first is not None and not numbered and look.dialect.level == OLDEST:
+    if first is not None and not numbered and look.dialect.steps_needed:
         what = f"{look.dialect.title} needs a step number at every line, and no line has one"
         yield look.finding(rules.NO_STEP_NUMBER, first, what=what)
-
-
-OLDEST: Final = 4
-"""The version whose tools do not number lines by themselves."""
 
 
 def _rows(look: Look, rows: MoveRows, before: int) -> Found:
