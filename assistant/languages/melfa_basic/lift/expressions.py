@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from typing import Any, Final
 
-import numpy as np
-
 from assistant.languages.melfa_basic import printer
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.functions import ANALOG, OF_ANGLE, PLAIN, TO_ANGLE
@@ -14,11 +12,11 @@ from assistant.languages.melfa_basic.lift.constants import INITIAL
 from assistant.languages.melfa_basic.lift.meanings import SIGNALS, Meanings, Unliftable
 from assistant.languages.melfa_basic.lift.pallets import declared
 from assistant.languages.melfa_basic.lift.positions import target_of
+from assistant.languages.melfa_basic.lift.shifts import amounts, shift
 from assistant.languages.melfa_basic.lift.timers import elapsed, timed
 from assistant.languages.melfa_basic.vocabulary import function, status
 from assistant.languages.melfa_basic.vocabulary.timers import MILLISECONDS
 from assistant.program import expressions as e
-from assistant.program import rotations
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.program import ValueType
 
@@ -376,42 +374,15 @@ class Expressions:
 
     def placed(self, operator: str, left: s.Expression, right: s.Expression) -> e.Expression:
         """A position moved by a constant; a product of positions."""
-        shift = self.shift(right)
-        if operator in "+-*" and shift is not None and self.type_of(left) == "position":
-            return self.moved(operator, left, shift)
+        constant = shift(right, self.m)
+        if operator in "+-*" and constant is not None and self.type_of(left) == "position":
+            given = amounts(operator, constant, self.m)
+            name = "relative" if operator == "*" else "offset"
+            return e.Apply(name, (self.plain(left), *map(e.Number, given)))
         positions = self.type_of(left) == self.type_of(right) == "position"
         if operator == "*" and positions and self.m.own:
             return e.Binary("@", self.plain(left), self.plain(right))
         raise Unliftable
-
-    def shift(self, node: s.Expression) -> s.Constant | None:
-        """The constant that a position is moved by, also by the name of one that never changes."""
-        if isinstance(node, s.Constant):
-            return node
-        if isinstance(node, s.Variable) and node.arguments is None and not node.component:
-            if not self.m.own and node.key not in self.m.constants.assigned:
-                return self.m.positions.constant(node.key)
-        return None
-
-    def moved(self, operator: str, left: s.Expression, shift: s.Constant) -> e.Expression:
-        values = [0.0 if v is None else float(v) for v in shift.values]
-        values += [0.0] * (6 - len(values))
-        five_axis = self.m.robot is not None and self.m.robot.five_axis
-        if any(values[6:]) or (five_axis and any(values[3:]) and not self.m.own):
-            raise Unliftable
-        if operator == "-":
-            values = [-v + 0.0 for v in values]
-        turned = values[3:6]
-        if operator != "*" and any(turned):
-            raise Unliftable
-        if sum(v != 0.0 for v in turned) > 1:  # turned about x, then the new y, then the new z
-            whole = rotations.from_euler(np.array(turned[::-1]), "ZYX")
-            values[3:6] = [round(float(v), 9) + 0.0 for v in rotations.to_euler(whole, "XYZ")]
-        used = values[:6] if any(turned) else values[:3]
-        while len(used) > 3 and used[-1] == 0.0:
-            used.pop()
-        name = "relative" if operator == "*" else "offset"
-        return e.Apply(name, (self.plain(left), *(e.Number(v) for v in used)))
 
 
 def _of_truths(*operands: s.Expression) -> bool:
