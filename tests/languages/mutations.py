@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import random
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+from assistant.program.diagnostics import Diagnostic
+
 Tokens = list[re.Match[str]]
+NEAR: Final = 2
+"""Lines between a damage and a finding that is about it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +33,19 @@ class Mutation:
     def name(self) -> str:
         where = f"{self.program}:{self.lines[0]}"
         return f"{where} {self.kind} {' '.join(self.tokens)}"
+
+    def is_near(self, found: Iterable[Diagnostic]) -> bool:
+        """Whether one of the findings is about the damage."""
+        first, last = self.lines
+        return any(first - NEAR <= f.line <= last + NEAR for f in found if f.line is not None)
+
+    def holds(self, finding: Diagnostic) -> bool:
+        """Whether a finding points into the text, shows that line and says what to do."""
+        if finding.line is None or finding.column is None:
+            return False
+        line = self.text.split("\n")[finding.line - 1]
+        here = finding.excerpt == line and 1 <= finding.column <= len(line) + 1
+        return here and bool(finding.cure)
 
 
 def mutations(

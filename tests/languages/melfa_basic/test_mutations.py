@@ -13,8 +13,6 @@ from assistant import languages
 from assistant.program.diagnostics import Diagnostic, Severity
 from tests.languages.melfa_basic.mutations import PROGRAMS, Mutation, language_of, mutations
 
-NEAR = 2
-"""Lines between a damage and a finding that is about it."""
 LEAST, LEAST_MISSPELT, LEAST_NEEDED = 0.95, 0.90, 0.85
 
 
@@ -39,14 +37,9 @@ def test_the_undamaged_programs_have_no_findings(path: Path) -> None:
     assert findings_of(path.name, path.read_text(encoding="utf-8")) == []
 
 
-def is_near(mutation: Mutation, found: list[Diagnostic]) -> bool:
-    first, last = mutation.lines
-    return any(first - NEAR <= f.line <= last + NEAR for f in found if f.line is not None)
-
-
 def test_damage_is_found_where_it_is() -> None:
     """All mutations count, those too that leave a program which means something else."""
-    missed = [mutation.name for mutation, found in damaged() if not is_near(mutation, found)]
+    missed = [mutation.name for mutation, found in damaged() if not mutation.is_near(found)]
     assert len(damaged()) >= 300
     assert len(missed) <= (1 - LEAST) * len(damaged()), missed
 
@@ -56,7 +49,7 @@ def test_a_misspelt_word_is_found_or_named() -> None:
 
     def said(mutation: Mutation, found: list[Diagnostic]) -> bool:
         (word,) = mutation.tokens
-        return is_near(mutation, found) or any(word.lower() in f.message.lower() for f in found)
+        return mutation.is_near(found) or any(word.lower() in f.message.lower() for f in found)
 
     cases = damaged("misspelt")
     missed = [mutation.name for mutation, found in cases if not said(mutation, found)]
@@ -88,10 +81,5 @@ def test_a_line_that_another_needs_is_missed() -> None:
 
 def test_findings_point_into_the_text() -> None:
     for mutation, found in (*damaged(), *damaged("line dropped")):
-        lines = mutation.text.split("\n")
         for finding in found:
-            assert finding.line is not None
-            assert finding.column is not None
-            assert finding.excerpt == lines[finding.line - 1]
-            assert 1 <= finding.column <= len(finding.excerpt) + 1
-            assert finding.cure
+            assert mutation.holds(finding), finding
