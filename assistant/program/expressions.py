@@ -91,6 +91,10 @@ class Aggregate:
     items: tuple[Expression, ...]
 
 
+NEVER_GIVEN: Final = Aggregate(())
+"""A position of an array's first value that is none: to use it before it is set is an error."""
+
+
 @dataclass(frozen=True, slots=True)
 class Member:
     """A component: `x y z` of a position, `j1` … of joints, or a record's own."""

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from assistant import languages
+from assistant.compiler.proof import prove
 from assistant.program import expressions as e
 from assistant.program import rotations
 from assistant.program import statements as p
@@ -413,3 +415,42 @@ def test_a_branch_without_a_word_of_its_own_is_a_text_in_the_if(level: int) -> N
         case _:
             pytest.fail(repr(first))
     assert isinstance(second, p.Opaque)  # `Break` of a block would leave another one
+
+
+# ------------------------------------------------------------------- arrays of positions
+
+
+SOME = "Dim PRow(3)\nPRow(1)=P1\nMov PRow(2)\nEnd\n"
+TAUGHT = "P1=(100,0,300,180,0,180)(7,0)\nPRow(2)=(300,0,300,180,0,180)(7,0)\n"
+
+
+def test_elements_that_were_never_taught_have_no_value() -> None:
+    program = lifted(SOME, positions=TAUGHT)
+    initial = program.variables["PRow"].initial
+    assert isinstance(initial, e.Aggregate)
+    first, second, third = initial.items
+    assert (first, third) == (e.NEVER_GIVEN, e.NEVER_GIVEN)
+    assert isinstance(second, e.TargetValue)
+    assert not opaque(program)
+
+
+@pytest.mark.parametrize("name", ["melfa-basic-4", "melfa-basic-5", "melfa-basic-6", "rapid"])
+def test_what_was_never_taught_is_so_in_other_languages(name: str) -> None:
+    language = languages.get(name)
+    adapted = language.adapt(replace(lifted(SOME, positions=TAUGHT), origin=None))
+    tree = language.build(adapted.program)
+    files = {language.file_name(adapted.program, None): language.encode(tree)}
+    assert prove(language, adapted.program, files).holds
+    text = language.render(tree)
+    if name == "rapid":  # no move takes an orientation of nothing
+        unset = "[[0,0,0],[0,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]"
+        assert text.count(unset) == 2 and f"PRow{{3}}:=[{unset}," in text
+    else:
+        lines = text.upper()
+        assert [lines.count(f"PROW({at})=") for at in (1, 2, 3)] == [1, 1, 0]
+        assert "PROW(2)=(300" in lines
+
+
+def test_joints_that_were_never_taught_are_kept() -> None:
+    program = lifted("Dim JRow(2)\nMov JRow(1)\nEnd\n", positions="JRow(1)=(1,2,3,4,5,6)\n")
+    assert opaque(program) == ["Dim JRow(2)", "Mov JRow(1)"]

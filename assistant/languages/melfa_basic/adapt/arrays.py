@@ -113,6 +113,6 @@ def _elements(name: str, variable: Variable) -> Iterator[p.Statement]:
             value = value.items[index - 1]
         values.append(value)
     for place, value in zip(places, values, strict=True):
-        if value is not None:
+        if value is not None and value != e.NEVER_GIVEN:
             indices = tuple(e.Number(i) for i in place)
             yield p.Assign(e.Index(e.Name(name), indices), value, span=variable.span)

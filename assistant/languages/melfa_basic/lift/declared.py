@@ -110,7 +110,7 @@ def first_parameters(code: list[Entry]) -> tuple[s.Variable, ...]:
 
 
 def elements(file: Holding, meanings: Meanings) -> None:
-    """First values of arrays; one that only some elements have values of is not understood."""
+    """First values of arrays; of joints, one that only some have values of is not understood."""
     for key, (written, found) in file.positions.elements.items():
         size = meanings.scope.sizes.get(key)
         if file.own or size is None:
@@ -125,11 +125,13 @@ def elements(file: Holding, meanings: Meanings) -> None:
 
 
 def _all_elements(size: tuple[int, ...], found: Elements, meanings: Meanings) -> e.Aggregate | None:
+    placed = all(constant.flags is not None for constant in found.values())
+
     def nested(rest: tuple[int, ...], at: tuple[int, ...]) -> e.Expression | None:
         if not rest:
             constant = found.get(at)
             if constant is None:
-                return None
+                return e.NEVER_GIVEN if placed else None
             if constant.flags is None:
                 return e.JointValue(joints_of(constant, meanings.robot))
             return e.TargetValue(target_of(constant, meanings.robot))

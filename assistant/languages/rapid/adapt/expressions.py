@@ -9,6 +9,7 @@ from assistant.languages.rapid import verbatim
 from assistant.languages.rapid.adapt.data import sayable_joints, sayable_pose, sayable_target
 from assistant.languages.rapid.adapt.findings import Findings
 from assistant.languages.rapid.lift.expressions import aggregate, lift, negative
+from assistant.languages.rapid.tables import UNUSED
 from assistant.program import expressions as e
 from assistant.program.diagnostics import Refused
 from assistant.program.program import Variable
@@ -45,11 +46,21 @@ def _understood(text: str) -> e.Expression:
         return e.Verbatim(verbatim.LANGUAGE, text)  # a finding when it is built
 
 
+def _unset(x: e.Expression) -> e.Expression:
+    """A target that no move takes, as one that was given no value: its orientation is none."""
+    if x != e.NEVER_GIVEN:
+        return x
+    parts = ([0] * 3, [0] * 4, [0] * 4, [UNUSED] * 6)
+    return e.Aggregate(tuple(e.Aggregate(tuple(map(e.Number, part))) for part in parts))
+
+
 def sayable_variable(variable: Variable, name: str, findings: Findings) -> Variable:
     """With a type that RAPID has."""
     if variable.type == "integer":
         variable = replace(variable, type="number")
     if variable.storage == "constant" and variable.initial is None:
         findings.cannot(f"the constant `{name}` without a value", "give it one", name)
+    if variable.type == "position" and variable.size:
+        variable = replace(variable, initial=map_expressions(variable.initial, _unset))
     change = partial(sayable_expression, findings=findings)
     return replace(variable, initial=map_expressions(variable.initial, change))

@@ -12,7 +12,7 @@ from assistant.languages.rapid import rules, verbatim
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.naming import Naming
 from assistant.languages.rapid.runs import JOINT_PLACES, PARTS, POSITION_PLACES, QUATERNION_PLACES
-from assistant.languages.rapid.tables import COMPONENTS, FUNCTIONS, LONGEST_STRING
+from assistant.languages.rapid.tables import COMPONENTS, FUNCTIONS, LONGEST_STRING, UNUSED
 from assistant.program import expressions as e
 from assistant.program.diagnostics import Refused, Rule
 from assistant.program.geometry import JointTarget, Pose, Target
@@ -151,7 +151,7 @@ def number(value: float) -> tuple[s.Expression, int]:
         raise refuse(rules.NOT_FINITE, what="an expression")
     size = abs(value)
     written = str(int(size)) if size == int(size) and size < 1e15 else repr(float(size))
-    literal = s.NumberLiteral(written)
+    literal = s.NumberLiteral("9E9" if size == UNUSED else written)
     if math.copysign(1.0, value) < 0 and value != 0:
         return s.Prefix("-", literal), SUM
     return literal, PRIMARY
