@@ -23,13 +23,11 @@ from assistant.languages.melfa_basic import printer, vocabulary
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.convert.nesting import Block, Node, Part
 from assistant.languages.melfa_basic.dialects import EMITTED_LINE, Dialect
+from assistant.languages.melfa_basic.lift.settings import SETTINGS
 from assistant.languages.melfa_basic.walk import nodes
 
 Complain = Callable[[s.Item, str, str], None]
 """Says of a line what cannot be said, and what to do."""
-
-SETTINGS: Final = ("Spd", "JOvrd", "Cnt", "Tool", "Base")
-"""Commands that hold for the moves below: they keep a line of their own."""
 
 PLAIN: Final = (s.Assign, s.Jump, s.CallP, s.Print, s.Input, s.Open, s.Close, s.Command)
 """Statements that may follow `THEN` on its line."""
@@ -167,7 +165,7 @@ class Jumps:
         if not isinstance(line.statement, PLAIN):
             return None
         if isinstance(line.statement, s.Command) and line.statement.keyword in SETTINGS:
-            return None
+            return None  # it holds for the moves below, and keeps a line of its own
         return line.statement
 
     # ------------------------------------------------------------------- nested Select
