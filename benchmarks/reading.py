@@ -174,7 +174,7 @@ def lark_alone(spoken: Spoken) -> Callable[[list[FilePath]], None]:
 @cache
 def rapid_trees() -> Callable[[str], Any]:
     """Lark with the grammar of RAPID, which reads a module at once."""
-    parser = import_module("assistant.languages.rapid.grammar").grammar()
+    parser = import_module("assistant.languages.rapid.reading.grammar").grammar()
     return lambda text: parser.parse(text, start="start")
 
 

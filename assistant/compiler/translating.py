@@ -234,7 +234,7 @@ def _named(place: str) -> Iterator[str]:
 
 
 def _advice(compiled: Compiled) -> Callable[[Diagnostic], bool]:
-    """Whether a finding is a remark of a language's rules, of the program and not its translation."""
+    """Whether a finding is a remark of a rule on the program, not on its translation."""
     origin = compiled.source.origin
     names = {compiled.language} if origin is None else {compiled.language, origin.language}
     languages = [language_of(name) for name in names]

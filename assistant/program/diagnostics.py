@@ -16,7 +16,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any, Final, Self
 
-
 LONGEST_EXCERPT: Final = 240
 """Characters of a source line that are shown with a finding."""
 

@@ -112,7 +112,8 @@ MISTAKES: Final = (
         "`{0}` assigns in other languages", "write `=`", "1 M1¦:=5", ":=", "=",
     ),
     Mistake("`{1}` is a word of the language, no variable", "give the variable another name",
-            "1 ¦Fine=2", rf"({_WORDS})\s*=(?!=)", "M1=", rf"^\s*(?P<at>(?:{_WORDS})\s*)", back=True),
+            "1 ¦Fine=2", rf"({_WORDS})\s*=(?!=)", "M1=", rf"^\s*(?P<at>(?:{_WORDS})\s*)",
+            back=True),
     Mistake("`{0}` compares in other languages", "write `=`", "1 If M1=¦=1 Then *A", "=+", ""),
     Mistake(
         "`{0}` compares in other languages", "write `<>`", "1 If M1 ¦!= 1 Then *A", r"!\s*=", "<>",
