@@ -233,7 +233,9 @@ def _check_texts(
         program = language.lift(trees, arm)
     except Refused as refused:
         return [*found, *refused.findings]
-    return [*found, *_check_meaning(program, arm)]
+    told = {finding.code for finding in found}
+    meant = _check_meaning(program, arm)
+    return [*found, *(f for f in meant if language.restated.get(f.code) not in told)]
 
 
 def _check_meaning(program: Program, arm: Robot | None) -> tuple[Diagnostic, ...]:

@@ -177,8 +177,14 @@ def _converted(
 ) -> Compiled:
     """A program of a sister dialect, whose trees were converted."""
     findings = [*check(source), *(places.spanned(f) for f in conversion.findings)]
-    if arm is not None and target.name not in arm.languages:
-        findings.append(_other_maker(arm, target))
+    if arm is not None:
+        if target.name not in arm.languages:
+            findings.append(_other_maker(arm, target))
+        from assistant import robots
+
+        # positions stay as they are written, so branches that would be chosen are of no interest
+        _, found = robots.configure(replace(source, robot=arm.name), arm)
+        findings += (f for f in found if f.severity is not Severity.INFO)
     compiled = Compiled(source, target.name, Proof(None), source, places)
     if has_errors(findings):
         return replace(compiled, found=tuple(findings))

@@ -108,6 +108,8 @@ class Language(abc.ABC, Generic[T]):
     """The two letters that the codes of its findings begin with."""
     fixed: tuple[str, ...]
     """How codes begin whose errors no project may turn down: unreadable, or cannot be said."""
+    restated: Mapping[str, str] = MappingProxyType({})
+    """Code of a check of any program → that of the rule which tells the same of this language."""
     table: str = ""
     """The table of a project's file that holds its settings."""
     settings: Mapping[str, Setting] = MappingProxyType({})

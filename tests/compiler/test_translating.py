@@ -106,6 +106,16 @@ def test_a_program_that_is_not_beside_changes_no_meaning(tmp_path: Path) -> None
     assert [f.code for row in translation.rows for f in row.reasons] == ["MB115"]
 
 
+@pytest.mark.parametrize(("x", "codes"), [(350, set()), (3500, {"RB102"})])
+def test_another_version_for_a_robot_is_within_its_reach(
+    tmp_path: Path, x: int, codes: set[str]
+) -> None:
+    text = f"10 TOOL P_NTOOL\n20 MOV P1\n30 END\nP1=({x},0,400,180,0,180)(7,0)\n"
+    translation = translated(tmp_path, text, "melfa-basic-5")
+    assert {f.code for f in translation.findings} == codes
+    assert translation.ok == (not codes)
+
+
 def test_a_level_says_why(tmp_path: Path) -> None:
     rows = {row.place.line: row for row in translated(tmp_path, MODULE, "melfa-basic-5").rows}
     assert [f.code for f in rows[7].reasons] == ["MB204"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.language import (
@@ -58,6 +59,7 @@ class MelfaBasic(Language[File]):
     comment_mark = "'"
     family = "MB"
     fixed = ("MB0", "MB2", "MB5")
+    restated = MappingProxyType({"CK101": "MB703", "CK102": "MB703"})
     steps = True
     frames: Frames = "base"
     table = "melfa-basic"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from assistant.languages.language import Adapted, Language, Part, Precision
@@ -37,6 +38,7 @@ class Rapid(Language[File]):
     comment_mark = "!"
     family = "RA"
     fixed = ("RA1", "RA3")
+    restated = MappingProxyType({"CK101": "RA459", "CK102": "RA460"})
     counts_on = True
 
     def recognises(self, data: bytes, suffix: str = "") -> bool:  # noqa: ARG002
