@@ -13,8 +13,10 @@ import numpy as np
 
 from assistant.program.diagnostics import Refused, Rule, Severity, Unreadable
 from assistant.program.text import read_bytes
+from assistant.robots.arms.arm import Arm
 from assistant.robots.arms.five_axis import FiveAxis
 from assistant.robots.arms.lengths import Lengths
+from assistant.robots.arms.scara import Scara
 from assistant.robots.arms.six_axis import SixAxis
 from assistant.robots.robot import Robot
 
@@ -32,10 +34,17 @@ WRONG_FIELD = Rule(
 )
 
 AXES: Final = {
-    5: ("J1", "J2", "J3", "J5", "J6"),
-    6: ("J1", "J2", "J3", "J4", "J5", "J6"),
+    FiveAxis.kind: FiveAxis.axes,
+    SixAxis.kind: SixAxis.axes,
+    Scara.kind: Scara.axes,
 }
-"""Number of axes → their names; an arm of five has no axis 4."""
+"""Kind of arm → the names of its axes; an arm of five has no axis 4."""
+LENGTHS: Final = {
+    FiveAxis.kind: ("d1", "a1", "a2", "a3", "d4", "d6"),
+    SixAxis.kind: ("d1", "a1", "a2", "a3", "d4", "d6"),
+    Scara.kind: ("l1", "l2"),
+}
+"""Kind of arm → the names of its lengths."""
 
 
 def names() -> tuple[str, ...]:
@@ -86,29 +95,19 @@ class _Reader:
     def robot(self) -> Robot | None:
         self.unknown(self.table, "", FIELDS)
         texts = {k: self.text(k) for k in ("name", "title", "maker", "controller", "source")}
-        numbers = {
-            k: self.number(self.table, k, k, least=1e-9)
-            for k in ("tcp_speed_mm_s", "payload_kg", "reach_mm")
-        }
+        numbers = {k: self.number(self.table, k, k, least=1e-9) for k in ("payload_kg", "reach_mm")}
+        fastest = self.optional("tcp_speed_mm_s", least=1e-9)
         counts = self.text("configuration")
         if counts not in ("quadrants", "turns"):
             self.wrong("configuration", "is neither `quadrants` nor `turns`")
-        lengths = self.table.get("lengths_mm")
-        if not isinstance(lengths, dict):
-            self.wrong("lengths_mm", "is missing")
-            lengths = {}
-        self.unknown(lengths, "lengths_mm.", LENGTHS)
-        arm = {k: self.number(lengths, k, f"lengths_mm.{k}") for k in LENGTHS}
         axes = self.axes()
-        if len(axes) == 5 and (arm["a1"] or arm["a3"]):
-            self.wrong("lengths_mm", "has an a1 or a3, which an arm of five axes cannot have")
-        for link in ("a2", "d4"):
-            if not arm[link] > 0:
-                self.wrong(f"lengths_mm.{link}", "is not above 0")
-        if self.findings:
+        kind = self.kind(tuple(axes))
+        arm = self.arm(kind)
+        if self.findings or arm is None:
             return None
-        column = {k: np.array([axis[k] for axis in axes]) for k in ("zero", "speed", "home")}
-        limits = np.array([axis["limits"] for axis in axes], dtype=np.float64)
+        rows = [axes[name] for name in arm.axes]
+        column = {k: np.array([axis[k] for axis in rows]) for k in ("zero", "speed", "home")}
+        limits = np.array([axis["limits"] for axis in rows], dtype=np.float64)
         for values in (limits, *column.values()):
             values.setflags(write=False)
         return Robot(
@@ -119,27 +118,63 @@ class _Reader:
             source=texts["source"],
             languages=self.texts("languages"),
             unconfirmed=self.texts("unconfirmed", needed=False),
-            arm=(FiveAxis if len(axes) == 5 else SixAxis)(Lengths(**arm)),
+            arm=arm,
             zero=column["zero"],
             limits=limits,
             speeds=column["speed"],
             home=column["home"],
-            tcp_speed=numbers["tcp_speed_mm_s"],
+            tcp_speed=fastest,
             payload=numbers["payload_kg"],
             reach=numbers["reach_mm"],
             counts="quadrants" if counts == "quadrants" else "turns",
         )
 
-    def axes(self) -> list[dict[str, Any]]:
-        table = self.table.get("axes_deg")
-        if not isinstance(table, dict) or tuple(table) not in AXES.values():
-            choices = " or ".join(" ".join(axes) for axes in AXES.values())
-            self.wrong("axes_deg", f"does not hold the axes {choices}")
-            return []
-        return [self.axis(name, entry) for name, entry in table.items()]
+    def kind(self, axes: tuple[str, ...]) -> str:
+        """What `arm` says, or what the axes tell."""
+        said = self.table.get("arm")
+        usual = FiveAxis.kind if set(axes) == set(FiveAxis.axes) else SixAxis.kind
+        kind = usual if said is None else said
+        if not isinstance(kind, str) or kind not in AXES:
+            self.wrong("arm", f"is none of {', '.join(AXES)}")
+            return usual
+        sliding = self.table.get("axes_mm", {})
+        sliding = tuple(sliding) if isinstance(sliding, dict) else ()
+        if set(axes) != set(AXES[kind]) or sliding != SLIDING.get(kind, ()):
+            turning = [name for name in AXES[kind] if name not in SLIDING.get(kind, ())]
+            self.wrong("axes_deg", f"does not hold the axes {' '.join(turning)} of arm `{kind}`")
+            if kind in SLIDING:
+                self.wrong("axes_mm", f"does not hold the axis {' '.join(SLIDING[kind])}")
+        return kind
 
-    def axis(self, name: str, entry: Any) -> dict[str, Any]:
-        where = f"axes_deg.{name}"
+    def arm(self, kind: str) -> Arm | None:
+        lengths = self.table.get("lengths_mm")
+        if not isinstance(lengths, dict):
+            self.wrong("lengths_mm", "is missing")
+            lengths = {}
+        self.unknown(lengths, "lengths_mm.", LENGTHS[kind])
+        values = {k: self.number(lengths, k, f"lengths_mm.{k}") for k in LENGTHS[kind]}
+        for link in ("a2", "d4", "l1", "l2"):
+            if not values.get(link, 1.0) > 0:
+                self.wrong(f"lengths_mm.{link}", "is not above 0")
+        if kind == Scara.kind:
+            return Scara(**values)
+        if kind == FiveAxis.kind and (values["a1"] or values["a3"]):
+            self.wrong("lengths_mm", "has an a1 or a3, which an arm of five axes cannot have")
+        return (FiveAxis if kind == FiveAxis.kind else SixAxis)(Lengths(**values))
+
+    def axes(self) -> dict[str, dict[str, Any]]:
+        """The axes in degrees and, of an arm that has such, those in mm, by name."""
+        found: dict[str, dict[str, Any]] = {}
+        for key in ("axes_deg", "axes_mm"):
+            table = self.table.get(key, {})
+            if not isinstance(table, dict):
+                self.wrong(key, "is no table of axes")
+                continue
+            found |= {name: self.axis(name, entry, key) for name, entry in table.items()}
+        return found
+
+    def axis(self, name: str, entry: Any, table: str) -> dict[str, Any]:
+        where = f"{table}.{name}"
         if not isinstance(entry, dict):
             self.wrong(where, "is no table of limits, speed, zero and home")
             return {}
@@ -174,6 +209,9 @@ class _Reader:
             self.wrong(where, "is not above 0")
         return float(value)
 
+    def optional(self, key: str, least: float) -> float | None:
+        return self.number(self.table, key, key, least) if key in self.table else None
+
     def text(self, key: str) -> str:
         value = self.table.get(key)
         if not isinstance(value, str) or not value.strip():
@@ -198,10 +236,11 @@ class _Reader:
 
 
 FIELDS: Final = (
-    "name", "title", "maker", "controller", "languages", "configuration", "payload_kg",
-    "reach_mm", "tcp_speed_mm_s", "source", "unconfirmed", "lengths_mm", "axes_deg",
+    "name", "title", "maker", "controller", "languages", "arm", "configuration", "payload_kg",
+    "reach_mm", "tcp_speed_mm_s", "source", "unconfirmed", "lengths_mm", "axes_deg", "axes_mm",
 )  # fmt: skip
-LENGTHS: Final = ("d1", "a1", "a2", "a3", "d4", "d6")
+SLIDING: Final = {Scara.kind: ("J3",)}
+"""Kind of arm → the axes that slide, in `axes_mm`."""
 
 
 def _is_number(value: Any) -> bool:

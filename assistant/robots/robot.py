@@ -37,7 +37,8 @@ class Robot:
     Joints are degrees, of an axis that slides (J3 of a SCARA) mm.
 
     arm: its kind with its lengths. zero: (a,) of the arm's chain where the maker's joint is 0.
-    limits: (a, 2). speeds: (a,) a second. home: (a,). tcp_speed: mm/s. payload: kg.
+    limits: (a, 2). speeds: (a,) a second. home: (a,). tcp_speed: mm/s at most,
+    None if not known. payload: kg.
     reach: mm from axis 1 to the wrist centre of the stretched arm.
     counts: what a target's configuration says of axes 1, 4 and 6: `quadrants` (ABB) or
     only whole `turns` (Mitsubishi).
@@ -54,7 +55,7 @@ class Robot:
     limits: Floats
     speeds: Floats
     home: Floats
-    tcp_speed: float
+    tcp_speed: float | None
     payload: float
     reach: float
     counts: Literal["quadrants", "turns"]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from importlib.resources import files
 
-import numpy as np
 import pytest
 
 from assistant import robots
@@ -22,9 +21,7 @@ def test_every_robot_is_whole(name: str) -> None:
     assert robot.speeds.shape == robot.home.shape == (len(robot.axes),)
     assert robot.inside(robot.home)
     assert robot.source
-    assert robot.reach == pytest.approx(
-        robot.lengths.a1 + robot.lengths.a2 + np.hypot(robot.lengths.a3, robot.lengths.d4), abs=0.1
-    )
+    assert robot.reach == pytest.approx(robot.arm.reach, abs=0.1)
     assert robot.counts == ("quadrants" if robot.maker == "ABB" else "turns")
 
 
@@ -34,6 +31,15 @@ def test_names_of_the_catalogue() -> None:
     )
     assert robots.get("RV-2AJ").name == "rv-2aj"
     assert robots.get("rv-2aj").axes == ("J1", "J2", "J3", "J5", "J6")
+
+
+def test_axis_three_of_a_scara_is_in_millimetres() -> None:
+    robot = robots.get("rh-6frh5520")
+    assert robot.axes == ("J1", "J2", "J3", "J4")
+    assert robot.units == ("degrees", "degrees", "mm", "degrees")
+    assert robot.limits[2].tolist() == [133.0, 333.0]
+    with pytest.raises(TypeError, match="RH-6FRH5520"):
+        assert robot.lengths
 
 
 def test_an_unknown_name_lists_the_known_ones() -> None:
@@ -55,6 +61,16 @@ def test_an_unknown_name_lists_the_known_ones() -> None:
         ("limits = [-150, 150]", "limits = [150, -150]", "axes_deg.J1.limits"),
         ("home = 90 }\nJ6", "home = 91 }\nJ6", "axes_deg.J5.home"),
         ("J5 = {", "J4 = {", "axes_deg"),
+        ("reach_mm", "axes_mm = 3\nreach_mm", "axes_mm"),
+        (
+            "[axes_deg]",
+            "[axes_mm]\nJ3 = { limits = [0, 1], speed = 1, home = 0 }\n[axes_deg]",
+            "axes_deg",
+        ),
+        ("reach_mm", 'arm = "six-axis"\nreach_mm', "axes_deg"),
+        ("reach_mm", 'arm = "scara"\nreach_mm', "axes_mm"),
+        ("reach_mm", 'arm = "parallel"\nreach_mm', "arm"),
+        ("reach_mm", "arm = [3]\nreach_mm", "arm"),
         ('"turns"', '"quarters"', "configuration"),
         ('languages = ["melfa-basic-4"]', 'languages = "melfa"', "languages"),
         ("reach_mm", "colour = 1\nreach_mm", "colour"),

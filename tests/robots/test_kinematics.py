@@ -142,8 +142,8 @@ def test_the_elbow_bit_of_confdata_changes_where_the_forearm_is_in_line(
 def test_home_has_the_plain_configuration() -> None:
     for name in robots.names():
         robot = robots.get(name)
-        flip = 1 if robot.five_axis else 0
-        assert robot.configuration(robot.home).tolist() == [[0, 0, flip, 0, 0, 0]]
+        said = {"six-axis": [0, 0, 0], "five-axis": [0, 0, 1], "scara": [0, 1, 1]}[robot.arm.kind]
+        assert robot.configuration(robot.home).tolist() == [[*said, 0, 0, 0]]
 
 
 def test_a_boundary_belongs_to_one_quadrant_in_spite_of_rounding() -> None:
@@ -184,7 +184,7 @@ def test_no_pose_at_all_gives_a_wrong_solution(name: str, position, quaternion) 
     for joints in found[valid]:
         there, turned = robot.fk(joints)
         assert np.abs(there - p).max() < 1e-4
-        assert rotations.angle_between(turned, q).max() < (0.011 if robot.five_axis else 1e-4)
+        assert rotations.angle_between(turned, q).max() < (1e-4 if robot.arm.spherical else 0.011)
 
 
 def test_the_chain_ends_at_the_flange() -> None:
@@ -192,9 +192,12 @@ def test_the_chain_ends_at_the_flange() -> None:
         robot = robots.get(name)
         joints = random_joints(robot, 20, seed=4)
         chain = robot.chain(joints)
-        assert chain.shape == (20, 6, 3)
         assert chain[:, -1] == pytest.approx(robot.fk(joints)[0])
         steps = np.linalg.norm(np.diff(chain, axis=1), axis=2)
+        if robot.arm.kind == "scara":
+            assert steps[:, :2] == pytest.approx(np.tile([robot.arm.l1, robot.arm.l2], (20, 1)))
+            assert steps[:, 2] == pytest.approx(joints[:, 2])
+            continue
         arm = robot.lengths
         expected = [np.hypot(arm.a1, arm.d1), arm.a2, abs(arm.a3), arm.d4, arm.d6]
         assert steps == pytest.approx(np.tile(expected, (20, 1)))

@@ -226,7 +226,7 @@ def plain_speed(speed: Speed) -> tuple[Speed, list[str]]:
 
 def joint_percent(tcp: float, robot: Robot | None) -> float:
     """Whole percent of joint speed for a speed in mm/s, rounded down, at least 1."""
-    most = NOMINAL_TCP if robot is None else robot.tcp_speed
+    most = NOMINAL_TCP if robot is None or robot.tcp_speed is None else robot.tcp_speed
     if math.isinf(tcp):
         return 100.0
     return float(math.floor(min(100.0, max(1.0, 100.0 * tcp / most))))
