@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import enum
 import json
+import re
 import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -125,11 +126,14 @@ def print_for_programs(
         print_json({"findings": [finding_record(finding) for finding in findings]})
 
 
+_NO_CHARACTER: Final = re.compile(r"[\ud800-\udfff]")
+"""What stands for bytes of a file name that are no text: printed as JSON escapes it."""
+
+
 def print_json(answer: object) -> None:
-    json.dump(answer, sys.stdout, indent=2, ensure_ascii=False)
-    sys.stdout.write("\n")
+    say(json.dumps(answer, indent=2, ensure_ascii=False))
 
 
 def say(line: str) -> None:
     """A line of the answer itself, on standard output."""
-    sys.stdout.write(line + "\n")
+    sys.stdout.write(_NO_CHARACTER.sub(lambda found: f"\\u{ord(found[0]):04x}", line) + "\n")

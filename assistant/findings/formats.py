@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path as FilePath
@@ -126,7 +127,8 @@ def _result(finding: Diagnostic, index: dict[str, int], root: FilePath) -> dict[
 def _artifact(path: str, root: FilePath) -> dict[str, str]:
     file = root / path
     if file.is_relative_to(root) and ".." not in file.parts:
-        return {"uri": quote(file.relative_to(root).as_posix()), "uriBaseId": BASE}
+        inside = file.relative_to(root).as_posix()
+        return {"uri": quote(os.fsencode(inside)), "uriBaseId": BASE}
     return {"uri": FilePath(file).resolve().as_uri()}
 
 

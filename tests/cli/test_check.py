@@ -243,3 +243,23 @@ def test_of_a_very_long_line_the_part_at_the_finding_is_shown(capsys, tmp_path):
     assert excerpt[caret.index("^") - 5 :].startswith("reg1 = 5;")
     _, out, _ = run(capsys, "check", long, "--format", "json")
     assert "RA101" in codes(out) and len(out) < 1000
+
+
+@pytest.mark.skipif(os.name == "nt" or sys.platform == "darwin", reason="names there are text")
+@pytest.mark.parametrize("form", ["json", "sarif", "github", "text"])
+def test_file_names_that_are_no_text(tmp_path, form):
+    (tmp_path / os.fsdecode(b"odd\xff.mod")).write_text(ODD)
+    command = [sys.executable, "-m", "assistant", "check", ".", "--format", form]
+    done = subprocess.run(
+        command,
+        cwd=tmp_path,
+        capture_output=True,
+        env={**os.environ, "PYTHONIOENCODING": "utf-8:strict"},
+    )
+    assert (done.returncode, b"CL900" in done.stderr) == (1, False)
+    if form == "sarif":
+        (result,) = json.loads(done.stdout)["runs"][0]["results"]
+        artifact = result["locations"][0]["physicalLocation"]["artifactLocation"]
+        assert artifact["uri"] == "odd%FF.mod"
+    elif form == "json":
+        assert codes(done.stdout.decode()) == ["RA204"]
