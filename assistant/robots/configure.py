@@ -305,6 +305,7 @@ class _Survey:
                 rules.JOINT_OUTSIDE(
                     place=label,
                     axis=robot.axes[axis],
+                    unit=robot.units[axis],
                     value=given[axis],
                     low=low[axis],
                     high=high[axis],

@@ -22,7 +22,7 @@ OUTSIDE_LIMITS: Final = Rule(
     "RB103",
     Severity.ERROR,
     "outside the joint limits of {robot} in every arm branch; "
-    "at worst {axis} would be at {value:.2f} degrees, its limit is {limit:g} ({where})",
+    "at worst {axis} would be at {value:.2f} {unit}, its limit is {limit:g} ({where})",
     "turn the tool about its axis, or move the work piece{nearest}",
 )
 NOT_IN_PLANE: Final = Rule(
@@ -31,6 +31,14 @@ NOT_IN_PLANE: Final = Rule(
     "the tool axis leaves the plane of the five-axis arm, "
     "at worst by {worst:.3f} degrees ({where})",
     "tilt the tool towards or away from axis 1 only, or take a robot with six axes{nearest}",
+)
+TILTED: Final = Rule(
+    "RB116",
+    Severity.ERROR,
+    "the tool axis is not upright, at worst by {worst:.3f} degrees ({where}); "
+    "{robot} turns its tool about the vertical only",
+    "state orientations about Z only, or a tool that is turned by the tilt (180 degrees about X "
+    "for targets whose Z axis points down)",
 )
 BRANCH_CHANGE: Final = Rule(
     "RB105",
@@ -80,7 +88,7 @@ OTHER_QUADRANT: Final = Rule(
 JOINT_OUTSIDE: Final = Rule(
     "RB109",
     Severity.ERROR,
-    "{axis} at {value:g} degrees is outside its limits {low:g} to {high:g}",
+    "{axis} at {value:g} {unit} is outside its limits {low:g} to {high:g}",
     "move the joint target inside the limits",
 )
 JOINT_COUNT: Final = Rule(

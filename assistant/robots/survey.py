@@ -78,14 +78,14 @@ class Survey:
                 )
             )
         if self.plane.rows:
-            out.append(
-                rules.NOT_IN_PLANE(
-                    place=run.what(self.plane.all()),
-                    worst=self.plane.value,
-                    where=run.label(self.plane.row),
-                    nearest=_nearest(run, robot, self.plane.row),
-                )
-            )
+            place, where = run.what(self.plane.all()), run.label(self.plane.row)
+            worst = self.plane.value
+            if robot.five_axis:
+                nearest = _nearest(run, robot, self.plane.row)
+                finding = rules.NOT_IN_PLANE(place=place, worst=worst, where=where, nearest=nearest)
+            else:
+                finding = rules.TILTED(place=place, worst=worst, where=where, robot=robot.title)
+            out.append(finding)
         if self.limits.rows:
             axis, value = int(self.limits.fields["axis"]), float(self.limits.fields["angle"])  # type: ignore[call-overload,arg-type]
             low, high = robot.limits[axis]
@@ -94,6 +94,7 @@ class Survey:
                     place=run.what(self.limits.all()),
                     robot=robot.title,
                     axis=robot.axes[axis],
+                    unit=robot.units[axis],
                     value=value,
                     limit=low if value < low else high,
                     where=run.label(self.limits.row),
