@@ -6,6 +6,7 @@ declarations that cannot be said become comments at the head.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path as FilePath
@@ -16,9 +17,16 @@ from assistant.compiler.places import Places, Trace
 from assistant.languages.language import Language
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Diagnostic, Severity, Span
+from assistant.program.diagnostics import Diagnostic, Rule, Severity, Span
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import Body, map_bodies, records
+
+LEFT_OUT = Rule(
+    "CO007",
+    Severity.ERROR,
+    "`{name}` is declared by what cannot be said there",
+    "see to its declaration first",
+)
 
 HEADING: Final = (
     "DRAFT: not for production. What could not be translated stands as comments behind",
@@ -46,6 +54,7 @@ def draft(
     program = replace(program, comments=(*HEADING, *program.comments))
     out: set[Span] = set()
     later: list[Diagnostic] = []
+    declared = _declared_names(program)
     for _ in range(MOST_ROUNDS):
         spans, names = _unsayable(compiled)
         shorter = _without(program, spans - out, names, places)
@@ -54,10 +63,29 @@ def draft(
         out |= spans
         program = shorter
         compiled = compile_program(program, places, target, robot, most_targets)
-        later += [f for f in compiled.found if f.severity is Severity.ERROR and f.line is None]
+        missing = declared - _declared_names(program)
+        errors = (f for f in compiled.found if f.severity is Severity.ERROR and f.line is None)
+        later += [_for_want(finding, missing) for finding in errors]
         if compiled.ok:
             break
     return compiled, tuple(later)
+
+
+def _declared_names(program: Program) -> set[str]:
+    """Names in lower case of what is declared, or what a declaration as text speaks of."""
+    names = {name.lower() for table in TABLES for name in getattr(program, table)}
+    for declaration in program.declarations:
+        names.update(word.lower() for word in re.findall(r"\w+", declaration.text))
+    return names
+
+
+def _for_want(finding: Diagnostic, missing: Collection[str]) -> Diagnostic:
+    """What is found of a name that a draft lacks is for want of its declaration."""
+    named = re.findall(r"`(\w+)`", finding.message)
+    name = next((n for n in named if n.lower() in missing), None)
+    if name is None:
+        return finding
+    return replace(LEFT_OUT(name=name), span=finding.span, place=finding.place)
 
 
 def _unsayable(compiled: Compiled) -> tuple[set[Span], set[str]]:

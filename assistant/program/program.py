@@ -67,7 +67,8 @@ class Variable:
     """A variable or constant.
 
     initial: None for the type's own default. size: extents of an array, () for none.
-    storage: `constant`; `variable`, fresh at each start; `persistent`, kept over it.
+    storage: `constant`; `variable`, fresh at each start from the top, kept from one cycle to the
+    next; `persistent`, kept over starts.
     local: seen in its own unit only. span: where in a source text it stood.
     """
 

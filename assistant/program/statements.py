@@ -198,13 +198,18 @@ class Switch(Spanned):
 
 @dataclass(frozen=True, slots=True)
 class Stop(Spanned):
-    """Stops and waits for a person to start again; `end` ends the program for good."""
+    """Stops and waits for a person to start again.
+
+    end: for good; a start is refused until the program is begun anew from its top.
+    """
 
     end: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class Return(Spanned):
+    """Goes back to the caller; out of the entry it ends the cycle, which the next may follow."""
+
     value: Expression | None = None
 
 

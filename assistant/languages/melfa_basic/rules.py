@@ -229,8 +229,8 @@ TEXT_CHANGED = Rule(
     "MB226", W, "the text {given} is written as {text}", "avoid quotes and control characters",
 )  # fmt: skip
 PERSISTENT = Rule(
-    "MB227", W, "the persistent `{name}` gets its first value at each start of the program",
-    "delete the assignment after the first start, or keep the value in an external variable",
+    "MB227", W, "the persistent `{name}` gets its first value at each start and in each cycle",
+    "delete its line at the top after the first start, or keep the value in an external variable",
 )  # fmt: skip
 SHARED_BRANCH = Rule(
     "MB228", W, "targets of frame `{name}` differ in their arm branch, a product has the frame's",
@@ -266,6 +266,15 @@ LOOP_CHANGED = Rule(
 NO_CORNER = Rule(
     "MB235", W, "a corner of 0 mm is written as a stop at the target",
     "write `Cnt 0`, or give both distances",
+)  # fmt: skip
+CARRIED = Rule(
+    "MB237", W, "`{name}` gets its first value in each cycle, not only at a start from the top: "
+    "it does not keep what the cycle before left in it",
+    "let the cycle stand in a loop without end (`WHILE TRUE` in RAPID), or give it its value in it",
+)  # fmt: skip
+ENDED = Rule(
+    "MB236", I, "an end for good is written as `Hlt` in a loop: `End` would begin the next cycle",
+    "none is needed; reset the program on the controller to start it from the top",
 )  # fmt: skip
 
 # --------------------------------------------------------------- from one dialect to another

@@ -120,8 +120,6 @@ class Run:
                 return label
             case p.Return():
                 return ""
-            case p.Stop(end=True):
-                raise _Ended
             case p.Call(name):
                 called = self.program.procedure(name)
                 assert called is not None
@@ -131,6 +129,8 @@ class Run:
                 if answer is None:
                     raise _Ended
                 return next((g for n in body if (g := self.statement(n))), None) if answer else None
+            case p.Opaque(text="End"):
+                raise _Ended
             case p.Opaque(text=text):
                 self.kept(*text.split())
             case _:

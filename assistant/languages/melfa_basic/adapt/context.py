@@ -156,6 +156,12 @@ class Context:
                 what=f"external axes beyond the second, of `{name}`", cure="leave them out",
                 place=name,
             ))  # fmt: skip
+        first, second, *_ = (*target.external, math.nan, math.nan)
+        if math.isnan(first) and not math.isnan(second):
+            self.findings.append(rules.CANNOT_SAY(
+                what=f"the second external axis of `{name}` without the first",
+                cure="give the first one a value as well", place=name,
+            ))  # fmt: skip
         if self.five_axis:
             target = self._in_reach(name, target)
         return replace(target, configuration=configuration, external=_printed(target.external))

@@ -25,9 +25,6 @@ def with_plain_data(context: Context, program: Program) -> Program:
                 what=f"the {declaration.language} declaration `{declaration.text[:40]}`",
                 cure="leave it out or say it in plain statements",
             ))  # fmt: skip
-    for name, variable in program.variables.items():
-        if variable.storage == "persistent" and variable.initial is not None:
-            context.findings.append(rules.PERSISTENT(name=name, place=name))
     return replace(
         program,
         tools=dict(_tools(context, program)),
@@ -42,12 +39,14 @@ def with_plain_data(context: Context, program: Program) -> Program:
 
 def plain_variables(context: Context, variables: Mapping[str, Variable]) -> dict[str, Variable]:
     """Variables with their first values in plain form."""
-    return {
-        name: replace(
-            v, initial=None if v.initial is None else plain_expression(context, v.initial)
-        )
-        for name, v in variables.items()
-    }
+    made = {}
+    for name, variable in variables.items():
+        made[name] = variable
+        if variable.initial is not None:
+            with context.findings.at(variable.span):
+                initial = plain_expression(context, variable.initial)
+            made[name] = replace(variable, initial=initial)
+    return made
 
 
 def _tools(context: Context, program: Program) -> Iterator[tuple[str, Tool]]:

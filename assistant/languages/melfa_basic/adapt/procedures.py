@@ -44,18 +44,15 @@ class _Form:
     result: str
 
 
-def with_fresh_variables(procedure: Procedure, entry: bool) -> Procedure:
-    """Variables of a procedure that begin anew with each call are given their first value there.
-
-    entry: runs once, so that what is given no value holds none before it is given one.
-    """
+def with_fresh_variables(procedure: Procedure) -> Procedure:
+    """Variables of a procedure that begin anew with each call are given their first value there."""
     first: list[p.Statement] = []
     variables = dict(procedure.variables)
     for name, variable in procedure.variables.items():
         if variable.storage != "variable" or variable.size:
             continue
         value = variable.initial
-        if value is None and not entry and not _is_set_first(name, procedure.body):
+        if value is None and not _is_set_first(name, procedure.body):
             value = NOTHING.get(variable.type)
         if value is not None:
             variables[name] = replace(variable, initial=None)

@@ -13,6 +13,7 @@ from assistant.languages.melfa_basic.adapt.arrays import with_array_parameters, 
 from assistant.languages.melfa_basic.adapt.computed import with_computed_targets
 from assistant.languages.melfa_basic.adapt.context import Context
 from assistant.languages.melfa_basic.adapt.data import with_plain_data
+from assistant.languages.melfa_basic.adapt.first_values import with_first_values
 from assistant.languages.melfa_basic.adapt.five_axes import in_base
 from assistant.languages.melfa_basic.adapt.procedures import (
     recursive,
@@ -57,6 +58,7 @@ def adapt(
         procedures += split(context, plain_procedure(context, procedure), most)
     adapted = replace(adapted, procedures=_grouped(procedures))
     context.findings += _shared(adapted)
+    context.findings += _long(adapted, dialect)
     context.findings += _written(context, adapted)
     if context.unstated:
         context.findings.append(rules.NO_CONFIGURATION(count=context.unstated))
@@ -67,9 +69,10 @@ def adapt(
 
 def _with_plain_procedures(program: Program, dialect: Dialect, findings: Findings) -> Program:
     """With variables, parameters and computed targets as the dialect has them."""
+    program = with_first_values(program, findings)
     program = with_array_parameters(program, dialect.functions, findings)
     program = with_filled_arrays(program, findings)
-    fresh = (with_fresh_variables(q, q.name == program.entry) for q in program.procedures)
+    fresh = map(with_fresh_variables, program.procedures)
     program = replace(program, procedures=tuple(fresh))
     if not dialect.functions:
         for procedure in recursive(program):
@@ -109,6 +112,13 @@ def _shared(program: Program) -> Iterator[Diagnostic]:
         own = variable.storage != "constant" and not is_external(name, variable)
         if own and any(name.lower() in w for w in units.values()):
             yield rules.LOCAL_DATA(name=name, place=name)
+
+
+def _long(program: Program, dialect: Dialect) -> Iterator[Diagnostic]:
+    """External variables whose names, which stay, are longer than the controller takes."""
+    for name, variable in program.variables.items():
+        if is_external(name, variable) and len(name) > dialect.longest:
+            yield rules.LONG_NAME(name=name, most=dialect.longest, place=name, span=variable.span)
 
 
 def _written(context: Context, program: Program) -> Iterator[Diagnostic]:

@@ -26,10 +26,8 @@ MOST_COMMENT: Final = 100
 def plain_procedure(context: Context, procedure: Procedure) -> Procedure:
     """The procedure with its statements in plain form."""
     context.enter(procedure)
-    body = _Plain(context, context.is_entry(procedure)).body(procedure.body)
-    while (
-        body and body[-1] in (p.Return(), p.Stop(end=True)) and _ends(body[-1], context, procedure)
-    ):
+    body = _Plain(context).body(procedure.body)
+    while body and body[-1] == p.Return():
         body = body[:-1]
     return replace(
         procedure,
@@ -37,11 +35,6 @@ def plain_procedure(context: Context, procedure: Procedure) -> Procedure:
         local=False,
         variables=plain_variables(context, procedure.variables),
     )
-
-
-def _ends(node: p.Statement, context: Context, procedure: Procedure) -> bool:
-    """Whether the statement says what the end of the procedure says by itself."""
-    return isinstance(node, p.Stop) == context.is_entry(procedure)
 
 
 def comment_lines(text: str) -> list[str]:
@@ -62,8 +55,8 @@ def comment_lines(text: str) -> list[str]:
 class _Plain:
     """The statements of one procedure. selects: how many `Switch` are around the place."""
 
-    def __init__(self, context: Context, entry: bool) -> None:
-        self.context, self.entry = context, entry
+    def __init__(self, context: Context) -> None:
+        self.context = context
         self.selects = 0
 
     def body(self, body: Body) -> Body:
@@ -164,9 +157,14 @@ class _Plain:
         unit = None if callee.unit == self.context.unit else callee.unit
         yield replace(node, procedure=callee.name, unit=unit)
 
-    def return_(self, node: p.Return) -> Iterator[p.Statement]:
-        ends = self.entry and node.value is None
-        yield p.Stop(end=True, span=node.span) if ends else node
+    def stop(self, node: p.Stop) -> Iterator[p.Statement]:
+        """An end for good: `End` would begin the next cycle, a start goes on behind one `Hlt`."""
+        if node.end:
+            self.context.findings.append(rules.ENDED())
+            halt = (p.Stop(span=node.span),)
+            yield p.While(e.Number(1), halt, span=node.span)
+        else:
+            yield node
 
     # ---------------------------------------------------------------------------- text
 
@@ -220,7 +218,7 @@ CHANGES: Final[dict[type, Callable[[_Plain, Any], Iterable[p.Statement]]]] = {
     p.For: _Plain.for_,
     p.Switch: _Plain.switch,
     p.Call: _Plain.call,
-    p.Return: _Plain.return_,
+    p.Stop: _Plain.stop,
     p.Comment: _Plain.comment,
     p.Message: _Plain.message,
     p.Opaque: _Plain.opaque,

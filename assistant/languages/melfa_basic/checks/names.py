@@ -27,8 +27,8 @@ def spelling(look: Look) -> Found:
     seen: set[str] = set()
 
     def long(name: str) -> bool:
-        # status and other external variables have names of their own length
-        if len(name) <= most or name[1:2] == "_" or name.upper() in seen:
+        known = vocabulary.status(name) or vocabulary.function(name)
+        if len(name) <= most or known is not None or name.upper() in seen:
             return False
         seen.add(name.upper())
         return True
@@ -43,7 +43,7 @@ def spelling(look: Look) -> Found:
                 yield look.at(rules.LABEL_FORM, line, f"*{label}", name=label, title=title)
     for line, use in look.uses:
         name = use.variable.name
-        if long(name) and vocabulary.function(name) is None:
+        if long(name):
             yield look.at(rules.LONG_NAME, line, name, name=name, most=most)
     for item in look.tree.items:
         if isinstance(item, s.Data):

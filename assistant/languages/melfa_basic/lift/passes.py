@@ -46,4 +46,6 @@ class Names:
 def leaves(body: list[p.Statement]) -> bool:
     """Whether nothing runs on below the last statement."""
     last = next((node for node in reversed(body) if not isinstance(node, p.Comment)), None)
-    return isinstance(last, p.Goto | p.Return) or (isinstance(last, p.Stop) and last.end)
+    if isinstance(last, p.Opaque):
+        return last.text.strip().lower() == "end"
+    return isinstance(last, p.Goto | p.Return)

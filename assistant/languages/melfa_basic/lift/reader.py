@@ -97,7 +97,7 @@ class Reader(Statements):
             if one.falls is not None:
                 made.append(p.Goto(self._label_at(one.falls)))
             elif one.high == self.region.high:
-                made.append(self._leaving())
+                made.append(p.Return())
         self.form = head
         return made
 
@@ -108,10 +108,6 @@ class Reader(Statements):
         item = self.code[one.low]
         assert self.names is not None and isinstance(item, s.Line) and item.label is not None
         return self.names.of(one)[item.label.upper()]
-
-    def _leaving(self) -> p.Statement:
-        """What stands for the end of a procedure above its last line."""
-        return p.Stop(end=True) if self.region.label is None and self.main else p.Return()
 
     def _spelled(self, label: str) -> str:
         item = self.code[self.flow.labels[label]]

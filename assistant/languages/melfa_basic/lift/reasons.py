@@ -30,6 +30,10 @@ NO_LABEL: Final = Reason(
 NOT_FIRST: Final = Reason(
     "it ends a called program from within a subroutine", "set a variable and return, end above"
 )
+ENDS_CYCLE: Final = Reason(
+    "it ends the cycle of the whole program from within a subroutine",
+    "set a variable and return, ask for it in the main program, end there",
+)
 NO_SUBROUTINE: Final = Reason(
     "it returns from lines that are no subroutine",
     "begin the subroutine with a label that GoSub calls, behind End, Return or GoTo",

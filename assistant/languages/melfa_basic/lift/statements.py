@@ -206,12 +206,10 @@ class Statements:
         return [p.SetAcceleration(of(up or full[0]), of(down or full[1]))]
 
     def end(self, node: s.Command) -> list[p.Statement]:
-        """`End` ends a program; one that was called goes back to its caller."""
+        """`End` ends a cycle of the main program; one that was called goes back to its caller."""
         _exactly(node.arguments, 0)
-        if self.main:
-            return [p.Stop(end=True)]
         if not self.region.is_first:
-            raise Unliftable(reasons.NOT_FIRST)
+            raise Unliftable(reasons.ENDS_CYCLE if self.main else reasons.NOT_FIRST)
         return [p.Return()]
 
     def returned(self, node: s.Command) -> list[p.Statement]:

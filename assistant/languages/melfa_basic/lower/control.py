@@ -62,7 +62,7 @@ def return_(w: Writer, node: p.Return) -> None:
         w.add(s.Assign(result_of(w, w.owner), w.expressions.of(node.value)))
         if node is w.owner.body[-1]:
             return
-    if w.functions and not (first and w.unit is not None):
+    if w.functions and not first:
         w.add(s.Command("Exit Function"))
     else:
         w.add(s.Command("End" if first else "Return"))
@@ -75,9 +75,9 @@ def result_of(w: Writer, procedure: Procedure) -> s.Variable:
 
 
 def stop(w: Writer, node: p.Stop) -> None:
-    if node.end and w.unit is not None:
-        raise Unsayable("an end of everything in a called program", "end in the main program")
-    w.add(s.Command("End" if node.end else "Hlt"))
+    if node.end:
+        raise Unsayable("an end for good", "write `Hlt` in a loop")
+    w.add(s.Command("Hlt"))
     w.previous = None
 
 

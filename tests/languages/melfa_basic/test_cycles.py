@@ -1,0 +1,152 @@
+"""What one cycle leaves to the next: first values, ends of a cycle, and ends for good."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from assistant import languages
+from assistant.compiler import Translation, translate
+
+MELFA = ("melfa-basic-4", "melfa-basic-5", "melfa-basic-6")
+
+
+def translated(folder: Path, data: str, main: str, to: str = "melfa-basic-5") -> Translation:
+    """A module of RAPID with declarations and a main routine, each with parts behind `/`."""
+    file = folder / "cell.mod"
+    text = f"MODULE cell\n{data}\nPROC main()\n{main}\nENDPROC\nENDMODULE\n"
+    file.write_text(text.replace("/", "\n"), encoding="utf-8", newline="\n")
+    return translate(file, to=to)
+
+
+def said(translation: Translation) -> list[str]:
+    """Codes of findings that are about variables and ends, with their lines."""
+    return [
+        f"{reason.code} {row.place.line}"
+        for row in translation.rows
+        for reason in row.reasons
+        if reason.code in ("MB227", "MB236", "MB237")
+    ]
+
+
+def code(translation: Translation) -> list[str]:
+    (text,) = translation.files.values()
+    lines = (line.split(" ", 1)[1].strip() for line in text.decode().splitlines())
+    return [line for line in lines if not line.startswith("'")]
+
+
+N = "VAR num n:=2;"
+CARRIED: dict[str, tuple[str, str]] = {
+    "counted": (N, "n:=n+1;"),
+    "without a value": ("VAR num n;", "n:=n+1;"),
+    "read on one way only": (N, "IF di1=1 n:=0;/IF n>3 WaitTime 1;/n:=9;"),
+    "changed behind its use": (N, "WaitTime n;/n:=3;"),
+    "read in a routine": (N, "sub;/ENDPROC/PROC sub()/n:=n+1;"),
+    "changed in a routine": (N, "WaitTime n;/sub;/ENDPROC/PROC sub()/n:=3;"),
+    "given a value by a routine on some ways": (
+        N, "sub;/WaitTime n;/ENDPROC/PROC sub()/IF di1=1 RETURN;/n:=3;",
+    ),
+    "given a value in a loop that may not run": (N, "WHILE di1=1 DO/n:=1;/ENDWHILE/WaitTime n;"),
+    "behind a label": (N, "IF di1=1 GOTO over;/n:=1;/over:/WaitTime n;"),
+    "handed over to be changed": (N, "sub n;/ENDPROC/PROC sub(INOUT num x)/x:=x+1;"),
+    "a list": ("VAR num n{2}:=[1,2];", "WaitTime n{1};/n{1}:=3;"),
+    "in a loop that is left": (N, "WHILE TRUE DO/n:=n+1;/IF n>5 RETURN;/ENDWHILE"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("data", "main"), CARRIED.values(), ids=CARRIED)
+def test_what_a_cycle_would_leave_to_the_next_is_told(tmp_path: Path, data: str, main: str) -> None:
+    assert said(translated(tmp_path, data, main)) == ["MB237 2"]
+
+
+NOT_CARRIED: dict[str, tuple[str, str]] = {
+    "given a value first": (N, "n:=1;/n:=n+1;"),
+    "given one on both ways": (N, "IF di1=1 THEN/n:=1;/ELSE/n:=2;/ENDIF/n:=n+1;"),
+    "given one by a routine": (N, "sub;/n:=n+1;/ENDPROC/PROC sub()/n:=3;"),
+    "counted by a loop": (N, "FOR n FROM 1 TO 3 DO/WaitTime n;/ENDFOR"),
+    "never changed": (N, "WaitTime n;"),
+    "only written": (N, "n:=1;"),
+    "in a loop without end": (N, "WHILE TRUE DO/n:=n+1;/ENDWHILE"),
+    "a constant": ("CONST num n:=2;", "WaitTime n;"),
+    "of the routine": ("", "VAR num n:=2;/n:=n+1;"),
+    "behind an end for good": (N, "n:=n+1;/WHILE TRUE DO/Stop;/ENDWHILE"),
+}
+
+
+@pytest.mark.parametrize(("data", "main"), NOT_CARRIED.values(), ids=NOT_CARRIED)
+def test_where_each_cycle_begins_alike_nothing_is_told(
+    tmp_path: Path, data: str, main: str
+) -> None:
+    assert said(translated(tmp_path, data, main)) == []
+
+
+@pytest.mark.parametrize("to", MELFA)
+def test_a_variable_without_value_begins_with_that_of_its_type(tmp_path: Path, to: str) -> None:
+    data = "VAR num n;/VAR string t;/VAR num unread;"
+    found = translated(tmp_path, data, "n:=n+1;/t:=t;/unread:=n;", to)
+    assert code(found)[:2] == ["MN=0", 'CT$=""']
+    assert not any(line.startswith("MUNREAD=0") for line in code(found))
+
+
+def test_a_variable_of_main_begins_anew_in_each_cycle(tmp_path: Path) -> None:
+    assert code(translated(tmp_path, "", "VAR num n;/n:=n+1;"))[:2] == ["MN=0", "MN=MN+1"]
+
+
+def test_a_variable_of_melfa_keeps_what_it_has() -> None:
+    language = languages.get("melfa-basic-5")
+    program = language.lift(language.parse("1 M1=M1+1\n2 End\n"))
+    adapted = language.adapt(program)
+    assert not adapted.findings
+    assert "M1=0" not in language.render(language.build(adapted.program))
+
+
+def test_a_persistent_that_is_read_first_is_told_of(tmp_path: Path) -> None:
+    assert said(translated(tmp_path, "PERS num n:=2;", "n:=n+1;")) == ["MB227 2"]
+    assert said(translated(tmp_path, "PERS num n:=2;", "WaitTime n;")) == ["MB227 2"]
+    assert said(translated(tmp_path, "PERS num n:=2;", "n:=1;/n:=n+1;")) == []
+
+
+# ------------------------------------------------------------------------------------ ends
+
+
+@pytest.mark.parametrize("to", MELFA)
+@pytest.mark.parametrize("main", ["EXIT;", "sub;/ENDPROC/PROC sub()/EXIT;"])
+def test_an_end_for_good_stays_one(tmp_path: Path, to: str, main: str) -> None:
+    found = translated(tmp_path, "", main, to)
+    assert len(said(found)) == 1
+    assert said(found)[0].startswith("MB236")
+    lines = [line.lower() for line in code(found)]
+    at = lines.index("while 1")
+    assert lines[at : at + 3] == ["while 1", "hlt", "wend"]
+    (text,) = found.files.values()
+    (tmp_path / "back.prg").write_bytes(text)
+    back = translate(tmp_path / "back.prg", to="rapid", language=to)
+    (module,) = back.files.values()
+    lines = [line.strip() for line in module.decode().splitlines()]
+    at = lines.index("WHILE TRUE DO")
+    assert lines[at : at + 3] == ["WHILE TRUE DO", "Stop;", "ENDWHILE"]
+
+
+@pytest.mark.parametrize("to", MELFA)
+def test_a_return_from_main_ends_the_cycle(tmp_path: Path, to: str) -> None:
+    found = translated(tmp_path, "VAR num n;", "IF n=1 RETURN;/WaitTime 1;", to)
+    assert said(found) == []
+    assert [line.lower().split()[-1] for line in code(found)].count("end") == 2
+
+
+def test_the_end_of_a_cycle_is_no_end_for_good(tmp_path: Path) -> None:
+    file = tmp_path / "CELL.prg"
+    file.write_text("1 If M1=1 Then End\n2 Dly 1\n3 End\n")
+    (module,) = translate(file, to="rapid", language="melfa-basic-5").files.values()
+    assert "RETURN;" in module.decode()
+    assert "EXIT" not in module.decode()
+
+
+def test_an_end_within_a_subroutine_is_told_of(tmp_path: Path) -> None:
+    file = tmp_path / "CELL.prg"
+    file.write_text("1 GoSub *S\n2 End\n3 *S\n4 If M1=1 Then End\n5 Return\n")
+    found = translate(file, to="rapid", language="melfa-basic-5")
+    (row,) = (row for row in found.rows if row.level == "not")
+    assert row.place.line == 4
+    assert "within a subroutine" in row.reasons[0].message
