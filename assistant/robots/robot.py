@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +17,9 @@ from assistant.robots.arms.five_axis import FiveAxis
 from assistant.robots.arms.lengths import Lengths
 from assistant.robots.arms.six_axis import SixAxis
 from assistant.robots.configurations import BACK, QUADRANTS, TURNING_AXES
+
+if TYPE_CHECKING:
+    from roboticstoolbox import DHRobot
 
 Floats = NDArray[np.float64]
 Truths = NDArray[np.bool_]
@@ -39,6 +42,7 @@ class Robot:
     arm: its kind with its lengths. zero: (a,) of the arm's chain where the maker's joint is 0.
     limits: (a, 2). speeds: (a,) a second. home: (a,). tcp_speed: mm/s at most,
     None if not known. payload: kg.
+    accelerations: (a,) a second squared, None if no source tells. repeatability: mm, or None.
     reach: mm from axis 1 to the wrist centre of the stretched arm.
     counts: what a target's configuration says of axes 1, 4 and 6: `quadrants` (ABB) or
     only whole `turns` (Mitsubishi).
@@ -61,6 +65,8 @@ class Robot:
     counts: Literal["quadrants", "turns"]
     source: str
     unconfirmed: tuple[str, ...] = ()
+    accelerations: Floats | None = None
+    repeatability: float | None = None
 
     @property
     def axes(self) -> tuple[str, ...]:
@@ -253,6 +259,15 @@ class Robot:
 
         _, findings = configure(program, self)
         return findings
+
+    def to_rtb(self) -> DHRobot:
+        """The same robot for roboticstoolbox: metres and radians, joints and limits the maker's.
+
+        Needs the extra `toolbox`; raises Refused without it.
+        """
+        from assistant.robots.toolbox import to_rtb
+
+        return to_rtb(self)
 
     @cached_property
     def _slides(self) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from importlib.resources import files
 
 import pytest
@@ -10,7 +11,12 @@ from assistant import robots
 from assistant.program.diagnostics import Refused, Unreadable
 from assistant.robots import catalogue
 
-GOOD = files("assistant.robots").joinpath("catalogue", "rv-2aj.toml").read_text("utf-8")
+GOOD = (
+    files("assistant.robots")
+    .joinpath("catalogue", "rv-2aj.toml")
+    .read_text("utf-8")
+    .replace("repeatability_mm", "# repeatability_mm")
+)
 
 
 @pytest.mark.parametrize("name", robots.names())
@@ -40,6 +46,23 @@ def test_axis_three_of_a_scara_is_in_millimetres() -> None:
     assert robot.limits[2].tolist() == [133.0, 333.0]
     with pytest.raises(TypeError, match="RH-6FRH5520"):
         assert robot.lengths
+
+
+def test_what_not_every_source_tells() -> None:
+    known, unknown = robots.get("rv-4frl"), robots.get("irb140-6-0.81")
+    assert known.accelerations is not None
+    assert known.accelerations.shape == known.speeds.shape
+    assert known.repeatability == 0.02
+    assert unknown.accelerations is unknown.repeatability is unknown.tcp_speed is None
+
+
+@pytest.mark.parametrize("name", robots.names())
+def test_unconfirmed_names_fields_of_the_file(name: str) -> None:
+    file = files("assistant.robots").joinpath("catalogue", f"{name}.toml")
+    for field in robots.get(name).unconfirmed:
+        entry = tomllib.loads(file.read_text("utf-8"))
+        for key in field.split("."):
+            entry = entry[key]
 
 
 def test_an_unknown_name_lists_the_known_ones() -> None:
@@ -73,6 +96,9 @@ def test_an_unknown_name_lists_the_known_ones() -> None:
         ("reach_mm", "arm = [3]\nreach_mm", "arm"),
         ('"turns"', '"quarters"', "configuration"),
         ('languages = ["melfa-basic-4"]', 'languages = "melfa"', "languages"),
+        ("reach_mm", "repeatability_mm = 0\nreach_mm", "repeatability_mm"),
+        ("speed = 90", "speed = 90, acceleration = -1", "axes_deg.J2.acceleration"),
+        ("speed = 90", "speed = 90, acceleration = 900", "axes_deg.J5.acceleration"),
         ("reach_mm", "colour = 1\nreach_mm", "colour"),
     ],
 )
