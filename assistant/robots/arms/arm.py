@@ -30,15 +30,15 @@ meant to be 0 or 90 and come out of arithmetic as a little less."""
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """A row of standard Denavit-Hartenberg parameters, `Rz(θ)·Tz(d)·Tx(a)·Rx(alpha)`.
+    """A row of standard Denavit-Hartenberg parameters, `Rz(theta)·Tz(d)·Tx(a)·Rx(alpha)`.
 
-    a, d: mm. alpha, offset: radians; offset is added to the joint, mm for one that slides.
+    a, d: mm. alpha, theta: radians. The joint is added to theta, to d if it slides.
     """
 
     a: float = 0.0
     d: float = 0.0
     alpha: float = 0.0
-    offset: float = 0.0
+    theta: float = 0.0
     sliding: bool = False
 
 
@@ -106,6 +106,10 @@ class Arm(ABC):
     @abstractmethod
     def points(self, joints: Floats) -> Floats:
         """(n, k, 3) mm: base, the ends of the links in order, flange."""
+
+    @abstractmethod
+    def links(self) -> tuple[Link, ...]:
+        """The same chain by the standard parameters of Denavit and Hartenberg."""
 
     def miss(self, joints: Floats, quaternions: Floats) -> Floats:  # noqa: ARG002 - of some
         """(n,) degrees that the arm cannot turn its flange by to quaternions (n, 4).

@@ -76,13 +76,12 @@ class FiveAxis(Arm):
         return self.lengths.too_far(positions, quaternions)
 
     def links(self) -> tuple[Link, ...]:
-        """The same chain by the standard parameters of Denavit and Hartenberg."""
         arm, quarter = self.lengths, np.pi / 2.0
         return (
             Link(d=arm.d1, alpha=-quarter),
-            Link(a=arm.a2, offset=-quarter),
+            Link(a=arm.a2, theta=-quarter),
             Link(a=arm.d4),
-            Link(alpha=quarter, offset=quarter),
+            Link(alpha=quarter, theta=quarter),
             Link(d=arm.d6),
         )
 

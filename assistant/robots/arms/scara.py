@@ -110,5 +110,4 @@ class Scara(Arm):
         return np.asarray(np.hypot(positions[:, 0], positions[:, 1]) > self.reach)
 
     def links(self) -> tuple[Link, ...]:
-        """The same chain by the standard parameters of Denavit and Hartenberg."""
         return (Link(a=self.l1), Link(a=self.l2), Link(sliding=True), Link())

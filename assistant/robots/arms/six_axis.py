@@ -68,12 +68,11 @@ class SixAxis(Arm):
         return self.lengths.too_far(positions, quaternions)
 
     def links(self) -> tuple[Link, ...]:
-        """The same chain by the standard parameters of Denavit and Hartenberg."""
         arm, quarter = self.lengths, np.pi / 2.0
         return (
             Link(a=arm.a1, d=arm.d1, alpha=-quarter),
-            Link(a=arm.a2, offset=-quarter),
-            Link(a=arm.a3, alpha=quarter, offset=quarter),
+            Link(a=arm.a2, theta=-quarter),
+            Link(a=arm.a3, alpha=quarter, theta=quarter),
             Link(d=arm.d4, alpha=-quarter),
             Link(alpha=quarter),
             Link(d=arm.d6),

@@ -1,0 +1,54 @@
+"""The border to roboticstoolbox, which counts in metres and radians.
+
+The package is an extra and is imported when it is used.
+"""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from assistant.program.diagnostics import Refused, Rule, Severity
+
+if TYPE_CHECKING:
+    from roboticstoolbox import DHRobot
+
+    from assistant.robots.robot import Robot
+
+NEEDS_TOOLBOX: Final = Rule(
+    "RB003",
+    Severity.ERROR,
+    "{purpose} needs roboticstoolbox, which is not installed",
+    "install it with `pip install 'robot-assistant[toolbox]'`",
+)
+METRE: Final = 1000.0
+"""mm."""
+
+
+def library(purpose: str) -> Any:
+    """The module `roboticstoolbox`; raises Refused, naming the extra, if it is missing."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            import roboticstoolbox
+    except ImportError:
+        raise Refused(NEEDS_TOOLBOX(purpose=purpose), exit_status=2) from None
+    return roboticstoolbox
+
+
+def to_rtb(robot: Robot) -> DHRobot:
+    """See `Robot.to_rtb`."""
+    rtb = library("a robot as a DHRobot")
+    zero = np.where(robot.sliding, robot.zero / METRE, np.radians(robot.zero))
+    limits = robot.limits * np.where(robot.sliding, 1.0 / METRE, np.radians(1.0))[:, None]
+    rows = []
+    for link, at, qlim in zip(robot.arm.links(), zero, limits, strict=True):
+        a, d = link.a / METRE, link.d / METRE
+        if link.sliding:
+            row = rtb.PrismaticDH(theta=link.theta, a=a, alpha=link.alpha, offset=d + at, qlim=qlim)
+        else:
+            row = rtb.RevoluteDH(d=d, a=a, alpha=link.alpha, offset=link.theta + at, qlim=qlim)
+        rows.append(row)
+    return rtb.DHRobot(rows, name=robot.title, manufacturer=robot.maker)
