@@ -13,7 +13,7 @@ import time
 from benchmarks.emission import CASES
 from benchmarks.reading import READING
 
-READ = {name: one.case for cases in READING.values() for name, one in cases.items()}
+EVERY = CASES | {name: one.case for cases in READING.values() for name, one in cases.items()}
 
 HELP_LIMIT = 0.3
 """Seconds in which `robot-assistant --help` has to answer."""
@@ -24,9 +24,7 @@ def main() -> None:
     arguments.add_argument("--points", type=int, default=1_000_000)
     arguments.add_argument("--runs", type=int, default=3, help="of each case; the best counts")
     arguments.add_argument("--reading", action="store_true", help="only what reads programs")
-    arguments.add_argument(
-        "--case", choices=[*CASES, *READ], help="run one case here and print JSON"
-    )
+    arguments.add_argument("--case", choices=[*EVERY], help="run one case here and print JSON")
     chosen = arguments.parse_args()
     if chosen.case:
         print(json.dumps(_measured(chosen.case, chosen.points)))
@@ -69,7 +67,7 @@ def _best(case: str, points: int, runs: int) -> dict[str, float]:
 
 
 def _measured(case: str, points: int) -> dict[str, float]:
-    prepare, work = (CASES | READ)[case]
+    prepare, work = EVERY[case]
     given = prepare(points)
     start = time.perf_counter()
     work(given)

@@ -140,7 +140,7 @@ def grammar_only(spoken: Spoken) -> Callable[[list[FilePath]], None]:
     """The same trees without columns, every line by the grammar."""
 
     def read(files: list[FilePath]) -> None:
-        parse = import_module(f"assistant.languages.{spoken.room}.parser").parse
+        parse = import_module(f"assistant.languages.{spoken.room}.reading.parser").parse
         language = languages.get(spoken.name)
         kept = [parse(language.read(file), *spoken.arguments, runs=False) for file in files]
         assert kept

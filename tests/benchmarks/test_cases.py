@@ -1,0 +1,25 @@
+"""Every case of the benchmarks still runs; how fast is theirs to say, not ours."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from benchmarks.__main__ import EVERY
+
+POINTS = 200
+
+
+@pytest.mark.parametrize("case", sorted(EVERY))
+def test_a_case_runs_and_says_how_long_it_took(case: str) -> None:
+    if "polars" in case:
+        pytest.importorskip("polars", reason="polars comes with the extra `bench`")
+    command = [sys.executable, "-m", "benchmarks", "--case", case, "--points", str(POINTS)]
+    answer = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert answer.returncode == 0, answer.stderr[-2000:]
+    measured = json.loads(answer.stdout)
+    assert measured["seconds"] > 0.0
+    assert measured["peak"] > 0.0
