@@ -336,6 +336,12 @@ def translated(code: str, to: str, from_robot: str | None = None) -> tuple[str, 
 @pytest.mark.parametrize(
     ("code", "to", "has", "found"),
     [
+        (
+            "1 Mov P1\n2 Tool (0,0,9,0,0,0)\n3 Mvs P1\n4 Base P_NBase\n5 End\n",
+            "rapid",
+            "tool0",
+            ["MB233 1", "MB233 1", "RA302 None"],
+        ),
         ("1 Mov P1\n2 End\n", "rapid", "tool0", ["MB233 1", "MB233 1"]),
         ("1 Mov P1\n2 End\n", IV, "TOOL P_NTOOL", ["MB233 1", "MB233 1"]),
         ("1 Tool P_NTool\n2 Base P_NBase\n3 Mov P1\n", IV, "TOOL P_NTOOL", []),

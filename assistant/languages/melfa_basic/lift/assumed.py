@@ -28,7 +28,7 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
     for word, default, plain, status in KEPT:
         set_at = [span for span, node in commands if _sets(node, word, status)]
         span = _first_move(program, default, word)
-        if span is not None and not set_at:
+        if span is not None and all(one is not None and one.start > span.start for one in set_at):
             yield rules.SETTING_KEPT(word=word, what=word.lower(), plain=plain, span=span)
     if to not in DIALECTS:
         yield from _loops(program)
@@ -60,7 +60,7 @@ def _sets(node: s.Statement, word: str, status: str) -> bool:
 
 
 def _first_move(program: Program, default: str, word: str) -> Span | None:
-    """Where the program first moves with a tool, or in a base, that nothing in it sets."""
+    """Where the program first moves with a tool, or in a base, that it did not set till then."""
     for statement in program.statements():
         match statement:
             case p.Follow(path=path):
