@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-import io
-
+from assistant.report import figures
 from assistant.report.track import Track
 
 
 def pose_plot(track: Track, title: str) -> bytes:
     """TCP position (mm) and orientation (quaternion) over the way (mm), as a PNG."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(8.0, 6.0), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = figures.figure(8.0, 6.0)
     upper, lower = figure.subplots(2, 1, sharex=True)
     way = track.lengths()
     marker = "." if len(track) <= 200 else ""
@@ -26,7 +21,4 @@ def pose_plot(track: Track, title: str) -> bytes:
     for axes in (upper, lower):
         axes.grid(visible=True, alpha=0.3)
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-    picture = io.BytesIO()
-    # No version or date in the file: the same track gives the same bytes.
-    figure.savefig(picture, format="png", dpi=110, metadata={"Software": None})
-    return picture.getvalue()
+    return figures.picture(figure)
