@@ -1,23 +1,49 @@
-"""The arm branch of every row of a path.
+"""The arm branch of every row of a path: the cheapest way through all of them.
 
 A linear or circular move cannot change the branch, so all rows of a chain (a joint move
-and the linear and circular moves after it) have one; between chains the branch changes as
-seldom as can be.
+and the linear and circular moves after it) have one. Which one each chain has is found by
+dynamic programming over chains and branches: no other choice has a smaller sum of what the
+chains and the joint moves between them cost.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+Floats = NDArray[np.float64]
 Truths = NDArray[np.bool_]
 Rows = NDArray[np.intp]
 
+CHANGE: Final = 0.5
+"""Seconds of joint travel that a change of branch at a joint move must save to be worth it."""
+BREAK: Final = 1e7
+"""What a change of branch where no joint move allows it counts: more than any path takes."""
+BLOCK: Final = 16384
+"""Chains that are looked at together."""
+FEW: Final = 64
+"""Chains up to which one after the other is faster than side by side."""
+
 
 @dataclass(frozen=True, slots=True)
-class Branches:
+class Costs:
+    """What branches cost, in seconds.
+
+    first: (b,) to the first chain from where the arm is. chains: (b, c) within each chain.
+    between: chains (m,), none of them the first → (b, b, m) from a branch of the chain before
+    to a branch of it.
+    """
+
+    first: Floats
+    chains: Floats
+    between: Callable[[Rows], NDArray[np.floating]]
+
+
+class Branches(NamedTuple):
     """chosen: (n,) branch, -1 where none is possible. broken: rows before which the branch
     would have to change although the move does not allow it.
     """
@@ -26,27 +52,32 @@ class Branches:
     broken: Rows
 
 
-def choose(allowed: Truths, starts: Rows, cost: NDArray[np.float64]) -> Branches:
+def choose(allowed: Truths, starts: Rows, costs: Callable[[Rows], Costs]) -> Branches:
     """Branches for a path.
 
     allowed: (b, n) which branches a row can have. starts: (c,) first rows of the chains,
-    the first being 0. cost: (b,), the cheapest of equally good branches is taken.
+    the first being 0. costs: first rows of chains → what they cost. Changes of branch within a
+    chain are as few as can be; at a joint move one has to save more than `CHANGE`.
     """
     n = allowed.shape[1]
-    order = np.argsort(cost, kind="stable")
-    sorted_ = allowed[order]
-    none = ~sorted_.any(axis=0)
-    open_ = sorted_ | none
+    none = ~allowed.any(axis=0)
+    open_ = allowed | none
     by_chain = np.logical_and.reduceat(open_, starts, axis=1)
     failing = ~by_chain.any(axis=0)
-    broken = np.empty(0, np.intp)
     used = starts
     if failing.any():
         inside = np.repeat(failing, np.diff(np.append(starts, n)))
         inside[starts] = True
         used = np.flatnonzero(inside)
         by_chain = np.logical_and.reduceat(open_, used, axis=1)
-    chosen = np.repeat(order[_longest(by_chain)], np.diff(np.append(used, n)))
+    if (by_chain.sum(axis=0) == 1).all():
+        way = by_chain.argmax(axis=0)
+    else:
+        change = np.full(len(used), CHANGE)
+        change[~np.isin(used, starts, assume_unique=True)] = BREAK
+        way = cheapest(by_chain, costs(used), change)
+    chosen = np.repeat(way, np.diff(np.append(used, n)))
+    broken = np.empty(0, np.intp)
     if failing.any():
         solved = np.flatnonzero(~none)
         changes = solved[1:][np.diff(chosen[solved]) != 0]
@@ -57,22 +88,95 @@ def choose(allowed: Truths, starts: Rows, cost: NDArray[np.float64]) -> Branches
     return Branches(chosen, broken)
 
 
-def _longest(allowed: Truths) -> Rows:
-    """(c,) for each chain a row of allowed (b, c) that holds, changing as seldom as possible.
+def cheapest(possible: Truths, costs: Costs, change: Floats) -> Rows:
+    """(c,) the branch of each chain with the smallest sum of costs.
 
-    From each change on, the branch that holds longest: no other choice needs fewer changes.
+    possible: (b, c). change: (c,) what a branch other than that of the chain before costs
+    beside the travel. A block of chains is cut into sections that are looked at side by side:
+    first from every branch at the start of each, then from what each start really costs.
     """
-    count = allowed.shape[1]
-    whole = allowed.all(axis=1)
-    if whole.any():
-        return np.full(count, whole.argmax(), dtype=np.intp)
-    stop = np.where(allowed, np.int32(count), np.arange(count, dtype=np.int32))
-    ends = np.minimum.accumulate(stop[:, ::-1], axis=1)[:, ::-1]
-    best, end = ends.argmax(axis=0), ends.max(axis=0)
-    chosen = np.empty(count, dtype=np.intp)
-    at = 0
-    while at < count:
-        until = int(end[at])
-        chosen[at:until] = best[at]
-        at = until
-    return chosen
+    count = possible.shape[1]
+    costs_so_far = np.where(possible[:, 0], costs.first + costs.chains[:, 0], np.inf)
+    back: list[NDArray[np.uint8]] = []
+    for block in _blocks(count):
+        steps = _steps(block, possible, costs, change)
+        starts = _starts(steps, costs_so_far)
+        pointers, ends = _followed(steps, starts)
+        back.append(pointers)
+        costs_so_far = ends[:, -1] - ends[:, -1].min()
+    at = int(costs_so_far.argmin())
+    way = np.empty(count, dtype=np.intp)
+    for block, pointers in zip(reversed([*_blocks(count)]), reversed(back), strict=True):
+        before, within = _traced(pointers, at)
+        way[block] = within[: len(block)]
+        at = before
+    way[0] = at
+    return way
+
+
+def _blocks(count: int) -> Iterator[Rows]:
+    """The chains but the first, which nothing leads to within the path."""
+    for start in range(1, count, BLOCK):
+        yield np.arange(start, min(start + BLOCK, count))
+
+
+def _steps(block: Rows, possible: Truths, costs: Costs, change: Floats) -> Floats:
+    """(steps, b, b, sections) what leads from one chain to the next; what is filled up costs
+    nothing and leads nowhere else.
+    """
+    branches, m = len(possible), len(block)
+    sections = 1 if m <= FEW else int(np.sqrt(m))
+    length = -(-m // sections)
+    order = np.arange(sections * length).reshape(sections, length).T
+    filled = order >= m
+    chains = block[np.minimum(order, m - 1)]
+    flat = chains.ravel()
+    table = costs.between(flat).astype(np.float64)
+    table += np.where(possible[:, flat], costs.chains[:, flat], np.inf)
+    other = ~np.eye(branches, dtype=bool)
+    table[other] += change[flat]
+    if filled.any():
+        table[:, :, filled.ravel()] = np.where(other, np.inf, 0.0)[:, :, None]
+    steps = table.reshape(branches, branches, length, sections)
+    return np.ascontiguousarray(steps.transpose(2, 0, 1, 3))
+
+
+def _starts(steps: Floats, before: Floats) -> Floats:
+    """(b, sections) what it costs to come to the start of each section of a block."""
+    length, branches, _, sections = steps.shape
+    out = np.empty((branches, sections))
+    out[:, 0] = before
+    if sections == 1:
+        return out
+    through = steps[0].copy()
+    for t in range(1, length):
+        through = (through[:, :, None] + steps[t]).min(axis=1)
+    for section in range(1, sections):
+        out[:, section] = (out[:, section - 1, None] + through[:, :, section - 1]).min(axis=0)
+    return out
+
+
+def _followed(steps: Floats, starts: Floats) -> tuple[NDArray[np.uint8], Floats]:
+    """(steps, b, sections) from which branch one comes best, and (b, sections) what it costs."""
+    pointers = np.empty((len(steps), *starts.shape), dtype=np.uint8)
+    for t, step in enumerate(steps):
+        ways = starts[:, None] + step
+        best = ways.argmin(axis=0)
+        pointers[t] = best
+        starts = np.take_along_axis(ways, best[None], axis=0)[0]
+    return pointers, starts
+
+
+def _traced(pointers: NDArray[np.uint8], at: int) -> tuple[int, Rows]:
+    """The branch before a block and those of its chains, which end in branch `at`."""
+    length, branches, sections = pointers.shape
+    here = np.repeat(np.arange(branches)[:, None], sections, axis=1)
+    all_ = np.empty(pointers.shape, dtype=np.intp)
+    for t in range(length - 1, -1, -1):
+        all_[t] = here
+        here = np.take_along_axis(pointers[t].astype(np.intp), here, axis=0)
+    way = np.empty((sections, length), dtype=np.intp)
+    for section in range(sections - 1, -1, -1):
+        way[section] = all_[:, at, section]
+        at = int(here[at, section])
+    return at, way.ravel()

@@ -7,7 +7,6 @@ row allows, then a branch is chosen for each row, and the second computes its jo
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,18 +20,15 @@ from assistant.robots.branches import choose
 from assistant.robots.configurations import BACK, QUADRANTS
 from assistant.robots.robot import CHUNK, LIMIT_TOLERANCE, Robot
 from assistant.robots.run import Run
-from assistant.robots.survey import finite_poses, survey_of
+from assistant.robots.survey import Survey, finite_poses, survey_of
+from assistant.robots.travel import STRAIGHT, travel_of
 from assistant.robots.turns import FREE, filled, turn
-from assistant.robots.wrist import crossings, sheets
+from assistant.robots.wrist import clearances, crossings, sheets
 
 Floats = NDArray[np.float64]
+Singles = NDArray[np.float32]
 Truths = NDArray[np.bool_]
 Rows = NDArray[np.intp]
-
-SAMPLES: Final = 2048
-"""Rows of a path over which the joint travel of equally good branches is compared."""
-STRAIGHT: Final = 1e-4
-"""degrees of axis 5 below which axis 4 stays where it was before."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,27 +48,14 @@ def solve(run: Run, robot: Robot) -> Solved:
     What cannot be done is reported; of rows that state their branches themselves a change
     of branch is a warning only: their controller may have been told to allow it.
     """
-    n = len(run)
     stated = np.asarray(run.configurations[:, BACK] != UNSTATED)
-    survey = survey_of(run, robot)
-    own = np.where(stated, robot.branch_of(run.configurations), -1)
-    kept = stated & survey.allowed[own, np.arange(n)]
-    bound = survey.allowed & ~kept
-    bound[own[kept], np.flatnonzero(kept)] = True
     starts = _chain_starts(run)
-    crossed = None if survey.bends is None else crossings(survey.bends, run.kinds)
-    sheet = None if crossed is None or not crossed.any() else sheets(crossed)
-    if sheet is not None:
-        bound = np.take_along_axis(bound, sheet, axis=0)
-    cost = _cost(run, robot, bound, sheet)
-    continued = run.joined and run.kinds[0] != Kind.JOINT
-    same = _branches_at(run.before, robot) if continued else np.ones(robot.branches, bool)
-    if (bound[:, 0] & same).any():
-        bound[:, 0] &= same
-    branches = choose(bound, starts, cost)
-    chosen = branches.chosen
-    if sheet is not None:
-        chosen = np.where(chosen >= 0, sheet[chosen, np.arange(n)], -1)
+    survey, every = survey_of(run, robot)
+    own = np.where(stated, robot.branch_of(run.configurations), -1)
+    kept = stated & survey.allowed[own, np.arange(len(run))]
+    choice = _choice(run, robot, survey, every, np.where(kept, own, -1), starts)
+    del every
+    chosen = choice.branches
     joints = _joints(run, robot, chosen)
     report = survey.findings(run, robot)
     lost = np.flatnonzero((chosen >= 0) & np.isnan(joints).any(axis=1))
@@ -80,7 +63,7 @@ def solve(run: Run, robot: Robot) -> Solved:
         where = run.label(int(lost[0]))
         report.append(rules.NOT_CLOSED(place=run.what(lost), robot=robot.title, where=where))
     winding = None
-    if not report and not len(branches.broken):
+    if not report and not len(choice.broken):
         way = lines(run, robot, joints, chosen)
         winding = way.winding
         report += way.findings
@@ -92,18 +75,14 @@ def solve(run: Run, robot: Robot) -> Solved:
     configurations = np.where(fill[:, None], found, run.configurations)
     report += _not_as_stated(run, robot, np.flatnonzero(stated & ~kept & solved), found)
     report += _other_quadrant(run, robot, off, found)
-    broken = branches.broken
-    if chosen[0] >= 0 and not same[chosen[0]]:
-        broken = np.append(0, broken)
+    broken = choice.broken
     for rows, severity in ((broken[~kept[broken]], None), (broken[kept[broken]], Severity.WARNING)):
         if len(rows):
             report.append(_branch_change(run, robot, rows, joints, severity))
-    if sheet is not None and crossed is not None:
-        through = np.flatnonzero((chosen >= 0) & crossed[chosen // 2, np.arange(n)])
-        if len(through):
-            report.append(rules.THROUGH_WRIST(place=run.what(through), robot=robot.title))
+    if len(choice.through):
+        report.append(rules.THROUGH_WRIST(place=run.what(choice.through), robot=robot.title))
     for axis, rows in wound:
-        if continued and abs(joints[0, axis] - run.before[axis]) > 180.0:
+        if _continued(run) and abs(joints[0, axis] - run.before[axis]) > 180.0:
             rows = np.append(0, rows)
         rest = np.setdiff1d(rows, broken)
         if len(rest):
@@ -111,6 +90,52 @@ def solve(run: Run, robot: Robot) -> Solved:
             name = robot.axes[axis]
             report.append(rules.WOUND_UP(place=run.what(rest), axis=name, low=low, high=high))
     return Solved(joints, configurations, tuple(report))
+
+
+@dataclass(frozen=True, slots=True)
+class _Choice:
+    """branches: (n,) -1 where none is possible. broken: rows before which the branch changes
+    although the move does not allow it. through: rows reached through the wrist singularity.
+    """
+
+    branches: Rows
+    broken: Rows
+    through: Rows
+
+
+def _choice(
+    run: Run, robot: Robot, survey: Survey, every: Singles, own: Rows, starts: Rows
+) -> _Choice:
+    """every: (a, b, n) joints, taken over. own: (n,) the branch that a row has to keep, or -1."""
+    kept, row = own >= 0, np.arange(len(run))
+    bound = survey.allowed & ~kept
+    bound[own[kept], row[kept]] = True
+    sheet = crossed = clear = None
+    if survey.bends is not None:
+        crossed, clear = crossings(survey.bends, run.kinds), clearances(survey.bends, run.kinds)
+        survey.bends = None  # room for what comes
+        if crossed.any():
+            sheet = sheets(crossed)
+            bound = np.take_along_axis(bound, sheet, axis=0)
+    continued = _continued(run)
+    same = _branches_at(run.before, robot) if continued else np.ones(robot.branches, bool)
+    if (bound[:, 0] & same).any():
+        bound[:, 0] &= same
+    solved = np.asarray(survey.allowed.any(axis=0))
+    travel = travel_of(run, robot, every, solved, starts, sheet, clear, crossed)
+    chosen, broken = choose(bound, starts, travel.costs)
+    if chosen[0] >= 0 and not same[chosen[0]]:
+        broken = np.append(0, broken)
+    through = np.empty(0, np.intp)
+    if sheet is not None and crossed is not None:
+        chosen = np.where(chosen >= 0, sheet[chosen, row], -1)
+        through = np.flatnonzero((chosen >= 0) & crossed[chosen // 2, row])
+    return _Choice(chosen, broken, through)
+
+
+def _continued(run: Run) -> bool:
+    """Whether the first move goes on without a joint move from where the arm is."""
+    return run.joined and bool(run.kinds[0] != Kind.JOINT)
 
 
 def _branches_at(joints: Floats, robot: Robot) -> Truths:
@@ -125,22 +150,6 @@ def _chain_starts(run: Run) -> Rows:
     first = run.kinds == Kind.JOINT
     first[:1] = True
     return np.flatnonzero(first)
-
-
-def _cost(run: Run, robot: Robot, allowed: Truths, sheet: NDArray[np.intp] | None) -> Floats:
-    """(b,) seconds that the axes need to the first row and, sampled, along the path."""
-    n = len(run)
-    rows = np.unique(np.linspace(0, n - 1, min(n, SAMPLES)).astype(np.intp))
-    p, q, _ = finite_poses(run, rows)
-    joints, _ = robot.solve(p, q)
-    if sheet is not None:
-        joints = np.take_along_axis(joints, sheet[None][:, :, rows], axis=1)
-    speeds = robot.speeds[:, None, None]
-    step = np.abs(np.diff(joints, axis=2, prepend=run.before[:, None, None] + joints[:, :, :1] * 0))
-    turning = (robot.limits[:, 1] - robot.limits[:, 0] >= 360.0) & ~robot.sliding
-    step = np.where(turning[:, None, None], np.minimum(step % 360.0, -step % 360.0), step)
-    seconds = (step / speeds).max(axis=0)
-    return np.asarray(np.where(allowed[:, rows], seconds, 0.0).sum(axis=1))
 
 
 def _joints(run: Run, robot: Robot, branch: Rows) -> Floats:

@@ -121,8 +121,11 @@ def _nearest(run: Run, robot: Robot, row: int) -> str:
     return f"; the nearest pose that it can take is {numbers} (mm and degrees in its base)"
 
 
-def survey_of(run: Run, robot: Robot) -> Survey:
-    survey = Survey(np.zeros((robot.branches, len(run)), dtype=bool))
+def survey_of(run: Run, robot: Robot) -> tuple[Survey, NDArray[np.float32]]:
+    """A survey, and the joints (a, b, n) of every branch; of one not allowed they mean nothing."""
+    shape = (robot.branches, len(run))
+    every = np.empty((len(robot.axes), *shape), dtype=np.float32)
+    survey = Survey(np.zeros(shape, dtype=bool))
     if robot.arm.spherical and (run.kinds != Kind.JOINT).any():
         survey.bends = np.zeros((PAIRS, 2, len(run)), dtype=np.float32)
     low, high = (limit[:, None, None] for limit in robot.limits.T)
@@ -130,12 +133,14 @@ def survey_of(run: Run, robot: Robot) -> Survey:
         rows = slice(start, min(start + CHUNK, len(run)))
         p, q, finite = finite_poses(run, rows)
         joints, excess = robot.solve(p, q)
-        beyond = np.maximum(low - joints, joints - high)
+        beyond = low - joints
+        np.maximum(beyond, joints - high, out=beyond)
         reached = excess < CLOSING / 2.0
         allowed = reached & (beyond <= LIMIT_TOLERANCE).all(axis=0) & finite
         missed = robot.arm.miss(robot.chained(joints[:, 0].T), q)
         allowed &= missed <= MISS_TOLERANCE
         survey.allowed[:, rows] = allowed
+        every[:, :, rows] = joints
         if survey.bends is not None:
             survey.bends[:, :, rows] = directions(joints)
         bad = np.flatnonzero(~allowed.any(axis=0))
@@ -165,7 +170,7 @@ def survey_of(run: Run, robot: Robot) -> Survey:
             axis=axis,
             angle=joints[axis, branch, stuck],
         )
-    return survey
+    return survey, every
 
 
 def finite_poses(run: Run, rows: slice | Rows) -> tuple[Floats, Floats, Truths]:

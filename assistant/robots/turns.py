@@ -115,18 +115,35 @@ class _Chains:
 
     def follow(self, first: int) -> NDArray[np.int64]:
         """(c,) turns at the start of each chain: unbroken where possible, else the nearest."""
-        margin = self.width + 1
-        table = [
-            [self._nearest(pattern, t) for t in range(-margin, self.width + margin)]
-            for pattern in range(1 << self.width)
-        ]
-        moves = np.diff(self.offsets, prepend=self.offsets[:1]).tolist()
+        count, margin = len(self.starts), self.width + 1
+        table = np.array(
+            [
+                [self._nearest(pattern, t) for t in range(-margin, self.width + margin)]
+                for pattern in range(1 << self.width)
+            ]
+        )
+        moves = np.diff(self.offsets, prepend=self.offsets[:1])
         top = self.width + 2 * margin - 1
-        at, out = first - self.lowest, []
-        for pattern, move in zip(self.patterns.tolist(), moves, strict=True):
-            at = table[pattern][min(max(at + move + margin, 0), top)]
-            out.append(at)
-        return np.array(out, dtype=np.int64) + self.lowest
+        start = min(max(first - self.lowest, -margin), self.width + margin - 1)
+        # Sections of the chains side by side, each from every count of turns before it, which
+        # are 0 to the width and, of the first section, `start`.
+        sections = max(int(np.sqrt(count)), 1)
+        length = -(-count // sections)
+        filled = length * sections - count
+        patterns = np.append(self.patterns, np.ones(filled, np.int64)).reshape(sections, length)
+        steps = np.append(moves, np.zeros(filled, np.int64)).reshape(sections, length)
+        at = np.tile(np.arange(self.width), (sections, 1))
+        at[0] = start
+        ways = np.empty((length, *at.shape), dtype=np.int64)
+        for t in range(length):
+            wanted = np.clip(at + steps[:, t, None] + margin, 0, top)
+            ways[t] = at = table[patterns[:, t, None], wanted]
+        out = np.empty((sections, length), dtype=np.int64)
+        came = 0
+        for section in range(sections):
+            out[section] = ways[:, section, came]
+            came = int(out[section, -1])
+        return out.ravel()[:count] + self.lowest
 
     def _nearest(self, pattern: int, wanted: int) -> int:
         there = [k for k in range(self.width) if pattern >> k & 1] or list(range(self.width))

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from assistant.program.path import Kind
 from assistant.robots.arms.six_axis import BRANCHES
+from assistant.robots.robot import CHUNK
 
 Floats = NDArray[np.float64]
 Truths = NDArray[np.bool_]
@@ -25,6 +26,9 @@ THROUGH: Final = np.float32(np.sin(np.radians(0.1)))
 robot cannot turn axis 4 by half a turn on so short a way."""
 IN_LINE: Final = np.float32(1e-5)
 """Sine of axis 5 below which axis 4 has no angle of its own."""
+
+EVEN: Final = 0.5
+"""How far the bend of the wrist (see `directions`) may move in one step to be even on the way."""
 
 
 def directions(joints: Floats) -> NDArray[np.float32]:
@@ -53,6 +57,27 @@ def crossings(bends: NDArray[np.float32], kinds: NDArray[np.uint8]) -> Truths:
         length = np.hypot(*(here - there))
         off = np.abs(here[0] * there[1] - here[1] * there[0]) / length
         out[pair, rows] = (off < THROUGH) | (before[rows] < rows - 1)
+    return out
+
+
+def clearances(bends: NDArray[np.float32], kinds: NDArray[np.uint8]) -> NDArray[np.float32]:
+    """(4, n) the least sine of axis 5 of each pair on the way to each row.
+
+    bends: (4, 2, n) of `directions`. A linear or circular move that bends the wrist little
+    elsewhere is taken to bend it evenly on the way; of others only both ends are looked at.
+    """
+    out = np.hypot(bends[:, 0], bends[:, 1])
+    along = np.flatnonzero(kinds[1:] != Kind.JOINT) + 1
+    for pair in range(PAIRS):
+        for start in range(0, len(along), CHUNK):
+            rows = along[start : start + CHUNK]
+            (x, y), (u, v) = bends[pair][:, rows], bends[pair][:, rows - 1]
+            across, up = x - u, y - v
+            square = across * across + up * up
+            part = -(u * across + v * up) / np.maximum(square, 1e-12)
+            part = np.where(square < EVEN * EVEN, np.clip(part, 0.0, 1.0), 1.0)
+            way = np.hypot(u + part * across, v + part * up)
+            out[pair, rows] = np.minimum(way, np.hypot(u, v))
     return out
 
 

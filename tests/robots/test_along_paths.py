@@ -5,11 +5,17 @@ from __future__ import annotations
 import itertools
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assistant.robots.branches import choose
+from assistant.robots.branches import BREAK, CHANGE, Costs, cheapest, choose
 from assistant.robots.turns import FREE, turn
+
+
+def free(chains: int) -> Costs:
+    """Three branches that cost nothing."""
+    return Costs(np.zeros(3), np.zeros((3, chains)), lambda at: np.zeros((3, 3, len(at))))
 
 
 @st.composite
@@ -26,7 +32,7 @@ def branch_cases(draw):
 def test_as_few_changes_of_branch_as_can_be(case) -> None:
     allowed, starts = case
     n = allowed.shape[1]
-    result = choose(allowed, starts, np.zeros(3))
+    result = choose(allowed, starts, lambda used: free(len(used)))
     solvable = allowed.any(axis=0)
     assert ((result.chosen >= 0) == solvable).all()
     rows = np.flatnonzero(solvable)
@@ -53,7 +59,72 @@ def test_as_few_changes_of_branch_as_can_be(case) -> None:
 
 def test_of_equally_good_branches_the_cheapest() -> None:
     allowed = np.ones((3, 4), dtype=bool)
-    assert choose(allowed, np.array([0]), np.array([2.0, 1.0, 3.0])).chosen.tolist() == [1] * 4
+    costs = free(1)
+    costs.chains[:, 0] = 2.0, 1.0, 3.0
+    assert choose(allowed, np.array([0]), lambda _: costs).chosen.tolist() == [1] * 4
+
+
+def test_a_change_has_to_save_more_than_it_counts() -> None:
+    allowed = np.ones((2, 3), dtype=bool)
+    for saved, wanted in ((CHANGE * 0.9, [0, 0, 0]), (CHANGE * 1.1, [0, 1, 1])):
+        chains = np.array([[0.0, saved / 2, saved / 2], [2 * CHANGE, 0.0, 0.0]])
+        costs = Costs(np.zeros(2), chains, lambda at: np.zeros((2, 2, len(at))))
+        assert choose(allowed, np.arange(3), lambda _, c=costs: c).chosen.tolist() == wanted
+
+
+@st.composite
+def cost_cases(draw):
+    """Few branches and chains, with costs of everything that can be chosen."""
+    branches, chains = draw(st.integers(1, 4)), draw(st.integers(1, 6))
+    seconds = st.floats(0, 3)
+    rng = np.random.default_rng(draw(st.integers(0, 2**31)))
+    possible = rng.random((branches, chains)) < 0.7
+    possible[rng.integers(0, branches, chains), np.arange(chains)] = True
+    table = rng.uniform(0, 3, (branches, branches, chains))
+    within = rng.uniform(0, draw(seconds), (branches, chains))
+    change = np.where(rng.random(chains) < 0.3, BREAK, CHANGE)
+    return possible, rng.uniform(0, 3, branches), within, table, change
+
+
+def total(way, first, within, table, change) -> float:
+    seconds = first[way[0]] + within[way[0], 0]
+    for chain in range(1, len(way)):
+        seconds += table[way[chain - 1], way[chain], chain] + within[way[chain], chain]
+        seconds += change[chain] * (way[chain] != way[chain - 1])
+    return float(seconds)
+
+
+@given(cost_cases())
+def test_no_other_choice_of_branches_costs_less(case) -> None:
+    possible, first, within, table, change = case
+    branches, chains = possible.shape
+    way = cheapest(possible, Costs(first, within, lambda at: table[:, :, at]), change)
+    assert possible[way, np.arange(chains)].all()
+    best = min(
+        total(guess, first, within, table, change)
+        for guess in itertools.product(range(branches), repeat=chains)
+        if possible[guess, np.arange(chains)].all()
+    )
+    assert total(way, first, within, table, change) == pytest.approx(best)
+
+
+@pytest.mark.parametrize("chains", [63, 64, 65, 66, 500, 16385, 16386, 40000])
+def test_many_chains_cost_what_one_after_the_other_does(chains: int) -> None:
+    rng = np.random.default_rng(chains)
+    branches = 3
+    possible = rng.random((branches, chains)) < 0.6
+    possible[rng.integers(0, branches, chains), np.arange(chains)] = True
+    first, within = rng.uniform(0, 1, branches), rng.uniform(0, 1, (branches, chains))
+    table = rng.uniform(0, 1, (branches, branches, chains))
+    change = np.full(chains, CHANGE)
+    way = cheapest(possible, Costs(first, within, lambda at: table[:, :, at]), change)
+    assert possible[way, np.arange(chains)].all()
+    within = np.where(possible, within, np.inf)
+    least = first + within[:, 0]
+    for chain in range(1, chains):
+        ways = least[:, None] + table[:, :, chain] + CHANGE * (1 - np.eye(branches))
+        least = ways.min(axis=0) + within[:, chain]
+    assert total(way, first, within, table, change) == pytest.approx(least.min())
 
 
 @st.composite

@@ -1,0 +1,295 @@
+"""What it costs to follow a path in each arm branch: joint travel, and ways that are to be avoided.
+
+Seconds are those of the slowest axis at its full speed. A linear or circular move goes the short
+way round from row to row; of a joint move, an axis that turns further than once takes the
+windings that its limits allow the chains on both sides of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.program.path import Kind
+from assistant.robots.arms.six_axis import SixAxis
+from assistant.robots.branches import CHANGE, Costs
+from assistant.robots.robot import CHUNK, Robot
+from assistant.robots.run import Run
+
+Floats = NDArray[np.float64]
+Singles = NDArray[np.float32]
+Truths = NDArray[np.bool_]
+Rows = NDArray[np.intp]
+
+NEAR: Final = 10.0
+"""degrees of axis 5, or of the elbow from stretched or folded, within which a linear or circular
+move is near the singularity there. (The singularity over axis 1 is the same in all branches.)"""
+SINGULAR: Final = 20.0
+"""Seconds of joint travel that a chain may make instead of touching a singularity; less with the
+square of the distance: a quarter at half of `NEAR`."""
+THROUGH: Final = 1e3
+"""Seconds instead of going straight through the wrist singularity, where a controller may stop."""
+WOUND: Final = 1e5
+"""Seconds instead of winding an axis back within a linear or circular move, which is no way."""
+STRAIGHT: Final = 1e-4
+"""degrees of axis 5 below which axis 4 stays where it was before."""
+ROUNDING: Final = 1e-3
+"""degrees; the columns are of single precision."""
+PART: Final = 512
+"""Chains whose joint moves are computed at once: 64 pairs of branches stay in the cache."""
+TURN: Final = np.float32(1.0 / 360.0)
+
+_Windings = tuple[NDArray[np.int8], NDArray[np.int8]]
+
+
+@dataclass(frozen=True, slots=True)
+class Travel:
+    """The rows of a path in every branch.
+
+    joints: (a, b, n), axes 1, 4 and 6 without a break within a chain. steps: (b, n) seconds from
+    the row before, 0 at the first row of a chain. bent: (b / 2, n) the least angle in degrees on
+    the way to a row between the arm and a singularity, the same for both branches of the wrist;
+    None for an arm that no branch keeps off one. crossed: (b / 2, n) whether a row is reached
+    through the wrist singularity.
+    """
+
+    run: Run
+    robot: Robot
+    joints: Singles
+    steps: Singles | None
+    bent: Singles | None
+    crossed: Truths | None
+
+    def costs(self, starts: Rows) -> Costs:
+        """Costs of the chains with these first rows."""
+        count = len(self.run)
+        chains = np.zeros((self.robot.branches, len(starts)))
+        if self.steps is not None:
+            chains += np.add.reduceat(self.steps, starts, axis=1, dtype=np.float64)
+            chains -= self.steps[:, starts]  # what leads to the chain is no part of it
+        lengths = np.diff(np.append(starts, count))
+        moved = lengths > 1
+        moved[0] |= bool(self.run.kinds[0] != Kind.JOINT)
+        if self.bent is not None and moved.any():
+            least = np.minimum.reduceat(self.bent, starts, axis=1)
+            near = np.repeat(np.clip(1.0 - least / NEAR, 0.0, 1.0), 2, axis=0)
+            chains += np.where(moved, SINGULAR * near * near, 0.0)
+        if self.crossed is not None:
+            often = np.add.reduceat(self.crossed, starts, axis=1, dtype=np.float64)
+            chains += np.repeat(THROUGH * often, 2, axis=0)
+        windings = [self._windings(axis, starts) for _, axis in self.robot.turning()]
+        for least_turns, most in windings:
+            chains += np.where(most < least_turns, WOUND, 0.0)
+        ways = _Ways(self, starts, np.append(starts[1:], count) - 1, self._wide(windings))
+        return Costs(ways.first(), chains, ways.between)
+
+    def _windings(self, axis: int, starts: Rows) -> _Windings:
+        """(b, c) the least and the greatest turns that all rows of a chain may be wound by."""
+        low, high = self.robot.limits[axis]
+        least = np.zeros((self.robot.branches, len(starts)), dtype=np.int8)
+        most = np.zeros_like(least)
+        alone = len(starts) == len(self.run)
+        if alone and high - low < 360.0:
+            return least, most
+        for branch, angles in enumerate(self.joints[axis]):
+            lows = highs = angles
+            if not alone:
+                lows, highs = (f.reduceat(angles, starts) for f in (np.minimum, np.maximum))
+            fewest = (np.float32((low - ROUNDING) / 360.0) - lows * TURN).clip(-100.0, 100.0)
+            largest = (np.float32((high + ROUNDING) / 360.0) - highs * TURN).clip(-100.0, 100.0)
+            least[branch], most[branch] = np.ceil(fewest), np.floor(largest)
+        return least, most
+
+    def _wide(self, windings: list[_Windings]) -> dict[int, _Windings]:
+        """Those of the axes that have more than one winding."""
+        wide = {}
+        for (_, axis), (least, most) in zip(self.robot.turning(), windings, strict=True):
+            if np.ptp(self.robot.limits[axis]) >= 360.0:
+                stuck = most < least
+                wide[axis] = (np.where(stuck, 0, least), np.where(stuck, 0, most))
+        return wide
+
+
+@dataclass(frozen=True, slots=True)
+class _Ways:
+    """Joint moves between chains. firsts, lasts: (c,) rows. windings: axis → least and most."""
+
+    travel: Travel
+    firsts: Rows
+    lasts: Rows
+    windings: dict[int, _Windings]
+
+    def first(self) -> Floats:
+        """(b,) seconds from where the arm is; `CHANGE` more in another branch, if known."""
+        robot, before = self.travel.robot, self.travel.run.before
+        seconds = np.zeros(robot.branches)
+        for axis, speed in enumerate(robot.speeds):
+            off = self.travel.joints[axis, :, self.firsts[0]] - before[axis]
+            if axis in self.windings:
+                least, most = (turns[:, 0] for turns in self.windings[axis])
+                off = off + 360.0 * np.clip(np.rint(-off / 360.0), least, most)
+            seconds = np.maximum(seconds, np.abs(off) / speed)
+        seconds[np.arange(robot.branches) != robot.branch_of(robot.configuration(before))] += CHANGE
+        return seconds
+
+    def between(self, chains: Rows) -> Singles:
+        """(b, b, m) seconds from the chain before to each of m chains."""
+        branches = self.travel.robot.branches
+        out = np.zeros((branches, branches, len(chains)), dtype=np.float32)
+        for start in range(0, len(chains), PART):
+            part = slice(start, start + PART)
+            for axis in range(len(self.travel.robot.axes)):
+                self._axis(axis, chains[part], out[:, :, part])
+        return out
+
+    def _axis(self, axis: int, chains: Rows, out: Singles) -> None:
+        """Raises what `between` gives to the seconds of one axis."""
+        joints, speed = self.travel.joints[axis], self.travel.robot.speeds[axis]
+        last, first = joints[:, self.lasts[chains - 1]], joints[:, self.firsts[chains]]
+        alike = _alike(last, first)
+        step = first[None, ::alike] - last[::alike, None]
+        if axis in self.windings:
+            least, most = (turns[::alike] for turns in self.windings[axis])
+            turns = step * -TURN
+            np.rint(turns, out=turns)
+            fewest = _apart(least[:, chains], most[:, chains - 1])
+            np.maximum(turns, fewest, out=turns)
+            largest = _apart(most[:, chains], least[:, chains - 1])
+            np.minimum(turns, largest, out=turns)
+            turns *= np.float32(360.0)
+            step += turns
+        np.abs(step, out=step)
+        step *= np.float32(1.0 / speed)
+        some, m = len(step), len(chains)
+        spread = out.reshape(some, alike, some, alike, m)
+        np.maximum(spread, step[:, None, :, None], out=spread)
+
+
+def _apart(to: NDArray[np.int8], of: NDArray[np.int8]) -> Singles:
+    """(b, b, m) from each of (b, m) to each other."""
+    return np.asarray(to.astype(np.float32)[None] - of.astype(np.float32)[:, None])
+
+
+def _alike(last: Singles, first: Singles) -> int:
+    """How many branches in a row have the same angles of an axis."""
+    for count in (4, 2):
+        if len(last) % count == 0 and all(
+            (angles.reshape(-1, count, angles.shape[1]) == angles[::count, None]).all()
+            for angles in (last, first)
+        ):
+            return count
+    return 1
+
+
+def travel_of(
+    run: Run,
+    robot: Robot,
+    joints: Singles,
+    solved: Truths,
+    starts: Rows,
+    sheet: NDArray[np.intp] | None,
+    clear: Singles | None,
+    crossed: Truths | None,
+) -> Travel:
+    """Travel along a run.
+
+    joints: (a, b, n) of all branches, each axis nearest to the middle of its range; taken over
+    and changed. solved: (n,) rows that have any. starts: (c,) first rows of the chains. sheet:
+    see `wrist.sheets`. clear: (b / 2, n) sine of the least angle of axis 5 on the way to a row,
+    taken over. crossed: (b / 2, n).
+    """
+    if not solved.all():
+        held = _held(solved, starts)
+        for each in joints.reshape(-1, len(run)):
+            each[:] = each[held]
+    steps = _unwound(robot, joints, starts, sheet)
+    bent = None
+    if clear is not None:
+        bent = np.minimum(clear, np.float32(1.0), out=clear)
+        np.degrees(np.arcsin(bent, out=bent), out=bent)
+        elbow = _elbow(robot, joints)
+        if elbow is not None:
+            np.minimum(bent, elbow, out=bent)
+        bent[:, ~solved] = 90.0
+    return Travel(run, robot, joints, steps, bent, crossed)
+
+
+def _held(solved: Truths, starts: Rows) -> Rows:
+    """(n,) for each row itself, or where it has no joints the nearest row of its chain that has."""
+    n = len(solved)
+    row = np.arange(n)
+    last = np.maximum.accumulate(np.where(solved, row, -1))
+    following = np.minimum.accumulate(np.where(solved, row, n)[::-1])[::-1]
+    start = np.repeat(starts, np.diff(np.append(starts, n)))
+    held = np.where((last < start) & (following < n), following, last)
+    return np.where(held < 0, row, held)
+
+
+def _unwound(
+    robot: Robot, joints: Singles, starts: Rows, sheet: NDArray[np.intp] | None
+) -> Singles | None:
+    """(b, n) seconds from row to row within chains, 0 at their first rows; None without others.
+
+    joints (a, b, n) are put along the sheets and their axes 1, 4 and 6 unwound within each chain.
+    """
+    n = joints.shape[2]
+    begins = np.zeros(n, dtype=bool)
+    begins[starts] = True
+    if begins.all():
+        return None
+    steps = np.zeros(joints.shape[1:], dtype=np.float32)
+    turning = [axis for _, axis in robot.turning()]
+    carry = np.zeros((len(turning), len(steps)))
+    last = joints[:, :, :1].copy()
+    for start in range(0, n, CHUNK):
+        rows = slice(start, min(start + CHUNK, n))
+        part = joints[:, :, rows]
+        if sheet is not None:
+            part[:] = np.take_along_axis(part, sheet[None][:, :, rows], axis=1)
+        if robot.arm.spherical:
+            _straighten(part, last)
+        starting = begins[rows]
+        here = np.arange(len(starting))
+        base = np.maximum.accumulate(np.where(starting, here, -1))
+        step = np.diff(part, axis=2, prepend=last)
+        step[:, :, starting] = 0.0
+        last = part[:, :, -1:].copy()
+        for i, axis in enumerate(turning):
+            turns = np.rint(step[axis] * np.float32(1.0 / 360.0))
+            step[axis] -= 360.0 * turns
+            wound = np.cumsum(-turns, axis=1) + carry[i][:, None]
+            wound -= np.where(base < 0, 0.0, wound[:, base])
+            part[axis] += (360.0 * wound).astype(np.float32)
+            carry[i] = wound[:, -1]
+        np.abs(step, out=step)
+        step *= (1.0 / robot.speeds).astype(np.float32)[:, None, None]
+        np.max(step, axis=0, out=steps[:, rows])
+    return steps
+
+
+def _straighten(joints: Singles, before: Singles) -> None:
+    """Axes 4 and 6 in line: leaves axis 4 where it was and lets axis 6 do the turn.
+
+    joints: (6, b, m). before: (6, b, 1), the row before these.
+    """
+    in_line = np.abs(joints[4]) < STRAIGHT
+    for branch in np.flatnonzero(in_line.any(axis=1)):
+        rows = in_line[branch]
+        last = np.maximum.accumulate(np.where(rows, -1, np.arange(len(rows))))[rows]
+        four, six = joints[3, branch], joints[5, branch]
+        held = np.where(last < 0, before[3, branch], four[last])
+        six[rows] -= held - four[rows]
+        four[rows] = held
+
+
+def _elbow(robot: Robot, joints: Singles) -> Singles | None:
+    """(b / 2, n) degrees of the elbow from stretched or folded; None where branches agree."""
+    if not isinstance(robot.arm, SixAxis) or robot.lengths.a1 == 0.0:
+        return None
+    lengths = robot.lengths
+    straight = robot.zero[2] + np.degrees(np.arctan2(lengths.a3, lengths.d4))
+    bend = joints[2, ::2] + np.float32(straight)
+    return np.asarray(np.abs(bend - 180.0 * np.rint(bend / 180.0)), dtype=np.float32)
