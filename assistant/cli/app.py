@@ -21,6 +21,12 @@ virtual: Final = typer.Typer(
     help="Run a virtual controller on this computer.", no_args_is_help=True, rich_markup_mode=None
 )
 app.add_typer(virtual, name="virtual")
+robots: Final = typer.Typer(
+    help="List the robots there are; `show` tells all of one.",
+    invoke_without_command=True,
+    rich_markup_mode=None,
+)
+app.add_typer(robots, name="robots")
 
 
 def _complete_language(incomplete: str) -> list[str]:
@@ -45,7 +51,9 @@ LanguageOption = Annotated[
 ]
 RobotOption = Annotated[
     str | None,
-    typer.Option("--robot", "-r", help="Arm that runs it.", autocompletion=_complete_robot),
+    typer.Option(
+        "--robot", "-r", help="Arm that runs it, or its file.", autocompletion=_complete_robot
+    ),
 ]
 FromRobot = Annotated[
     str | None,
@@ -264,6 +272,37 @@ def deploy(
     from assistant.cli.deploying import run_deploy
 
     raise typer.Exit(run_deploy(files, to, dry_run, backup, format))
+
+
+@robots.callback()
+def robots_list(context: typer.Context, format: FormatOption = Format.TEXT) -> None:
+    """List the robots of the catalogue; `robots show NAME` tells all of one."""
+    from assistant.cli.robots import run_list
+
+    if context.invoked_subcommand is None:
+        raise typer.Exit(run_list(format))
+
+
+@robots.command("show")
+def robots_show(
+    robot: Annotated[
+        str,
+        typer.Argument(
+            metavar="NAME",
+            help="A robot of the catalogue, or a robot file.",
+            autocompletion=_complete_robot,
+        ),
+    ],
+    draw: Annotated[
+        Path | None,
+        typer.Option(help="Draw the arm as well: FILE.png or FILE.svg.", metavar="FILE"),
+    ] = None,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Print the data of a robot with their source, and draw it."""
+    from assistant.cli.robots import run_show
+
+    raise typer.Exit(run_show(robot, draw, format))
 
 
 @virtual.command("irc5")

@@ -9,7 +9,7 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant import checks, languages, sources
-from assistant.compiler.compiling import robot_of
+from assistant.compiler.compiling import known_robot, robot_of
 from assistant.compiler.loading import (
     files_in,
     language_of,
@@ -242,5 +242,5 @@ def _check_meaning(program: Program, arm: Robot | None) -> tuple[Diagnostic, ...
     from assistant import robots
 
     found = checks.check(program)
-    arm = arm or robot_of(program.robot)
+    arm = arm or known_robot(program.robot)
     return found if arm is None else (*found, *robots.configure(program, arm)[1])

@@ -51,6 +51,8 @@ KEPT_TEXT = Rule(
     "`{text}` keeps its text, but would be read back as something else where it is written",
     "say it in statements with plain conditions and numbers",
 )
+ROBOT_FILES: Final = (".toml", ".urdf")
+"""How the file of a user's own robot ends."""
 LEAST_TARGETS: Final = 10
 """A unit must hold an arc with its start, and be worth a file."""
 
@@ -134,7 +136,7 @@ def compile_program(
     """A program, with the spans of its places, in the target language."""
     program = source
     findings = list(check(program))
-    arm = robot or robot_of(program.robot)
+    arm = robot or known_robot(program.robot)
     conversion = target.convert(program, arm) if most_targets is None else None
     if conversion is not None:
         return _converted(conversion, source, places, target, arm)
@@ -202,15 +204,22 @@ def _other_maker(arm: Robot, target: Language[Any]) -> Diagnostic:
 
 
 def robot_of(robot: str | Robot | None) -> Robot | None:
-    """A robot of the catalogue by name; raises Refused if there is none."""
-    if not isinstance(robot, str):
-        return robot
+    """A robot by its name in the catalogue, or by its own file; raises Unreadable or Refused."""
+    if isinstance(robot, str) and FilePath(robot).suffix.lower() in ROBOT_FILES:
+        from assistant import robots
+
+        return robots.load(robot)
+    return known_robot(robot) if isinstance(robot, str) else robot
+
+
+def known_robot(name: str | None) -> Robot | None:
+    """The robot that a program names, by which no file is opened; raises Refused if unknown."""
     from assistant import robots
 
     try:
-        return robots.get(robot)
+        return None if name is None else robots.get(name)
     except KeyError:
-        finding = UNKNOWN_ROBOT(name=robot, names=", ".join(robots.names()))
+        finding = UNKNOWN_ROBOT(name=name, names=", ".join(robots.names()))
         raise Refused(finding, exit_status=2) from None
 
 

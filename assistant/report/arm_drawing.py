@@ -1,0 +1,181 @@
+"""A drawing of an arm at home from the side and from above, with its axes and what it reaches."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.program import rotations
+from assistant.report import figures
+from assistant.robots import Robot
+from assistant.robots.arms import FiveAxis, Scara, SixAxis
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Floats = NDArray[np.float64]
+
+TURN: Final = 10.0
+"""degrees or mm by which a joint is moved to see its axis."""
+STEPS: Final = 49
+"""Angles of a joint over its range for the area that an arm reaches."""
+NEAR: Final = 1e-3
+"""mm between points that are one."""
+VIEWS: Final = {"from the side": ("x", "z"), "from above": ("x", "y")}
+COLUMNS: Final = {"x": 0, "y": 1, "z": 2}
+SIDE: Final = [COLUMNS["x"], COLUMNS["z"]]
+ACROSS: Final = 0.1
+"""Length in a view below which a unit vector points at the reader."""
+CROWDED: Final = 0.05
+"""Of the reach, between axes whose names would be printed over each other."""
+OFFSET: Final = 11.0
+"""Points from an axis to its name."""
+ARM, AREA, AXIS, REACH = "#1f3b57", "#dbe7f2", "#b3261e", "#6b8e23"
+
+
+@dataclass(frozen=True, slots=True)
+class JointAxis:
+    """name: of the joint. point: (3,) mm on its axis, at the arm. direction: (3,) unit vector."""
+
+    name: str
+    point: Floats
+    direction: Floats
+
+
+def arm_drawing(robot: Robot, format: str = "png") -> bytes:
+    """The picture as PNG or SVG; raises Refused, naming the extra, without matplotlib."""
+    drawn = figures.figure(11.0, 6.5)
+    chain = robot.chain(robot.home)[0]
+    axes = joint_axes(robot)
+    for view, (title, (across, up)) in zip(drawn.subplots(1, 2), VIEWS.items(), strict=True):
+        seen = [COLUMNS[across], COLUMNS[up]]
+        _area(view, robot, seen)
+        _arm(view, chain[:, seen])
+        _axes(view, axes, seen, robot.reach)
+        view.set(xlabel=f"{across} in mm", ylabel=f"{up} in mm", title=title, aspect="equal")
+        view.grid(visible=True, alpha=0.3)
+    drawn.suptitle(f"{robot.title} at home, reach {robot.reach:g} mm")
+    handles, labels = view.get_legend_handles_labels()
+    drawn.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+    return figures.picture(drawn, format)
+
+
+def joint_axes(robot: Robot) -> tuple[JointAxis, ...]:
+    """Where the axis of each joint is at home, found by moving the joints one by one."""
+    home = np.asarray(robot.home, dtype=np.float64)
+    moved = home + TURN * np.eye(len(home))
+    p, q = robot.fk(np.vstack([home, moved]))
+    chain = robot.chain(home)[0]
+    found = []
+    for i, name in enumerate(robot.axes, start=1):
+        if robot.sliding[i - 1]:
+            way = p[i] - p[0]
+            found.append(JointAxis(name, chain[-1], way / np.linalg.norm(way)))
+            continue
+        turn = rotations.multiply(q[i], rotations.conjugate(q[0]))
+        direction = turn[1:] * np.sign(turn[0]) / np.linalg.norm(turn[1:])
+        matrix = rotations.to_matrix(turn)
+        shift = p[i] - matrix @ p[0]
+        # Of all points with p = turn · p + shift the one nearest to the origin.
+        point = np.linalg.pinv(np.eye(3) - matrix) @ shift
+        found.append(JointAxis(name, _at_arm(point, direction, chain), direction))
+    return tuple(found)
+
+
+def _at_arm(point: Floats, direction: Floats, chain: Floats) -> Floats:
+    """The middle of the first link along an axis, or the point of the axis nearest to the arm."""
+    along = (chain - point) @ direction
+    feet = point + along[:, None] * direction
+    off = np.linalg.norm(chain - feet, axis=1)
+    near = feet[off < off.min() + NEAR]
+    apart = near[np.linalg.norm(near - near[0], axis=1) > NEAR]
+    return np.asarray(near[0] if not len(apart) else (near[0] + apart[0]) / 2.0)
+
+
+def _area(view: Axes, robot: Robot, seen: list[int]) -> None:
+    """What the wrist gets to, and from above the circle of the stretched arm."""
+    from matplotlib.collections import PolyCollection
+    from matplotlib.patches import Circle, Wedge
+
+    said: dict[str, Any] = {"color": AREA, "zorder": 0, "label": "wrist within the limits"}
+    swept = _swept(robot, seen)
+    if seen == SIDE or isinstance(robot.arm, Scara):
+        corners = swept[..., seen]
+        cells = np.stack(
+            [corners[:-1, :-1], corners[1:, :-1], corners[1:, 1:], corners[:-1, 1:]], axis=2
+        )
+        view.add_collection(
+            PolyCollection(list(cells.reshape(-1, 4, 2)), linewidths=0.5, rasterized=True, **said)
+        )
+    else:
+        span = float(np.hypot(swept[..., 0], swept[..., 1]).max())
+        low, high = robot.limits[0] - robot.home[0]
+        low, high = (0.0, 360.0) if high - low >= 360.0 else (float(low), float(high))
+        view.add_patch(Wedge((0.0, 0.0), span, low, high, **said))
+    if seen != SIDE:
+        ring = Circle((0.0, 0.0), robot.reach, fill=False, color=REACH, linestyle="--")
+        ring.set_label("reach")
+        view.add_patch(ring)
+    view.autoscale_view()
+
+
+def _swept(robot: Robot, seen: list[int]) -> Floats:
+    """(STEPS, STEPS, 3) where the wrist is with two joints over their ranges, the rest at home.
+
+    They are axes 2 and 3, which a vertical arm moves in its plane; of a SCARA seen from above 1
+    and 2.
+    """
+    scara = isinstance(robot.arm, Scara)
+    first = 0 if scara and seen != SIDE else min(1, len(robot.axes) - 2)
+    joints = np.tile(robot.home, (STEPS, STEPS, 1))
+    steps = np.linspace(0.0, 1.0, STEPS)
+    low, high = robot.limits.T
+    for axis, at in ((first, steps[:, None]), (first + 1, steps)):
+        joints[..., axis] = low[axis] + (high[axis] - low[axis]) * at
+    chain = robot.chain(joints.reshape(-1, len(robot.axes)))
+    wrist = 4 if isinstance(robot.arm, SixAxis | FiveAxis) else -1
+    return np.asarray(chain[:, wrist].reshape(STEPS, STEPS, 3))
+
+
+def _arm(view: Axes, points: Floats) -> None:
+    view.plot(*points.T, color=ARM, linewidth=5.0, alpha=0.85, solid_capstyle="round", label="arm")
+    view.plot(*points.T, "o", color="white", markeredgecolor=ARM, markersize=7.0)
+    view.plot(*points[-1], "s", color=ARM, markersize=8.0, label="flange")
+
+
+def _axes(view: Axes, axes: Sequence[JointAxis], seen: list[int], reach: float) -> None:
+    """A dash-dotted line along each axis, or a ring where it points at the reader, and its name.
+
+    Names that would be printed over each other are one text.
+    """
+    named: list[tuple[Floats, Floats, list[str]]] = []
+    for axis in axes:
+        point, direction = axis.point[seen], axis.direction[seen]
+        if np.linalg.norm(direction) < ACROSS:
+            view.plot(*point, "o", color="none", markeredgecolor=AXIS, markersize=13.0)
+            aside = np.array([1.0, 1.0])
+        else:
+            ends = point + np.outer([-0.1, 0.1], direction) * reach
+            view.plot(*ends.T, color=AXIS, linewidth=1.0, linestyle="-.")
+            aside = np.array([direction[1], -direction[0]])
+        for place, _, names in named:
+            if np.linalg.norm(place - point) < CROWDED * reach:
+                names.append(axis.name)
+                break
+        else:
+            named.append((point, aside, [axis.name]))
+    for place, aside, names in named:
+        view.annotate(
+            ", ".join(names),
+            (float(place[0]), float(place[1])),
+            xytext=(OFFSET * float(aside[0]), OFFSET * float(aside[1])),
+            textcoords="offset points",
+            color=AXIS,
+            ha="left" if aside[0] > ACROSS else "right" if aside[0] < -ACROSS else "center",
+            va="center",
+            bbox={"facecolor": "white", "alpha": 0.7, "linewidth": 0.0, "pad": 0.5},
+        )

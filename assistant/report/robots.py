@@ -1,0 +1,162 @@
+"""What is known of robots: a table of several, all of one; for people and as plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+from typing import Any, Final
+
+import numpy as np
+
+from assistant.robots import Robot
+from assistant.robots.arms import FiveAxis, Scara, SixAxis
+
+HEADINGS: Final = ("name", "title", "axes", "payload", "reach", "controller", "languages")
+DOUBT: Final = "?"
+"""Stands behind a figure that no source confirms."""
+DOUBTED: Final = f"{DOUBT} no source at hand confirms it"
+COUNTS: Final = {
+    "quadrants": "quadrants of axes 1, 4 and 6 (confdata)",
+    "turns": "turns of axes 1, 4 and 6 (FLG1, FLG2)",
+}
+
+
+def table(robots: Sequence[Robot]) -> Iterator[str]:
+    """A line of headings and one for each robot, in columns."""
+    rows = [HEADINGS, *(_row(robot) for robot in robots)]
+    widths = [max(len(row[i]) for row in rows) for i in range(len(HEADINGS))]
+    for row in rows:
+        yield "  ".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)).rstrip()
+    if any(DOUBT in cell for row in rows for cell in row):
+        yield DOUBTED
+
+
+def _row(robot: Robot) -> tuple[str, ...]:
+    return (
+        robot.name,
+        robot.title,
+        str(len(robot.axes)),
+        f"{robot.payload:g} kg{_doubt(robot, 'payload_kg')}",
+        f"{robot.reach:g} mm{_doubt(robot, 'reach_mm')}",
+        f"{robot.controller}{_doubt(robot, 'controller')}",
+        ", ".join(robot.languages),
+    )
+
+
+def brief(robot: Robot) -> dict[str, Any]:
+    """What the table says, as plain data."""
+    return {
+        "name": robot.name,
+        "title": robot.title,
+        "maker": robot.maker,
+        "axes": len(robot.axes),
+        "payload_kg": robot.payload,
+        "reach_mm": robot.reach,
+        "controller": robot.controller,
+        "languages": list(robot.languages),
+        "unconfirmed": list(robot.unconfirmed),
+    }
+
+
+def record(robot: Robot) -> dict[str, Any]:
+    """All of a robot as plain data; the names of figures tell their units as a robot file does."""
+    position, quaternion = (column[0].tolist() for column in robot.fk(robot.home))
+    return brief(robot) | {
+        "arm": robot.arm.kind,
+        "branches": robot.branches,
+        "configuration": robot.counts,
+        "tcp_speed_mm_s": robot.tcp_speed,
+        "repeatability_mm": robot.repeatability,
+        "lengths_mm": lengths(robot),
+        "axes": [_axis(robot, i) for i in range(len(robot.axes))],
+        "home_flange": {"position": _rounded(position), "quaternion": _rounded(quaternion)},
+        "source": robot.source,
+    }
+
+
+def lengths(robot: Robot) -> dict[str, float]:
+    """Lengths of the arm in mm by their names in a robot file; none of an arm of another kind."""
+    match robot.arm:
+        case SixAxis(lengths=found) | FiveAxis(lengths=found):
+            return asdict(found)
+        case Scara(l1=l1, l2=l2):
+            return {"l1": l1, "l2": l2}
+        case _:
+            return {}
+
+
+def _axis(robot: Robot, i: int) -> dict[str, Any]:
+    rates = robot.accelerations
+    return {
+        "name": robot.axes[i],
+        "unit": robot.units[i],
+        "limits": robot.limits[i].tolist(),
+        "speed": float(robot.speeds[i]),
+        "acceleration": None if rates is None else float(rates[i]),
+        "zero": float(robot.zero[i]),
+        "home": float(robot.home[i]),
+    }
+
+
+def lines(robot: Robot) -> Iterator[str]:
+    """All of a robot for people."""
+    said = dict(_facts(robot))
+    width = max(len(name) for name in said)
+    for name, text in said.items():
+        yield f"{name:{width}}  {text}"
+    yield ""
+    yield from _axes(robot)
+    yield ""
+    yield f"source: {robot.source}"
+    if robot.unconfirmed:
+        yield f"{DOUBTED}: {', '.join(robot.unconfirmed)}"
+
+
+def _facts(robot: Robot) -> Iterator[tuple[str, str]]:
+    yield "name", robot.name
+    yield "title", robot.title
+    yield "maker", robot.maker
+    yield "controller", f"{robot.controller}{_doubt(robot, 'controller')}"
+    yield "languages", ", ".join(robot.languages)
+    yield "arm", f"{robot.arm.kind}, {robot.branches} branches"
+    yield "configuration", f"{COUNTS[robot.counts]}{_doubt(robot, 'configuration')}"
+    yield "payload", f"{robot.payload:g} kg{_doubt(robot, 'payload_kg')}"
+    yield "reach", f"{robot.reach:g} mm from axis 1 to the wrist{_doubt(robot, 'reach_mm')}"
+    yield "TCP speed", _known(robot, robot.tcp_speed, "mm/s", "tcp_speed_mm_s")
+    yield "repeatability", _known(robot, robot.repeatability, "mm", "repeatability_mm")
+    if found := lengths(robot):
+        named = ", ".join(f"{k} {v:g}{_doubt(robot, f'lengths_mm.{k}')}" for k, v in found.items())
+        yield "lengths", f"{named} mm"
+    position, quaternion = (column[0].tolist() for column in robot.fk(robot.home))
+    yield "flange at home", "x {:g}, y {:g}, z {:g} mm".format(*_rounded(position))
+    yield "turned", "q {:g}, {:g}, {:g}, {:g}".format(*_rounded(quaternion))
+
+
+def _axes(robot: Robot) -> Iterator[str]:
+    """The limits, speeds and home of each axis, in columns."""
+    rates = robot.accelerations
+    rows = [("axis", "lowest", "highest", "speed", "acceleration", "home", "unit")]
+    for i, (name, unit) in enumerate(zip(robot.axes, robot.units, strict=True)):
+        table = "axes_deg" if unit == "degrees" else "axes_mm"
+        low, high = (
+            f"{value:g}{_doubt(robot, f'{table}.{name}.limits')}" for value in robot.limits[i]
+        )
+        speed = f"{robot.speeds[i]:g}{_doubt(robot, f'{table}.{name}.speed')}"
+        rate = "-" if rates is None else f"{rates[i]:g}"
+        rate += "" if rates is None else _doubt(robot, f"{table}.{name}.acceleration")
+        rows.append((name, low, high, speed, rate, f"{robot.home[i]:g}", unit))
+    for first, *numbers, unit in rows:
+        yield f"{first:6}" + "".join(f"{n:>13}" for n in numbers) + f"  {unit}"
+
+
+def _known(robot: Robot, value: float | None, unit: str, field: str) -> str:
+    return "not known" if value is None else f"{value:g} {unit}{_doubt(robot, field)}"
+
+
+def _doubt(robot: Robot, field: str) -> str:
+    return DOUBT if field in robot.unconfirmed else ""
+
+
+def _rounded(values: Sequence[float]) -> list[float]:
+    """Without the noise of arithmetic: a ten-thousandth of a mm, six places of a quaternion."""
+    return [float(v) for v in np.round(values, 6) + 0.0]

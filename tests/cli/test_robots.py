@@ -1,0 +1,214 @@
+"""`robots` and `robots show`: the catalogue, one robot of it, its drawing."""
+
+from __future__ import annotations
+
+import json
+import sys
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from assistant import robots
+from assistant.report.arm_drawing import arm_drawing, joint_axes
+from tests.cli.test_commands import run
+
+Capture = pytest.CaptureFixture[str]
+POSITIONING = Path(__file__).parents[2] / "samples" / "positioning.csv"
+PNG = b"\x89PNG\r\n\x1a\n"
+
+
+@pytest.fixture
+def own(tmp_path: Path) -> Path:
+    """The file of a robot of the user's own."""
+    text = files("assistant.robots").joinpath("catalogue", "irb120-3-0.58.toml").read_text("utf-8")
+    file = tmp_path / "mine.toml"
+    file.write_text(text.replace('"irb120-3-0.58"', '"mine"'), encoding="utf-8")
+    return file
+
+
+def test_every_robot_has_a_line(capsys: Capture) -> None:
+    status, out, err = run(capsys, "robots")
+    assert (status, err) == (0, "")
+    heading, *lines = out.splitlines()
+    assert heading.split() == [
+        *("name", "title", "axes", "payload", "reach", "controller", "languages")
+    ]
+    assert [line.split()[0] for line in lines[:-1]] == list(robots.names())
+    line = next(line for line in lines if line.startswith("rv-4frl "))
+    assert line.split()[-7:] == [
+        *("4", "kg", "648.7", "mm", "CR800", "melfa-basic-6,", "melfa-basic-5")
+    ]
+
+
+def test_a_figure_without_a_source_is_marked(capsys: Capture) -> None:
+    out = run(capsys, "robots")[1]
+    lines = {line.split()[0]: line for line in out.splitlines()}
+    assert "1.5 kg?" in lines["rv-1a"]
+    assert "8 kg " in lines["rv-8crl"]
+    assert lines["?"] == "? no source at hand confirms it"
+
+
+def test_the_list_for_programs(capsys: Capture) -> None:
+    rows = json.loads(run(capsys, "robots", "--format", "json")[1])
+    assert [row["name"] for row in rows] == list(robots.names())
+    assert rows[robots.names().index("rv-2aj")] == {
+        "name": "rv-2aj",
+        "title": "Mitsubishi RV-2AJ",
+        "maker": "Mitsubishi",
+        "axes": 5,
+        "payload_kg": 2.0,
+        "reach_mm": 410.0,
+        "controller": "CR1",
+        "languages": ["melfa-basic-4"],
+        "unconfirmed": [],
+    }
+
+
+@pytest.mark.parametrize("name", robots.names())
+def test_all_of_a_robot_is_shown(name: str, capsys: Capture) -> None:
+    robot = robots.get(name)
+    said = json.loads(run(capsys, "robots", "show", name, "--format", "json")[1])
+    assert said["name"] == name
+    assert said["source"] == robot.source
+    assert said["unconfirmed"] == list(robot.unconfirmed)
+    assert (said["tcp_speed_mm_s"], said["repeatability_mm"]) == (
+        *(robot.tcp_speed, robot.repeatability),
+    )
+    axes = said["axes"]
+    assert [axis["name"] for axis in axes] == list(robot.axes)
+    assert [axis["limits"] for axis in axes] == robot.limits.tolist()
+    assert [axis["speed"] for axis in axes] == robot.speeds.tolist()
+    assert said["home_flange"]["position"] == pytest.approx(robot.fk(robot.home)[0][0])
+    assert said["lengths_mm"]
+
+    text = run(capsys, "robots", "show", name)[1]
+    assert f"source: {robot.source}" in text
+    assert all(field in text for field in robot.unconfirmed)
+    assert [line.split()[0] for line in text.splitlines() if line.endswith(("degrees", " mm"))][
+        -len(robot.axes) :
+    ] == list(robot.axes)
+
+
+def test_what_nobody_tells_is_not_known(capsys: Capture) -> None:
+    text = run(capsys, "robots", "show", "IRB140-6-0.81")[1]
+    assert "TCP speed       not known\n" in text
+    assert "repeatability   not known\n" in text
+    text = run(capsys, "robots", "show", "rv-1a")[1]
+    assert "TCP speed       2200 mm/s?\n" in text
+    assert (
+        "\nJ3              60?         155?         135?            -           90  degrees" in text
+    )
+
+
+def test_an_own_robot_by_its_file(own: Path, capsys: Capture) -> None:
+    assert json.loads(run(capsys, "robots", "show", own, "--format", "json")[1])["name"] == "mine"
+    assert run(capsys, "check", POSITIONING, "--robot", own)[0] == 0
+    shorter = own.read_text().replace("a2 = 270", "a2 = 100").replace("d4 = 302", "d4 = 90")
+    own.write_text(shorter)
+    status, _, err = run(capsys, "check", POSITIONING, "--robot", own)
+    assert status == 1
+    assert "RB102" in err
+
+
+def test_compiling_for_an_own_robot(own: Path, tmp_path: Path, capsys: Capture) -> None:
+    targets = []
+    for robot in (own, "irb120-3-0.58"):
+        folder = tmp_path / Path(robot).stem
+        status, _, err = run(
+            capsys, "compile", POSITIONING, "-l", "rapid", "-r", robot, "-o", folder
+        )
+        assert status == 0, err
+        (module,) = folder.iterdir()
+        lines = module.read_text().splitlines()
+        targets.append([line for line in lines if "robtarget" in line or line.startswith("    [[")])
+    assert targets[0]
+    assert targets[0] == targets[1]
+
+
+@pytest.mark.parametrize(
+    ("name", "code"),
+    [("irb9999", "CO002"), ("none.toml", "IN001"), ("none.urdf", "IN001")],
+)
+def test_no_such_robot(name: str, code: str, tmp_path: Path, capsys: Capture) -> None:
+    status, out, err = run(capsys, "robots", "show", name)
+    assert (status, out) == (2, "")
+    assert err.startswith(code)
+
+
+def test_a_robot_file_with_a_fault(own: Path, capsys: Capture) -> None:
+    own.write_text(own.read_text().replace("payload_kg = 3", "payload_kg = -3"))
+    status, out, err = run(capsys, "robots", "show", own)
+    assert (status, out) == (1, "")
+    assert err.startswith("RB002")
+    assert "payload_kg" in err
+
+
+@pytest.mark.parametrize(("suffix", "begins"), [(".png", PNG), (".svg", b"<?xml")])
+def test_a_drawing_is_written(suffix: str, begins: bytes, tmp_path: Path, capsys: Capture) -> None:
+    file = tmp_path / "new" / f"arm{suffix}"
+    status, out, _ = run(capsys, "robots", "show", "rv-4frl", "--draw", file)
+    assert status == 0
+    assert out.endswith(f"\ndrawing: {file}\n")
+    assert file.read_bytes().startswith(begins)
+    assert list(file.parent.iterdir()) == [file]
+    said = run(capsys, "robots", "show", "rv-4frl", "--draw", file, "--format", "json")[1]
+    assert json.loads(said)["drawing"] == str(file)
+
+
+def test_without_being_asked_nothing_is_drawn(
+    tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run(capsys, "robots", "show", "rv-4frl")[0] == 0
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_picture_of_another_kind_is_refused(tmp_path: Path, capsys: Capture) -> None:
+    status, out, err = run(capsys, "robots", "show", "rv-4frl", "--draw", tmp_path / "arm.gif")
+    assert (status, out) == (2, "")
+    assert err.startswith("CL009")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_picture_that_cannot_be_written(tmp_path: Path, capsys: Capture) -> None:
+    (tmp_path / "arm.png").mkdir()
+    status, out, err = run(capsys, "robots", "show", "rv-4frl", "--draw", tmp_path / "arm.png")
+    assert (status, out) == (2, "")
+    assert err.startswith("CO201")
+
+
+def test_without_matplotlib_the_extra_is_named(
+    tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    status, out, err = run(capsys, "robots", "show", "rv-4frl", "--draw", tmp_path / "arm.png")
+    assert (status, out) == (2, "")
+    assert err.startswith("CL008")
+    assert "robot-assistant[plot]" in err
+
+
+@pytest.mark.parametrize("name", robots.names())
+def test_the_axes_of_a_drawing_are_those_of_the_arm(name: str) -> None:
+    robot = robots.get(name)
+    axes = {axis.name: axis for axis in joint_axes(robot)}
+    assert tuple(axes) == robot.axes
+    for turned in np.flatnonzero(~robot.sliding):
+        # What lies on an axis stays where it is when only its joint turns.
+        axis = axes[robot.axes[turned]]
+        joints = np.array(robot.home, dtype=float)
+        fixed = robot.fk([joints])[0][0] - axis.point
+        joints[turned] += 50.0
+        moved = robot.fk([joints])[0][0] - axis.point
+        assert moved @ axis.direction == pytest.approx(fixed @ axis.direction, abs=1e-6)
+        assert np.linalg.norm(moved) == pytest.approx(np.linalg.norm(fixed), abs=1e-6)
+    assert axes["J1"].direction == pytest.approx([0.0, 0.0, 1.0])
+    if robot.arm.kind != "scara":
+        axis_2 = [robot.lengths.a1, 0.0, robot.lengths.d1]
+        assert axes["J2"].point == pytest.approx(axis_2, abs=1e-6)
+
+
+def test_the_same_robot_gives_the_same_bytes() -> None:
+    robot = robots.get("rv-2aj")
+    assert arm_drawing(robot, "svg") == arm_drawing(robot, "svg")
