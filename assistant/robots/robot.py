@@ -20,6 +20,7 @@ from assistant.robots.configurations import BACK, QUADRANTS, TURNING_AXES
 
 if TYPE_CHECKING:
     from roboticstoolbox import DHRobot
+    from roboticstoolbox import Robot as ToolboxRobot
 
 Floats = NDArray[np.float64]
 Truths = NDArray[np.bool_]
@@ -41,12 +42,13 @@ class Robot:
 
     arm: its kind with its lengths. zero: (a,) of the arm's chain where the maker's joint is 0.
     limits: (a, 2). speeds: (a,) a second. home: (a,). tcp_speed: mm/s at most,
-    None if not known. payload: kg.
+    None if not known. payload: kg, None if not known.
     accelerations: (a,) a second squared, None if no source tells. repeatability: mm, or None.
     reach: mm from axis 1 to the wrist centre of the stretched arm.
     counts: what a target's configuration says of axes 1, 4 and 6: `quadrants` (ABB) or
     only whole `turns` (Mitsubishi).
     unconfirmed: fields whose figures no source at hand confirms.
+    findings: what is assumed because the file that it was read from does not say it.
     """
 
     name: str
@@ -60,13 +62,14 @@ class Robot:
     speeds: Floats
     home: Floats
     tcp_speed: float | None
-    payload: float
+    payload: float | None
     reach: float
     counts: Literal["quadrants", "turns"]
     source: str
     unconfirmed: tuple[str, ...] = ()
     accelerations: Floats | None = None
     repeatability: float | None = None
+    findings: tuple[Diagnostic, ...] = ()
 
     @property
     def axes(self) -> tuple[str, ...]:
@@ -260,9 +263,10 @@ class Robot:
         _, findings = configure(program, self)
         return findings
 
-    def to_rtb(self) -> DHRobot:
+    def to_rtb(self) -> DHRobot | ToolboxRobot:
         """The same robot for roboticstoolbox: metres and radians, joints and limits the maker's.
 
+        A DHRobot; of an arm from a URDF or from links a Robot of elementary transforms.
         Needs the extra `toolbox`; raises Refused without it.
         """
         from assistant.robots.toolbox import to_rtb

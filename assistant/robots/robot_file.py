@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
+from dataclasses import replace
+from pathlib import Path as FilePath
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program.diagnostics import Refused, Rule, Severity, Unreadable
-from assistant.robots.arms.arm import Arm
+from assistant.program.text import read_bytes
+from assistant.robots import urdf
+from assistant.robots.arms.arm import Arm, Link
 from assistant.robots.arms.five_axis import FiveAxis
 from assistant.robots.arms.lengths import Lengths
 from assistant.robots.arms.scara import Scara
+from assistant.robots.arms.serial import Serial
 from assistant.robots.arms.six_axis import SixAxis
 from assistant.robots.robot import Robot
 
@@ -46,12 +52,48 @@ LENGTHS: Final = {
 
 
 def read(data: bytes, path: str | None = None) -> Robot:
-    """A robot from the bytes of a TOML file; raises Unreadable or Refused with findings."""
+    """A robot from the bytes of a TOML or URDF file; raises Unreadable or Refused with findings.
+
+    The key `urdf` of a TOML file names a URDF beside it, which says what the TOML does not.
+    """
+    if data.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<"):
+        drawn = urdf.read(data, path)
+        return replace(_over({}, drawn, path), findings=drawn.findings)
     try:
         table = tomllib.loads(data.decode("utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise Unreadable(NO_TOML(path=path, reason=str(error))) from None
-    reader = _Reader(table, path)
+    drawing = table.pop("urdf", None)
+    if drawing is None:
+        return _finished(_Reader(table, path))
+    if not isinstance(drawing, str):
+        raise Refused(WRONG_FIELD(path=path, place="urdf", field="urdf", reason="is no text"))
+    file = FilePath(path or "robot.toml").parent / drawing
+    return _over(table, urdf.read(read_bytes(file), str(file)), path)
+
+
+def _over(table: dict[str, Any], drawn: urdf.Drawn, path: str | None) -> Robot:
+    """What a URDF says, and over it what the table of a TOML file does."""
+    merged = drawn.table | table
+    for key in ("axes_deg", "axes_mm"):
+        known, mine = drawn.table[key], table.get(key, {})
+        if isinstance(mine, dict):
+            merged[key] = known | {k: known.get(k, {}) | v for k, v in mine.items() if _is_table(v)}
+            merged[key] |= {k: v for k, v in mine.items() if not _is_table(v)}
+            for entry in filter(_is_table, merged[key].values()):
+                entry.setdefault("home", _home(entry.get("limits")))
+    reader = _Reader(merged, path, drawn)
+    return _finished(reader)
+
+
+def _home(limits: Any) -> float:
+    """0, or the limit that is nearest to it."""
+    if isinstance(limits, list) and len(limits) == 2 and all(map(_is_number, limits)):
+        return float(min(max(0.0, limits[0]), limits[1]))
+    return 0.0
+
+
+def _finished(reader: _Reader) -> Robot:
     robot = reader.robot()
     if reader.findings:
         raise Refused(*reader.findings)
@@ -62,22 +104,26 @@ def read(data: bytes, path: str | None = None) -> Robot:
 class _Reader:
     """Takes fields out of a table and collects what is wrong with them."""
 
-    def __init__(self, table: dict[str, Any], path: str | None) -> None:
-        self.table, self.path = table, path
+    def __init__(
+        self, table: dict[str, Any], path: str | None, drawn: urdf.Drawn | None = None
+    ) -> None:
+        self.table, self.path, self.drawn = table, path, drawn
         self.findings: list[Any] = []
 
     def robot(self) -> Robot | None:
         self.unknown(self.table, "", FIELDS)
         texts = {k: self.text(k) for k in ("name", "title", "maker", "controller", "source")}
-        numbers = {k: self.number(self.table, k, k, least=1e-9) for k in ("payload_kg", "reach_mm")}
+        reach = self.number(self.table, "reach_mm", "reach_mm", least=1e-9)
+        payload = self.optional(self.table, "payload_kg", "payload_kg")
+        if self.drawn is None and payload is None:
+            self.wrong("payload_kg", "is missing")
         fastest = self.optional(self.table, "tcp_speed_mm_s", "tcp_speed_mm_s")
         repeatability = self.optional(self.table, "repeatability_mm", "repeatability_mm")
         counts = self.text("configuration")
         if counts not in ("quadrants", "turns"):
             self.wrong("configuration", "is neither `quadrants` nor `turns`")
         axes = self.axes()
-        kind = self.kind(tuple(axes))
-        arm = self.arm(kind)
+        arm = self.moving(axes)
         if self.findings or arm is None:
             return None
         rows = [axes[name] for name in arm.axes]
@@ -104,10 +150,57 @@ class _Reader:
             home=column["home"],
             tcp_speed=fastest,
             repeatability=repeatability,
-            payload=numbers["payload_kg"],
-            reach=numbers["reach_mm"],
+            payload=payload,
+            reach=reach,
             counts="quadrants" if counts == "quadrants" else "turns",
         )
+
+    def moving(self, axes: dict[str, dict[str, Any]]) -> Arm | None:
+        """The arm: of the URDF, of the links of a chain, or of the lengths of its kind."""
+        if self.drawn is not None:
+            self.not_with_a_urdf()
+            self.fitting(self.drawn.arm)
+            return self.drawn.arm
+        if self.table.get("arm") == Serial.kind:
+            arm = self.serial(axes)
+            if arm is not None:
+                self.fitting(arm)
+            return arm
+        if "links" in self.table:
+            self.wrong("links", f"belongs to arm `{Serial.kind}`")
+        return self.arm(self.kind(tuple(axes)))
+
+    def not_with_a_urdf(self) -> None:
+        for key in ("arm", "lengths_mm", "links"):
+            if key in self.table:
+                self.wrong(key, "is what the URDF says")
+
+    def fitting(self, arm: Arm) -> None:
+        """Whether the tables hold the axes of a chain, those that slide in the one in mm."""
+        for key, slides in (("axes_deg", False), ("axes_mm", True)):
+            wanted = [n for n, s in zip(arm.axes, arm.sliding, strict=True) if bool(s) == slides]
+            table = self.table.get(key, {})
+            if isinstance(table, dict) and set(table) != set(wanted):
+                self.wrong(key, f"does not hold the axes {' '.join(wanted) or '(none)'} of the arm")
+
+    def serial(self, axes: dict[str, dict[str, Any]]) -> Serial | None:
+        """A chain out of `[[links]]`, a row of standard Denavit-Hartenberg parameters an axis."""
+        rows = self.table.get("links")
+        if not isinstance(rows, list) or not rows or not all(map(_is_table, rows)):
+            self.wrong("links", "is no list of tables: `[[links]]` with a, d, alpha, theta")
+            return None
+        sliding = self.table.get("axes_mm", {})
+        links, ranges = [], []
+        for number, row in enumerate(rows, 1):
+            where = f"links[{number}]"
+            self.unknown(row, f"{where}.", LINK)
+            values = {k: self.number(row, k, f"{where}.{k}") if k in row else 0.0 for k in LINK}
+            slides = isinstance(sliding, dict) and f"J{number}" in sliding
+            alpha, theta = math.radians(values["alpha"]), math.radians(values["theta"])
+            links.append(Link(values["a"], values["d"], alpha, theta, slides))
+            low, high = axes.get(f"J{number}", {}).get("limits", [-180.0, 180.0])
+            ranges.append((low, high) if slides else (math.radians(low), math.radians(high)))
+        return Serial.of_links(links, ranges)
 
     def kind(self, axes: tuple[str, ...]) -> str:
         """What `arm` says, or what the axes tell."""
@@ -115,7 +208,7 @@ class _Reader:
         usual = FiveAxis.kind if set(axes) == set(FiveAxis.axes) else SixAxis.kind
         kind = usual if said is None else said
         if not isinstance(kind, str) or kind not in AXES:
-            self.wrong("arm", f"is none of {', '.join(AXES)}")
+            self.wrong("arm", f"is none of {', '.join((*AXES, Serial.kind))}")
             return usual
         sliding = self.table.get("axes_mm", {})
         sliding = tuple(sliding) if isinstance(sliding, dict) else ()
@@ -174,7 +267,22 @@ class _Reader:
             self.wrong(where, "is no table of limits, speed, zero and home")
             return {}
         self.unknown(entry, f"{where}.", ("limits", "speed", "acceleration", "zero", "home"))
+        limits = self.limits(where, entry)
+        home = self.number(entry, "home", f"{where}.home")
+        if not limits[0] <= home <= limits[1]:
+            self.wrong(f"{where}.home", "is outside the limits")
+        return {
+            "limits": limits,
+            "speed": self.speed(where, entry),
+            "acceleration": self.optional(entry, "acceleration", f"{where}.acceleration"),
+            "zero": self.number(entry, "zero", f"{where}.zero") if "zero" in entry else 0.0,
+            "home": home,
+        }
+
+    def limits(self, where: str, entry: dict[str, Any]) -> list[float]:
         limits = entry.get("limits")
+        if limits is None and self.left_out(where, "limits"):
+            return [-1.0, 1.0]
         if not (
             isinstance(limits, list)
             and len(limits) == 2
@@ -182,17 +290,21 @@ class _Reader:
             and limits[0] < limits[1]
         ):
             self.wrong(f"{where}.limits", "is not [lowest, highest]")
-            limits = [-1.0, 1.0]
-        home = self.number(entry, "home", f"{where}.home")
-        if not limits[0] <= home <= limits[1]:
-            self.wrong(f"{where}.home", "is outside the limits")
-        return {
-            "limits": limits,
-            "speed": self.number(entry, "speed", f"{where}.speed", least=1e-9),
-            "acceleration": self.optional(entry, "acceleration", f"{where}.acceleration"),
-            "zero": self.number(entry, "zero", f"{where}.zero") if "zero" in entry else 0.0,
-            "home": home,
-        }
+            return [-1.0, 1.0]
+        return limits
+
+    def speed(self, where: str, entry: dict[str, Any]) -> float:
+        if "speed" not in entry and self.left_out(where, "speed"):
+            return 1.0
+        return self.number(entry, "speed", f"{where}.speed", least=1e-9)
+
+    def left_out(self, where: str, field: str) -> bool:
+        """Whether it is the URDF that leaves a field of an axis out, which is told of it."""
+        axis = where.split(".")[1]
+        missing = None if self.drawn is None else self.drawn.missing.get((axis, field))
+        if missing is not None:
+            self.findings.append(missing)
+        return missing is not None
 
     def number(
         self, table: dict[str, Any], key: str, where: str, least: float | None = None
@@ -235,10 +347,16 @@ class _Reader:
 FIELDS: Final = (
     "name", "title", "maker", "controller", "languages", "arm", "configuration", "payload_kg",
     "reach_mm", "tcp_speed_mm_s", "repeatability_mm", "source", "unconfirmed",
-    "lengths_mm", "axes_deg", "axes_mm",
+    "lengths_mm", "axes_deg", "axes_mm", "links",
 )  # fmt: skip
+LINK: Final = ("a", "d", "alpha", "theta")
+"""mm and degrees."""
 SLIDING: Final = {Scara.kind: ("J3",)}
 """Kind of arm → the axes that slide, in `axes_mm`."""
+
+
+def _is_table(value: Any) -> bool:
+    return isinstance(value, dict)
 
 
 def _is_number(value: Any) -> bool:

@@ -11,9 +11,12 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from assistant.program.diagnostics import Refused, Rule, Severity
+from assistant.robots.arms.placed import Placed
+from assistant.robots.arms.serial import Serial
 
 if TYPE_CHECKING:
     from roboticstoolbox import DHRobot
+    from roboticstoolbox import Robot as ToolboxRobot
 
     from assistant.robots.robot import Robot
 
@@ -38,17 +41,25 @@ def library(purpose: str) -> Any:
     return roboticstoolbox
 
 
-def to_rtb(robot: Robot) -> DHRobot:
+def to_rtb(robot: Robot) -> DHRobot | ToolboxRobot:
     """See `Robot.to_rtb`."""
-    rtb = library("a robot as a DHRobot")
+    toolbox = library("a robot of roboticstoolbox")
     zero = np.where(robot.sliding, robot.zero / METRE, np.radians(robot.zero))
     limits = robot.limits * np.where(robot.sliding, 1.0 / METRE, np.radians(1.0))[:, None]
+    links = robot.arm.links()
+    if not links:
+        chain = robot.arm.chain if isinstance(robot.arm, Placed) else robot.arm
+        assert isinstance(chain, Serial)
+        name = {"name": robot.title, "manufacturer": robot.maker}
+        return toolbox.Robot(chain.elementary(zero, limits), **name)
     rows = []
-    for link, at, qlim in zip(robot.arm.links(), zero, limits, strict=True):
+    for link, at, qlim in zip(links, zero, limits, strict=True):
         a, d = link.a / METRE, link.d / METRE
         if link.sliding:
-            row = rtb.PrismaticDH(theta=link.theta, a=a, alpha=link.alpha, offset=d + at, qlim=qlim)
+            row = toolbox.PrismaticDH(
+                theta=link.theta, a=a, alpha=link.alpha, offset=d + at, qlim=qlim
+            )
         else:
-            row = rtb.RevoluteDH(d=d, a=a, alpha=link.alpha, offset=link.theta + at, qlim=qlim)
+            row = toolbox.RevoluteDH(d=d, a=a, alpha=link.alpha, offset=link.theta + at, qlim=qlim)
         rows.append(row)
-    return rtb.DHRobot(rows, name=robot.title, manufacturer=robot.maker)
+    return toolbox.DHRobot(rows, name=robot.title, manufacturer=robot.maker)

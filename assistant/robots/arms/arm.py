@@ -50,6 +50,7 @@ class Arm(ABC):
     the wrist of the stretched arm. angle: degrees within which a pose must be met.
     flags: the bits of Mitsubishi's FLG1 that say something of such an arm.
     spherical: whether axes 4, 5 and 6 meet, so that the wrist has its one singularity.
+    named: whether makers have names for its branches, so that a configuration says one.
     compared: joints by which two branches differ, one that means nothing in line left out.
     """
 
@@ -57,6 +58,7 @@ class Arm(ABC):
     angle: ClassVar[float] = CLOSING
     flags: ClassVar[int] = 7
     spherical: ClassVar[bool] = False
+    named: ClassVar[bool] = True
 
     @property
     @abstractmethod

@@ -1,0 +1,406 @@
+"""Arms of any chain of turning and sliding joints, without a closed form.
+
+Forward kinematics is in columns. The way back is roboticstoolbox's numerical solver, started from
+joints near the pose out of a fixed set, so that the same pose always gives the same joints.
+
+No maker names the branches of such an arm. Three signs tell its solutions apart: whether the
+wrist is in front of axis 1 or behind it, to which side the elbow is bent, and to which side the
+wrist. Where an arm has more solutions than these signs tell apart, one of each is found, beside the
+one before it in a column of poses.
+"""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, ClassVar, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.program import rotations
+from assistant.program.geometry import IDENTITY, Pose
+from assistant.robots.arms.arm import CLOSING, Arm, Floats, Link, Rows, Truths, turn_between
+
+SIGNS: Final = 3
+STARTS: Final = (16384, 5)
+"""Random joints out of which the starts for a pose are taken, and how many for each branch."""
+STEPS: Final = 40
+"""Of the solver from one start."""
+RESIDUAL: Final = 1e-21
+"""Half the square of what is left over in metres and radians when the solver ends."""
+PARALLEL: Final = 1e-9
+METRE: Final = 1000.0
+FAR: Final = np.radians(10.0)
+"""From one pose of a column to the next, radians or mm."""
+SAME: Final = 1e-6
+"""Between joints that are one solution, radians or mm."""
+
+
+class _Rank(enum.IntEnum):
+    """What joints are as a solution of a branch: inside the limits, outside them, not closing,
+    another branch's, or none at all.
+    """
+
+    INSIDE = 0
+    OUTSIDE = 1
+    OPEN = 2
+    ELSEWHERE = 3
+    NONE = 4
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """pose: of the joint at 0, in the frame of the one before, mm. axis: unit vector in its frame.
+
+    low, high: the stretch in which the solver starts, radians or mm.
+    """
+
+    pose: Pose
+    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    sliding: bool = False
+    low: float = -np.pi
+    high: float = np.pi
+
+
+@dataclass(frozen=True)
+class Serial(Arm):
+    """A chain of joints from the base. flange: its pose in the frame of the last joint."""
+
+    joints: tuple[Joint, ...]
+    flange: Pose = IDENTITY
+    kind: ClassVar[str] = "serial"
+    named: ClassVar[bool] = False
+
+    @staticmethod
+    def of_links(links: Sequence[Link], ranges: Sequence[tuple[float, float]]) -> Serial:
+        """A chain of links with the ranges of their joints, radians or mm."""
+        joints, tail = [], IDENTITY
+        for link, (low, high) in zip(links, ranges, strict=True):
+            turn = Pose(quaternion=_about(2, link.theta))
+            slide = Pose((0.0, 0.0, link.d))
+            # An axis that slides does so behind its turn, one that turns before it.
+            before = tail @ turn @ slide if link.sliding else tail @ turn
+            joints.append(Joint(before, sliding=link.sliding, low=low, high=high))
+            behind = IDENTITY if link.sliding else slide
+            tail = behind @ Pose((link.a, 0.0, 0.0), _about(0, link.alpha))
+        return Serial(tuple(joints), tail)
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        return tuple(f"J{number}" for number in range(1, len(self.joints) + 1))
+
+    @property
+    def branches(self) -> int:
+        return 2**SIGNS
+
+    @property
+    def compared(self) -> tuple[int, ...]:
+        return tuple(range(len(self.joints)))
+
+    @property
+    def sliding(self) -> Truths:
+        return np.array([joint.sliding for joint in self.joints])
+
+    @cached_property
+    def reach(self) -> float:
+        """The sum of the lengths from axis 1 to the flange, no less than the arm reaches."""
+        slides = sum(max(abs(j.low), abs(j.high)) for j in self.joints if j.sliding)
+        poses = [*(joint.pose for joint in self.joints[1:]), self.flange]
+        return float(sum(np.linalg.norm(pose.position) for pose in poses) + slides)
+
+    def fk(self, joints: Floats) -> tuple[Floats, Floats]:
+        positions, quaternions, _ = self._along(joints)
+        return positions[:, -1], rotations.canonical(quaternions)
+
+    def at_zero(self) -> tuple[Floats, Floats, Pose]:
+        """Origins (a, 3) mm and axes (a, 3) of the joints and the pose of the flange, all at 0."""
+        origins, quaternions, axes = self._along(np.zeros((1, len(self.joints))))
+        return origins[0, :-1], axes[0], Pose.of(origins[0, -1], quaternions[0])
+
+    def points(self, joints: Floats) -> Floats:
+        """Base, the origins of the joints, flange."""
+        positions, _, _ = self._along(joints)
+        return np.concatenate([np.zeros_like(positions[:, :1]), positions], axis=1)
+
+    def ik(
+        self, positions: Floats, quaternions: Floats, branches: tuple[int, ...]
+    ) -> tuple[Floats, Floats]:
+        """Where nothing closes, what came nearest; its distance in mm or, if more, degrees."""
+        n = len(positions)
+        joints = np.empty((len(self.joints), len(branches), n))
+        excess = np.empty((len(branches), n))
+        poses = _matrices(positions, quaternions)
+        for at, branch in enumerate(branches):
+            starts = self._starts(positions, quaternions, branch)
+            best, rank = np.tile(self._middle, (n, 1)), np.full(n, _Rank.NONE)
+            for start in np.moveaxis(starts, 1, 0):
+                rows = np.flatnonzero(rank > _Rank.INSIDE)
+                found = self._solved(poses[rows], start[rows])
+                fits = self._rank(found, positions[rows], quaternions[rows], branch)
+                better = fits < rank[rows]
+                best[rows[better]], rank[rows[better]] = found[better], fits[better]
+            self._join(best, rank, poses, positions, quaternions, branch)
+            joints[:, at] = best.T
+            off = self._off(best, positions, quaternions)
+            excess[at] = np.where(rank == _Rank.ELSEWHERE, np.inf, off)
+        return joints, excess
+
+    def follow(
+        self, joints: Floats, positions: Floats, quaternions: Floats
+    ) -> tuple[Floats, Floats]:
+        """Joints (m, a) taken along poses (m, s, 3) and (m, s, 4) → (m, s, a) and excess (m, s)."""
+        m, s, _ = positions.shape
+        out, excess = np.empty((m, s, len(self.joints))), np.empty((m, s))
+        here = joints
+        for k in range(s):
+            here = self._solved(_matrices(positions[:, k], quaternions[:, k]), here)
+            out[:, k] = here
+            excess[:, k] = self._off(here, positions[:, k], quaternions[:, k])
+        return out, excess
+
+    def shape(self, joints: Floats) -> NDArray[np.int8]:
+        positions, _, axes = self._along(joints)
+        return np.asarray(self._signs(positions, axes) < -PARALLEL, dtype=np.int8)
+
+    def branch(self, shape: NDArray[np.intp]) -> Rows:
+        return np.asarray((shape == 1) @ np.array([4, 2, 1]), dtype=np.intp)
+
+    def words(self, shape: NDArray[np.integer]) -> str:
+        return f"branch {int(self.branch(shape[None].astype(np.intp))[0]) + 1} of {self.branches}"
+
+    def too_far(self, positions: Floats, quaternions: Floats) -> Truths:  # noqa: ARG002
+        first = np.array(self.joints[0].pose.position)
+        return np.asarray(np.linalg.norm(positions - first, axis=1) > self.reach)
+
+    def links(self) -> tuple[Link, ...]:
+        """None: its axes lie as they lie."""
+        return ()
+
+    def elementary(self, zero: Floats | None = None, limits: Floats | None = None) -> Any:
+        """The chain as elementary transforms of roboticstoolbox, in metres and radians.
+
+        zero: (a,) of the chain where a joint is 0. limits: (a, 2) of the joints.
+        """
+        from assistant.robots.toolbox import library
+
+        rtb = library(f"an arm of kind `{self.kind}`")
+        parts, tail = [], IDENTITY
+        for i, joint in enumerate(self.joints):
+            onto = Pose(quaternion=_onto_z(joint.axis))
+            parts.append(rtb.ET.SE3(_in_metres(tail @ joint.pose @ onto)))
+            turn = rtb.ET.tz if joint.sliding else rtb.ET.Rz
+            if zero is not None and zero[i]:
+                parts.append(turn(float(zero[i])))
+            parts.append(turn(qlim=None if limits is None else limits[i]))
+            tail = onto.inverse()
+        return rtb.ETS([*parts, rtb.ET.SE3(_in_metres(tail @ self.flange))])
+
+    def _along(self, joints: Floats) -> tuple[Floats, Floats, Floats]:
+        """Origins of joints and flange (n, a + 1, 3), quaternions of the flange, axes (n, a, 3)."""
+        n = len(joints)
+        p, q = np.zeros((n, 3)), np.tile([1.0, 0.0, 0.0, 0.0], (n, 1))
+        origins, axes = np.empty((n, len(self.joints) + 1, 3)), np.empty((n, len(self.joints), 3))
+        for i, joint in enumerate(self.joints):
+            p = p + rotations.rotate(q, joint.pose.position)
+            q = rotations.multiply(q, joint.pose.quaternion)
+            axes[:, i] = rotations.rotate(q, joint.axis)
+            if joint.sliding:
+                p = p + joints[:, i, None] * axes[:, i]
+            else:
+                half = joints[:, i] / 2.0
+                about = np.sin(half)[:, None] * np.array(joint.axis)
+                q = rotations.multiply(q, np.column_stack([np.cos(half), about]))
+            origins[:, i] = p
+        origins[:, -1] = p + rotations.rotate(q, self.flange.position)
+        return origins, rotations.multiply(q, self.flange.quaternion), axes
+
+    @cached_property
+    def _turning(self) -> tuple[int, ...]:
+        return tuple(i for i, joint in enumerate(self.joints) if not joint.sliding)
+
+    @cached_property
+    def _bend(self) -> tuple[int, int | None]:
+        """The elbow: the first of two axes that are parallel and follow each other, or else the
+        second axis that turns, and the joint behind them if it is parallel too.
+        """
+        axes = self._along(np.zeros((1, len(self.joints))))[2][0]
+
+        def parallel(i: int) -> bool:
+            both = i in self._turning and i + 1 in self._turning
+            return both and bool(np.linalg.norm(np.cross(axes[i], axes[i + 1])) < PARALLEL)
+
+        first = next((i for i in range(len(axes) - 1) if parallel(i)), self._turning[1])
+        third = first + 2 < len(axes) and parallel(first) and parallel(first + 1)
+        return first, first + 2 if third else None
+
+    def _signs(self, origins: Floats, axes: Floats) -> Floats:
+        """(n, SIGNS) numbers, each of which changes its sign where two branches meet."""
+        out = np.zeros((len(origins), SIGNS))
+        turning = self._turning
+        if len(turning) < SIGNS:
+            return out
+        *_, c, b, a = turning
+        out[:, 2] = _dot(np.cross(axes[:, c], axes[:, b]), axes[:, a])
+        elbow, third = self._bend
+        if third is not None:
+            behind = origins[:, third]
+        elif turning[-1] == elbow + 1:
+            behind = origins[:, -1]
+        else:
+            behind = _nearest_point(origins[:, b], axes[:, b], origins[:, a], axes[:, a])
+        upper, fore = origins[:, elbow + 1] - origins[:, elbow], behind - origins[:, elbow + 1]
+        out[:, 1] = _dot(np.cross(upper, fore), axes[:, elbow]) / METRE**2
+        first = turning[0]
+        if elbow > first:
+            wrist = _nearest_point(origins[:, b], axes[:, b], origins[:, a], axes[:, a])
+            forward = np.cross(axes[:, elbow], axes[:, first])
+            out[:, 0] = _dot(wrist - origins[:, first], forward) / METRE
+        return out
+
+    @cached_property
+    def _library(self) -> tuple[Floats, Floats, Rows]:
+        """Joints (m, a) inside the limits, what `_place` says of them, and their branches."""
+        low = np.array([joint.low for joint in self.joints])
+        high = np.array([joint.high for joint in self.joints])
+        joints = np.random.default_rng(0).uniform(low, high, (STARTS[0], len(low)))
+        positions, quaternions, axes = self._along(joints)
+        shape = self._signs(positions, axes) < -PARALLEL
+        branches = self.branch(shape.astype(np.intp))
+        return joints, self._place(positions[:, -1], quaternions), branches
+
+    def _place(self, positions: Floats, quaternions: Floats) -> Floats:
+        """(n, 12) whose distances say how far poses are apart."""
+        turned = rotations.to_matrix(quaternions).reshape(-1, 9)
+        return np.hstack([positions / max(self.reach, 1.0), 0.25 * turned])
+
+    def _starts(self, positions: Floats, quaternions: Floats, branch: int) -> Floats:
+        """(n, k, a) joints of a branch whose poses are near to some."""
+        joints, places, branches = self._library
+        mine = np.flatnonzero(branches == branch)
+        if not len(mine):
+            return np.empty((len(positions), 0, len(self.joints)))
+        many = min(STARTS[1], len(mine))
+        theirs = places[mine]
+        square = (theirs**2).sum(axis=1)
+        out = np.empty((len(positions), many, len(self.joints)))
+        for start in range(0, len(positions), 1024):
+            rows = slice(start, start + 1024)
+            away = square - 2.0 * self._place(positions[rows], quaternions[rows]) @ theirs.T
+            near = np.argpartition(away, many - 1, axis=1)[:, :many]
+            order = np.take_along_axis(away, near, axis=1).argsort(axis=1)
+            out[rows] = joints[mine[np.take_along_axis(near, order, axis=1)]]
+        return out
+
+    def _join(
+        self,
+        best: Floats,
+        rank: NDArray[np.int64],
+        poses: Floats,
+        positions: Floats,
+        quaternions: Floats,
+        branch: int,
+    ) -> None:
+        """Looks beside the solution of the row before where a row of a column has none, or one
+        that is far from there: a branch may have several.
+        """
+        for row in range(1, len(best)):
+            if rank[row - 1] > _Rank.OUTSIDE:
+                continue
+            near = np.abs(self._wound(best[row] - best[row - 1])).max() < FAR
+            if near and rank[row] <= _Rank.OUTSIDE:
+                continue
+            one = slice(row, row + 1)
+            found = self._solved(poses[one], best[row - 1 : row])
+            if np.abs(self._wound(found[0] - best[row])).max() < SAME:
+                continue
+            fits = self._rank(found, positions[one], quaternions[one], branch)[0]
+            if fits <= rank[row]:
+                best[row], rank[row] = found[0], fits
+
+    def _rank(
+        self, joints: Floats, positions: Floats, quaternions: Floats, branch: int
+    ) -> NDArray[np.int64]:
+        """(n,) how good joints (n, a) are as those of a branch."""
+        closes = self._off(joints, positions, quaternions) == 0.0
+        mine = self.branch(self.shape(joints).astype(np.intp)) == branch
+        spread = np.array([joint.high - joint.low for joint in self.joints])
+        inside = (np.abs(self._wound(joints - self._middle)) <= spread / 2.0 + 1e-9).all(axis=1)
+        ranks = [closes & mine & inside, closes & mine, ~closes]
+        return np.select(ranks, [_Rank.INSIDE, _Rank.OUTSIDE, _Rank.OPEN], _Rank.ELSEWHERE)
+
+    def _wound(self, joints: Floats) -> Floats:
+        """Differences (..., a) of joints, whole turns taken out."""
+        turns = 2.0 * np.pi * np.round(joints / (2.0 * np.pi))
+        return np.asarray(joints - np.where(self.sliding, 0.0, turns))
+
+    @cached_property
+    def _middle(self) -> Floats:
+        return np.array([(joint.low + joint.high) / 2.0 for joint in self.joints])
+
+    @cached_property
+    def _transforms(self) -> Any:
+        return self.elementary()
+
+    def _solved(self, poses: Floats, starts: Floats) -> Floats:
+        """What the solver finds for poses (n, 4, 4) in metres from starts (n, a).
+
+        An axis that turns stays within half a turn of where it starts.
+        """
+        scale = np.where(self.sliding, 1.0 / METRE, 1.0)
+        solve, found = self._transforms.ik_LM, np.empty_like(starts)
+        for row, (pose, start) in enumerate(zip(poses, starts * scale, strict=True)):
+            found[row] = solve(
+                pose, q0=start, ilimit=STEPS, slimit=1, tol=RESIDUAL, joint_limits=False
+            ).q
+        found = np.where(np.isfinite(found), found / scale, starts)
+        return starts + self._wound(found - starts)
+
+    def _off(self, joints: Floats, positions: Floats, quaternions: Floats) -> Floats:
+        """(n,) 0 where joints (n, a) lead to the poses, else mm or, if more, degrees."""
+        p, q = self.fk(joints)
+        off = np.linalg.norm(p - positions, axis=1)
+        off = np.maximum(off, turn_between(q, quaternions))
+        return np.asarray(np.where(off < CLOSING / 2.0, 0.0, off))
+
+
+def _about(axis: int, angle: float) -> tuple[float, float, float, float]:
+    """A rotation about X, Y or Z, radians."""
+    unit = np.eye(3)[axis]
+    w, x, y, z = rotations.canonical(rotations.about(unit, np.degrees(angle))).tolist()
+    return (w, x, y, z)
+
+
+def _dot(left: Floats, right: Floats) -> Floats:
+    return np.asarray(np.einsum("ij,ij->i", left, right))
+
+
+def _nearest_point(origin: Floats, axis: Floats, other: Floats, direction: Floats) -> Floats:
+    """(n, 3) the points of lines that come nearest to other lines; any of parallel ones."""
+    normal = np.cross(axis, direction)
+    square = _dot(normal, normal)
+    way = _dot(np.cross(other - origin, direction), normal) / np.where(square > 0.0, square, 1.0)
+    return np.asarray(origin + np.where(square > PARALLEL, way, 0.0)[:, None] * axis)
+
+
+def _onto_z(axis: tuple[float, float, float]) -> tuple[float, float, float, float]:
+    """A rotation that takes Z to an axis."""
+    x, y, z = axis
+    if z < -1.0 + 1e-12:
+        return (0.0, 1.0, 0.0, 0.0)
+    w, a, b, _ = rotations.canonical([1.0 + z, -y, x, 0.0]).tolist()
+    return (w, a, b, 0.0)
+
+
+def _matrices(positions: Floats, quaternions: Floats) -> Floats:
+    """Poses as matrices (n, 4, 4), in metres."""
+    out = np.tile(np.eye(4), (len(positions), 1, 1))
+    out[:, :3, :3] = rotations.to_matrix(quaternions)
+    out[:, :3, 3] = positions / METRE
+    return out
+
+
+def _in_metres(pose: Pose) -> Floats:
+    return np.asarray(_matrices(np.array([pose.position]), np.array([pose.quaternion]))[0])

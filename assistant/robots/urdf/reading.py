@@ -1,0 +1,141 @@
+"""A URDF as an arm, and what of a robot file it says."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from assistant.program import rotations
+from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity
+from assistant.program.geometry import IDENTITY, Pose
+from assistant.robots.arms.arm import Arm
+from assistant.robots.arms.serial import Joint as Axis
+from assistant.robots.arms.serial import Serial
+from assistant.robots.recognition import recognised
+from assistant.robots.urdf import tree
+from assistant.robots.urdf.elements import Element, parse
+
+ASSUMED: Final = Rule(
+    "RB008",
+    Severity.INFO,
+    "a URDF does not say everything of a robot: {what}",
+    "write a TOML file with the key `urdf` and what you know better",
+)
+METRE: Final = 1000.0
+TURNS: Final = 360.0
+"""degrees to either side for an axis that turns without end."""
+LANGUAGES: Final = ("rapid", "melfa-basic-4", "melfa-basic-5", "melfa-basic-6")
+
+
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """arm: in closed form where there is one. table: what a robot file would say of the rest.
+
+    missing: of an axis and field of the table that the file leaves out, what to tell.
+    findings: what is taken although the file does not say it.
+    """
+
+    arm: Arm
+    table: dict[str, Any]
+    missing: dict[tuple[str, str], Diagnostic]
+    findings: tuple[Diagnostic, ...]
+
+
+def read(data: bytes, path: str | None) -> Drawn:
+    """Raises Unreadable, or Refused with a finding for everything that is wrong."""
+    root = parse(data, path)
+    reader = tree.Reader(path)
+    carried = reader.tree(root)
+    if reader.findings:
+        raise Refused(*reader.findings)
+    if not any(joint.moving for joint in carried.values()):
+        raise Refused(root.wrong(path, "has no joint that moves"))
+    tip, reason = tree.tip_of(carried)
+    joints = tree.chain(tip, carried)
+    _refuse_unfit(joints, path)
+    moving = [joint for joint in joints if joint.moving]
+    chain = _serial(joints)
+    arm = recognised(chain) or chain
+    table, missing = _table(root, moving, arm, path)
+    table["source"] = f"URDF, the chain from {joints[0].parent} to {tip}"
+    notes = [f"the flange is link `{tip}`, {reason}"]
+    if any(joint.rounded for joint in joints):
+        notes.append("angles printed like 1.5708 are taken for quarter turns")
+    if isinstance(arm, Serial):
+        notes.append("its arm has no closed form here and is solved numerically")
+    endless = [j.name for j in moving if j.kind == "continuous"]
+    if endless:
+        notes.append(f"{', '.join(endless)} turn without end and get {TURNS:g} degrees either way")
+    what = "maker, languages, payload and home are assumed; " + "; ".join(notes)
+    return Drawn(arm, table, missing, (ASSUMED(path=path, what=what),))
+
+
+def _refuse_unfit(joints: tuple[tree.Joint, ...], path: str | None) -> None:
+    wrong = []
+    for joint in joints:
+        if joint.kind in ("floating", "planar"):
+            wrong.append(joint.element.wrong(path, f"is {joint.kind}, which no axis of an arm is"))
+        elif joint.moving and joint.follows:
+            wrong.append(joint.element.wrong(path, "follows another joint, which is not supported"))
+    if wrong:
+        raise Refused(*wrong)
+
+
+def _serial(joints: tuple[tree.Joint, ...]) -> Serial:
+    """The chain, fixed joints made part of the moving ones behind them."""
+    axes, pose = [], IDENTITY
+    for joint in joints:
+        roll, pitch, yaw = (math.degrees(angle) for angle in joint.rpy)
+        turn = rotations.from_euler([yaw, pitch, roll])
+        pose = pose @ Pose.of(np.array(joint.xyz) * METRE, turn)
+        if joint.moving:
+            sliding = joint.kind == "prismatic"
+            unit = METRE if sliding else 1.0
+            low, high = joint.limits or (-math.pi, math.pi)
+            axes.append(Axis(pose, joint.axis, sliding, low * unit, high * unit))
+            pose = IDENTITY
+    return Serial(tuple(axes), pose)
+
+
+def _table(
+    root: Element, joints: list[tree.Joint], arm: Arm, path: str | None
+) -> tuple[dict[str, Any], dict[tuple[str, str], Diagnostic]]:
+    name = root.attributes.get("name", "").strip() or "robot"
+    table: dict[str, Any] = {
+        "name": name,
+        "title": name,
+        "maker": "unknown",
+        "controller": "unknown",
+        "languages": list(LANGUAGES),
+        "configuration": "quadrants",
+        "reach_mm": max(arm.reach, 1.0),
+        "unconfirmed": ["maker", "controller", "languages", "configuration", "home"],
+        "axes_deg": {},
+        "axes_mm": {},
+    }
+    missing: dict[tuple[str, str], Diagnostic] = {}
+    for axis, joint in zip(arm.axes, joints, strict=True):
+        sliding = joint.kind == "prismatic"
+        entry: dict[str, Any] = {}
+        limits = (-math.radians(TURNS), math.radians(TURNS)) if joint.kind == "continuous" else None
+        limits = joint.limits or limits
+        if limits is None:
+            missing[axis, "limits"] = joint.element.wrong(path, "has no <limit> lower and upper")
+        else:
+            entry["limits"] = [_said(value, sliding) for value in limits]
+            entry["home"] = min(max(0.0, entry["limits"][0]), entry["limits"][1])
+        if joint.velocity is None:
+            reason = "has no <limit> velocity above 0, so that nobody knows how fast it is"
+            missing[axis, "speed"] = joint.element.wrong(path, reason)
+        else:
+            entry["speed"] = _said(joint.velocity, sliding)
+        table["axes_mm" if sliding else "axes_deg"][axis] = entry
+    return table, missing
+
+
+def _said(value: float, sliding: bool) -> float:
+    """Radians or m as degrees or mm."""
+    return value * METRE if sliding else math.degrees(value)

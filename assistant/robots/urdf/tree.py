@@ -1,0 +1,240 @@
+"""Links and joints of a URDF, and the chain from its root to its flange."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Final
+
+from assistant.program.diagnostics import Diagnostic
+from assistant.robots.urdf.elements import Element
+
+MOVING: Final = ("revolute", "continuous", "prismatic")
+KINDS: Final = (*MOVING, "fixed", "floating", "planar")
+TIPS: Final = ("tool0", "flange")
+"""Names of links that are the flange, by convention of ROS-Industrial; the first that is there."""
+SHORTEST: Final = 2
+"""Decimals from which on an angle that is printed short of a quarter turn counts as one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """xyz: m. rpy: radians. limits: radians or m, None if there are none. velocity: a second."""
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    element: Element
+    xyz: tuple[float, float, float]
+    rpy: tuple[float, float, float]
+    axis: tuple[float, float, float]
+    limits: tuple[float, float] | None
+    velocity: float | None
+    rounded: bool
+    follows: bool
+
+    @property
+    def moving(self) -> bool:
+        return self.kind in MOVING
+
+
+@dataclass(slots=True)
+class Reader:
+    """Reads elements and collects what is wrong with them."""
+
+    path: str | None
+    findings: list[Diagnostic] = field(default_factory=list)
+
+    def joint(self, element: Element) -> Joint:
+        name, kind = element.attributes.get("name", ""), element.attributes.get("type", "")
+        if not name:
+            self.wrong(element, "has no name")
+        if kind not in KINDS:
+            what = f"type `{kind}` is none of {', '.join(KINDS)}"
+            self.wrong(element, f"has no type; there are {', '.join(KINDS)}" if not kind else what)
+        ends = {}
+        for end in ("parent", "child"):
+            part = element.first(end)
+            ends[end] = "" if part is None else part.attributes.get("link", "")
+            if not ends[end]:
+                self.wrong(element, f"names no {end} link")
+        origin, axis = element.first("origin"), element.first("axis")
+        xyz = self.vector(element, origin, "xyz", (0.0, 0.0, 0.0))
+        rpy = self.vector(element, origin, "rpy", (0.0, 0.0, 0.0))
+        texts = (origin.attributes.get("rpy", "") if origin else "").split()
+        exact = tuple(map(quarter, rpy, texts)) if len(texts) == 3 else rpy
+        return Joint(
+            name=name,
+            kind=kind,
+            parent=ends["parent"],
+            child=ends["child"],
+            element=element,
+            xyz=xyz,
+            rpy=(exact[0], exact[1], exact[2]),
+            axis=self.axis(element, axis) if kind in MOVING else (0.0, 0.0, 1.0),
+            limits=self.limits(element, kind),
+            velocity=self.velocity(element) if kind in MOVING else None,
+            rounded=exact != rpy,
+            follows=element.first("mimic") is not None,
+        )
+
+    def axis(self, joint: Element, axis: Element | None) -> tuple[float, float, float]:
+        x, y, z = self.vector(joint, axis, "xyz", (1.0, 0.0, 0.0))
+        length = math.hypot(x, y, z)
+        if length < 1e-6:
+            self.wrong(joint, "has an axis of length 0")
+            return (0.0, 0.0, 1.0)
+        return x / length, y / length, z / length
+
+    def limits(self, joint: Element, kind: str) -> tuple[float, float] | None:
+        limit = joint.first("limit")
+        if kind not in ("revolute", "prismatic") or limit is None:
+            return None
+        # What a URDF leaves out is 0.
+        low, high = (self.number(joint, limit, key, 0.0) for key in ("lower", "upper"))
+        if low is None or high is None:
+            return None
+        if not low < high:
+            self.wrong(joint, f"has a lower limit of {low:g} that is not below its upper, {high:g}")
+            return None
+        return low, high
+
+    def velocity(self, joint: Element) -> float | None:
+        limit = joint.first("limit")
+        value = None if limit is None else self.number(joint, limit, "velocity", None)
+        return value if value is not None and value > 0.0 else None
+
+    def vector(
+        self, joint: Element, part: Element | None, key: str, usual: tuple[float, float, float]
+    ) -> tuple[float, float, float]:
+        text = None if part is None else part.attributes.get(key)
+        if part is None or text is None:
+            return usual
+        numbers = [_number(word) for word in text.split()]
+        x, y, z = numbers if len(numbers) == 3 else (None, None, None)
+        if x is None or y is None or z is None:
+            self.wrong(joint, f"has {key} `{text}` of <{part.tag}>, which is not three numbers")
+            return usual
+        return x, y, z
+
+    def number(self, joint: Element, part: Element, key: str, usual: float | None) -> float | None:
+        text = part.attributes.get(key)
+        value = usual if text is None else _number(text)
+        if text is not None and value is None:
+            self.wrong(joint, f"has {key} `{text}` of <{part.tag}>, which is no number")
+        return value
+
+    def wrong(self, element: Element, reason: str) -> None:
+        self.findings.append(element.wrong(self.path, reason))
+
+    def links(self, root: Element) -> dict[str, Element]:
+        found: dict[str, Element] = {}
+        for element in root.all("link"):
+            name = element.attributes.get("name", "")
+            if not name:
+                self.wrong(element, "has no name")
+            elif name in found:
+                self.wrong(element, "stands there twice")
+            found[name] = element
+        return found
+
+    def tree(self, root: Element) -> Mapping[str, Joint]:
+        """Name of a link → the joint that carries it."""
+        links = self.links(root)
+        joints = [self.joint(element) for element in root.all("joint")]
+        carried: dict[str, Joint] = {}
+        names: set[str] = set()
+        for joint in joints:
+            if joint.name and joint.name in names:
+                self.wrong(joint.element, "stands there twice")
+            names.add(joint.name)
+            for end, link in (("parent", joint.parent), ("child", joint.child)):
+                if link and link not in links:
+                    self.wrong(joint.element, f"has a {end} link `{link}` that is not there")
+            if joint.child in carried:
+                other = carried[joint.child].name
+                self.wrong(joint.element, f"carries link `{joint.child}`, as does joint `{other}`")
+            carried[joint.child] = joint
+        if not self.findings:
+            self.one_root(root, links, carried)
+        return carried
+
+    def one_root(
+        self, root: Element, links: Mapping[str, Element], carried: Mapping[str, Joint]
+    ) -> None:
+        roots = [name for name in links if name not in carried]
+        if len(roots) != 1:
+            what = f"has {len(roots)} links that no joint carries ({', '.join(roots[:5])}), not one"
+            circle = "has no link that no joint carries: it is a circle"
+            self.wrong(root, what if roots or not links else circle)
+            return
+        for name in links:
+            if _circles(name, carried):
+                self.wrong(links[name], "hangs on itself")
+                return
+
+
+def chain(tip: str, carried: Mapping[str, Joint]) -> tuple[Joint, ...]:
+    """The joints from the root to a link."""
+    return tuple(reversed(list(_down(tip, carried))))
+
+
+def tip_of(carried: Mapping[str, Joint]) -> tuple[str, str]:
+    """The link that is the flange, and why: a name of `TIPS`, else the end with most axes."""
+
+    def axes(link: str) -> int:
+        return sum(joint.moving for joint in _down(link, carried))
+
+    for wanted in TIPS:
+        named = [link for link in carried if _is_called(link, wanted) and axes(link)]
+        if named:
+            return max(named, key=lambda link: (link == wanted, axes(link))), "by its name"
+    parents = {joint.parent for joint in carried.values()}
+    ends = [link for link in carried if link not in parents]
+    best = max(ends, key=lambda link: (axes(link), len(list(_down(link, carried)))))
+    return best, "as the end of the chain with most axes"
+
+
+def quarter(angle: float, text: str) -> float:
+    """An angle, a quarter turn's multiple if that printed as short as the text is the text."""
+    digits = text.lstrip("+-").partition(".")[2]
+    if len(digits) < SHORTEST or not digits.isdigit():
+        return angle
+    exact = math.pi / 2.0 * round(angle / (math.pi / 2.0))
+    shown = abs(exact) * 10.0 ** len(digits)
+    given = round(abs(angle) * 10.0 ** len(digits))
+    return exact if given in (math.floor(shown), round(shown)) else angle
+
+
+def _is_called(link: str, wanted: str) -> bool:
+    """Whether a link has a name, alone or behind a prefix."""
+    return link == wanted or link.endswith(("_" + wanted, "-" + wanted, "/" + wanted))
+
+
+def _down(link: str, carried: Mapping[str, Joint]) -> Iterator[Joint]:
+    """The joints from a link to the root."""
+    for _ in range(len(carried)):
+        if link not in carried:
+            return
+        yield carried[link]
+        link = carried[link].parent
+
+
+def _circles(link: str, carried: Mapping[str, Joint]) -> bool:
+    seen = set()
+    while link in carried:
+        if link in seen:
+            return True
+        seen.add(link)
+        link = carried[link].parent
+    return False
+
+
+def _number(text: str) -> float | None:
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
