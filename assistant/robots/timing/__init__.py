@@ -1,0 +1,73 @@
+"""Timing: how long the moves of a program take, and the motion over time.
+
+An estimate, not the planner of a controller: docs/simulating.md states the model.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from assistant.program.diagnostics import Refused, has_errors
+from assistant.robots.journey import Journey
+from assistant.robots.timing.drive import TIME_TO_SPEED, Drive, drive_of
+from assistant.robots.timing.samples import Samples
+from assistant.robots.timing.simulation import NO_PERIOD, MoveTimes, Simulation, Unknown
+from assistant.robots.timing.walking import Walker
+from assistant.robots.timing.way import Duration, Way
+
+__all__ = [
+    "TIME_TO_SPEED",
+    "Drive",
+    "Duration",
+    "MoveTimes",
+    "Samples",
+    "Simulation",
+    "Unknown",
+    "drive_of",
+    "simulate",
+]
+
+
+def simulate(
+    journey: Journey,
+    *,
+    period: float | None = None,
+    acceleration: float | None = None,
+    start: ArrayLike | None = None,
+    drive: Drive | None = None,
+) -> Simulation:
+    """How long a solved program takes, and how the arm moves while it runs.
+
+    period: seconds between samples; None for 0.01, or longer if those would be too many.
+    acceleration: mm/s² of the tool on lines and arcs at most; None if only the axes bound it.
+    start: (a,) joints where the program begins, None for home. drive: speeds and accelerations
+    of the axes, None for those of the robot.
+    Raises Refused if the journey has errors: what cannot be reached has no time.
+    """
+    if has_errors(journey.findings):
+        raise Refused(*journey.findings)
+    for what, value in (("period", period), ("acceleration", acceleration)):
+        if value is not None and not 0.0 < value < np.inf:
+            raise Refused(NO_PERIOD(what=what, value=value), exit_status=2)
+    robot, program = journey.robot, journey.program
+    begin = np.array(robot.home if start is None else start, dtype=np.float64)
+    walker = Walker(journey, drive or drive_of(robot, acceleration))
+    place = tuple(begin.tolist())
+    first = Way(places=(place,), known=walker.begin())
+    entry = program.procedure(program.entry) if program.entry else None
+    done = first if entry is None else walker.procedure(entry, first, {})
+    for procedure in program.procedures:
+        if procedure.name not in walker.procedures:
+            walker.procedure(procedure, Way(), {})
+    order = [procedure.name for procedure in program.procedures]
+    return Simulation(
+        robot=robot,
+        duration=Duration(done.least, done.most),
+        procedures={name: walker.procedures[name] for name in order},
+        moves=walker.ledger.move_times(order),
+        unknown=walker.ledger.unknown(),
+        trace=done.trace,
+        start=begin,
+        wanted_period=period,
+    )

@@ -1,0 +1,234 @@
+"""The way of moves as knots: close enough to each other to take the joints as linear between.
+
+A knot is a place of the tool with the joints that it takes. A short move is one step, from its
+start to its end; a long one gets knots on its line or arc, solved in the branch of its end.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.program import rotations
+from assistant.program.path import Kind
+from assistant.robots.robot import CHUNK, IN_LINE, Robot
+from assistant.robots.run import Floats
+from assistant.robots.timing.arcs import Arcs, arcs_of
+from assistant.robots.timing.rows import Mount, Moves, Rows
+
+APART: Final = 10.0
+"""mm between knots at most."""
+TURNED: Final = 1.5
+"""degrees (or mm) that the tool or an axis turns between knots at most."""
+MOST: Final = 400
+"""Steps of a move."""
+LEAP: Final = 60.0
+"""degrees that no axis turns between two knots: the arm would change its branch there."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Knots:
+    """k + 1 knots, k steps between them.
+
+    row: (k,) the move that a step belongs to. part: (k,) of its move that it is; 0 where only
+    the tool or the frame changes. joints: (k + 1, a). positions, quaternions: (k + 1, 3),
+    (k + 1, 4) as `Mount.tip` gives them. length: (k,) mm. turn: (k,) deg.
+    guessed: rows on whose way the joints are only taken as linear: the branch changes on it.
+    """
+
+    row: Rows
+    part: Floats
+    joints: Floats
+    positions: Floats
+    quaternions: Floats
+    length: Floats
+    turn: Floats
+    guessed: Rows
+
+
+def knots_of(moves: Moves, start: Floats, robot: Robot) -> Knots:
+    """The way from joints (a,) through n moves."""
+    ends = _Ends(moves, start, robot)
+    steps = ends.steps()
+    lead = ends.remounted.astype(np.intp)
+    last = np.cumsum(steps + lead)  # knot of each move's end; knot 0 is the start
+    row = np.repeat(np.arange(len(moves)), steps + lead)
+    part = np.repeat(1.0 / steps, steps + lead)
+    k = len(row)
+    knots = Knots(
+        row,
+        part,
+        np.empty((k + 1, len(robot.axes))),
+        np.empty((k + 1, 3)),
+        np.empty((k + 1, 4)),
+        np.zeros(k),
+        np.zeros(k),
+        np.empty(0, np.intp),
+    )
+    knots.joints[0], knots.joints[last] = start, moves.joints
+    knots.positions[0], knots.positions[last] = ends.p0[0], moves.positions
+    knots.quaternions[0], knots.quaternions[last] = ends.q0[0], moves.quaternions
+    again = np.flatnonzero(lead)
+    first = last[again] - steps[again]
+    part[first - 1] = 0.0
+    knots.joints[first], knots.positions[first] = ends.j0[again], ends.p0[again]
+    knots.quaternions[first] = ends.q0[again]
+    wide = np.flatnonzero(steps > 1)
+    guessed = [
+        _fill(knots, moves, ends, some, steps, last, robot) for some in _batches(wide, steps[wide])
+    ]
+    lengths = ends.lengths / steps
+    turns = ends.turns / steps
+    real = part > 0.0
+    knots.length[real], knots.turn[real] = lengths[row[real]], turns[row[real]]
+    free = np.flatnonzero(real & (moves.kinds[row] == Kind.JOINT))
+    knots.length[free] = np.linalg.norm(knots.positions[free + 1] - knots.positions[free], axis=1)
+    knots.turn[free] = rotations.angle_between(knots.quaternions[free], knots.quaternions[free + 1])
+    return Knots(
+        row,
+        part,
+        knots.joints,
+        knots.positions,
+        knots.quaternions,
+        knots.length,
+        knots.turn,
+        np.concatenate([np.empty(0, np.intp), *guessed]),
+    )
+
+
+class _Ends:
+    """Where n moves start, with their own tool and frame, and how long their ways are.
+
+    j0 (n, a), p0 (n, 3), q0 (n, 4). lengths (n,) mm, turns (n,) deg; of joint moves straight.
+    remounted: (n,) whether the tool or frame is another one than before.
+    """
+
+    def __init__(self, moves: Moves, start: Floats, robot: Robot) -> None:
+        self.moves = moves
+        self.j0 = np.concatenate([start[None], moves.joints[:-1]])
+        p, q = moves.mounts[moves.mount[0]].tip(robot, start[None])
+        self.p0 = np.concatenate([p, moves.positions[:-1]])
+        self.q0 = np.concatenate([q, moves.quaternions[:-1]])
+        self.remounted = np.zeros(len(moves), dtype=bool)
+        self.remounted[1:] = np.diff(moves.mount) != 0
+        for index in np.unique(moves.mount[self.remounted]):
+            rows = np.flatnonzero(self.remounted & (moves.mount == index))
+            self.p0[rows], self.q0[rows] = moves.mounts[index].tip(robot, self.j0[rows])
+        self.lengths = np.linalg.norm(moves.positions - self.p0, axis=1)
+        self.turns = rotations.angle_between(self.q0, moves.quaternions)
+        self.arcs: Arcs | None = arcs_of(moves.kinds, self.p0, moves.positions)
+        if self.arcs is not None:
+            self.lengths[self.arcs.rows] = self.arcs.lengths
+
+    def steps(self) -> Rows:
+        """(n,) how many steps each move is cut into."""
+        angles = np.abs(self.moves.joints - self.j0).max(axis=1)
+        free = self.moves.kinds == Kind.JOINT
+        straight = np.where(free, 0.0, self.lengths)
+        wanted = np.maximum(straight / APART, np.maximum(self.turns, angles) / TURNED)
+        if self.arcs is not None:
+            at = self.arcs.rows
+            wanted[at] = np.maximum(wanted[at], np.abs(self.arcs.angles) / TURNED)
+        return np.asarray(np.clip(np.ceil(wanted), 1, MOST).astype(np.intp))
+
+
+def _batches(rows: Rows, steps: Rows) -> list[Rows]:
+    """Rows in groups of about `CHUNK` steps each."""
+    if not len(rows):
+        return []
+    return np.split(rows, np.flatnonzero(np.diff(np.cumsum(steps) // CHUNK)) + 1)
+
+
+def _fill(
+    knots: Knots, moves: Moves, ends: _Ends, rows: Rows, steps: Rows, last: Rows, robot: Robot
+) -> Rows:
+    """Sets the inner knots of some moves of several steps; gives those whose joints are guessed."""
+    inner = steps[rows] - 1
+    each = np.repeat(rows, inner)  # row of every inner knot
+    first = np.concatenate([[0], np.cumsum(inner)[:-1]])
+    count = np.arange(len(each)) - np.repeat(first, inner) + 1
+    part = count / steps[each]
+    at = last[each] - steps[each] + count
+    p = ends.p0[each] + part[:, None] * (moves.positions[each] - ends.p0[each])
+    if ends.arcs is not None:
+        on = np.flatnonzero(np.isin(each, ends.arcs.rows))
+        p[on] = ends.arcs.points(each[on], part[on])
+    q = slerp(ends.q0[each], moves.quaternions[each], part)
+    between = ends.j0[each] + part[:, None] * (moves.joints[each] - ends.j0[each])
+    free = moves.kinds[each] == Kind.JOINT
+    mount = moves.mount[each]
+    branch = robot.branch_of(robot.configuration(moves.joints[rows]))
+    branches = np.repeat(branch, inner)
+    joints = between.copy()
+    for index in np.unique(mount):
+        here = mount == index
+        tool = moves.mounts[index]
+        some = np.flatnonzero(here & free)
+        if len(some):
+            p[some], q[some] = tool.tip(robot, joints[some])
+        for one in np.unique(branches[here & ~free]):
+            some = np.flatnonzero(here & ~free & (branches == one))
+            joints[some] = _solved(robot, tool, p[some], q[some], int(one))
+    straight = ~free
+    guessed = _unwind(joints, between, straight, each, rows, inner, moves, ends, robot)
+    knots.positions[at], knots.quaternions[at], knots.joints[at] = p, q, joints
+    return guessed
+
+
+def _solved(robot: Robot, tool: Mount, p: Floats, q: Floats, branch: int) -> Floats:
+    """(m, a) joints in one branch, whole turns left open."""
+    found, _ = robot.solve(*tool.to_flange(p, q), (branch,))
+    return np.ascontiguousarray(found[:, 0].T)
+
+
+def _unwind(
+    joints: Floats,
+    between: Floats,
+    solved: NDArray[np.bool_],
+    each: Rows,
+    rows: Rows,
+    inner: Rows,
+    moves: Moves,
+    ends: _Ends,
+    robot: Robot,
+) -> Rows:
+    """Makes the joints of inner knots continuous from the start of each move to its end.
+
+    Where that cannot be, they are set to `between`, and the rows are given.
+    """
+    if robot.arm.spherical:
+        line = solved & (np.abs(joints[:, 4]) < IN_LINE)
+        # Only the sum of axes 4 and 6 counts there; axis 4 goes straight on.
+        joints[line, 5] += joints[line, 3] - between[line, 3]
+        joints[line, 3] = between[line, 3]
+    first = np.concatenate([[0], np.cumsum(inner)[:-1]])
+    steps = np.empty_like(joints)
+    steps[1:] = joints[1:] - joints[:-1]
+    steps[first] = joints[first] - ends.j0[rows]
+    steps = robot.wound(steps)
+    total = np.cumsum(steps, axis=0)
+    before = np.concatenate([np.zeros((1, joints.shape[1])), total])[first]
+    smooth = ends.j0[each] + total - np.repeat(before, inner, axis=0)
+    final = first + inner - 1
+    off = robot.wound(moves.joints[rows] - joints[final])
+    missed = np.abs(smooth[final] + off - moves.joints[rows]).max(axis=1) > 1.0
+    widest = np.maximum(np.maximum.reduceat(np.abs(steps).max(axis=1), first), np.abs(off).max(1))
+    finite = np.isfinite(total[final]).all(axis=1)
+    bad = (missed | (widest > LEAP) | ~finite) & solved[first]
+    good = np.repeat(~bad, inner)
+    joints[:] = np.where(good[:, None] & solved[:, None], smooth, between)
+    return np.asarray(rows[bad])
+
+
+def slerp(first: Floats, last: Floats, part: Floats) -> Floats:
+    """Unit quaternions (m, 4) on the shorter turns between two columns, at parts (m,)."""
+    turned = rotations.multiply(rotations.conjugate(first), last)
+    turned = np.where(turned[:, :1] < 0.0, -turned, turned)
+    sine = np.linalg.norm(turned[:, 1:], axis=1)
+    half = np.arctan2(sine, turned[:, 0]) * part
+    axis = turned[:, 1:] / np.maximum(sine, 1e-300)[:, None]
+    step = np.concatenate([np.cos(half)[:, None], np.sin(half)[:, None] * axis], axis=1)
+    return rotations.multiply(first, step)

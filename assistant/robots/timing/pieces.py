@@ -1,0 +1,190 @@
+"""What a motion statement moves through, once the way up to it is known."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from assistant.program.expressions import Expression
+from assistant.program.geometry import BASE, FLANGE, Frame, Tool
+from assistant.program.path import UNSTATED, Kind, configuration_row
+from assistant.program.program import Procedure, walk
+from assistant.program.statements import Follow, Motion, Move, MoveCircular, MoveJoints
+from assistant.robots.journey import Journey, Leg
+from assistant.robots.naming import Names, Place
+from assistant.robots.run import Floats, Pace
+from assistant.robots.timing.rows import Mount, Moves, Settings, moves_of, placed
+from assistant.robots.timing.way import Joints
+
+Moving = Move | MoveCircular | MoveJoints | Follow
+ONE_ROW: Final = slice(0, 1)
+TWO_ROWS: Final = slice(0, 2)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Piece:
+    """One motion statement, ready to be timed.
+
+    number: of the motion statement in its procedure, counted from 1. key: the same for pieces
+    that are alike in everything.
+    """
+
+    procedure: str
+    number: int
+    moves: Moves
+    key: tuple[object, ...]
+
+
+class Pieces:
+    """The motion statements of a journey.
+
+    numbers: id of a statement → its number in its procedure and its leg.
+    """
+
+    def __init__(self, journey: Journey, names: Names) -> None:
+        self.journey, self.names = journey, names
+        program = journey.program
+        self.tables = (
+            {name.lower(): speed for name, speed in program.speeds.items()},
+            {name.lower(): blend for name, blend in program.blends.items()},
+        )
+        self.numbers: dict[int, tuple[int, Leg]] = {}
+        for procedure in program.procedures:
+            self._number(procedure, journey.legs[procedure.name])
+        self.made: dict[tuple[object, ...], Moves] = {}
+
+    def _number(self, procedure: Procedure, legs: tuple[Leg, ...]) -> None:
+        moving = [s for s in walk(procedure.body) if isinstance(s, Moving)]
+        there = [leg for leg in legs if not _empty(leg.statement)]
+        numbered = [(n, s) for n, s in enumerate(moving, start=1) if not _empty(s)]
+        for (number, statement), leg in zip(numbered, there, strict=True):
+            self.numbers[id(statement)] = number, leg
+
+    def piece(
+        self, statement: Moving, procedure: str, settings: Settings, near: Joints | None
+    ) -> Piece | None:
+        """The statement with what the names stand for now; None if that is not known.
+
+        near: where the arm is, as far as is known, for the turns of a computed target.
+        """
+        number, leg = self.numbers[id(statement)]
+        key: tuple[object, ...] = (id(statement), settings)
+        if leg.stretch is None and len(leg.joints) == 0:
+            joints = self._computed(statement, near)
+            if joints is None:
+                return None
+            key = (*key, joints.tobytes())
+            if key not in self.made:
+                self.made[key] = self._to_joints(statement, joints, settings)
+        elif key not in self.made:
+            if not np.isfinite(leg.joints).all():
+                return None
+            self.made[key] = (
+                self._to_joints(statement, leg.joints, settings)
+                if leg.stretch is None
+                else _of_stretch(leg, self.tables, settings)
+            )
+        return Piece(procedure, number, self.made[key], key)
+
+    def _to_joints(self, statement: Moving, joints: Floats, settings: Settings) -> Moves:
+        """Moves to joints (m, a), whatever they are the joints of."""
+        assert not isinstance(statement, Follow)
+        motion = statement.motion
+        mount = self._mount(motion)
+        assert mount is not None
+        n = len(joints)
+        kinds = {Move: [Kind.LINEAR], MoveCircular: [Kind.VIA, Kind.END]}.get(
+            type(statement), [Kind.JOINT]
+        )
+        if isinstance(statement, Move) and statement.kind == "joint":
+            kinds = [Kind.JOINT]
+        index = np.zeros(n, dtype=np.int32)
+        return moves_of(
+            np.array(kinds, dtype=np.uint8),
+            joints,
+            mount.tip(self.journey.robot, joints),
+            (index, (mount,)),
+            Pace(index, index, [motion.speed], [motion.blend]),
+            slice(0, n),
+            self.tables,
+            settings,
+        )
+
+    def _computed(self, statement: Moving, near: Joints | None) -> Floats | None:
+        """(m, a) joints of the targets that a statement computes."""
+        match statement:
+            case Move(target=target):
+                targets: tuple[Expression, ...] = (target,)
+            case MoveCircular(via=via, target=target):
+                targets = (via, target)
+            case _:
+                return None
+        mount = self._mount(statement.motion)
+        if mount is None:
+            return None
+        found = []
+        for target in targets:
+            place = self.names.place(target)
+            joints = None if place is None else self._reached(place, mount, near)
+            if joints is None:
+                return None
+            found.append(joints)
+            near = tuple(joints.tolist())
+        return np.array(found)
+
+    def _mount(self, motion: Motion) -> Mount | None:
+        tool = self.names.tool(motion.tool) or (Tool() if motion.tool == FLANGE else None)
+        frame = self.names.frame(motion.frame) or (Frame() if motion.frame == BASE else None)
+        if tool is None or frame is None or frame.mechanism:
+            return None
+        return Mount(tool, frame)
+
+    def _reached(self, place: Place, mount: Mount, near: Joints | None) -> Floats | None:
+        """(a,) in the branch of the target that a place comes from, turned as little as can be."""
+        robot = self.journey.robot
+        p = np.array([place.pose.position], dtype=np.float64)
+        q = np.array([place.pose.quaternion], dtype=np.float64)
+        no_row = np.zeros(1, dtype=np.int32)
+        flange = mount.to_flange(*placed([mount.frame.pose], no_row, p, q))
+        row = np.array([configuration_row(place.target.configuration)], dtype=np.int8)
+        branches = None if row[0, 0] == UNSTATED else (int(robot.branch_of(row)[0]),)
+        found, _ = robot.solve(*flange, branches)
+        at = robot.home if near is None else np.array(near)
+        best: Floats | None = None
+        for joints in found[:, :, 0].T:
+            turned = at + robot.wound(joints - at)
+            for one in (turned, joints):
+                good = robot.inside(one) and robot.closes(one[None], *flange)[0]
+                if good and (best is None or _travel(one, at) < _travel(best, at)):
+                    best = one
+        return best
+
+
+def _travel(joints: Floats, at: Floats) -> float:
+    return float(np.abs(joints - at).max())
+
+
+def _empty(statement: Moving) -> bool:
+    return isinstance(statement, Follow) and not len(statement.path)
+
+
+def _of_stretch(leg: Leg, tables: tuple, settings: Settings) -> Moves:  # type: ignore[type-arg]
+    assert leg.stretch is not None
+    run, rows = leg.stretch.run, leg.rows
+    mounting = run.mounting
+    p, q = run.targets(rows)
+    tool, frame = mounting.tool[rows], mounting.frame[rows]
+    pairs, mount = np.unique(np.stack([tool, frame], axis=1), axis=0, return_inverse=True)
+    mounts = tuple(Mount(mounting.tools[t], mounting.frames[f]) for t, f in pairs)
+    return moves_of(
+        run.kinds[rows],
+        leg.joints,
+        placed([f.pose for f in mounting.frames], frame, p, q),
+        (mount.reshape(-1).astype(np.int32), mounts),
+        run.pace,
+        rows,
+        tables,
+        settings,
+    )

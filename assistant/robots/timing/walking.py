@@ -1,0 +1,400 @@
+"""Walks through a program in the order in which it runs, and times what it meets."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Final
+
+import numpy as np
+
+from assistant.program.expressions import Expression, Name, Number, TargetValue
+from assistant.program.program import Procedure, Variable, walk
+from assistant.program.pseudo.expressions import expression_text
+from assistant.program.rewriting import records
+from assistant.program.statements import (
+    Assign,
+    Call,
+    Follow,
+    For,
+    Goto,
+    If,
+    Move,
+    MoveCircular,
+    MoveJoints,
+    Opaque,
+    Return,
+    SetAcceleration,
+    SetOverride,
+    Statement,
+    Stop,
+    Switch,
+    Wait,
+    WaitSignal,
+    WaitUntil,
+    While,
+)
+from assistant.robots.journey import Journey
+from assistant.robots.naming import Names
+from assistant.robots.timing.drive import Drive
+from assistant.robots.timing.ledger import Ledger
+from assistant.robots.timing.pieces import Piece, Pieces
+from assistant.robots.timing.plan import Plan, plan_of
+from assistant.robots.timing.rows import Rows, joined
+from assistant.robots.timing.values import rounds, truth
+from assistant.robots.timing.way import Duration, Joints, Trace, Way, met
+
+MOST_STATEMENTS: Final = 50_000
+"""Statements that are walked through; then each loop is walked once and multiplied."""
+WORD: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+
+Known = dict[str, Expression | None]
+
+
+class Walker:
+    """Times procedures of a journey.
+
+    procedures: name → how long its calls take. ledger: what else is found on the way.
+    """
+
+    def __init__(self, journey: Journey, drive: Drive) -> None:
+        self.journey, self.drive = journey, drive
+        self.names = Names(journey.program)
+        self.pieces = Pieces(journey, self.names)
+        self.ledger = Ledger()
+        self.procedures: dict[str, Duration] = {}
+        self.plans: dict[tuple[object, ...], Plan] = {}
+        self.calls: list[str] = []
+        self.returned: list[Way] = []
+        self.waiting: list[Piece] = []
+        self.statements = 0
+        self.shared = {name.lower() for name in journey.program.variables}
+
+    def begin(self) -> Known:
+        """The variables of the program as they are at a start from the top."""
+        return _first_values(self.journey.program.variables)
+
+    def procedure(self, procedure: Procedure, way: Way, given: Mapping[str, Expression]) -> Way:
+        """A call, from the way up to it; given: its arguments by parameter, where known."""
+        kept, returned, self.returned = dict(way.known), self.returned, []
+        self.calls.append(procedure.name)
+        self.names.enter(procedure)
+        own: Known = {**self.names.own, **_first_values(procedure.variables), **given}
+        outer = {name: value for name, value in kept.items() if name in self.shared}
+        inside = replace(way.begun(), known={**outer, **own})
+        ends = [self.body(procedure.body, inside), *self.returned]
+        self.calls.pop()
+        self.returned = returned
+        done = met([end for end in ends if end is not None]) or inside
+        seconds = Duration(done.least, done.most)
+        before = self.procedures.get(procedure.name, seconds)
+        self.procedures[procedure.name] = Duration(
+            min(before.least, seconds.least), max(before.most, seconds.most)
+        )
+        back = {n: v for n, v in done.known.items() if n in self.shared and n not in own}
+        return way.then(replace(done, known={**kept, **back}))
+
+    def body(self, body: Sequence[Statement], way: Way | None) -> Way | None:
+        """From the way up to it to its end; None if that is never reached."""
+        for statement in body:
+            if way is None:
+                return None
+            self.statements += 1
+            self.names.own = dict(way.known)
+            if isinstance(statement, Move | MoveCircular | MoveJoints | Follow):
+                way = self.moving(statement, way)
+            elif (quick := self.setting(statement, way)) is not None:
+                way = quick
+            else:
+                way = self.acting(statement, self.flush(way))
+        return None if way is None else self.flush(way)
+
+    def inner(self, body: Sequence[Statement], way: Way) -> Way | None:
+        """A body that is entered from a way, as a way of its own."""
+        mark = len(self.returned)
+        end = self.body(body, way.begun())
+        self.returned[mark:] = [way.then(one) for one in self.returned[mark:]]
+        return end
+
+    # ------------------------------------------------------------------------------- moves
+
+    def moving(self, statement: Move | MoveCircular | MoveJoints | Follow, way: Way) -> Way:
+        if id(statement) not in self.pieces.numbers:
+            return way  # along a path of no targets
+        near = way.places[0] if way.places else None
+        if self.waiting:
+            near = tuple(self.waiting[-1].moves.joints[-1].tolist())
+        piece = self.pieces.piece(statement, self.calls[-1], way.settings, near)
+        if piece is not None:
+            self.waiting.append(piece)
+            return way
+        number, _ = self.pieces.numbers[id(statement)]
+        what = _target(statement)
+        self.note(f"move {number} to {what}: only running the program tells where that is")
+        return replace(self.flush(way), places=())
+
+    def flush(self, way: Way) -> Way:
+        """Times the moves that wait, from every place where the arm may be."""
+        pieces, self.waiting = self.waiting, []
+        if not pieces:
+            return way
+        moves = joined([piece.moves for piece in pieces])
+        if np.isnan(moves.tcp).any():
+            self.note("a speed that is not declared is taken as the most")
+        end = tuple(moves.joints[-1].tolist())
+        skipped = 0
+        if not way.places:
+            skipped = 2 if len(moves) > 1 and moves.kinds[0] == 2 else 1
+            first = pieces[0]
+            self.note(f"move {first.number}: where it starts from is not known, so it is not timed")
+            if skipped == len(moves):
+                return replace(way, places=(end,))
+        starts: tuple[Joints, ...] = way.places
+        if not starts:
+            starts = (tuple(moves.joints[skipped - 1].tolist()),)
+        plans = []
+        for start in starts:
+            key = (tuple(piece.key for piece in pieces), start, skipped)
+            if key not in self.plans:
+                rest = moves.rest(skipped) if skipped else moves
+                self.plans[key] = plan_of(rest, np.array(start), self.journey.robot, self.drive)
+            self.note_guessed(pieces, self.plans[key].knots.guessed + skipped)
+            plans.append(self.plans[key])
+            self.ledger.moved(pieces, skipped, self.plans[key])
+        longest = max(plans, key=lambda plan: plan.seconds)
+        return replace(
+            way,
+            least=way.least + min(plan.seconds for plan in plans),
+            most=way.most + longest.seconds,
+            places=(end,),
+            trace=Trace(way.trace, longest),
+        )
+
+    def note_guessed(self, pieces: Sequence[Piece], rows: Rows) -> None:
+        ends = np.cumsum([len(piece.moves) for piece in pieces])
+        for at in np.unique(np.searchsorted(ends, rows, side="right")):
+            self.note(
+                f"move {pieces[at].number}: the arm would change its branch on a line; how fast "
+                "its axes must turn there is not known"
+            )
+
+    # ---------------------------------------------------------------------- other statements
+
+    def setting(self, statement: Statement, way: Way) -> Way | None:
+        """What does not keep the arm from moving on; None for any other statement."""
+        match statement:
+            case SetOverride(percent=percent):
+                value = self.number(percent, "the override")
+                return way if value is None else _with(way, override=max(value, 0.0) / 100.0)
+            case SetAcceleration(acceleration=up, deceleration=down):
+                rise, fall = self.names.number(up), self.names.number(down)
+                if rise is None or fall is None:
+                    self.note("an acceleration that only running the program tells stays as it was")
+                    return way
+                return _with(way, acceleration=rise / 100.0, deceleration=fall / 100.0)
+            case Assign(target=Name(name), value=value):
+                return replace(way, known={**way.known, name.lower(): self.value(value)})
+            case (
+                Wait() | WaitSignal() | WaitUntil() | Call() | If() | Switch() | For() | While()
+            ) | (Return() | Stop() | Goto() | Opaque()):
+                return None
+        return way
+
+    def acting(self, statement: Statement, way: Way) -> Way | None:
+        self.names.own = dict(way.known)
+        match statement:
+            case Wait(seconds=seconds):
+                value = self.number(seconds, "a wait")
+                return way if value is None else way.waited(value)
+            case WaitSignal(signal=signal, value=value_):
+                self.note(f"the wait for {signal} = {expression_text(value_)}")
+            case WaitUntil(condition=condition):
+                self.note(f"the wait until {expression_text(condition)}")
+            case Call():
+                return self.call(statement, way)
+            case If() | Switch():
+                return self.branches(statement, way)
+            case For():
+                return self.counted(statement, way)
+            case While():
+                return self.loop(statement, way)
+            case Return() | Stop(end=True):
+                self.returned.append(way)
+                return None
+            case Stop():
+                self.note("a stop, until somebody starts the program again")
+            case Goto(label=label):
+                self.note(f"the jump to {label} is not followed")
+            case Opaque(text=text):
+                line = text.strip().splitlines()[0] if text.strip() else text
+                self.note(f"`{line}` is taken as neither time nor motion")
+                said = {word.lower() for word in WORD.findall(text)}
+                return _without(way, said)
+        return way
+
+    def call(self, statement: Call, way: Way) -> Way:
+        procedure = self.journey.program.procedure(statement.procedure)
+        if procedure is None:
+            self.note(f"`{statement.procedure}` is not there")
+            return replace(way, places=())
+        if procedure.name in self.calls:
+            self.note(f"`{procedure.name}` calls itself; that is not followed")
+            return replace(way, places=())
+        given: dict[str, Expression] = {}
+        changed = set()
+        for parameter, argument in zip(procedure.parameters, statement.arguments, strict=False):
+            value = self.value(argument)
+            if value is not None:
+                given[parameter.name.lower()] = value
+            if parameter.mode == "inout" and isinstance(argument, Name):
+                changed.add(argument.name.lower())
+        return _without(self.procedure(procedure, way, given), changed)
+
+    def branches(self, statement: If | Switch, way: Way) -> Way | None:
+        """Every way that may be taken, and where they meet."""
+        taken: list[Way | None] = []
+        if isinstance(statement, If):
+            for branch in statement.branches:
+                self.names.own = dict(way.known)
+                holds = truth(self.names, branch.condition)
+                if holds is not False:
+                    taken.append(self.inner(branch.body, way))
+                if holds:
+                    break
+            else:
+                taken.append(self.inner(statement.otherwise, way))
+        else:
+            inner = (*(case.body for case in statement.cases), statement.otherwise)
+            taken += [self.inner(body, way) for body in inner]
+        done = met([one for one in taken if one is not None])
+        return None if done is None else way.then(done)
+
+    def counted(self, statement: For, way: Way) -> Way | None:
+        first, last = self.names.number(statement.first), self.names.number(statement.last)
+        step = None if statement.step is None else self.names.number(statement.step)
+        name = statement.variable.lower()
+        if first is None or last is None or (statement.step is not None and step is None):
+            self.note(f"how often the loop over {statement.variable} goes round; once is counted")
+            return self.once(statement, _without(way, {name}))
+        count = rounds(first, last, step)
+        by = step if step is not None else (1.0 if last >= first else -1.0)
+        alike = not self.reads(statement, name)
+        done = 0
+        while done < count:
+            known: Known = {**way.known, name: Number(first + done * by)}
+            start = replace(way, known=known)
+            end = self.inner(statement.body, start)
+            if end is None:
+                return None
+            done += 1
+            again = count - done if done < count and self.repeats(start, end, alike) else 0
+            done += again
+            way = way.then(end, 1 + again)
+        return _without(way, {name})
+
+    def loop(self, statement: While, way: Way) -> Way | None:
+        holds = truth(self.names, statement.condition)
+        constant = not any(isinstance(part, Name) for part in records(statement.condition))
+        if holds and constant:
+            self.note("the loop runs for ever; one round is counted")
+            end = self.once(statement, way)
+            if end is not None:
+                self.returned.append(end)
+            return None
+        while holds and self.statements < MOST_STATEMENTS:
+            end = self.inner(statement.body, way)
+            if end is None:
+                return None
+            if way.same_state(end):
+                break
+            way = way.then(end)
+            self.names.own = dict(way.known)
+            holds = truth(self.names, statement.condition)
+        if holds is False:
+            return way
+        text = expression_text(statement.condition)
+        self.note(f"how often the loop while {text} goes round; once is counted")
+        return self.once(statement, way)
+
+    def once(self, statement: For | While, way: Way) -> Way | None:
+        """A round of a loop whose rounds are not known, and what is not known after it."""
+        assigned = {
+            s.target.name.lower()
+            for s in walk(statement.body)
+            if isinstance(s, Assign) and isinstance(s.target, Name)
+        }
+        end = self.inner(statement.body, _without(way, assigned))
+        return None if end is None else _without(way.then(end), assigned)
+
+    def repeats(self, start: Way, end: Way, alike: bool) -> bool:
+        """Whether the rounds to come are as this one; also when there have been too many.
+
+        alike: the count of the loop makes no difference to its rounds.
+        """
+        if alike and start.same_state(end):
+            return True
+        if self.statements < MOST_STATEMENTS:
+            return False
+        self.note("a long loop; its last rounds are taken as the one before them")
+        return True
+
+    def reads(self, statement: For, name: str) -> bool:
+        """Whether the body of a loop may read its variable."""
+        inner = list(walk(statement.body))
+        if name in self.shared and any(isinstance(s, Call | Opaque) for s in inner):
+            return True
+        return any(_mentions(s, name) for s in inner)
+
+    def value(self, expression: Expression) -> Expression | None:
+        """A number or target that an expression stands for here, as far as is known."""
+        number = self.names.number(expression)
+        if number is not None:
+            return Number(number)
+        place = self.names.place(expression)
+        return None if place is None else TargetValue(replace(place.target, pose=place.pose))
+
+    def number(self, expression: Expression, what: str) -> float | None:
+        value = self.names.number(expression)
+        if value is None:
+            text = expression_text(expression)
+            self.note(f"{what} of {text}, which only running the program tells")
+        return value
+
+    def note(self, what: str) -> None:
+        self.ledger.note(self.calls[-1], what)
+
+
+def _first_values(variables: Mapping[str, Variable]) -> Known:
+    return {
+        name.lower(): variable.initial
+        for name, variable in variables.items()
+        if variable.storage == "variable" and isinstance(variable.initial, Number)
+    }
+
+
+def _mentions(statement: Statement, name: str) -> bool:
+    if isinstance(statement, Opaque):
+        return name in {word.lower() for word in WORD.findall(statement.text)}
+    parts: Any = records(statement)
+    return not isinstance(statement, Follow) and any(
+        isinstance(part, Name) and part.name.lower() == name for part in parts
+    )
+
+
+def _with(way: Way, **settings: float) -> Way:
+    return replace(way, settings=replace(way.settings, **settings))
+
+
+def _without(way: Way, names: set[str]) -> Way:
+    """The way with the values of some variables not known."""
+    changed = {name: None for name in names if way.known.get(name) is not None}
+    return replace(way, known={**way.known, **changed}) if changed else way
+
+
+def _target(statement: Move | MoveCircular | MoveJoints | Follow) -> str:
+    return (
+        f"path {statement.path.name}"
+        if isinstance(statement, Follow)
+        else f"`{expression_text(statement.target)}`"
+    )

@@ -1,0 +1,166 @@
+"""Times of procedures: calls, loops, waits, branches, and what is not known."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from assistant import robots
+from assistant.program.diagnostics import Refused
+from assistant.program.pseudo import parse
+from assistant.robots.timing import Drive, Simulation, simulate
+
+ARM = robots.get("irb1200-7-0.7")
+LOOSE = Drive(ARM.speeds * 1e3, ARM.speeds * 1e6, math.inf, math.inf)
+"""Axes that bind nothing: a move takes its length over its speed, to some hundredths."""
+HEAD = """program p
+
+signal di digital input
+
+target a [400, -100, 400] [0, 0, 1, 0]
+target b [400, 100, 400] [0, 0, 1, 0]
+target far [2000, 0, 0] [0, 0, 1, 0]
+
+variable n number = 0
+persistent total number = 0
+
+procedure main
+"""
+THERE = "  move joint a speed maximum rotation 100000 deg/s blend fine\n"
+FORTH = "  move linear b speed 100 mm/s blend fine\n"
+BACK = "  move linear a speed 50 mm/s blend fine\n"
+
+
+def done(body: str, rest: str = "") -> Simulation:
+    program = parse(HEAD + body + "end\n" + rest)
+    return simulate(robots.journey(program, ARM), drive=LOOSE)
+
+
+def seconds(body: str, rest: str = "") -> float:
+    simulation = done(body, rest)
+    assert simulation.duration.least == pytest.approx(simulation.duration.most)
+    return simulation.seconds
+
+
+def near(value: float) -> object:
+    return pytest.approx(value, abs=0.05)
+
+
+def test_moves_and_waits_add_up() -> None:
+    assert seconds(THERE + FORTH + "  wait 1.5 s\n" + BACK) == near(2 + 1.5 + 4)
+
+
+def test_a_loop_counts_its_rounds() -> None:
+    loop = f"  for i from 1 to 7\n{FORTH}{BACK}    wait 0.25 s\n  end\n"
+    assert seconds(THERE + loop) == near(7 * 6.25)
+    by_two = loop.replace("from 1 to 7", "from 7 to 1 step -2")
+    assert seconds(THERE + by_two) == near(4 * 6.25)
+    assert seconds(THERE + loop.replace("1 to 7", "7 to 1")) == near(0)
+    assert seconds(THERE + loop.replace("1 to 7", "1 to 4000")) == pytest.approx(
+        4000 * 6.25, rel=1e-4
+    )
+
+
+def test_a_loop_starts_again_from_where_it_ended() -> None:
+    assert seconds(THERE + f"  for i from 1 to 5\n{FORTH}  end\n") == near(2)
+
+
+def test_calls_and_what_they_are_given() -> None:
+    rest = (
+        "\nprocedure go(height number, p position)\n"
+        "  move linear offset(p, 0, 0, height) speed 100 mm/s blend fine\n"
+        "  move linear p speed 100 mm/s blend fine\nend\n"
+    )
+    body = THERE + "  for i from 1 to 3\n    call go(i * 10, a)\n  end\n"
+    simulation = done(body, rest)
+    assert simulation.unknown == ()
+    assert simulation.seconds == near(2 * (0.1 + 0.2 + 0.3))
+    assert simulation.procedures["go"].least == near(0.2)
+    assert simulation.procedures["go"].most == near(0.6)
+    assert [simulation.moves.number.tolist(), simulation.moves.length.round(3).tolist()][0] == [
+        1,
+        1,
+        2,
+    ]
+
+
+def test_a_loop_with_a_condition_that_the_text_tells() -> None:
+    body = THERE + f"  while n < 4\n    n = n + 1\n{FORTH}{BACK}  end\n"
+    assert seconds(body) == near(4 * 6)
+
+
+def test_branches_give_the_shortest_and_the_longest() -> None:
+    branch = f"  if di = 1\n    wait 3 s\n  else\n{FORTH}  end\n"
+    simulation = done(THERE + branch + BACK)
+    # Back from b, or from a, where the arm is already.
+    assert simulation.duration.least == near(2 + 0)
+    assert simulation.duration.most == near(3 + 4)
+    known = f"  n = 3\n  if n > 2\n{FORTH}  else\n    wait 9 s\n  end\n"
+    assert seconds(THERE + known) == near(2)
+
+
+def test_a_switch_may_take_none_of_its_cases() -> None:
+    body = f"{THERE}  n = di\n  switch n\n  case 1, 2\n    wait 4 s\n  end\n"
+    simulation = done(body)
+    assert (simulation.duration.least, simulation.duration.most) == (near(0), near(4))
+
+
+def test_a_return_on_one_way_ends_the_procedure() -> None:
+    early = "  if di = 1\n    wait 2 s\n    return\n  end\n"
+    rest = f"\nprocedure try\n  wait 1 s\n{early}  wait 8 s\nend\n"
+    simulation = done(THERE + "  call try\n  wait 1 s\n", rest)
+    assert simulation.duration.least == near(1 + 2 + 1)
+    assert simulation.duration.most == near(1 + 8 + 1)
+
+
+@pytest.mark.parametrize(
+    ("body", "what", "expected"),
+    [
+        ("  wait for di = 1\n", "the wait for di = 1", 0),
+        ("  wait until di = 1\n", "the wait until di = 1", 0),
+        ("  wait total s\n", "a wait of total, which only running the program tells", 0),
+        ("  stop\n", "a stop, until somebody starts the program again", 0),
+        (
+            "  while di = 1\n    wait 2 s\n  end\n",
+            "how often the loop while di = 1 goes round; once is counted",
+            2,
+        ),
+        (
+            "  for i from 1 to total\n    wait 2 s\n  end\n",
+            "how often the loop over i goes round; once is counted",
+            2,
+        ),
+        ("  while true\n    wait 2 s\n  end\n", "the loop runs for ever; one round is counted", 2),
+        (
+            "  move linear offset(a, total, 0, 0) speed 10 mm/s blend fine\n",
+            "move 2 to `offset(a, total, 0, 0)`: only running the program tells where that is",
+            0,
+        ),
+    ],
+)
+def test_what_only_running_tells_is_listed(body: str, what: str, expected: float) -> None:
+    simulation = done(THERE + body)
+    assert [str(one) for one in simulation.unknown] == [f"main: {what}"]
+    assert simulation.seconds == near(expected)
+
+
+def test_what_follows_a_place_that_is_not_known_is_not_timed() -> None:
+    lost = "  move linear offset(a, total, 0, 0) speed 10 mm/s blend fine\n"
+    simulation = done(THERE + lost + FORTH + BACK)
+    assert simulation.seconds == near(4)
+    assert [one.what[:6] for one in simulation.unknown] == ["move 2", "move 3"]
+    assert simulation.moves.number.tolist() == [1, 4]
+
+
+def test_procedures_that_nobody_calls_and_that_call_themselves() -> None:
+    rest = f"\nprocedure alone\n{THERE}{FORTH}end\n\nprocedure again\n  call again\nend\n"
+    simulation = done(THERE + "  call again\n", rest)
+    assert simulation.procedures["alone"].most == near(2)
+    assert "again: `again` calls itself; that is not followed" in map(str, simulation.unknown)
+
+
+def test_what_cannot_be_reached_has_no_time() -> None:
+    with pytest.raises(Refused) as refused:
+        done(THERE + "  move joint far speed 100 mm/s blend fine\n")
+    assert refused.value.findings[0].code == "RB102"
