@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
@@ -10,38 +11,113 @@ from numpy.typing import NDArray
 
 from assistant.program import rotations
 from assistant.program.geometry import Pose
+from assistant.robots.arms.five_axis import from_ab, to_ab
 
 if TYPE_CHECKING:
     from assistant.robots.robot import Robot
 
 Floats = NDArray[np.float64]
 
-SEARCH: Final = (1.0, 60)
-"""mm that a turn by one radian counts as, and how many steps are made at most."""
-FINISH: Final = (0.03, 20)
-"""The same for the last steps: the position comes first, then the orientation."""
+POSITION_FIRST: Final = ((1.0, 60), (0.03, 20))
+"""mm that a turn by one radian counts as, and how many steps are made at most: a first search,
+then the last steps, where the position comes first, then the orientation."""
+ORIENTATION_FIRST: Final = ((1e3, 30), (1e5, 30))
+"""The same for an orientation that is kept, the position going where that can be taken."""
+KEPT: Final = 0.01
+"""degrees within which an orientation counts as kept."""
 STARTS: Final = (4000, 8)
 """Joint angles that are tried as further starts, the same for every pose, and how many are kept."""
+RINGS: Final = (100, 30)
+"""Directions, the same for every pose, and distances in which the wanted orientation is tried."""
 STEP: Final = 1e-4
 """degrees of an axis over which the change of a pose is taken."""
 
 
-def nearest(robot: Robot, wanted: Pose, tip: Pose) -> Pose:
+GRIDS: Final = (0.0, 0.01, 0.05, 0.2)
+"""mm about the rounded position in which one is looked for that is not just out of reach."""
+
+
+def told(robot: Robot, wanted: Pose, tip: Pose, *, keep: bool) -> str:
+    """What `nearest` finds as a message says it, rounded so that the arm takes it.
+
+    In the way of the maker: X Y Z A B C of Mitsubishi (X Y Z A B with five axes), else position
+    and quaternion. keep: see `nearest`.
+    """
+    pose = nearest(robot, wanted, tip, keep=keep)
+    if robot.counts == "quadrants":
+        quaternion = np.round(pose.quaternion, 6) + 0.0
+        place = _taken(robot, pose, tip, quaternion)
+        numbers = ", ".join(f"{value:.2f}" for value in place)
+        parts = ", ".join(f"{value:.6f}".rstrip("0").rstrip(".") for value in quaternion)
+        return f"[{numbers}] [{parts}] (mm in its base)"
+    q = np.array([pose.quaternion])
+    angles = to_ab([pose.position], q)[0] if robot.five_axis else rotations.to_euler(q[0])[::-1]
+    angles = np.round(angles, 2) + 0.0
+    angles[angles == -180.0] = 180.0
+    values = [*_taken(robot, pose, tip, angles), *angles]
+    numbers = ", ".join(
+        f"{name} {value:.2f}" for name, value in zip("XYZABC", values, strict=False)
+    )
+    return f"{numbers} (mm and degrees in its base)"
+
+
+def _taken(robot: Robot, pose: Pose, tip: Pose, orientation: Floats) -> Floats:
+    """The position (3,) of two decimals, nearest to a pose's, that the arm takes with what is
+    written of the orientation: a quaternion, A B C or A B.
+    """
+    rounded = np.round(pose.position, 2) + 0.0
+    if not robot.arm.named:  # without a closed form: too slow to try
+        return rounded
+    steps = np.array(list(itertools.product((0, -1, 1, -2, 2), repeat=3)))
+    for grid in GRIDS:
+        tried = np.round(rounded + grid * steps[: len(steps) if grid else 1], 2)
+        if len(orientation) == 4:
+            q = np.tile(orientation / np.linalg.norm(orientation), (len(tried), 1))
+        elif len(orientation) == 3:
+            q = np.tile(rotations.from_euler(orientation[::-1]), (len(tried), 1))
+        else:
+            q = from_ab(tried, np.tile(orientation, (len(tried), 1)))
+        back = tip.inverse()
+        flange = tried + rotations.rotate(q, np.array(back.position))
+        _, valid = robot.ik(flange, rotations.multiply(q, np.array(back.quaternion)))
+        good = tried[valid.any(axis=1)]
+        if len(good):
+            off = np.linalg.norm(good - np.array(pose.position), axis=1)
+            return np.asarray(good[off.argmin()] + 0.0)
+    return rounded
+
+
+def nearest(robot: Robot, wanted: Pose, tip: Pose, *, keep: bool = False) -> Pose:
     """The tip's pose in the robot's base, within reach and limits, nearest to the wanted one.
 
-    tip: of the tool on the flange. Damped least squares over the joints, which stay inside their
-    limits, from the arm's branches stretched towards the pose and from the best of many others.
+    tip: of the tool on the flange. keep: the orientation stays where some position allows it,
+    for an arm that can take any; else the position comes first. Damped least squares over the
+    joints, which stay inside their limits, from the arm's branches stretched towards the pose
+    and from the best of many others.
     """
+    if keep and len(robot.axes) >= 6:
+        pose = _nearest(robot, wanted, tip, ORIENTATION_FIRST)
+        turned = rotations.angle_between(np.array(pose.quaternion), np.array(wanted.quaternion))
+        if float(turned) < KEPT:
+            return Pose(pose.position, wanted.quaternion)
+    return _nearest(robot, wanted, tip, POSITION_FIRST)
+
+
+def _nearest(
+    robot: Robot, wanted: Pose, tip: Pose, stages: tuple[tuple[float, int], tuple[float, int]]
+) -> Pose:
+    (lever, rounds), (last_lever, last_rounds) = stages
     flange = wanted @ tip.inverse()
     p, q = np.array([flange.position]), np.array([flange.quaternion])
     found, _ = robot.solve(p, rotations.canonical(q))
     low, high = robot.limits.T
     starts = np.clip(found[:, :, 0].T, low, high)
-    search = _Search(robot, wanted, tip, SEARCH[0])
+    search = _Search(robot, wanted, tip, lever)
     starts = np.vstack([starts, np.clip(robot.home, low, high), _near(search)])
-    reached = [_refined(search, j, SEARCH[1]) for j in starts]
-    last = _Search(robot, wanted, tip, FINISH[0])
-    joints = _refined(last, min(reached, key=last.cost), FINISH[1])
+    if stages is ORIENTATION_FIRST and robot.arm.named:
+        starts = np.vstack([starts, _around(search)])
+    last = _Search(robot, wanted, tip, last_lever)
+    joints = last.best(_refined(last, _refined(search, starts, rounds), last_rounds))
     p, q = robot.fk(joints)
     return Pose.of(p[0], q[0]) @ tip
 
@@ -67,8 +143,9 @@ class _Search:
         about = turn[:, 1:] * np.where(sine > 1e-12, angle / np.maximum(sine, 1e-12), 2.0)
         return np.hstack([np.array(self.wanted.position) - p, self.lever * about])
 
-    def cost(self, joints: Floats) -> float:
-        return _cost(self.missing(joints[None])[0])
+    def best(self, joints: Floats) -> Floats:
+        """(1, a) which of some joints (k, a) come nearest."""
+        return joints[[_cost(self.missing(joints)).argmin()]]
 
 
 def _near(search: _Search) -> Floats:
@@ -79,36 +156,50 @@ def _near(search: _Search) -> Floats:
     return np.asarray(joints[best])
 
 
-def _cost(missing: Floats) -> float:
-    return float(missing @ missing)
+def _around(search: _Search) -> Floats:
+    """(k, a) deg of a few poses of the wanted orientation, as near as some directions show."""
+    robot, tip = search.robot, search.tip.inverse()
+    ways = np.random.default_rng(0).normal(size=(RINGS[0], 3))
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    away = np.geomspace(0.5, 2.0 * robot.reach, RINGS[1])
+    tried = (away[:, None, None] * ways).reshape(-1, 3) + np.array(search.wanted.position)
+    q = np.tile(rotations.multiply(search.wanted.quaternion, tip.quaternion), (len(tried), 1))
+    flange = tried + rotations.rotate(search.wanted.quaternion, tip.position)
+    joints, valid = robot.ik(flange, q)
+    some = np.flatnonzero(valid.any(axis=1))[: STARTS[1]]
+    return np.asarray(joints[some, valid[some].argmax(axis=1)])
+
+
+def _cost(missing: Floats) -> Floats:
+    return np.asarray((missing * missing).sum(axis=-1))
 
 
 def _refined(search: _Search, joints: Floats, rounds: int) -> Floats:
+    """Each of some joints (k, a) nearer to the wanted pose, step by step, side by side."""
     low, high = search.robot.limits.T
-    count, damping = len(joints), 1e-3
-    here = search.missing(joints[None])[0]
+    k, count = joints.shape
+    own = np.arange(count)
+    here = search.missing(joints)
+    damping, done = np.full(k, 1e-3), np.zeros(k, dtype=bool)
     for _ in range(rounds):
-        moved = joints + STEP * np.eye(count)
-        slope = (search.missing(moved) - here).T / STEP
-        pull = -slope.T @ here
-        free = ~(((joints <= low) & (pull < 0.0)) | ((joints >= high) & (pull > 0.0)))
-        if not free.any():
-            break
-        inner = slope[:, free]
-        normal = inner.T @ inner
-        step = np.zeros(count)
-        step[free] = np.linalg.solve(
-            normal + damping * np.diag(np.diag(normal) + 1e-12), pull[free]
-        )
+        moved = (joints[:, None] + STEP * np.eye(count)).reshape(-1, count)
+        slope = (search.missing(moved).reshape(k, count, -1) - here[:, None]) / STEP
+        pull = -np.einsum("kai,ki->ka", slope, here)
+        fixed = ((joints <= low) & (pull < 0.0)) | ((joints >= high) & (pull > 0.0))
+        slope[fixed] = 0.0
+        pull[fixed] = 0.0
+        normal = slope @ slope.transpose(0, 2, 1)
+        diagonal = normal[:, own, own]
+        normal[:, own, own] += np.where(fixed, 1.0, damping[:, None] * (diagonal + 1e-12))
+        step = np.linalg.solve(normal, pull[..., None])[..., 0]
         tried = np.clip(joints + step, low, high)
-        there = search.missing(tried[None])[0]
-        if _cost(there) < _cost(here):
-            done = _cost(here) - _cost(there) < 1e-6 * _cost(here)
-            joints, here, damping = tried, there, max(damping / 4.0, 1e-9)
-            if done:
-                break
-        elif damping > 1e9:
+        there = search.missing(tried)
+        gain = _cost(here) - _cost(there)
+        better = (gain > 0.0) & ~done
+        done |= better & (gain < 1e-6 * _cost(here)) | (damping > 1e9) | fixed.all(axis=1)
+        joints = np.where(better[:, None], tried, joints)
+        here = np.where(better[:, None], there, here)
+        damping = np.where(better, np.maximum(damping / 4.0, 1e-9), damping * 8.0)
+        if done.all():
             break
-        else:
-            damping *= 8.0
     return joints

@@ -74,7 +74,7 @@ class Survey:
                     side="too far out" if far else "too near to the arm",
                     where=run.label(self.reach.row),
                     cure=(cure if far else "move the work piece away from the arm")
-                    + _nearest(run, robot, self.reach.row),
+                    + _nearest(run, robot, self.reach.row, keep=True),
                 )
             )
         if self.plane.rows:
@@ -104,21 +104,14 @@ class Survey:
         return out
 
 
-def _nearest(run: Run, robot: Robot, row: int) -> str:
-    """What a cure adds for an arm of five axes: the pose in its base that it can take instead."""
-    if not robot.five_axis:
-        return ""
-    from assistant.robots.arms.five_axis import to_ab
-    from assistant.robots.nearest import nearest
+def _nearest(run: Run, robot: Robot, row: int, *, keep: bool = False) -> str:
+    """What a cure adds: the pose of the tip in the robot's base that it can take instead."""
+    from assistant.robots.nearest import told
 
-    rows = np.array([row])
     tip = run.mounting.tip(row)
-    p, q = run.flange(rows)
-    pose = nearest(robot, Pose.of(p[0], q[0]) @ tip, tip)
-    values = np.round([*pose.position, *to_ab([pose.position], [pose.quaternion])[0]], 2) + 0.0
-    values[3:][values[3:] == -180.0] = 180.0
-    numbers = ", ".join(f"{name} {value:.2f}" for name, value in zip("XYZAB", values, strict=True))
-    return f"; the nearest pose that it can take is {numbers} (mm and degrees in its base)"
+    p, q = run.flange(np.array([row]))
+    pose = told(robot, Pose.of(p[0], q[0]) @ tip, tip, keep=keep)
+    return f"; the nearest pose that it can take is {pose}"
 
 
 def survey_of(run: Run, robot: Robot) -> tuple[Survey, NDArray[np.float32]]:

@@ -1,8 +1,9 @@
-"""The nearest pose that an arm of five axes can take instead of one that it cannot."""
+"""The nearest pose that an arm can take instead of one that it cannot."""
 
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -55,12 +56,12 @@ def test_no_pose_of_many_is_nearer(seed: int) -> None:
     assert distance <= np.linalg.norm(others - wanted.position, axis=1).min() + 1e-3
 
 
-def finding(target: str) -> str:
+def finding(target: str, arm: robots.Robot = ARM) -> str:
     text = (
         f"program p\n\ntarget t {target}\n\nprocedure main\n"
         "  move joint t speed 100 mm/s joint 10 % blend fine\nend\n"
     )
-    found = ARM.check(pseudo.parse(text))
+    found = arm.check(pseudo.parse(text))
     return next(f.cure for f in found if f.code in ("RB102", "RB103", "RB104"))
 
 
@@ -79,11 +80,54 @@ def test_the_cure_states_a_pose_that_the_arm_takes(target: str) -> None:
     assert stated is not None
     values = [float(v) for v in re.findall(r"[XYZAB] (-?[0-9.]+)", stated.group(1))]
     assert len(values) == 5
-    position = np.array([values[:3]])
-    # two decimals may leave the reach by as much: a hundredth towards the shoulder is inside
-    inward = position + (np.array([0.0, 0.0, 300.0]) - position) * 1e-4
-    outward = position + (position - np.array([0.0, 0.0, 300.0])) * 1e-4
-    assert any(
-        taken(Pose.of(p[0], from_ab(p, [values[3:]])[0]), FLANGE)
-        for p in (position, inward, outward)
+    q = from_ab([values[:3]], [values[3:]])[0]
+    assert taken(Pose.of(np.array(values[:3]), q), FLANGE)
+
+
+OTHERS = [robots.get(name) for name in ("irb120-3-0.58", "irb1200-7-0.7", "rv-4frl", "rh-6frh5520")]
+FAR = {
+    "irb120-3-0.58": "[600, 200, 100] [0, 0, 1, 0]",
+    "irb1200-7-0.7": "[900, -300, 200] [0.5, 0.5, 0.5, 0.5]",
+    "rv-4frl": "[5, 3, 270] [0, 0, 1, 0]",
+    "rh-6frh5520": "[500, 400, 200] [1, 0, 0, 0]",
+}
+
+
+def stated_by(cure: str) -> Pose:
+    stated = re.search(
+        r"nearest pose that it can take is (.*) \(mm (and degrees )?in its base", cure
     )
+    assert stated is not None
+    values = [float(v) for v in re.findall(r"-?[0-9.]+", stated.group(1))]
+    turned = values[3:] if len(values) == 7 else rotations.from_euler(values[:2:-1])
+    return Pose.of(np.array(values[:3]), np.asarray(turned))
+
+
+@pytest.mark.parametrize("arm", OTHERS, ids=lambda arm: arm.name)
+def test_out_of_reach_the_stated_pose_is_taken_and_none_nearer_is(arm: robots.Robot) -> None:
+    wanted = np.array([float(v) for v in re.findall(r"-?[0-9.]+", FAR[arm.name])])
+    pose = stated_by(finding(FAR[arm.name], arm))
+    assert float(rotations.angle_between(np.array(pose.quaternion), wanted[3:])) < 0.01
+    assert arm.ik([pose.position], [pose.quaternion])[1].any()
+    distance = np.linalg.norm(np.array(pose.position) - wanted[:3])
+    ways = np.random.default_rng(7).normal(size=(4000, 3))
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    nearer = wanted[:3] + 0.999 * distance * ways
+    _, valid = arm.ik(nearer, np.tile(wanted[3:], (len(nearer), 1)))
+    assert not valid.any()
+
+
+@pytest.mark.parametrize("arm", OTHERS[:3], ids=lambda arm: arm.name)
+def test_where_no_position_allows_the_orientation_it_is_turned(arm: robots.Robot) -> None:
+    wrist = 2 if arm.name == "rv-4frl" else 4
+    limits = arm.limits.copy()
+    limits[wrist] = limits[wrist].mean() + np.array([-1.0, 1.0])
+    limits[[0, 3, 5]] = [-1.0, 1.0]
+    narrow = replace(arm, limits=limits, home=limits.mean(axis=1))
+    wanted = Pose((300.0, 100.0, 200.0), (0.0, 0.6, 0.8, 0.0))
+    found = nearest(narrow, wanted, FLANGE, keep=True)
+    rounded = replace(narrow, limits=limits + np.array([-0.01, 0.01]))
+    assert rounded.ik([found.position], [found.quaternion])[1].any()
+    others, _ = narrow.fk(np.random.default_rng(3).uniform(*limits.T, (5000, 6)))
+    distance = np.linalg.norm(np.subtract(found.position, wanted.position))
+    assert distance <= np.linalg.norm(others - wanted.position, axis=1).min() + 1e-3
