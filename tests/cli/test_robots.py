@@ -12,10 +12,12 @@ import pytest
 
 from assistant import robots
 from assistant.report.arm_drawing import arm_drawing, joint_axes
+from assistant.robots.robot_file import FIELDS, LENGTHS
 from tests.cli.test_commands import run
 
 Capture = pytest.CaptureFixture[str]
-POSITIONING = Path(__file__).parents[2] / "samples" / "positioning.csv"
+PROJECT = Path(__file__).parents[2]
+POSITIONING = PROJECT / "samples" / "positioning.csv"
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
@@ -40,6 +42,17 @@ def test_every_robot_has_a_line(capsys: Capture) -> None:
     assert line.split()[-7:] == [
         *("4", "kg", "648.7", "mm", "CR800", "melfa-basic-6,", "melfa-basic-5")
     ]
+
+
+def test_the_page_about_robots_shows_the_list_as_it_is(capsys: Capture) -> None:
+    page = (PROJECT / "docs" / "robots.md").read_text("utf-8")
+    assert f"$ robot-assistant robots\n{run(capsys, 'robots')[1]}```" in page
+
+
+def test_the_page_about_robots_names_every_field_of_a_file() -> None:
+    page = (PROJECT / "docs" / "robots.md").read_text("utf-8")
+    for field in (*FIELDS, *(name for names in LENGTHS.values() for name in names)):
+        assert f"`{field}`" in page
 
 
 def test_a_figure_without_a_source_is_marked(capsys: Capture) -> None:
