@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from assistant.robots import Robot
-from assistant.robots.arms import FiveAxis, Scara, SixAxis
+from assistant.robots.arms import FiveAxis, Placed, Scara, SixAxis
 
 HEADINGS: Final = ("name", "title", "axes", "payload", "reach", "controller", "languages")
 DOUBT: Final = "?"
@@ -36,7 +36,7 @@ def _row(robot: Robot) -> tuple[str, ...]:
         robot.name,
         robot.title,
         str(len(robot.axes)),
-        f"{robot.payload:g} kg{_doubt(robot, 'payload_kg')}",
+        _known(robot, robot.payload, "kg", "payload_kg"),
         f"{robot.reach:g} mm{_doubt(robot, 'reach_mm')}",
         f"{robot.controller}{_doubt(robot, 'controller')}",
         ", ".join(robot.languages),
@@ -77,7 +77,7 @@ def record(robot: Robot) -> dict[str, Any]:
 def lengths(robot: Robot) -> dict[str, float]:
     """Lengths of the arm in mm by their names in a robot file; none of an arm of another kind."""
     match robot.arm:
-        case SixAxis(lengths=found) | FiveAxis(lengths=found):
+        case SixAxis(lengths=found) | FiveAxis(lengths=found) | Placed(arm=SixAxis(lengths=found)):
             return asdict(found)
         case Scara(l1=l1, l2=l2):
             return {"l1": l1, "l2": l2}
@@ -110,6 +110,8 @@ def lines(robot: Robot) -> Iterator[str]:
     yield f"source: {robot.source}"
     if robot.unconfirmed:
         yield f"{DOUBTED}: {', '.join(robot.unconfirmed)}"
+    for finding in robot.findings:
+        yield finding.message
 
 
 def _facts(robot: Robot) -> Iterator[tuple[str, str]]:
@@ -120,7 +122,7 @@ def _facts(robot: Robot) -> Iterator[tuple[str, str]]:
     yield "languages", ", ".join(robot.languages)
     yield "arm", f"{robot.arm.kind}, {robot.branches} branches"
     yield "configuration", f"{COUNTS[robot.counts]}{_doubt(robot, 'configuration')}"
-    yield "payload", f"{robot.payload:g} kg{_doubt(robot, 'payload_kg')}"
+    yield "payload", _known(robot, robot.payload, "kg", "payload_kg")
     yield "reach", f"{robot.reach:g} mm from axis 1 to the wrist{_doubt(robot, 'reach_mm')}"
     yield "TCP speed", _known(robot, robot.tcp_speed, "mm/s", "tcp_speed_mm_s")
     yield "repeatability", _known(robot, robot.repeatability, "mm", "repeatability_mm")
