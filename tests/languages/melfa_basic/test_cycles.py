@@ -70,8 +70,11 @@ NOT_CARRIED: dict[str, tuple[str, str]] = {
     "in a loop without end": (N, "WHILE TRUE DO/n:=n+1;/ENDWHILE"),
     "a constant": ("CONST num n:=2;", "WaitTime n;"),
     "of the routine": ("", "VAR num n:=2;/n:=n+1;"),
+    "by a routine that calls itself": (
+        N, "sub;/ENDPROC/PROC sub()/IF di1=1 sub;/n:=1;/n:=n+1;",
+    ),
     "behind an end for good": (N, "n:=n+1;/WHILE TRUE DO/Stop;/ENDWHILE"),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(("data", "main"), NOT_CARRIED.values(), ids=NOT_CARRIED)

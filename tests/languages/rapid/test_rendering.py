@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, Phase, assume, given, settings
+from hypothesis import HealthCheck, Phase, assume, example, given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
@@ -146,8 +146,15 @@ def test_a_changed_random_tree_reads_as_it_was_changed(file: s.File, seed: int) 
     assert parsed(RAPID.render(tree)) == wanted
 
 
+A_BLOCK = 18
+"""Lines that the longest block of LETTERS has before and after: where its words share a line
+with what they hold, as in `CASE 1,2: b;`, a change in them lays it out anew."""
+
+
 @QUICK
 @given(SEEDS)
+@example(5743)
+@example(105805)
 def test_one_change_stays_in_its_lines(seed: int) -> None:
     random, tree = at_random(seed, LETTERS)
     text = tree.origin.source.text
@@ -156,7 +163,7 @@ def test_one_change_stays_in_its_lines(seed: int) -> None:
     differ = [
         line for line in difflib.ndiff(text.splitlines(), rendered.splitlines()) if line[0] in "+-"
     ]
-    most = 2 * lines_of(made.old, text) + lines_of(made.new) + 6
+    most = 2 * lines_of(made.old, text) + lines_of(made.new) + A_BLOCK
     assert len(differ) <= most, "\n".join(differ)
 
 

@@ -39,17 +39,22 @@ class Assigning:
         self.program = program
         self.written = {name for q in program.procedures for name in self._written(q)}
         self._runs: dict[str, Run] = {}
-        self._running: set[str] = set()
+        self._running: list[str] = []
 
     def run(self, procedure: Procedure) -> Run:
-        """What a call may read and surely gives; of one that calls itself the worst."""
+        """What a call may read and surely gives; of those that call each other the worst.
+
+        One that calls itself reads no more by that than what it reads from its top.
+        """
         key = procedure.name.lower()
+        if self._running and key == self._running[-1]:
+            return Run(set(), frozenset())
         if key in self._running:
             return Run(set().union(*map(_named, self.program.procedures)), frozenset())
         if key not in self._runs:
-            self._running.add(key)
+            self._running.append(key)
             self._runs[key] = _Reading(self, procedure).run
-            self._running.discard(key)
+            self._running.pop()
         return self._runs[key]
 
     def _written(self, procedure: Procedure) -> Iterator[str]:
