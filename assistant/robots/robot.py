@@ -234,6 +234,12 @@ class Robot:
             if f"J{axis}" in self.axes
         )
 
+    def winding(self) -> tuple[int, ...]:
+        """The axes that may turn further than once: of a named arm those of `turning`."""
+        if self.arm.named:
+            return tuple(axis for _, axis in self.turning())
+        return tuple(int(axis) for axis in np.flatnonzero(~self.sliding))
+
     def chain(self, joints: ArrayLike) -> Floats:
         """(n, a) joints → (n, k, 3) mm, the ends of the links from the base to the flange.
 

@@ -80,7 +80,7 @@ class Travel:
         if self.crossed is not None:
             often = np.add.reduceat(self.crossed, starts, axis=1, dtype=np.float64)
             chains += np.repeat(THROUGH * often, 2, axis=0)
-        windings = [self._windings(axis, starts) for _, axis in self.robot.turning()]
+        windings = [self._windings(axis, starts) for axis in self.robot.winding()]
         for least_turns, most in windings:
             chains += np.where(most < least_turns, WOUND, 0.0)
         ways = _Ways(self, starts, np.append(starts[1:], count) - 1, self._wide(windings))
@@ -106,7 +106,7 @@ class Travel:
     def _wide(self, windings: list[_Windings]) -> dict[int, _Windings]:
         """Those of the axes that have more than one winding."""
         wide = {}
-        for (_, axis), (least, most) in zip(self.robot.turning(), windings, strict=True):
+        for axis, (least, most) in zip(self.robot.winding(), windings, strict=True):
             if np.ptp(self.robot.limits[axis]) >= 360.0:
                 stuck = most < least
                 wide[axis] = (np.where(stuck, 0, least), np.where(stuck, 0, most))
@@ -241,7 +241,7 @@ def _unwound(
     if begins.all():
         return None
     steps = np.zeros(joints.shape[1:], dtype=np.float32)
-    turning = [axis for _, axis in robot.turning()]
+    turning = list(robot.winding())
     carry = np.zeros((len(turning), len(steps)))
     last = joints[:, :, :1].copy()
     for start in range(0, n, CHUNK):

@@ -40,15 +40,12 @@ SAME: Final = 1e-6
 
 
 class _Rank(enum.IntEnum):
-    """What joints are as a solution of a branch: inside the limits, outside them, not closing,
-    another branch's, or none at all.
-    """
+    """What joints are as a solution: inside the limits, outside them, not closing, or none."""
 
     INSIDE = 0
     OUTSIDE = 1
     OPEN = 2
-    ELSEWHERE = 3
-    NONE = 4
+    NONE = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,25 +125,39 @@ class Serial(Arm):
     def ik(
         self, positions: Floats, quaternions: Floats, branches: tuple[int, ...]
     ) -> tuple[Floats, Floats]:
-        """Where nothing closes, what came nearest; its distance in mm or, if more, degrees."""
-        n = len(positions)
-        joints = np.empty((len(self.joints), len(branches), n))
-        excess = np.empty((len(branches), n))
-        poses = _matrices(positions, quaternions)
-        for at, branch in enumerate(branches):
-            starts = self._starts(positions, quaternions, branch)
-            best, rank = np.tile(self._middle, (n, 1)), np.full(n, _Rank.NONE)
-            for start in np.moveaxis(starts, 1, 0):
-                rows = np.flatnonzero(rank > _Rank.INSIDE)
+        """Where nothing closes, what came nearest; its distance in mm or, if more, degrees.
+
+        All branches are solved, whichever are asked for: a search for one may find another.
+        """
+        key = (positions.tobytes(), quaternions.tobytes())
+        if self._last.get("key") != key:
+            self._last.update(key=key, found=self._all(positions, quaternions))
+        joints, excess = self._last["found"]
+        some = list(branches)
+        return joints[:, some], excess[some]
+
+    @cached_property
+    def _last(self) -> dict[str, Any]:
+        """The last column and what was found, as one is asked for several times."""
+        return {}
+
+    def _all(self, positions: Floats, quaternions: Floats) -> tuple[Floats, Floats]:
+        n, poses = len(positions), _matrices(positions, quaternions)
+        best = np.tile(self._middle, (self.branches, n, 1))
+        rank = np.full((self.branches, n), _Rank.NONE, dtype=np.int64)
+        for branch in range(self.branches):
+            for start in np.moveaxis(self._starts(positions, quaternions, branch), 1, 0):
+                rows = np.flatnonzero(rank[branch] > _Rank.INSIDE)
                 found = self._solved(poses[rows], start[rows])
-                fits = self._rank(found, positions[rows], quaternions[rows], branch)
-                better = fits < rank[rows]
-                best[rows[better]], rank[rows[better]] = found[better], fits[better]
-            self._join(best, rank, poses, positions, quaternions, branch)
-            joints[:, at] = best.T
-            off = self._off(best, positions, quaternions)
-            excess[at] = np.where(rank == _Rank.ELSEWHERE, np.inf, off)
-        return joints, excess
+                mine, fits = self._ranked(found, positions[rows], quaternions[rows])
+                mine = np.where(fits == _Rank.OPEN, branch, mine)
+                better = fits < rank[mine, rows]
+                mine, rows = mine[better], rows[better]
+                best[mine, rows], rank[mine, rows] = found[better], fits[better]
+        for branch in range(self.branches):
+            self._join(best[branch], rank[branch], poses, positions, quaternions, branch)
+        off = [self._off(joints, positions, quaternions) for joints in best]
+        return np.moveaxis(best, 2, 0), np.stack(off)
 
     def follow(
         self, joints: Floats, positions: Floats, quaternions: Floats
@@ -316,20 +327,19 @@ class Serial(Arm):
             found = self._solved(poses[one], best[row - 1 : row])
             if np.abs(self._wound(found[0] - best[row])).max() < SAME:
                 continue
-            fits = self._rank(found, positions[one], quaternions[one], branch)[0]
-            if fits <= rank[row]:
-                best[row], rank[row] = found[0], fits
+            mine, fits = self._ranked(found, positions[one], quaternions[one])
+            if mine[0] == branch and fits[0] <= min(rank[row], _Rank.OUTSIDE):
+                best[row], rank[row] = found[0], fits[0]
 
-    def _rank(
-        self, joints: Floats, positions: Floats, quaternions: Floats, branch: int
-    ) -> NDArray[np.int64]:
-        """(n,) how good joints (n, a) are as those of a branch."""
+    def _ranked(
+        self, joints: Floats, positions: Floats, quaternions: Floats
+    ) -> tuple[Rows, NDArray[np.int64]]:
+        """(n,) branches of joints (n, a), and how good they are."""
         closes = self._off(joints, positions, quaternions) == 0.0
-        mine = self.branch(self.shape(joints).astype(np.intp)) == branch
         spread = np.array([joint.high - joint.low for joint in self.joints])
         inside = (np.abs(self._wound(joints - self._middle)) <= spread / 2.0 + 1e-9).all(axis=1)
-        ranks = [closes & mine & inside, closes & mine, ~closes]
-        return np.select(ranks, [_Rank.INSIDE, _Rank.OUTSIDE, _Rank.OPEN], _Rank.ELSEWHERE)
+        ranks = np.where(closes, np.where(inside, _Rank.INSIDE, _Rank.OUTSIDE), _Rank.OPEN)
+        return self.branch(self.shape(joints).astype(np.intp)), ranks.astype(np.int64)
 
     def _wound(self, joints: Floats) -> Floats:
         """Differences (..., a) of joints, whole turns taken out."""
