@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from assistant.cli.presentation import Format, print_json, say
+from assistant.cli.presentation import Format, print_findings, print_json, say
 
 
 def run_list(format: Format) -> int:
@@ -27,6 +27,7 @@ def run_show(name: str, draw: Path | None, format: Format) -> int:
 
     robot = robot_of(name)
     assert robot is not None
+    print_findings(robot.findings)
     drawn = None
     if draw is not None:
         from assistant.compiler.output import write_files

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from assistant.program import rotations
 from assistant.report import figures
 from assistant.robots import Robot
-from assistant.robots.arms import FiveAxis, Scara, SixAxis
+from assistant.robots.arms import FiveAxis, Placed, Scara, SixAxis
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,6 +27,8 @@ NEAR: Final = 1e-3
 """mm between points that are one."""
 VIEWS: Final = {"from the side": ("x", "z"), "from above": ("x", "y")}
 COLUMNS: Final = {"x": 0, "y": 1, "z": 2}
+WRIST: Final = 4
+"""Of the points of a vertical arm."""
 SIDE: Final = [COLUMNS["x"], COLUMNS["z"]]
 ACROSS: Final = 0.1
 """Length in a view below which a unit vector points at the reader."""
@@ -101,7 +103,11 @@ def _area(view: Axes, robot: Robot, seen: list[int]) -> None:
     from matplotlib.collections import PolyCollection
     from matplotlib.patches import Circle, Wedge
 
-    said: dict[str, Any] = {"color": AREA, "zorder": 0, "label": "wrist within the limits"}
+    said: dict[str, Any] = {
+        "color": AREA,
+        "zorder": 0,
+        "label": f"{'wrist' if _wristed(robot) else 'flange'} within the limits",
+    }
     swept = _swept(robot, seen)
     if seen == SIDE or isinstance(robot.arm, Scara):
         corners = swept[..., seen]
@@ -137,8 +143,11 @@ def _swept(robot: Robot, seen: list[int]) -> Floats:
     for axis, at in ((first, steps[:, None]), (first + 1, steps)):
         joints[..., axis] = low[axis] + (high[axis] - low[axis]) * at
     chain = robot.chain(joints.reshape(-1, len(robot.axes)))
-    wrist = 4 if isinstance(robot.arm, SixAxis | FiveAxis) else -1
-    return np.asarray(chain[:, wrist].reshape(STEPS, STEPS, 3))
+    return np.asarray(chain[:, WRIST if _wristed(robot) else -1].reshape(STEPS, STEPS, 3))
+
+
+def _wristed(robot: Robot) -> bool:
+    return isinstance(robot.arm, SixAxis | FiveAxis | Placed)
 
 
 def _arm(view: Axes, points: Floats) -> None:

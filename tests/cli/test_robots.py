@@ -14,6 +14,7 @@ from assistant import robots
 from assistant.report.arm_drawing import arm_drawing, joint_axes
 from assistant.robots.robot_file import FIELDS, LENGTHS
 from tests.cli.test_commands import run
+from tests.robots.test_urdf import OFFSET, WRISTED
 
 Capture = pytest.CaptureFixture[str]
 PROJECT = Path(__file__).parents[2]
@@ -138,6 +139,30 @@ def test_compiling_for_an_own_robot(own: Path, tmp_path: Path, capsys: Capture) 
         targets.append([line for line in lines if "robtarget" in line or line.startswith("    [[")])
     assert targets[0]
     assert targets[0] == targets[1]
+
+
+@pytest.mark.parametrize(
+    ("text", "lengths"),
+    [
+        (WRISTED, {"d1": 399.1, "a1": 0.0, "a2": 350.0, "a3": -42.0, "d4": 351.0, "d6": 82.0}),
+        (OFFSET, {}),
+    ],
+)
+def test_an_own_robot_out_of_a_urdf(
+    text: str, lengths: dict[str, float], tmp_path: Path, capsys: Capture
+) -> None:
+    file, picture = tmp_path / "own.urdf", tmp_path / "own.png"
+    file.write_text(text, encoding="utf-8")
+    options = ("--draw", picture, "--format", "json")
+    status, out, err = run(capsys, "robots", "show", file, *options)
+    assert status == 0
+    said = json.loads(out)
+    assert (said["name"], said["payload_kg"]) == ("own", None)
+    assert said["lengths_mm"] == pytest.approx(lengths)
+    assert picture.read_bytes().startswith(PNG)
+    # What the file leaves open is told.
+    assert err.startswith("RB")
+    assert "payload         not known\n" in run(capsys, "robots", "show", file)[1]
 
 
 @pytest.mark.parametrize(
