@@ -31,11 +31,12 @@ SAMPLES: Final = 12
 @dataclass(frozen=True, slots=True)
 class Lines:
     """winding: (n, a) whole turns that an axis makes on the way to a row beyond the shorter
-    way from the row before. findings: what cannot be done on the way.
+    way from the row before. findings: what cannot be done on the way to which rows.
     """
 
     winding: NDArray[np.int64]
     findings: tuple[Diagnostic, ...]
+    rows: Rows
 
 
 def lines(run: Run, robot: Robot, joints: Floats, branch: Rows) -> Lines:
@@ -67,14 +68,13 @@ def lines(run: Run, robot: Robot, joints: Floats, branch: Rows) -> Lines:
             bad += _bad(robot, here, found, excess)
     bad.sort()
     if not bad:
-        return Lines(winding, ())
-    place = run.what(np.array([row for row, _ in bad], dtype=np.intp))
+        return Lines(winding, (), np.empty(0, np.intp))
+    over = np.array([row for row, _ in bad], dtype=np.intp)
     row, reason = bad[0]
     where = run.label(row)
-    return Lines(
-        winding,
-        (rules.ON_THE_WAY(place=place, robot=robot.title, reason=reason, where=where),),
-    )
+    place = run.what(over)
+    finding = rules.ON_THE_WAY(place=place, robot=robot.title, reason=reason, where=where)
+    return Lines(winding, (finding,), over)
 
 
 def _on_the_way(run: Run, robot: Robot, rows: Rows, branch: int) -> tuple[Floats, Floats]:

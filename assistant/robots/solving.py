@@ -7,28 +7,32 @@ row allows, then a branch is chosen for each row, and the second computes its jo
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program.diagnostics import Diagnostic, Severity
-from assistant.program.path import UNSTATED, Kind
+from assistant.program.path import UNSTATED
 from assistant.robots import findings as rules
 from assistant.robots.arms.arm import CLOSING
 from assistant.robots.between import lines
-from assistant.robots.branches import choose
+from assistant.robots.choosing import Choice, Choices, chain_starts, choices, continued
 from assistant.robots.configurations import BACK, QUADRANTS
 from assistant.robots.robot import CHUNK, LIMIT_TOLERANCE, Robot
 from assistant.robots.run import Run
-from assistant.robots.survey import Survey, finite_poses, survey_of
-from assistant.robots.travel import STRAIGHT, travel_of
+from assistant.robots.survey import finite_poses, survey_of
+from assistant.robots.travel import STRAIGHT
 from assistant.robots.turns import FREE, filled, turn
-from assistant.robots.wrist import clearances, crossings, sheets
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
 Truths = NDArray[np.bool_]
 Rows = NDArray[np.intp]
+
+
+LOOKED_AT: Final = 20_000
+"""Rows of a run up to which other branches are tried where one fails between the rows."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,107 +53,108 @@ def solve(run: Run, robot: Robot) -> Solved:
     of branch is a warning only: their controller may have been told to allow it.
     """
     stated = np.asarray(run.configurations[:, BACK] != UNSTATED)
-    starts = _chain_starts(run)
     survey, every = survey_of(run, robot)
     own = np.where(stated, robot.branch_of(run.configurations), -1)
     kept = stated & survey.allowed[own, np.arange(len(run))]
-    choice = _choice(run, robot, survey, every, np.where(kept, own, -1), starts)
-    del every
-    chosen = choice.branches
-    joints = _joints(run, robot, chosen)
+    plan = choices(run, robot, survey, every, np.where(kept, own, -1))
+    first = plan.best()
+    others = plan if len(run) <= LOOKED_AT else None
+    del every, plan  # of long runs the largest columns
     report = survey.findings(run, robot)
-    lost = np.flatnonzero((chosen >= 0) & np.isnan(joints).any(axis=1))
-    if len(lost):
-        where = run.label(int(lost[0]))
-        report.append(rules.NOT_CLOSED(place=run.what(lost), robot=robot.title, where=where))
-    winding = None
-    if not report and not len(choice.broken):
-        way = lines(run, robot, joints, chosen)
-        winding = way.winding
-        report += way.findings
     said = np.where(kept[:, None], run.configurations, UNSTATED)
-    joints, wound, off = _turned(run, robot, joints, starts, said, winding)
+    done = _best(run, robot, first, others, said, look=not report)
+    report += done.findings
+    joints, broken = done.joints, done.choice.broken
     found = robot.configuration(np.nan_to_num(joints))
     solved = np.isfinite(joints).all(axis=1)
     fill = ~stated & solved
     configurations = np.where(fill[:, None], found, run.configurations)
     report += _not_as_stated(run, robot, np.flatnonzero(stated & ~kept & solved), found)
-    report += _other_quadrant(run, robot, off, found)
-    broken = choice.broken
+    report += _other_quadrant(run, robot, done.off, found)
     for rows, severity in ((broken[~kept[broken]], None), (broken[kept[broken]], Severity.WARNING)):
         if len(rows):
             report.append(_branch_change(run, robot, rows, joints, severity))
-    if len(choice.through):
-        report.append(rules.THROUGH_WRIST(place=run.what(choice.through), robot=robot.title))
-    for axis, rows in wound:
-        if _continued(run) and abs(joints[0, axis] - run.before[axis]) > 180.0:
-            rows = np.append(0, rows)
-        rest = np.setdiff1d(rows, broken)
-        if len(rest):
+    if len(done.choice.through):
+        through = run.what(done.choice.through)
+        report.append(rules.THROUGH_WRIST(place=through, robot=robot.title))
+    for axis, rows in done.wound:
+        if len(rows):
             low, high = robot.limits[axis]
             name = robot.axes[axis]
-            report.append(rules.WOUND_UP(place=run.what(rest), axis=name, low=low, high=high))
+            report.append(rules.WOUND_UP(place=run.what(rows), axis=name, low=low, high=high))
     return Solved(joints, configurations, tuple(report))
 
 
 @dataclass(frozen=True, slots=True)
-class _Choice:
-    """branches: (n,) -1 where none is possible. broken: rows before which the branch changes
-    although the move does not allow it. through: rows reached through the wrist singularity.
+class _Tried:
+    """A choice of branches with what a closer look at it shows.
+
+    joints: (n, a) deg. wound: by axis, the rows before which it would be wound back. off: rows
+    that state a quadrant (or turn) which their axes cannot have. bad: rows to which the way
+    is none in the chosen branch.
     """
 
-    branches: Rows
-    broken: Rows
-    through: Rows
+    choice: Choice
+    joints: Floats
+    wound: list[tuple[int, Rows]]
+    off: Rows
+    bad: Rows
+    findings: tuple[Diagnostic, ...]
 
 
-def _choice(
-    run: Run, robot: Robot, survey: Survey, every: Singles, own: Rows, starts: Rows
-) -> _Choice:
-    """every: (a, b, n) joints, taken over. own: (n,) the branch that a row has to keep, or -1."""
-    kept, row = own >= 0, np.arange(len(run))
-    bound = survey.allowed & ~kept
-    bound[own[kept], row[kept]] = True
-    sheet = crossed = clear = None
-    if survey.bends is not None:
-        crossed, clear = crossings(survey.bends, run.kinds), clearances(survey.bends, run.kinds)
-        survey.bends = None  # room for what comes
-        if crossed.any():
-            sheet = sheets(crossed)
-            bound = np.take_along_axis(bound, sheet, axis=0)
-    continued = _continued(run)
-    same = _branches_at(run.before, robot) if continued else np.ones(robot.branches, bool)
-    if (bound[:, 0] & same).any():
-        bound[:, 0] &= same
-    solved = np.asarray(survey.allowed.any(axis=0))
-    travel = travel_of(run, robot, every, solved, starts, sheet, clear, crossed)
-    chosen, broken = choose(bound, starts, travel.costs)
-    if chosen[0] >= 0 and not same[chosen[0]]:
-        broken = np.append(0, broken)
-    through = np.empty(0, np.intp)
-    if sheet is not None and crossed is not None:
-        chosen = np.where(chosen >= 0, sheet[chosen, row], -1)
-        through = np.flatnonzero((chosen >= 0) & crossed[chosen // 2, row])
-    return _Choice(chosen, broken, through)
+def _best(
+    run: Run,
+    robot: Robot,
+    choice: Choice,
+    others: Choices | None,
+    said: NDArray[np.integer],
+    *,
+    look: bool,
+) -> _Tried:
+    """The choice with the fewest rows to which there is no way, the cheapest of these.
+
+    A choice knows the rows, not what is between them: what turns out to be no way is ruled out
+    and the next choice out of others tried. look: whether to look at what is between the rows.
+    """
+    best = last = _tried(run, robot, choice, said, look=look)
+    for _ in range(robot.branches):
+        if others is None or not len(last.bad) or len(last.choice.broken):
+            break
+        if not others.bar(last.choice, last.bad):
+            break
+        last = _tried(run, robot, others.best(), said, look=look)
+        if len(last.bad) < len(best.bad) and not len(last.choice.broken):
+            best = last
+    return best
 
 
-def _continued(run: Run) -> bool:
-    """Whether the first move goes on without a joint move from where the arm is."""
-    return run.joined and bool(run.kinds[0] != Kind.JOINT)
-
-
-def _branches_at(joints: Floats, robot: Robot) -> Truths:
-    """(b,) which branches joints (a,) belong to; several at a singularity."""
-    p, q = robot.fk(joints)
-    found, _ = robot.solve(p, q)
-    off = robot.wound(found[:, :, 0].T - joints)[:, list(robot.arm.compared)]
-    return np.asarray((np.abs(off) < 0.1).all(axis=1))
-
-
-def _chain_starts(run: Run) -> Rows:
-    first = run.kinds == Kind.JOINT
-    first[:1] = True
-    return np.flatnonzero(first)
+def _tried(
+    run: Run,
+    robot: Robot,
+    choice: Choice,
+    said: NDArray[np.integer],
+    *,
+    look: bool,
+) -> _Tried:
+    findings: list[Diagnostic] = []
+    joints = _joints(run, robot, choice.branches)
+    lost = np.flatnonzero((choice.branches >= 0) & np.isnan(joints).any(axis=1))
+    if len(lost):
+        where = run.label(int(lost[0]))
+        findings.append(rules.NOT_CLOSED(place=run.what(lost), robot=robot.title, where=where))
+    winding, bad = None, np.empty(0, np.intp)
+    if look and not findings and not len(choice.broken):
+        way = lines(run, robot, joints, choice.branches)
+        winding, bad = way.winding, way.rows
+        findings += way.findings
+    joints, unmet, off = _turned(run, robot, joints, chain_starts(run), said, winding)
+    wound = []
+    for axis, rows in unmet:
+        if continued(run) and abs(joints[0, axis] - run.before[axis]) > 180.0:
+            rows = np.append(0, rows)
+        wound.append((axis, np.setdiff1d(rows, choice.broken)))
+    bad = np.unique(np.concatenate([bad, *(rows for _, rows in wound)]))
+    return _Tried(choice, joints, wound, off, bad, tuple(findings))
 
 
 def _joints(run: Run, robot: Robot, branch: Rows) -> Floats:

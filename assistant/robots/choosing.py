@@ -1,0 +1,121 @@
+"""The arm branches that a run is followed in, out of all that its rows allow."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.program.path import Kind
+from assistant.robots.branches import Costs, choose
+from assistant.robots.robot import Robot
+from assistant.robots.run import Run
+from assistant.robots.survey import Survey
+from assistant.robots.travel import WOUND, Travel, travel_of
+from assistant.robots.wrist import clearances, crossings, sheets
+
+Floats = NDArray[np.float64]
+Singles = NDArray[np.float32]
+Truths = NDArray[np.bool_]
+Rows = NDArray[np.intp]
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """branches: (n,) -1 where none is possible. broken: rows before which the branch changes
+    although the move does not allow it. through: rows reached through the wrist singularity.
+    """
+
+    branches: Rows
+    broken: Rows
+    through: Rows
+
+
+@dataclass(slots=True)
+class Choices:
+    """What there is to choose from.
+
+    bound: (b, n) what rows allow and, where the run goes on from where the arm is, the branch
+    that it has there. starts: (c,) first rows of the chains. same: (b,) branches of where the
+    arm is. sheet, crossed: see `wrist`, None where nothing is crossed. All are by sheet instead
+    of by branch where there are sheets. barred: ways that a closer look has ruled out, as sheet
+    and row each.
+    """
+
+    starts: Rows
+    bound: Truths
+    same: Truths
+    travel: Travel
+    sheet: Rows | None
+    crossed: Truths | None
+    barred: set[tuple[int, int]] = field(default_factory=set)
+
+    def best(self) -> Choice:
+        row = np.arange(self.bound.shape[1])
+        chosen, broken = choose(self.bound, self.starts, self._costs)
+        if chosen[0] >= 0 and not self.same[chosen[0]]:
+            broken = np.append(0, broken)
+        through = np.empty(0, np.intp)
+        if self.sheet is not None and self.crossed is not None:
+            chosen = np.where(chosen >= 0, self.sheet[chosen, row], -1)
+            through = np.flatnonzero((chosen >= 0) & self.crossed[chosen // 2, row])
+        return Choice(chosen, broken, through)
+
+    def bar(self, choice: Choice, rows: Iterable[int]) -> bool:
+        """Rules out the ways to some rows in the chosen branches; whether that says anything."""
+        before = len(self.barred)
+        for row in rows:
+            branch = choice.branches[row]
+            way = branch if self.sheet is None else (self.sheet[:, row] == branch).argmax()
+            self.barred.add((int(way), int(row)))
+        return len(self.barred) > before
+
+    def _costs(self, starts: Rows) -> Costs:
+        costs = self.travel.costs(starts)
+        for way, row in self.barred:
+            costs.chains[way, np.searchsorted(starts, row, side="right") - 1] += WOUND
+        return costs
+
+
+def choices(run: Run, robot: Robot, survey: Survey, every: Singles, own: Rows) -> Choices:
+    """every: (a, b, n) joints, taken over. own: (n,) the branch that a row has to keep, or -1."""
+    kept = own >= 0
+    bound = survey.allowed & ~kept
+    bound[own[kept], np.flatnonzero(kept)] = True
+    sheet = crossed = clear = None
+    if survey.bends is not None:
+        crossed, clear = crossings(survey.bends, run.kinds), clearances(survey.bends, run.kinds)
+        survey.bends = None  # room for what comes
+        if crossed.any():
+            sheet = sheets(crossed)
+            bound = np.take_along_axis(bound, sheet, axis=0)
+    same = np.ones(robot.branches, bool)
+    if continued(run):
+        same = _branches_at(run.before, robot)
+    if (bound[:, 0] & same).any():
+        bound[:, 0] &= same
+    starts = chain_starts(run)
+    solved = np.asarray(survey.allowed.any(axis=0))
+    travel = travel_of(run, robot, every, solved, starts, sheet, clear, crossed)
+    return Choices(starts, bound, same, travel, sheet, crossed)
+
+
+def continued(run: Run) -> bool:
+    """Whether the first move goes on without a joint move from where the arm is."""
+    return run.joined and bool(run.kinds[0] != Kind.JOINT)
+
+
+def chain_starts(run: Run) -> Rows:
+    first = run.kinds == Kind.JOINT
+    first[:1] = True
+    return np.flatnonzero(first)
+
+
+def _branches_at(joints: Floats, robot: Robot) -> Truths:
+    """(b,) which branches joints (a,) belong to; several at a singularity."""
+    p, q = robot.fk(joints)
+    found, _ = robot.solve(p, q)
+    off = robot.wound(found[:, :, 0].T - joints)[:, list(robot.arm.compared)]
+    return np.asarray((np.abs(off) < 0.1).all(axis=1))
