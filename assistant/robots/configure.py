@@ -80,7 +80,7 @@ def journey(program: Program, robot: Robot) -> Journey:
         return value
 
     configured = rewrite(program, visit)
-    return Journey(configured, robot, survey.legs, fold(survey.findings))
+    return Journey(configured, robot, survey.legs, fold([*robot.findings, *survey.findings]))
 
 
 Moving = Move | MoveCircular | MoveJoints | Follow

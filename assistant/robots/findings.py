@@ -40,6 +40,20 @@ TILTED: Final = Rule(
     "state orientations about Z only, or a tool that is turned by the tilt (180 degrees about X "
     "for targets whose Z axis points down)",
 )
+UNSOLVED: Final = Rule(
+    "RB117",
+    Severity.ERROR,
+    "the solver finds no joints of {robot} that lead to the pose; at worst what comes nearest is "
+    "{worst:.2g} mm or degrees away ({where})",
+    "move the work piece, turn the tool, or take another robot{nearest}",
+)
+UNNAMED: Final = Rule(
+    "RB118",
+    Severity.INFO,
+    "the arm of {robot} has no branches that a configuration could name: targets keep what they "
+    "state, and what states none stays open",
+    "try the program at low speed: which branch the controller takes is not known",
+)
 BRANCH_CHANGE: Final = Rule(
     "RB105",
     Severity.ERROR,

@@ -15,6 +15,7 @@ from assistant.program.program import Program
 from assistant.robots.arms.arm import BOUNDARY, CLOSING, Arm
 from assistant.robots.arms.five_axis import FiveAxis
 from assistant.robots.arms.lengths import Lengths
+from assistant.robots.arms.serial import Serial
 from assistant.robots.arms.six_axis import SixAxis
 from assistant.robots.configurations import BACK, QUADRANTS, TURNING_AXES
 
@@ -149,6 +150,18 @@ class Robot:
             turns[self.sliding] = 0.0
         joints -= turns
         return joints, excess
+
+    def follow(
+        self, joints: Floats, positions: Floats, quaternions: Floats
+    ) -> tuple[Floats, Floats]:
+        """Joints (m, a) of an arm without named branches, taken along flange poses (m, s, …).
+
+        With the joints (m, s, a) the excess (m, s), as of `solve`.
+        """
+        assert isinstance(self.arm, Serial)
+        found, excess = self.arm.follow(self.chained(joints), positions, quaternions)
+        found[..., ~self.sliding] = np.degrees(found[..., ~self.sliding])
+        return found - self.zero, excess
 
     def closes(self, joints: Floats, positions: Floats, quaternions: Floats) -> Truths:
         """(n,) whether forward kinematics of joints (n, a) gives the poses."""

@@ -62,7 +62,17 @@ class Survey:
         out = []
         if self.no_number:
             out.append(rules.NO_NUMBER(place=run.what(np.concatenate(self.no_number))))
-        if self.reach.rows:
+        if self.reach.rows and not robot.arm.named:
+            out.append(
+                rules.UNSOLVED(
+                    place=run.what(self.reach.all()),
+                    robot=robot.title,
+                    worst=self.reach.value,
+                    where=run.label(self.reach.row),
+                    nearest=_nearest(run, robot, self.reach.row, keep=True),
+                )
+            )
+        elif self.reach.rows:
             far = bool(self.reach.fields["far"])
             need = robot.reach + self.reach.value
             cure = f"move the work piece or the robot, or take one that reaches {need:.0f} mm"
