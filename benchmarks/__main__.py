@@ -10,10 +10,19 @@ import subprocess
 import sys
 import time
 
+from benchmarks.arms import ROBOTS
 from benchmarks.emission import CASES
 from benchmarks.reading import READING
 
-EVERY = CASES | {name: one.case for cases in READING.values() for name, one in cases.items()}
+TABLES = {
+    "reading": {
+        f"{title}: targets written out, a move through each": cases
+        for title, cases in READING.items()
+    },
+    "arms": {"Arms: joints at random inside the limits; a tool that goes over a surface": ROBOTS},
+}
+MEASURED = (cases for tables in TABLES.values() for cases in tables.values())
+EVERY = CASES | {name: one.case for cases in MEASURED for name, one in cases.items()}
 
 HELP_LIMIT = 0.3
 """Seconds in which `robot-assistant --help` has to answer."""
@@ -23,15 +32,17 @@ def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__)
     arguments.add_argument("--points", type=int, default=1_000_000)
     arguments.add_argument("--runs", type=int, default=3, help="of each case; the best counts")
-    arguments.add_argument("--reading", action="store_true", help="only what reads programs")
+    arguments.add_argument("--only", choices=["emission", *TABLES], help="one part of it")
     arguments.add_argument("--case", choices=[*EVERY], help="run one case here and print JSON")
     chosen = arguments.parse_args()
     if chosen.case:
         print(json.dumps(_measured(chosen.case, chosen.points)))
         return
-    if not chosen.reading:
+    if chosen.only in (None, "emission"):
         _emission(chosen.points, chosen.runs)
-    _reading(chosen.runs)
+    for part in TABLES:
+        if chosen.only in (None, part):
+            _tables(part, chosen.runs)
     _startup()
 
 
@@ -44,10 +55,10 @@ def _emission(points: int, runs: int) -> None:
         print(f"{case:<52}{rate:>12,.0f}{best['seconds']:>10.2f}{best['peak']:>10.0f}", flush=True)
 
 
-def _reading(runs: int) -> None:
-    """A line a case and size, with its time for one beside that of the language's first line."""
-    for title, cases in READING.items():
-        print(f"\n{title}: targets written out, a move through each; best of {runs} runs\n")
+def _tables(part: str, runs: int) -> None:
+    """A line a case and size, with its time for one target beside that of the first line."""
+    for title, cases in TABLES[part].items():
+        print(f"\n{title}; best of {runs} runs\n")
         head = f"{'number':>10}{'a second':>12}{'seconds':>10}{'peak MiB':>10}{'times':>8}"
         print(f"{'case':<56}{head}")
         fastest = 0.0
