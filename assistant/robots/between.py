@@ -59,13 +59,14 @@ def lines(run: Run, robot: Robot, joints: Floats, branch: Rows) -> Lines:
         some = rows[start : start + many]
         for one in np.unique(branch[some]):
             here = some[branch[some] == one]
-            found, excess = _on_the_way(run, robot, here, int(one))
+            found, excess = _on_the_way(run, robot, here, int(one), joints[here - 1])
             between = np.concatenate(
                 [joints[here - 1][:, None], found, joints[here][:, None]], axis=1
             )
             swept = robot.wound(np.diff(between, axis=1)).sum(axis=1)
             winding[here] = np.round((swept - step[here]) / 360.0)
             bad += _bad(robot, here, found, excess)
+            bad += _jumps(robot, here, found[:, -1], joints[here])
     bad.sort()
     if not bad:
         return Lines(winding, (), np.empty(0, np.intp))
@@ -77,16 +78,23 @@ def lines(run: Run, robot: Robot, joints: Floats, branch: Rows) -> Lines:
     return Lines(winding, (finding,), over)
 
 
-def _on_the_way(run: Run, robot: Robot, rows: Rows, branch: int) -> tuple[Floats, Floats]:
-    """Joints (m, s, a) deg and excess of the reach (m, s) mm on the lines to some rows."""
+def _on_the_way(
+    run: Run, robot: Robot, rows: Rows, branch: int, before: Floats
+) -> tuple[Floats, Floats]:
+    """Joints (m, s, a) deg and excess of the reach (m, s) mm on the lines to some rows.
+
+    before: (m, a) deg where the lines begin.
+    """
     p0, q0 = run.targets(rows - 1)
     p1, q1 = run.targets(rows)
     part = (np.arange(1, SAMPLES + 1) / (SAMPLES + 1))[None, :, None]
     p = p0[:, None] + part * (p1 - p0)[:, None]
     q = _turned(q0, q1, part[..., 0])
     p, q = run.mounting.to_flange(p.reshape(-1, 3), q.reshape(-1, 4), np.repeat(rows, SAMPLES))
-    found, excess = robot.solve(p, q, (branch,))
     shape = (len(rows), SAMPLES)
+    if not robot.arm.named:
+        return robot.follow(before, p.reshape(*shape, 3), q.reshape(*shape, 4))
+    found, excess = robot.solve(p, q, (branch,))
     return found[:, 0].T.reshape(*shape, len(robot.axes)), excess[0].reshape(shape)
 
 
@@ -103,6 +111,21 @@ def _turned(first: Floats, last: Floats, part: Floats) -> Floats:
     one = np.where(near, 1.0 - part, np.sin((1.0 - part) * angle) / sine)
     two = np.where(near, part, np.sin(part * angle) / sine)
     return np.asarray(one[..., None] * first[:, None] + two[..., None] * last[:, None])
+
+
+def _jumps(robot: Robot, rows: Rows, last: Floats, joints: Floats) -> list[tuple[int, str]]:
+    """Rows whose joints (m, a) deg are not where the last ones on the way (m, a) lead to: an arm
+    whose branches have no names may have several solutions in one.
+    """
+    if robot.arm.named:
+        return []
+    off = np.abs(robot.wound(joints - last))
+    out = []
+    for i in np.flatnonzero(off.max(axis=1) > WIDE):
+        axis = int(off[i].argmax())
+        name, unit = robot.axes[axis], robot.units[axis]
+        out.append((int(rows[i]), f"would have {name} jump by {off[i, axis]:.1f} {unit}"))
+    return out
 
 
 def _bad(robot: Robot, rows: Rows, found: Floats, excess: Floats) -> list[tuple[int, str]]:

@@ -52,7 +52,7 @@ def solve(run: Run, robot: Robot) -> Solved:
     What cannot be done is reported; of rows that state their branches themselves a change
     of branch is a warning only: their controller may have been told to allow it.
     """
-    stated = np.asarray(run.configurations[:, BACK] != UNSTATED)
+    stated = np.asarray(run.configurations[:, BACK] != UNSTATED) & robot.arm.named
     survey, every = survey_of(run, robot)
     own = np.where(stated, robot.branch_of(run.configurations), -1)
     kept = stated & survey.allowed[own, np.arange(len(run))]
@@ -67,13 +67,15 @@ def solve(run: Run, robot: Robot) -> Solved:
     joints, broken = done.joints, done.choice.broken
     found = robot.configuration(np.nan_to_num(joints))
     solved = np.isfinite(joints).all(axis=1)
-    fill = ~stated & solved
+    fill = ~stated & solved & robot.arm.named
     configurations = np.where(fill[:, None], found, run.configurations)
     report += _not_as_stated(run, robot, np.flatnonzero(stated & ~kept & solved), found)
     report += _other_quadrant(run, robot, done.off, found)
     for rows, severity in ((broken[~kept[broken]], None), (broken[kept[broken]], Severity.WARNING)):
         if len(rows):
             report.append(_branch_change(run, robot, rows, joints, severity))
+    if not robot.arm.named:
+        report.append(rules.UNNAMED(robot=robot.title))
     if len(done.choice.through):
         through = run.what(done.choice.through)
         report.append(rules.THROUGH_WRIST(place=through, robot=robot.title))
@@ -202,7 +204,7 @@ def _turned(
         off = np.flatnonzero(stated & ~kept & np.isfinite(out).all(axis=1) & run.exact_rows)
         free = ~kept
     wound = []
-    for _, axis in robot.turning():
+    for axis in robot.winding():
         angles = out[:, axis]
         turns = None
         if wanted is not None:
