@@ -256,6 +256,37 @@ def coverage(
 
 
 @app.command()
+def simulate(
+    program: Source,
+    robot: RobotOption = None,
+    output: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--output",
+            "-o",
+            help="Folder for all files, or a .csv, .npz, .png or .svg; repeatable.",
+        ),
+    ] = None,
+    acceleration: Annotated[
+        float | None,
+        typer.Option(help="mm/s² of the tool on lines and arcs; default what the axes allow."),
+    ] = None,
+    period: Annotated[
+        float | None, typer.Option(help="Seconds between samples; default 0.01, or what fits.")
+    ] = None,
+    process: ProcessOption = None,
+    from_language: FromLanguage = None,
+    from_robot: FromRobot = None,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Tell how long a program takes on a robot, and write its motion over time. Nothing moves."""
+    from assistant.cli.simulating import Options, run_simulate
+
+    options = Options(robot, process, from_language, from_robot, acceleration, period)
+    raise typer.Exit(run_simulate(program, options, output or (), format))
+
+
+@app.command()
 def deploy(
     files: Annotated[list[Path], typer.Argument(help="Robot programs to install.")],
     to: Annotated[str, typer.Option(help="Controller: ftp://user@host or melfa://host:port.")],

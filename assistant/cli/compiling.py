@@ -128,7 +128,7 @@ def run_show(
 ) -> int:
     from assistant.program import pseudo
 
-    loaded = _loaded(source, robot, process, from_language)
+    loaded = load_given(source, robot, process, from_language)
     print_findings(fold(f.within(source) for f in loaded.findings))
     if output is None:
         sys.stdout.write(pseudo.print_program(loaded.program).text)
@@ -144,9 +144,10 @@ def run_show(
     return 0
 
 
-def _loaded(
+def load_given(
     source: str, robot: str | None, process: Path | None, from_language: str | None
 ) -> Loaded:
+    """The program of a file, or of standard input if the source says so."""
     from assistant.compiler.compiling import robot_of
     from assistant.compiler.loading import load
 

@@ -67,6 +67,7 @@ def simulate(
         procedures={name: walker.procedures[name] for name in order},
         moves=walker.ledger.move_times(order),
         unknown=walker.ledger.unknown(),
+        labels=walker.pieces.labels,
         trace=done.trace,
         start=begin,
         wanted_period=period,

@@ -11,6 +11,7 @@ from assistant.program.expressions import Expression
 from assistant.program.geometry import BASE, FLANGE, Frame, Tool
 from assistant.program.path import UNSTATED, Kind, configuration_row
 from assistant.program.program import Procedure, walk
+from assistant.program.pseudo.expressions import expression_text
 from assistant.program.statements import Follow, Motion, Move, MoveCircular, MoveJoints
 from assistant.robots.journey import Journey, Leg
 from assistant.robots.naming import Names, Place
@@ -40,7 +41,8 @@ class Piece:
 class Pieces:
     """The motion statements of a journey.
 
-    numbers: id of a statement → its number in its procedure and its leg.
+    numbers: id of a statement → its number in its procedure and its leg. labels: procedure and
+    number → what it moves to.
     """
 
     def __init__(self, journey: Journey, names: Names) -> None:
@@ -51,6 +53,7 @@ class Pieces:
             {name.lower(): blend for name, blend in program.blends.items()},
         )
         self.numbers: dict[int, tuple[int, Leg]] = {}
+        self.labels: dict[tuple[str, int], str] = {}
         for procedure in program.procedures:
             self._number(procedure, journey.legs[procedure.name])
         self.made: dict[tuple[object, ...], Moves] = {}
@@ -61,6 +64,7 @@ class Pieces:
         numbered = [(n, s) for n, s in enumerate(moving, start=1) if not _empty(s)]
         for (number, statement), leg in zip(numbered, there, strict=True):
             self.numbers[id(statement)] = number, leg
+            self.labels[procedure.name, number] = label_of(statement)
 
     def piece(
         self, statement: Moving, procedure: str, settings: Settings, near: Joints | None
@@ -160,6 +164,13 @@ class Pieces:
                 if good and (best is None or _travel(one, at) < _travel(best, at)):
                     best = one
         return best
+
+
+def label_of(statement: Moving) -> str:
+    """What a statement moves to, in words of the pseudo-program."""
+    if isinstance(statement, Follow):
+        return f"path {statement.path.name}"
+    return f"`{expression_text(statement.target)}`"
 
 
 def _travel(joints: Floats, at: Floats) -> float:

@@ -49,12 +49,19 @@ def samples_of(
     return Samples(
         t,
         columns["positions"],
-        columns["quaternions"],
+        _unflipped(columns["quaternions"]),
         columns["joints"],
         columns["speeds"],
         velocity,
         acceleration,
     )
+
+
+def _unflipped(quaternions: Floats) -> Floats:
+    """The same rotations, each on the side of the one before it."""
+    cosine = np.einsum("ij,ij->i", quaternions[1:], quaternions[:-1])
+    sign = np.cumprod(np.concatenate([[1.0], np.where(cosine < 0.0, -1.0, 1.0)]))
+    return np.asarray(quaternions * sign[:, None])
 
 
 def _moments(trace: Trace | None, t: Floats, robot: Robot, start: Floats) -> Iterator[Moment]:

@@ -80,8 +80,9 @@ class Simulation:
     """How long a program takes on a robot.
 
     duration: of the entry. procedures: name → how long a call takes, over all calls.
-    trace: of the way through the entry that takes the longest. period: seconds between samples.
-    start: (a,) joints where it begins.
+    labels: procedure and number of each of its motion statements → what it moves to.
+    trace: of the way through the entry that takes the longest. start: (a,) joints where it
+    begins. wanted_period: see `period`.
     """
 
     robot: Robot
@@ -89,6 +90,7 @@ class Simulation:
     procedures: Mapping[str, Duration]
     moves: MoveTimes
     unknown: tuple[Unknown, ...]
+    labels: Mapping[tuple[str, int], str]
     trace: Trace | None
     start: Floats
     wanted_period: float | None

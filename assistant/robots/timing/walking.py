@@ -39,7 +39,7 @@ from assistant.robots.journey import Journey
 from assistant.robots.naming import Names
 from assistant.robots.timing.drive import Drive
 from assistant.robots.timing.ledger import Ledger
-from assistant.robots.timing.pieces import Piece, Pieces
+from assistant.robots.timing.pieces import Piece, Pieces, label_of
 from assistant.robots.timing.plan import Plan, plan_of
 from assistant.robots.timing.rows import Rows, joined
 from assistant.robots.timing.values import rounds, truth
@@ -130,8 +130,9 @@ class Walker:
             self.waiting.append(piece)
             return way
         number, _ = self.pieces.numbers[id(statement)]
-        what = _target(statement)
-        self.note(f"move {number} to {what}: only running the program tells where that is")
+        self.note(
+            f"move {number} to {label_of(statement)}: only running the program tells where that is"
+        )
         return replace(self.flush(way), places=())
 
     def flush(self, way: Way) -> Way:
@@ -390,11 +391,3 @@ def _without(way: Way, names: set[str]) -> Way:
     """The way with the values of some variables not known."""
     changed = {name: None for name in names if way.known.get(name) is not None}
     return replace(way, known={**way.known, **changed}) if changed else way
-
-
-def _target(statement: Move | MoveCircular | MoveJoints | Follow) -> str:
-    return (
-        f"path {statement.path.name}"
-        if isinstance(statement, Follow)
-        else f"`{expression_text(statement.target)}`"
-    )

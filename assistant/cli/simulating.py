@@ -1,0 +1,176 @@
+"""`simulate`: how long a program takes on a robot, and its motion over time in files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant.cli.compiling import (
+    NO_FILE_NAME,
+    STANDARD,
+    keep_sources,
+    load_given,
+    working,
+)
+from assistant.cli.presentation import Format, print_findings, print_json, say
+from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, fold, has_errors
+
+if TYPE_CHECKING:
+    from assistant.program.program import Program
+    from assistant.robots import Journey, Robot
+    from assistant.robots.timing import Simulation
+
+NO_ROBOT = Rule(
+    "CL010",
+    Severity.ERROR,
+    "the program names no robot that it is for",
+    "name one with --robot; `robot-assistant robots` lists them",
+)
+NO_RESULT = Rule(
+    "CL011",
+    Severity.ERROR,
+    "a simulation is not written as `{name}`",
+    "end the name in .csv, .npz, .png or .svg, or name a folder",
+)
+FILES: Final = (".motion.csv", ".moves.csv", ".motion.npz", ".motion.png", ".motion.svg")
+"""How the names of all files of a simulation end, behind the name of the program."""
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """What is simulated, and how. acceleration: mm/s² of the tool. period: seconds."""
+
+    robot: str | None
+    process: Path | None
+    from_language: str | None
+    from_robot: str | None
+    acceleration: float | None
+    period: float | None
+
+
+def run_simulate(source: str, options: Options, outputs: Sequence[str], format: Format) -> int:
+    """0 if the program could be simulated, 1 if the robot cannot run it."""
+    from assistant.report import timing as report
+    from assistant.robots.timing import simulate
+
+    with working(f"simulating {source}"):
+        wanted = _wanted(source, outputs)
+        journey, findings = _solved(source, options)
+        if has_errors(findings):
+            return _refused(source, journey.robot, findings, format)
+        done = simulate(journey, period=options.period, acceleration=options.acceleration)
+        files = {path: _written(path.name, done, source) for path in wanted}
+        written = _put(source, files)
+    if format is Format.JSON:
+        from assistant.findings.formats import finding_record
+
+        answer: dict[str, Any] = {"source": source, **report.record(done)}
+        answer["findings"] = [finding_record(finding) for finding in findings]
+        print_json(answer | {"written": [str(path) for path in written]})
+        return 0
+    print_findings(findings, explained=True)
+    say(f"{source} on {done.robot.title}")
+    say("")
+    for line in report.lines(done):
+        say(line)
+    for path in written:
+        say(f"wrote {path}")
+    return 0
+
+
+def _solved(source: str, options: Options) -> tuple[Journey, list[Diagnostic]]:
+    from assistant import robots
+    from assistant.compiler.compiling import for_another_arm, known_robot, robot_of
+
+    written_for, arm = robot_of(options.from_robot), robot_of(options.robot)
+    reader = options.from_robot or options.robot
+    loaded = load_given(source, reader, options.process, options.from_language)
+    program: Program = loaded.program
+    arm = arm or known_robot(program.robot)
+    if arm is None:
+        raise Refused(NO_ROBOT(path=source), exit_status=2)
+    if program.robot not in (None, arm.name):
+        written_for = known_robot(program.robot)
+        program = replace(program, robot=None)
+    journey = robots.journey(for_another_arm(program, written_for, arm), arm)
+    found = fold(f.within(source) for f in (*loaded.findings, *journey.findings))
+    return journey, list(found)
+
+
+def _refused(source: str, robot: Robot, findings: Sequence[Diagnostic], format: Format) -> int:
+    if format is Format.JSON:
+        from assistant.findings.formats import finding_record
+
+        found = [finding_record(finding) for finding in findings]
+        print_json({"source": source, "robot": robot.name, "findings": found, "written": []})
+    else:
+        print_findings(findings, explained=True)
+        say(f"{source} is not simulated: {robot.title} cannot run it")
+    return 1
+
+
+def _wanted(source: str, outputs: Sequence[str]) -> list[Path]:
+    """The files that are to be written; raises Refused for a name that tells no kind."""
+    stem = "program" if source == STANDARD else Path(source).stem
+    found = []
+    for output in outputs:
+        path = Path(output)
+        if path.is_dir() or not path.suffix:
+            found += [path / f"{stem}{end}" for end in FILES]
+        elif path.suffix.lower() not in _WRITERS:
+            raise Refused(NO_RESULT(name=output), exit_status=2)
+        elif not path.stem:
+            raise Refused(NO_FILE_NAME(path=output, name=output), exit_status=2)
+        else:
+            found.append(path)
+    return list(dict.fromkeys(found))
+
+
+def _put(source: str, files: Mapping[Path, bytes]) -> list[Path]:
+    from assistant.compiler.output import write_files
+
+    keep_sources([source], list(files))
+    written: list[Path] = []
+    for folder in dict.fromkeys(path.parent for path in files):
+        inside = {path.name: data for path, data in files.items() if path.parent == folder}
+        written += write_files(inside, folder)
+    return written
+
+
+def _written(name: str, done: Simulation, source: str) -> bytes:
+    if name.lower().endswith(".moves.csv"):
+        from assistant.report.timing import moves_csv
+
+        return moves_csv(done)
+    return _WRITERS[Path(name).suffix.lower()](done, source)
+
+
+def _csv(done: Simulation, source: str) -> bytes:  # noqa: ARG001 (each writer is given both)
+    from assistant.report.timing import motion_csv
+
+    return motion_csv(done)
+
+
+def _npz(done: Simulation, source: str) -> bytes:  # noqa: ARG001
+    from assistant.report.timing import motion_npz
+
+    return motion_npz(done)
+
+
+def _picture(format: str) -> Callable[[Simulation, str], bytes]:
+    def draw(done: Simulation, source: str) -> bytes:
+        from assistant.report.motion_plot import motion_plot
+
+        return motion_plot(done, f"{Path(source).name} on {done.robot.title}", format)
+
+    return draw
+
+
+_WRITERS: Final[dict[str, Callable[[Simulation, str], bytes]]] = {
+    ".csv": _csv,
+    ".npz": _npz,
+    ".png": _picture("png"),
+    ".svg": _picture("svg"),
+}
