@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from assistant.checks.arcs import arcs
 from assistant.checks.magnitudes import magnitudes
 from assistant.program.diagnostics import Diagnostic, fold
 from assistant.program.program import Program
+
+if TYPE_CHECKING:
+    from assistant.robots import Journey
 
 RULES: Final[tuple[Callable[[Program], Iterator[Diagnostic]], ...]] = (arcs, magnitudes)
 
@@ -16,3 +19,14 @@ RULES: Final[tuple[Callable[[Program], Iterator[Diagnostic]], ...]] = (arcs, mag
 def check(program: Program) -> tuple[Diagnostic, ...]:
     """Findings of every rule, those that differ only in their place folded."""
     return fold(finding for rule in RULES for finding in rule(program))
+
+
+def with_robot(journey: Journey, *, cycle: float | None = None) -> tuple[Diagnostic, ...]:
+    """Findings of the rules about how a robot gets through a program.
+
+    cycle: seconds between two places that the controller commands; None for what is known of it.
+    What cannot be reached at all are findings of the journey itself.
+    """
+    from assistant.checks import robot_rules
+
+    return robot_rules.check(journey, cycle)

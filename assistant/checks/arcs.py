@@ -1,4 +1,4 @@
-"""Arcs that no controller can run: points that coincide, or that lie on one line."""
+"""Arcs that no controller can run, or whose circle its three points hardly tell."""
 
 from __future__ import annotations
 
@@ -23,6 +23,11 @@ LEAST_APART: Final = 0.1
 LEAST_HEIGHT: Final = 0.001
 """mm of the via point beside the chord below which an arc has no certain plane."""
 
+LEAST_ANGLE: Final = 1.0
+"""degrees between via point and end, seen from the start (RAPID manual, MoveC)."""
+MOST_ANGLE: Final = 240.0
+"""degrees that an arc should go round at most (RAPID manual, MoveC)."""
+
 TOO_CLOSE = Rule(
     "CK101",
     Severity.ERROR,
@@ -34,6 +39,18 @@ STRAIGHT = Rule(
     Severity.ERROR,
     "the three points of an arc lie on one line",
     "use a linear move, or put the via point beside the line",
+)
+NEARLY_STRAIGHT = Rule(
+    "CK103",
+    Severity.INFO,
+    "an arc is nearly straight: seen from its start, its points are {angle:.2f} degrees apart",
+    "use a linear move; RAPID asks for 1 degree at least",
+)
+NEARLY_ROUND = Rule(
+    "CK104",
+    Severity.INFO,
+    "an arc goes round {angle:.0f} degrees",
+    "split it: up to 240 degrees its three points tell the circle well",
 )
 
 
@@ -86,6 +103,29 @@ def _found(points: Floats, place: _Place) -> Iterator[Diagnostic]:
     for rule, rows in ((TOO_CLOSE, close), (STRAIGHT, straight)):
         for row in np.flatnonzero(rows):
             yield rule(place=place(int(row)))
+    sound = ~close & ~straight & np.isfinite(lengths).all(axis=1)
+    flat = np.degrees(np.arctan2(height, np.einsum("ij,ij->i", sides[:, 0], sides[:, 2])))
+    inner = np.arctan2(
+        np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1),
+        -np.einsum("ij,ij->i", sides[:, 0], sides[:, 1]),
+    )
+    around = 360.0 - np.degrees(2.0 * inner)
+    for rule, angle, rows in (
+        (NEARLY_STRAIGHT, flat, sound & (flat < LEAST_ANGLE)),
+        (NEARLY_ROUND, around, sound & (around > MOST_ANGLE)),
+    ):
+        yield from _of_angle(rule, angle, np.flatnonzero(rows), place)
+
+
+def _of_angle(
+    rule: Rule, angle: Floats, rows: NDArray[np.intp], place: _Place
+) -> Iterator[Diagnostic]:
+    """One finding for all rows of a path, with the angle of the worst."""
+    if not len(rows):
+        return
+    worst = int(rows[(angle if rule is NEARLY_ROUND else -angle)[rows].argmax()])
+    more = f" and {len(rows) - 1} more" if len(rows) > 1 else ""
+    yield rule(place=place(worst) + more, angle=angle[worst])
 
 
 def _position(program: Program, expression: Expression) -> Floats | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
@@ -18,6 +18,7 @@ from assistant.compiler.loading import (
     read_pseudo,
     read_trees,
 )
+from assistant.compiler.places import Places
 from assistant.compiler.project import configured
 from assistant.program import pseudo
 from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, has_errors
@@ -199,7 +200,24 @@ def _check_pseudo(
     checked.texts[name] = Text(text, PSEUDO_MARK, complete=False)
     program = pseudo.parse(text, side_tables=tables)
     checked.texts[name] = Text(text, PSEUDO_MARK, complete=True)
-    return list(_check_meaning(program, arm))
+    return [_at_its_line(finding, text) for finding in _check_meaning(program, arm)]
+
+
+def _at_its_line(finding: Diagnostic, text: SourceText) -> Diagnostic:
+    """A finding about a statement of a pseudo-program, at the lines that it stands in."""
+    if finding.span is None or finding.line is not None:
+        return finding
+    line, column = text.line_column(finding.span.start)
+    end_line, end_column = text.line_column(finding.span.end)
+    return replace(
+        finding,
+        path=text.path,
+        line=line,
+        column=column,
+        excerpt=text.line_text(line),
+        end_line=end_line,
+        end_column=end_column,
+    )
 
 
 def _check_program(
@@ -234,7 +252,8 @@ def _check_texts(
     except Refused as refused:
         return [*found, *refused.findings]
     told = {finding.code for finding in found}
-    meant = _check_meaning(program, arm)
+    places = Places(program)
+    meant = map(places.finding, _check_meaning(places.program, arm))
     return [*found, *(f for f in meant if language.restated.get(f.code) not in told)]
 
 
@@ -243,4 +262,7 @@ def _check_meaning(program: Program, arm: Robot | None) -> tuple[Diagnostic, ...
 
     found = checks.check(program)
     arm = arm or known_robot(program.robot)
-    return found if arm is None else (*found, *robots.configure(program, arm)[1])
+    if arm is None:
+        return found
+    journey = robots.journey(program, arm)
+    return (*found, *journey.findings, *checks.with_robot(journey))

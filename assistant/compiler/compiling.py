@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from assistant.checks import check
+from assistant.checks import check, with_robot
 from assistant.compiler.loading import language_of, load
 from assistant.compiler.places import Places
 from assistant.compiler.proof import SAYS_OTHERWISE, Proof, prove
@@ -150,8 +150,9 @@ def compile_program(
             findings.append(_other_maker(arm, target))
         from assistant import robots
 
-        program, found = robots.configure(program, arm)
-        findings += found
+        journey = robots.journey(program, arm)
+        program = journey.program
+        findings += (*journey.findings, *with_robot(journey))
     adapted = target.adapt(program, arm, most_targets=most_targets)
     findings += adapted.findings
     program = adapted.program
@@ -185,8 +186,9 @@ def _converted(
         from assistant import robots
 
         # positions stay as they are written, so branches that would be chosen are of no interest
-        _, found = robots.configure(replace(source, robot=arm.name), arm)
-        findings += (f for f in found if f.severity is not Severity.INFO)
+        journey = robots.journey(replace(source, robot=arm.name), arm)
+        findings += (f for f in journey.findings if f.severity is not Severity.INFO)
+        findings += with_robot(journey)
     compiled = Compiled(source, target.name, Proof(None), source, places)
     if has_errors(findings):
         return replace(compiled, found=tuple(findings))

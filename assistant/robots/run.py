@@ -18,7 +18,9 @@ Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
 NAMED: Final = 3
-"""How many rows a finding names before it counts the rest."""
+"""How many rows, or ranges of rows, a finding names before it counts the rest."""
+RANGE: Final = 4
+"""Neighbouring rows from which on a finding names the first and the last alone."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,7 +115,10 @@ class Run:
         return np.ones(len(self), bool) if self.exact is None else self.exact
 
     def what(self, rows: Rows) -> str:
-        """The first of some rows (ascending) of each part of the run, the rest counted."""
+        """The first of some rows (ascending) of each part of the run, the rest counted.
+
+        Many neighbours are named by the first and the last of them.
+        """
         ends = np.searchsorted(rows, self.starts)
         said = [
             self._of_part(part, rows[ends[part] : ends[part + 1]])
@@ -124,11 +129,23 @@ class Run:
 
     def _of_part(self, part: int, rows: Rows) -> str:
         whole = int(self.starts[part + 1] - self.starts[part])
-        named = ", ".join(self.label(int(row)) for row in rows[:NAMED])
         if whole == 1:
-            return named
-        more = f" and {len(rows) - NAMED} more" if len(rows) > NAMED else ""
-        return f"{self.names[part]}: {len(rows)} of {whole} targets ({named}{more})"
+            return self.label(int(rows[0]))
+        cuts = np.flatnonzero(np.diff(rows) > 1) + 1
+        said: list[str] = []
+        count = 0
+        for group in np.split(rows, cuts[:NAMED])[:NAMED]:
+            first, last = self.label(int(group[0])), self.label(int(group[-1]))
+            if len(group) < RANGE:
+                group = group[: NAMED - len(said)]
+                said += [self.label(int(row)) for row in group]
+            else:
+                said.append(f"{first} to {last}")
+            count += len(group)
+            if len(said) >= NAMED:
+                break
+        more = f" and {len(rows) - count} more" if len(rows) > count else ""
+        return f"{self.names[part]}: {len(rows)} of {whole} targets ({', '.join(said)}{more})"
 
 
 def to_flange(

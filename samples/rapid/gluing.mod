@@ -3,7 +3,7 @@ MODULE Gluing
     ! Cell: IRB 1200-7/0.7, cartridge dispenser on the flange, cover on a table.
 
     PERS tooldata tNozzle:=[TRUE,[[0,0,120],[1,0,0,0]],[0.9,[0,0,50],[1,0,0,0],0,0,0]];
-    PERS wobjdata wCover:=[FALSE,TRUE,"",[[260,-145,120],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];
+    PERS wobjdata wCover:=[FALSE,TRUE,"",[[290,-145,120],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];
     VAR speeddata vBead:=[80,500,5000,1000];
     VAR zonedata zCorner:=[FALSE,2,3,3,0.3,3,0.3];
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from assistant.checks import check
@@ -56,7 +56,10 @@ ARCS = {
     "on one line": ([(0, 0), (5, 0), (10, 0)], ["CK102"]),
     "on one line, via beyond": ([(0, 0), (15, 0), (10, 0)], ["CK102"]),
     "nearly on one line": ([(0, 0), (5, 0.0005), (10, 0)], ["CK102"]),
-    "flat but round": ([(0, 0), (5, 0.01), (10, 0)], []),
+    "flat but round": ([(0, 0), (5, 0.01), (10, 0)], ["CK103"]),
+    "as flat as may be": ([(0, 0), (5, 0.1), (10, 0)], []),
+    "three quarters": ([(10, 0), (-10, 0), (0, -10)], ["CK104"]),
+    "two thirds": ([(10, 0), (-10, 0), (-5.1, -8.6)], []),
 }
 
 
@@ -104,7 +107,25 @@ def test_arcs_of_circles_are_fine(radius, sweep, part):
     apart = min(math.dist(a, b) for a, b in ((points[0], points[1]), points[1:], points[::2]))
     height = radius * (1 - math.cos(math.radians(min(part, 1 - part) * sweep) / 2))
     if apart > 0.2 and height > 0.01:
-        assert codes(*arc(*points)) == []
+        found = codes(*arc(*points))
+        assert "CK101" not in found and "CK102" not in found
+        assume(abs(sweep - 240.0) > 1e-6)
+        assert ("CK104" in found) == (sweep > 240.0)
+        from_start = (1 - part) * sweep / 2
+        assume(abs(from_start - 1.0) > 1e-6)
+        assert ("CK103" in found) == (from_start < 1.0)
+
+
+def test_flat_arcs_of_a_path_are_told_of_together():
+    points = [(0, 0)]
+    for at in range(5):
+        points += [(10 * at + 5, 0.01 + 0.001 * at), (10 * at + 10, 0)]
+    positions = [(x, y, 0.0) for x, y in points]
+    kinds = [Kind.LINEAR, *[Kind.VIA, Kind.END] * 5]
+    quaternions = [[1, 0, 0, 0]] * len(positions)
+    path = Path.of("seam", positions, quaternions, kinds=kinds, speeds=[Speed(50.0)])
+    (finding,) = check(Program("p", (Procedure("main", (Follow(path),)),)))
+    assert (finding.code, finding.place) == ("CK103", "path seam row 2 and 4 more")
 
 
 @pytest.mark.parametrize("speed", [0.0, -1.0, 1e-9, 0.001, 1e9])

@@ -38,7 +38,9 @@ class Rapid(Language[File]):
     comment_mark = "!"
     family = "RA"
     fixed = ("RA1", "RA3")
-    restated = MappingProxyType({"CK101": "RA459", "CK102": "RA460"})
+    restated = MappingProxyType(
+        {"CK101": "RA459", "CK102": "RA460", "CK103": "RA460", "CK104": "RA461"}
+    )
     counts_on = True
 
     def recognises(self, data: bytes, suffix: str = "") -> bool:  # noqa: ARG002

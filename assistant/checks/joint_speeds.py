@@ -1,0 +1,86 @@
+"""Joints that would have to turn faster than they can at the programmed speed of the TCP."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.checks.moves import Moves
+from assistant.checks.tour import Stage, Tour, figure
+from assistant.program.diagnostics import Diagnostic, Rule, Severity
+
+Floats = NDArray[np.float64]
+
+TOLERANCE: Final = 1.02
+"""By how much a joint may be too fast: rounding of speeds and limits in data sheets."""
+SHORTEST: Final = 0.1
+"""seconds between two stops below which no joint gets to its full speed. The maker's own planning
+of the FR robots (melfa_ros2_driver) lets an axis take about 0.05 s to get there and as much to
+stop."""
+
+TOO_FAST: Final = Rule(
+    "CK311",
+    Severity.WARNING,
+    "{axis} would have to move at {needed:.0f} {unit}/s, its limit is {limit:g}, to keep the "
+    "programmed {programmed}{worst}",
+    "the robot runs slower there or stops; {possible} is possible",
+)
+
+
+def joint_speeds(tour: Tour) -> Iterator[Diagnostic]:
+    robot = tour.robot
+    for stage in tour.stages:
+        moves, way = stage.moves, stage.way
+        if not len(moves):
+            continue
+        with np.errstate(invalid="ignore", divide="ignore"):
+            ratio = way.seconds / stage.seconds
+            stated = np.isfinite(moves.tcp) & np.isfinite(stage.seconds) & (stage.seconds > 0.0)
+        stated &= ~way.crossed & (_between_stops(stage) >= SHORTEST)
+        fast = np.flatnonzero(stated & (ratio > TOLERANCE))
+        for group, worst in stage.groups(moves.rows[fast], ratio[fast]):
+            at = int(fast[worst])
+            axis = int(way.axis[at])
+            yield stage.told(
+                TOO_FAST,
+                group,
+                int(moves.rows[at]),
+                axis=robot.axes[axis],
+                unit=robot.units[axis],
+                needed=robot.speeds[axis] * ratio[at],
+                limit=robot.speeds[axis],
+                programmed=_speed(moves, at, float(stage.seconds[at])),
+                possible=_speed(moves, at, float(way.seconds[at])),
+            )
+
+
+def _speed(moves: Moves, at: int, seconds: float) -> str:
+    """How fast a move is that takes so long, of the TCP, or of a turn on the spot."""
+    length, turn = float(moves.length[at]), float(moves.turn[at])
+    if length / moves.tcp[at] >= turn / moves.rotation[at]:
+        return f"{figure(length / seconds)} mm/s"
+    return f"{figure(turn / seconds)} degrees/s of reorientation"
+
+
+def _between_stops(stage: Stage) -> Floats:
+    """(m,) seconds that the joints need from the stop before a move to the one after it."""
+    moves = stage.moves
+    needed = np.fmax(stage.seconds, stage.way.seconds)
+    begins, ends = moves.through
+    joined = np.append(False, ends[:-1] & begins[1:] & (moves.rows[:-1] == moves.starts[1:]))
+    chain = np.cumsum(~joined) - 1
+    whole = np.bincount(chain, np.nan_to_num(needed, posinf=0.0), minlength=1)
+    # A corner into or out of what is no such move is passed at an unknown, maybe full speed.
+    open_ = np.bincount(chain, (begins | ends) & ~_closed(joined, begins, ends), minlength=1) > 0
+    return np.asarray(np.where(open_, np.inf, whole)[chain], dtype=np.float64)
+
+
+def _closed(
+    joined: NDArray[np.bool_], begins: NDArray[np.bool_], ends: NDArray[np.bool_]
+) -> NDArray[np.bool_]:
+    """(m,) whether the corners at both ends of a move lead to other moves that are known."""
+    after = np.append(joined[1:], False)
+    return np.asarray((joined | ~begins) & (after | ~ends))

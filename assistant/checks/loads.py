@@ -1,0 +1,56 @@
+"""Tools that no controller accepts, or that the arm cannot carry."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+from assistant.checks.tour import Tour
+from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from assistant.program.geometry import FLANGE, Tool
+from assistant.program.statements import Follow
+
+NO_MASS: Final = Rule(
+    "CK331",
+    Severity.WARNING,
+    "the tool `{name}` weighs nothing: an ABB controller stops at the first move with it "
+    "(undefined load, 41439)",
+    "state its mass in kg and its centre of gravity; 0.001 kg is the least that counts",
+)
+TOO_HEAVY: Final = Rule(
+    "CK332",
+    Severity.WARNING,
+    "the tool `{name}` weighs {mass:g} kg, {robot} carries {payload:g} kg",
+    "look whether kg were meant, or take a lighter tool or another robot",
+)
+
+
+def loads(tour: Tour) -> Iterator[Diagnostic]:
+    """Of tools that the program moves; what weight is not known is not told of."""
+    robot = tour.robot
+    for name, tool in _used(tour).items():
+        if not tool.held or tool.load is None:
+            continue
+        mass = tool.load.mass
+        if not mass > 0.0 and "rapid" in robot.languages:
+            yield NO_MASS(name=name, place=f"tool {name}")
+        elif robot.payload is not None and mass > robot.payload:
+            yield TOO_HEAVY(
+                name=name,
+                mass=mass,
+                robot=robot.title,
+                payload=robot.payload,
+                place=f"tool {name}",
+            )
+
+
+def _used(tour: Tour) -> dict[str, Tool]:
+    """The declared tools that moves name, in order of the declarations."""
+    named: set[str] = set()
+    for legs in tour.journey.legs.values():
+        for statement in (leg.statement for leg in legs):
+            if isinstance(statement, Follow):
+                named.update(map(str.lower, statement.path.tools))
+            else:
+                named.add(statement.motion.tool.lower())
+    return {n: t for n, t in tour.program.tools.items() if n.lower() in named and n != FLANGE}

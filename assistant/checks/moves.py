@@ -1,0 +1,237 @@
+"""The linear and circular moves of a run in columns: where each begins, how long it is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.program.expressions import Name
+from assistant.program.geometry import Pose
+from assistant.program.motion import Blend, Speed
+from assistant.program.path import Kind
+from assistant.robots import Robot
+from assistant.robots.journey import Stretch
+from assistant.robots.run import Run
+
+Floats = NDArray[np.float64]
+Rows = NDArray[np.intp]
+Truths = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Moves:
+    """m linear and circular moves of a stretch, those whose start is known.
+
+    rows: (m,) row of the run that a move ends at. starts: (m,) the one that it begins at, -1 for
+    where the robot stands before the run. vias: (m,) row of the via point of an arc, else -1.
+    positions, quaternions, joints: of the run, one place further down, the first being where the
+    robot stands before it; NaN where that is not known.
+    speeds, blends: of the run, by row of its tables; NaN for a named one that nobody declares.
+    """
+
+    stretch: Stretch
+    robot: Robot
+    rows: Rows
+    starts: Rows
+    vias: Rows
+    positions: Floats
+    quaternions: Floats
+    joints: Floats
+    speeds: tuple[Speed, ...]
+    radii: Floats
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    @property
+    def run(self) -> Run:
+        return self.stretch.run
+
+    @cached_property
+    def arcs(self) -> Truths:
+        """(m,) which moves are circular."""
+        return self.vias >= 0
+
+    @cached_property
+    def length(self) -> Floats:
+        """(m,) mm of the way of the TCP in its frame."""
+        chord = np.linalg.norm(
+            self.positions[self.rows + 1] - self.positions[self.starts + 1], axis=1
+        )
+        at = np.flatnonzero(self.arcs)
+        if len(at):
+            _, radius, sweep, _ = self.circles(at)
+            chord[at] = np.where(sweep > 0.0, radius * sweep, chord[at])
+        return np.asarray(chord)
+
+    @cached_property
+    def turn(self) -> Floats:
+        """(m,) degrees of reorientation."""
+        q0, q1 = self.quaternions[self.starts + 1], self.quaternions[self.rows + 1]
+        q1 = np.where(np.einsum("ij,ij->i", q0, q1)[:, None] < 0.0, -q1, q1)
+        half = np.linalg.norm(q1 - q0, axis=1) / 2.0
+        return np.asarray(4.0 * np.degrees(np.arcsin(np.minimum(half, 1.0))))
+
+    @cached_property
+    def tcp(self) -> Floats:
+        """(m,) mm/s that are programmed; infinite for as fast as can be, NaN if not known."""
+        return self._of_speed([speed.tcp for speed in self.speeds])
+
+    @cached_property
+    def rotation(self) -> Floats:
+        """(m,) deg/s of reorientation that are programmed."""
+        return self._of_speed([speed.rotation for speed in self.speeds])
+
+    @cached_property
+    def seconds(self) -> Floats:
+        """(m,) that a move takes at its programmed speeds, without accelerating; NaN if not known.
+
+        A controller lets position and orientation arrive together, so the slower one counts.
+        """
+        fastest = self.robot.tcp_speed or np.inf
+        tcp = np.minimum(self.tcp, fastest)
+        return np.asarray(np.maximum(self.length / tcp, self.turn / self.rotation))
+
+    @cached_property
+    def through(self) -> tuple[Truths, Truths]:
+        """(m,) whether a move begins, and whether it ends, without a stop."""
+        passing = np.append(False, self.radii[self.run.pace.blend] > 0.0)
+        return passing[self.starts + 1], passing[self.rows + 1]
+
+    def circles(self, at: Rows) -> tuple[Floats, Floats, Floats, Floats]:
+        """Centres (k, 3), radii (k,), sweeps (k,) in radians and unit normals (k, 3) of some arcs.
+
+        The sweep is 0 where the three points lie on a line.
+        """
+        a, b, c = (self.positions[rows[at] + 1] for rows in (self.starts, self.vias, self.rows))
+        u, v = b - a, c - a
+        normal = np.cross(u, v)
+        size = np.linalg.norm(normal, axis=1)
+        long = np.linalg.norm(u, axis=1) * np.linalg.norm(v, axis=1)
+        round_ = size > 1e-9 * np.maximum(long, 1e-9)
+        safe = np.where(round_, size, 1.0)
+        uu, vv = (np.einsum("ij,ij->i", w, w)[:, None] for w in (u, v))
+        offset = np.cross(uu * v - vv * u, normal) / (2.0 * safe[:, None] ** 2)
+        inner = np.arctan2(np.linalg.norm(np.cross(a - b, c - b), axis=1), _dot(a - b, c - b))
+        sweep = np.where(round_, 2.0 * (np.pi - inner), 0.0)
+        return a + offset, np.linalg.norm(offset, axis=1), sweep, normal / safe[:, None]
+
+    def tangents(self, at: Rows, *, at_end: bool) -> Floats:
+        """Directions (k, 3) in which some arcs begin or end."""
+        a, c = self.positions[self.starts[at] + 1], self.positions[self.rows[at] + 1]
+        centre, _, sweep, normal = self.circles(at)
+        along = np.cross(normal, (c if at_end else a) - centre)
+        return np.where(sweep[:, None] > 0.0, along, c - a)
+
+    def poses(self, at: Rows, parts: int) -> tuple[Floats, Floats]:
+        """Poses of the flange between the ends of some moves: (k, parts - 1, 3), (k, parts - 1, 4).
+
+        They divide the way into equal parts, as a controller does at a steady speed.
+        """
+        part = np.arange(1, parts) / parts
+        p0, p1 = self.positions[self.starts[at] + 1], self.positions[self.rows[at] + 1]
+        p = p0[:, None] + part[None, :, None] * (p1 - p0)[:, None]
+        bent = np.flatnonzero(self.arcs[at])
+        if len(bent):
+            centre, _, sweep, normal = self.circles(at[bent])
+            arm, angle = p0[bent] - centre, (sweep[:, None] * part)[..., None]
+            aside = np.cross(normal, arm)
+            there = np.cos(angle) * arm[:, None] + np.sin(angle) * aside[:, None]
+            around = sweep > 0.0
+            p[bent[around]] = (centre[:, None] + there)[around]
+        q = turned(self.quaternions[self.starts[at] + 1], self.quaternions[self.rows[at] + 1], part)
+        rows = np.repeat(self.rows[at], len(part))
+        flat = self.run.mounting.to_flange(p.reshape(-1, 3), q.reshape(-1, 4), rows)
+        return flat[0].reshape(p.shape), flat[1].reshape(q.shape)
+
+    def _of_speed(self, values: Sequence[float]) -> Floats:
+        return np.asarray(np.array(values, dtype=np.float64)[self.run.pace.speed[self.rows]])
+
+
+def moves_of(
+    stretch: Stretch,
+    robot: Robot,
+    speeds: Mapping[str, Speed],
+    blends: Mapping[str, Blend],
+) -> Moves:
+    """The linear and circular moves of a stretch; speeds and blends are named ones, by lower case.
+
+    A move whose tool or frame is not that of the move before begins at no known place.
+    """
+    run = stretch.run
+    p, q = _with_start(run, robot)
+    unit = q / np.linalg.norm(q, axis=1, keepdims=True)
+    before = run.before if run.joined else np.full(len(robot.axes), np.nan)
+    joints = np.concatenate([before[None], stretch.joints])
+    kinds = run.kinds
+    rows = np.flatnonzero((kinds == Kind.LINEAR) | (kinds == Kind.END))
+    arc = (kinds[rows] == Kind.END) & (rows > 0)
+    arc &= kinds[np.maximum(rows - 1, 0)] == Kind.VIA
+    starts = np.where(arc, rows - 2, rows - 1)
+    same = np.append(run.mounting.unchanged(), True)
+    same[0] = True  # the start was put into the tool and frame of the first row
+    known = same[rows] & np.where(arc, same[rows - 1], True)
+    known &= np.isfinite(joints[rows + 1]).all(axis=1) & np.isfinite(joints[starts + 1]).all(axis=1)
+    known &= np.isfinite(p[starts + 1]).all(axis=1) & np.isfinite(p[rows + 1]).all(axis=1)
+    nothing = Speed(np.nan, np.nan)
+    rows, starts, arc = rows[known], starts[known], arc[known]
+    return Moves(
+        stretch=stretch,
+        robot=robot,
+        rows=rows,
+        starts=starts,
+        vias=np.where(arc, rows - 1, -1),
+        positions=p,
+        quaternions=unit,
+        joints=joints,
+        speeds=tuple(
+            speeds.get(s.name.lower(), nothing) if isinstance(s, Name) else s
+            for s in run.pace.speeds
+        ),
+        radii=np.array([_radius(blend, blends) for blend in run.pace.blends]),
+    )
+
+
+def turned(first: Floats, last: Floats, part: Floats) -> Floats:
+    """Unit quaternions (k, s, 4) on the shorter turns between (k, 4) and (k, 4), at parts (s,)."""
+    cosine = np.einsum("ij,ij->i", first, last)
+    last = np.where(cosine[:, None] < 0.0, -last, last)
+    away = np.linalg.norm(last - first, axis=1)
+    angle = 2.0 * np.arctan2(away, np.linalg.norm(last + first, axis=1))[:, None]
+    sine = np.sin(angle)
+    flat = sine < 1e-9
+    sine = np.where(flat, 1.0, sine)
+    one = np.where(flat, 1.0 - part, np.sin((1.0 - part) * angle) / sine)
+    two = np.where(flat, part, np.sin(part * angle) / sine)
+    return np.asarray(one[..., None] * first[:, None] + two[..., None] * last[:, None])
+
+
+def _with_start(run: Run, robot: Robot) -> tuple[Floats, Floats]:
+    """Targets (n + 1, 3), (n + 1, 4), the first being where the robot stands before the run."""
+    p, q = run.targets(slice(None))
+    here = np.full(7, np.nan)
+    if run.joined:
+        tool = run.mounting.tools[run.mounting.tool[0]]
+        frame = run.mounting.frames[run.mounting.frame[0]]
+        position, quaternion = robot.fk(run.before)
+        flange = Pose.of(position[0], quaternion[0])
+        carried = tool.held and not frame.held
+        pose = frame.pose.inverse() @ (flange if carried else flange.inverse()) @ tool.tip
+        here = np.array([*pose.position, *pose.quaternion])
+    return np.concatenate([here[None, :3], p]), np.concatenate([here[None, 3:], q])
+
+
+def _radius(blend: Blend | Name, named: Mapping[str, Blend]) -> float:
+    """Mm before the target at which the path may leave it, 0 for a stop, NaN if not known."""
+    known = named.get(blend.name.lower()) if isinstance(blend, Name) else blend
+    if known is None:
+        return np.nan
+    return 0.0 if known.radius is None else known.radius
+
+
+def _dot(a: Floats, b: Floats) -> Floats:
+    return np.asarray(np.einsum("ij,ij->i", a, b))

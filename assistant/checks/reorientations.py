@@ -1,0 +1,51 @@
+"""Moves that turn the tool for longer than their TCP speed would let them take."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+
+from assistant.checks.tour import Tour, figure
+from assistant.program.diagnostics import Diagnostic, Rule, Severity
+
+LEAST_LENGTH: Final = 1.0
+"""mm below which a move turns on the spot, and no speed of the TCP is expected of it."""
+SLOWER: Final = 1.1
+"""Times that a move must take longer to be told of,"""
+LATER: Final = 0.1
+"""and seconds: less is lost in accelerating."""
+
+TURN_BINDS: Final = Rule(
+    "CK312",
+    Severity.INFO,
+    "the tool turns by {turn:.0f} degrees on {length:.0f} mm: at {rotation:g} degrees/s of "
+    "reorientation the TCP moves at {real} mm/s instead of {tcp:g}{worst}",
+    "state a higher speed of reorientation, or spread the turn over a longer way",
+)
+
+
+def reorientations(tour: Tour) -> Iterator[Diagnostic]:
+    """Only of controllers that take such a speed from the program: RAPID's v_ori."""
+    if "rapid" not in tour.robot.languages:
+        return
+    for stage in tour.stages:
+        moves = stage.moves
+        with np.errstate(invalid="ignore", divide="ignore"):
+            alone = moves.length / moves.tcp
+            turning = moves.turn / moves.rotation
+        binds = (turning > SLOWER * alone) & (turning > alone + LATER)
+        rows = np.flatnonzero(binds & (moves.length >= LEAST_LENGTH) & np.isfinite(moves.tcp))
+        for group, worst in stage.groups(moves.rows[rows], turning[rows] - alone[rows]):
+            at = rows[worst]
+            yield stage.told(
+                TURN_BINDS,
+                group,
+                int(moves.rows[at]),
+                turn=moves.turn[at],
+                length=moves.length[at],
+                rotation=moves.rotation[at],
+                real=figure(moves.length[at] / turning[at]),
+                tcp=moves.tcp[at],
+            )

@@ -1,0 +1,72 @@
+"""Linear and circular moves that come near a singularity on their way.
+
+There a joint has to turn far for a small move of the tool, so a controller slows down or stops.
+Whether a joint gets too fast at the programmed speed is told of by itself (CK311), and a move
+straight through the singularity of the wrist by the robot (RB115).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+
+from assistant.checks.tour import Tour
+from assistant.program.diagnostics import Diagnostic, Rule, Severity
+
+WRIST_ANGLE: Final = 3.0
+"""degrees of axis 5: to turn the tool by 20 deg/s beside it, axis 4 needs 20 / sin 3° = 380 deg/s,
+about what the axes of the catalogue can do."""
+ELBOW_ANGLE: Final = 3.0
+"""degrees from the stretched arm: at full speed of axis 3 the wrist still comes out at about
+50 mm/s (links of 350 mm, 300 deg/s)."""
+SHOULDER_DISTANCE: Final = 20.0
+"""mm from axis 1: past it at 100 mm/s, axis 1 needs 100 / 20 = 5 rad/s = 290 deg/s, about what the
+axes of the catalogue can do."""
+
+WRIST: Final = Rule(
+    "CK301",
+    Severity.INFO,
+    "a linear or circular move takes axis 5 to {angle:.1f} degrees from the singularity of the "
+    "wrist{worst}",
+    "tilt the tool or the work piece so that axis 5 stays away from 0, or use a joint move",
+)
+THROUGH: Final = Rule(
+    "CK304",
+    Severity.WARNING,
+    "between its ends, a linear or circular move goes straight through the singularity of the "
+    "wrist, where axes 4 and 6 would have to turn by half a turn at once{worst}",
+    "move the work piece, tilt the tool a little, or use a joint move",
+)
+ELBOW: Final = Rule(
+    "CK302",
+    Severity.INFO,
+    "a linear or circular move takes the elbow to {angle:.1f} degrees from the stretched "
+    "arm{worst}",
+    "move the work piece nearer to the robot, or use a joint move",
+)
+SHOULDER: Final = Rule(
+    "CK303",
+    Severity.INFO,
+    "a linear or circular move takes the wrist centre to {distance:.0f} mm from axis 1{worst}",
+    "move the work piece away from the axis, tilt the tool, or use a joint move",
+)
+
+
+def singularities(tour: Tour) -> Iterator[Diagnostic]:
+    for stage in tour.stages:
+        way, rows = stage.way, stage.moves.rows
+        wrist = np.where(way.crossed, np.inf, way.wrist)
+        within = np.flatnonzero(way.crossed & ~way.by_ends)
+        for group, worst in stage.groups(rows[within], -way.wrist[within]):
+            yield stage.told(THROUGH, group, int(rows[within[worst]]))
+        for rule, value, least, field in (
+            (WRIST, wrist, WRIST_ANGLE, "angle"),
+            (ELBOW, way.elbow, ELBOW_ANGLE, "angle"),
+            (SHOULDER, way.shoulder, SHOULDER_DISTANCE, "distance"),
+        ):
+            near = np.flatnonzero(value < least)
+            for group, worst in stage.groups(rows[near], -value[near]):
+                at = near[worst]
+                yield stage.told(rule, group, int(rows[at]), **{field: value[at]})

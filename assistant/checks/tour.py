@@ -1,0 +1,155 @@
+"""A journey as rules see it: its linear and circular moves in columns, and where they stand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.checks.moves import Moves, moves_of
+from assistant.checks.way import Way, way_of
+from assistant.program.diagnostics import Diagnostic, Rule, Span
+from assistant.program.expressions import Number
+from assistant.program.program import Program, walk
+from assistant.program.statements import Follow, Move, MoveCircular, MoveJoints, SetOverride
+from assistant.robots import Journey, Robot
+from assistant.robots.journey import Leg, Stretch
+
+Floats = NDArray[np.float64]
+Rows = NDArray[np.intp]
+
+Moving: Final = (Move, MoveCircular, MoveJoints, Follow)
+"""The statements that have legs."""
+NEIGHBOURS: Final = 2
+"""Rows that are at most so far apart are told of together; the points of an arc are two apart."""
+MOST_GROUPS: Final = 5
+"""Groups of neighbours in a stretch from which on they are told of together as well."""
+
+
+@dataclass(frozen=True)
+class Tour:
+    """What rules look at.
+
+    cycle: seconds between two places that the controller commands.
+    """
+
+    journey: Journey
+    cycle: float
+
+    @property
+    def program(self) -> Program:
+        return self.journey.program
+
+    @property
+    def robot(self) -> Robot:
+        return self.journey.robot
+
+    @cached_property
+    def stages(self) -> tuple[Stage, ...]:
+        """The stretches of the journey in order of text, each with its legs."""
+        legs: dict[int, list[Leg]] = {}
+        for several in self.journey.legs.values():
+            for leg in several:
+                if leg.stretch is not None:
+                    legs.setdefault(id(leg.stretch), []).append(leg)
+        shares = _overrides(self.journey)
+        stretches = self.journey.stretches
+        return tuple(self._stage(stretch, legs[id(stretch)], shares) for stretch in stretches)
+
+    def _stage(self, stretch: Stretch, legs: Sequence[Leg], shares: dict[int, float]) -> Stage:
+        speeds = {name.lower(): speed for name, speed in self.program.speeds.items()}
+        blends = {name.lower(): blend for name, blend in self.program.blends.items()}
+        moves = moves_of(stretch, self.robot, speeds, blends)
+        return Stage(moves, tuple(sorted(legs, key=lambda leg: leg.rows.start)), shares)
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A stretch: its moves, its legs in order of rows, and the override that counts for each.
+
+    shares: id of a leg → what share of the programmed speed it is run with.
+    """
+
+    moves: Moves
+    legs: tuple[Leg, ...]
+    shares: dict[int, float]
+
+    @cached_property
+    def way(self) -> Way:
+        return way_of(self.moves)
+
+    @cached_property
+    def seconds(self) -> Floats:
+        """(m,) that the moves take at their speeds and the override; NaN if not known."""
+        shares = np.array([self.shares.get(id(leg), 1.0) for leg in self.legs])
+        return np.asarray(self.moves.seconds / shares[self.leg_of(self.moves.rows)])
+
+    @cached_property
+    def firsts(self) -> Rows:
+        """First row of each leg."""
+        return np.array([leg.rows.start for leg in self.legs], dtype=np.intp)
+
+    def leg_of(self, rows: Rows) -> Rows:
+        """Which legs some rows are of."""
+        return np.asarray(np.searchsorted(self.firsts, rows, side="right") - 1)
+
+    def groups(self, rows: Rows, badness: Floats) -> Iterator[tuple[Rows, int]]:
+        """Rows of the run (k,) ascending, each group with the place of its worst.
+
+        Neighbours and the rows of one statement are together. The place is one among the k of
+        badness (k,), of which more is worse.
+        """
+        cuts = np.flatnonzero((np.diff(rows) > NEIGHBOURS) & (np.diff(self.leg_of(rows)) > 0)) + 1
+        if len(cuts) >= MOST_GROUPS:
+            cuts = cuts[:0]
+        at = np.arange(len(rows))
+        for each in np.split(at, cuts) if len(at) else ():
+            yield rows[each], int(each[badness[each].argmax()])
+
+    def told(self, rule: Rule, rows: Rows, row: int, **fields: Any) -> Diagnostic:
+        """A finding about some rows, the worst of which is one of them."""
+        where = f" (worst at {self.moves.run.label(row)})" if len(rows) > 1 else ""
+        place = self.moves.run.what(rows)
+        return rule(place=place, span=self.span(row), worst=where, **fields)
+
+    def span(self, row: int) -> Span | None:
+        """Where the statement stands that moves to a row."""
+        return self.legs[int(self.leg_of(np.array([row]))[0])].statement.span
+
+
+def _overrides(journey: Journey) -> dict[int, float]:
+    """Id of a leg → the override above it, as a share of the programmed speed.
+
+    A procedure begins with the largest one that the program states, the first one with 1. One
+    that only running the program tells counts as 1.
+    """
+    program = journey.program
+    stated = [_share(s) for s in program.statements() if isinstance(s, SetOverride)]
+    shares: dict[int, float] = {}
+    for procedure in program.procedures if stated else ():
+        first = program.entry is not None and procedure.name.lower() == program.entry.lower()
+        share = 1.0 if first else max(stated)
+        legs = iter(journey.legs.get(procedure.name, ()))
+        for statement in walk(procedure.body):
+            if isinstance(statement, SetOverride):
+                share = _share(statement)
+            elif isinstance(statement, Moving):
+                leg = next(legs, None)
+                shares[id(leg)] = share
+    return shares
+
+
+def _share(statement: SetOverride) -> float:
+    value = statement.percent
+    if isinstance(value, Number) and 0.0 < float(value.value) <= 100.0:
+        return float(value.value) / 100.0
+    return 1.0
+
+
+def figure(value: float) -> str:
+    """A measured value in three digits, never as a power of ten."""
+    return f"{float(f'{value:.3g}'):g}"

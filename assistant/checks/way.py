@@ -1,0 +1,206 @@
+"""What the arm does between the ends of linear and circular moves.
+
+A short step of the joints is as good as straight. Where a move turns an axis further than that,
+the joints at places on its way are computed, the more the further.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.checks.moves import Moves
+from assistant.robots import Robot
+from assistant.robots.arms import FiveAxis, Scara, SixAxis
+from assistant.robots.arms.arm import CLOSING
+from assistant.robots.robot import CHUNK
+
+Floats = NDArray[np.float64]
+Rows = NDArray[np.intp]
+Truths = NDArray[np.bool_]
+
+STRAIGHT: Final = 10.0
+"""degrees, or mm, of every axis up to which a move is looked at by its ends alone."""
+PARTS: Final = ((30.0, 8), (90.0, 32), (np.inf, 96))
+"""Up to so many degrees of an axis a move is looked at in so many parts."""
+MOST_PLACES: Final = 1_000_000
+"""Places on the ways of a stretch that are computed; longer stretches get fewer on each move."""
+LEAST_PARTS: Final = 4
+THROUGH: Final = float(np.sin(np.radians(0.1)))
+"""Sine of axis 5 up to which a move counts as one through the singularity (finding RB115)."""
+IN_LINE: Final = float(np.sin(np.radians(0.05)))
+"""Sine of axis 5 below which axes 4 and 6 mean nothing by themselves."""
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """Of m moves, each (m,); infinite where an arm has no such thing.
+
+    wrist: least angle of axis 5 on the way, degrees. elbow: least angle between the upper arm
+    and the line from axis 3 to the wrist centre, degrees. shoulder: least distance of the wrist
+    centre from axis 1, mm. crossed: whether the move goes straight through the singularity of
+    the wrist. by_ends: whether its ends alone show that, which is what finding RB115 tells.
+    seconds: the least that the joint speeds allow. axis: which joint that is.
+    """
+
+    wrist: Floats
+    elbow: Floats
+    shoulder: Floats
+    crossed: Truths
+    by_ends: Truths
+    seconds: Floats
+    axis: Rows
+
+
+def way_of(moves: Moves) -> Way:
+    m = len(moves)
+    far = np.full(m, np.inf)
+    never = np.zeros(m, dtype=bool)
+    nothing = np.zeros(m, dtype=np.intp)
+    way = Way(far, far.copy(), far.copy(), never, never.copy(), np.zeros(m), nothing)
+    for at, joints in _pieces(moves, way):
+        _look(moves.robot, way, at, joints)
+    return way
+
+
+def _pieces(moves: Moves, way: Way) -> Iterator[tuple[Rows, Floats]]:
+    """Moves (k,) with their joints (k, parts + 1, a) deg from the start to the end."""
+    wide = np.zeros(len(moves))
+    for start in range(0, len(moves), CHUNK):
+        at = np.arange(start, min(start + CHUNK, len(moves)))
+        ends = np.stack([moves.joints[moves.starts[at] + 1], moves.joints[moves.rows[at] + 1]], 1)
+        step = np.abs(np.diff(ends, axis=1)[:, 0]).max(axis=1)
+        bent = moves.vias[at] >= 0
+        if bent.any():
+            via = moves.joints[moves.vias[at] + 1]
+            off = np.abs(via[:, None] - ends).max(axis=(1, 2))
+            step = np.where(bent & np.isfinite(off), np.maximum(step, off), step)
+        wide[at] = step
+        yield at, ends
+    _crossed_at_targets(moves, way)
+    way.by_ends[:] = way.crossed
+    wanted = np.flatnonzero((wide > STRAIGHT) & ~way.crossed)
+    wanted = wanted[_same_branch(moves, wanted)]
+    counts = np.array([parts for _, parts in PARTS])
+    parts = counts[np.searchsorted([most for most, _ in PARTS], wide[wanted])]
+    many = parts.sum()
+    if many > MOST_PLACES:
+        parts = np.maximum(parts * MOST_PLACES // many, LEAST_PARTS)
+    for one in np.unique(parts):
+        yield from _sampled(moves, wanted[parts == one], int(one))
+
+
+def _crossed_at_targets(moves: Moves, way: Way) -> None:
+    """Adds the moves to and from a target in line at which the wrist bends to the other side."""
+    if not moves.robot.arm.spherical or len(moves) < 2:
+        return
+    first, last = moves.starts + 1, moves.rows + 1
+    five = np.radians(moves.joints[:, 4])
+    in_line = np.flatnonzero(
+        (np.abs(np.sin(five[last[:-1]])) < IN_LINE) & (moves.rows[:-1] == moves.starts[1:])
+    )
+    bends = []
+    for place in (first[in_line], last[in_line + 1]):
+        four = np.radians(moves.joints[place, 3])
+        bends.append(np.sin(five[place]) * np.stack([np.cos(four), np.sin(four)]))
+    through = in_line[(bends[0] * bends[1]).sum(axis=0) < 0.0]
+    way.crossed[through] = way.crossed[through + 1] = True
+
+
+def _same_branch(moves: Moves, rows: Rows) -> Truths:
+    """Whether both ends of some moves belong to one arm branch."""
+    first, last = (
+        moves.robot.branch_of(moves.robot.configuration(moves.joints[place[rows] + 1]))
+        for place in (moves.starts, moves.rows)
+    )
+    return np.asarray(first == last)
+
+
+def _sampled(moves: Moves, rows: Rows, parts: int) -> Iterator[tuple[Rows, Floats]]:
+    robot = moves.robot
+    branches = robot.branch_of(robot.configuration(moves.joints[moves.rows[rows] + 1]))
+    many = max(CHUNK // parts, 1)
+    for branch in np.unique(branches):
+        own = rows[branches == branch]
+        for start in range(0, len(own), many):
+            at = own[start : start + many]
+            p, q = moves.poses(at, parts)
+            found, excess = robot.solve(p.reshape(-1, 3), q.reshape(-1, 4), (int(branch),))
+            between = found[:, 0].T.reshape(len(at), parts - 1, -1)
+            first = moves.joints[moves.starts[at] + 1][:, None]
+            last = moves.joints[moves.rows[at] + 1][:, None]
+            inside = (excess[0].reshape(len(at), -1) < CLOSING / 2.0).all(axis=1)
+            yield at[inside], np.concatenate([first, between, last], axis=1)[inside]
+
+
+def _look(robot: Robot, way: Way, at: Rows, joints: Floats) -> None:
+    """Takes down what a part of the moves comes to.
+
+    joints: (k, parts + 1, a) deg.
+    """
+    k, places, axes = joints.shape
+    step = np.abs(robot.wound(np.diff(joints, axis=1)))
+    if places == 2:  # a whole turn within one short move is none
+        step = np.abs(np.diff(joints, axis=1))
+    chain = robot.chained(joints.reshape(-1, axes))
+    if robot.arm.spherical:
+        sine = np.sin(chain[:, 4])
+        bend = (sine[:, None] * np.stack([np.cos(chain[:, 3]), np.sin(chain[:, 3])], 1)).reshape(
+            k, places, 2
+        )
+        nearest = _past_nothing(bend)
+        opposite = np.einsum("kpi,kpi->kp", bend[:, :-1], bend[:, 1:]) < 0.0
+        way.crossed[at] |= (opposite & (nearest < THROUGH)).any(axis=1)
+        least = np.degrees(np.arcsin(np.minimum(nearest, 1.0))).min(axis=1)
+        way.wrist[at] = np.minimum(way.wrist[at], least)
+        small = np.abs(sine).reshape(k, places) < IN_LINE
+        step[..., [3, 5]] = np.where(
+            (small[:, :-1] | small[:, 1:])[..., None], 0.0, step[..., [3, 5]]
+        )
+    elbow = _elbow(robot, chain)
+    if elbow is not None:
+        angle = elbow.reshape(k, places)
+        least = np.where((angle[:, :-1] * angle[:, 1:] < 0.0).any(axis=1), 0.0, np.inf)
+        least = np.minimum(least, np.degrees(np.abs(angle)).min(axis=1))
+        way.elbow[at] = np.minimum(way.elbow[at], least)
+    wrist = _wrist(robot, chain)
+    if wrist is not None:
+        least = _past_nothing(wrist.reshape(k, places, 2)).min(axis=1)
+        way.shoulder[at] = np.minimum(way.shoulder[at], least)
+    needed = step.max(axis=1) * (places - 1) / robot.speeds
+    axis = needed.argmax(axis=1)
+    seconds = needed[np.arange(k), axis]
+    more = seconds > way.seconds[at]
+    way.axis[at[more]] = axis[more]
+    way.seconds[at[more]] = seconds[more]
+
+
+def _past_nothing(points: Floats) -> Floats:
+    """How near the straight lines between points (k, p, 2) come to the origin: (k, p - 1)."""
+    first, way = points[:, :-1], np.diff(points, axis=1)
+    squared = np.einsum("kpi,kpi->kp", way, way)
+    part = -np.einsum("kpi,kpi->kp", first, way) / np.where(squared > 0.0, squared, 1.0)
+    part = np.clip(part, 0.0, 1.0)[..., None]
+    return np.asarray(np.linalg.norm(first + part * way, axis=2))
+
+
+def _elbow(robot: Robot, chain: Floats) -> Floats | None:
+    """(n,) radians that the elbow is away from stretched; None for an arm without one."""
+    if isinstance(robot.arm, SixAxis | FiveAxis):
+        lengths = robot.arm.lengths
+        return np.asarray(chain[:, 2] + np.arctan2(lengths.a3, lengths.d4))
+    return np.asarray(chain[:, 1]) if isinstance(robot.arm, Scara) else None
+
+
+def _wrist(robot: Robot, chain: Floats) -> Floats | None:
+    """(n, 2) mm, the wrist centre as seen along axis 1; None for an arm without one."""
+    if not isinstance(robot.arm, SixAxis | FiveAxis):
+        return None
+    arm = robot.arm.lengths
+    fore = chain[:, 1] + chain[:, 2]
+    r = arm.a1 + arm.a2 * np.sin(chain[:, 1]) + arm.a3 * np.cos(fore) + arm.d4 * np.sin(fore)
+    return np.stack([r * np.cos(chain[:, 0]), r * np.sin(chain[:, 0])], axis=1)
