@@ -316,6 +316,7 @@ def robots_list(context: typer.Context, format: FormatOption = Format.TEXT) -> N
 
 @robots.command("show")
 def robots_show(
+    context: typer.Context,
     robot: Annotated[
         str,
         typer.Argument(
@@ -328,12 +329,15 @@ def robots_show(
         Path | None,
         typer.Option(help="Draw the arm as well: FILE.png or FILE.svg.", metavar="FILE"),
     ] = None,
-    format: FormatOption = Format.TEXT,
+    format: Annotated[
+        Format | None, typer.Option("--format", help="For people or for programs.")
+    ] = None,
 ) -> None:
     """Print the data of a robot with their source, and draw it."""
     from assistant.cli.robots import run_show
 
-    raise typer.Exit(run_show(robot, draw, format))
+    before = context.parent.params["format"] if context.parent else Format.TEXT
+    raise typer.Exit(run_show(robot, draw, format or Format(before)))
 
 
 @virtual.command("irc5")

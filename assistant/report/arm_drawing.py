@@ -101,7 +101,7 @@ def _at_arm(point: Floats, direction: Floats, chain: Floats) -> Floats:
 def _area(view: Axes, robot: Robot, seen: list[int]) -> None:
     """What the wrist gets to, and from above the circle of the stretched arm."""
     from matplotlib.collections import PolyCollection
-    from matplotlib.patches import Circle, Wedge
+    from matplotlib.patches import Circle
 
     said: dict[str, Any] = {
         "color": AREA,
@@ -118,15 +118,23 @@ def _area(view: Axes, robot: Robot, seen: list[int]) -> None:
             PolyCollection(list(cells.reshape(-1, 4, 2)), linewidths=0.5, rasterized=True, **said)
         )
     else:
-        span = float(np.hypot(swept[..., 0], swept[..., 1]).max())
-        low, high = robot.limits[0] - robot.home[0]
-        low, high = (0.0, 360.0) if high - low >= 360.0 else (float(low), float(high))
-        view.add_patch(Wedge((0.0, 0.0), span, low, high, **said))
+        view.fill(*_outline(robot, swept.reshape(-1, 3)).T, linewidth=0.0, **said)
     if seen != SIDE:
         ring = Circle((0.0, 0.0), robot.reach, fill=False, color=REACH, linestyle="--")
         ring.set_label("reach")
         view.add_patch(ring)
     view.autoscale_view()
+
+
+def _outline(robot: Robot, swept: Floats) -> Floats:
+    """(k, 2) how far points (n, 3) come from axis 1 in each direction when it turns."""
+    low, high = robot.limits[0] - robot.home[0]
+    radii, azimuths = np.hypot(*swept.T[:2]), np.degrees(np.arctan2(*swept.T[1::-1]))
+    directions = np.arange(0.0, 360.0, 1.0)
+    turns = (directions[:, None] - azimuths - low) % 360.0
+    farthest = np.where(turns <= high - low, radii, 0.0).max(axis=1)
+    angles = np.radians(directions)
+    return np.asarray(farthest[:, None] * np.column_stack([np.cos(angles), np.sin(angles)]))
 
 
 def _swept(robot: Robot, seen: list[int]) -> Floats:

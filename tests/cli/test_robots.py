@@ -105,6 +105,14 @@ def test_all_of_a_robot_is_shown(name: str, capsys: Capture) -> None:
     ] == list(robot.axes)
 
 
+def test_the_format_may_stand_before_the_command(capsys: Capture) -> None:
+    behind = run(capsys, "robots", "show", "rv-2aj", "--format", "json")
+    assert run(capsys, "robots", "--format", "json", "show", "rv-2aj") == behind
+    assert run(capsys, "robots", "--format", "json", "show", "rv-2aj", "--format", "text")[
+        1
+    ].startswith("name ")
+
+
 def test_what_nobody_tells_is_not_known(capsys: Capture) -> None:
     text = run(capsys, "robots", "show", "IRB140-6-0.81")[1]
     assert "TCP speed       not known\n" in text
