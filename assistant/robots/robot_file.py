@@ -185,6 +185,8 @@ class _Reader:
 
     def serial(self, axes: dict[str, dict[str, Any]]) -> Serial | None:
         """A chain out of `[[links]]`, a row of standard Denavit-Hartenberg parameters an axis."""
+        if "lengths_mm" in self.table:
+            self.wrong("lengths_mm", "is what the links say")
         rows = self.table.get("links")
         if not isinstance(rows, list) or not rows or not all(map(_is_table, rows)):
             self.wrong("links", "is no list of tables: `[[links]]` with a, d, alpha, theta")
