@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from assistant import languages
+from assistant import languages, robots
 from assistant.compiler.project import configured
 from assistant.findings import rulebook
 from assistant.findings.severity import severities_for
@@ -124,12 +124,26 @@ SETTINGS = {"[severity]": "assistant.toml", LIMITS: "assistant.toml", "[tool.": 
 """How the settings of a project begin, and the file that they are in."""
 
 
+def six_joints() -> str:
+    """A URDF with the axes that a robot file of a page speaks of."""
+    links = "".join(f'<link name="l{i}"/>' for i in range(7))
+    joints = "".join(
+        f'<joint name="j{i}" type="revolute"><parent link="l{i}"/><child link="l{i + 1}"/>'
+        '<limit lower="-2" upper="2" velocity="1"/></joint>'
+        for i in range(6)
+    )
+    return f'<robot name="arm">{links}{joints}</robot>'
+
+
 @pytest.mark.parametrize(("page", "text"), examples("toml"))
 def test_the_files_of_a_page_are_read(page, text, tmp_path):
     name = next((n for begin, n in SETTINGS.items() if text.startswith(begin)), "x.process.toml")
     file = tmp_path / name
     file.write_text(text, encoding="utf-8")
-    if name in SETTINGS.values():
+    if text.startswith("urdf = "):
+        (tmp_path / "arm.urdf").write_text(six_joints(), encoding="utf-8")
+        assert robots.load(file).limits.shape == (6, 2)
+    elif name in SETTINGS.values():
         settings = severities_for(tmp_path)
         assert not settings.findings
         language = languages.get("melfa-basic-5")
