@@ -216,6 +216,18 @@ def test_where_one_branch_winds_up_on_the_way_another_is_taken() -> None:
     assert MELFA.inside(joints).all()
 
 
+def test_of_a_long_path_too_the_branch_is_taken_whose_turns_suffice() -> None:
+    part = np.linspace(0.0, 1.0, 30_000)[:, None]
+    ends = np.array([[0.254, 0.228, 0.94, 0.023], [0.351, -0.349, 0.865, 0.088]])
+    quaternions = ends[0] + part * (ends[1] - ends[0])
+    quaternions /= np.linalg.norm(quaternions, axis=1, keepdims=True)
+    positions = [184.0, -168.0, 249.0] + part * [136.0, 449.0, 187.0]
+    joints, _, findings = solved(MELFA, positions, quaternions)
+    assert not findings
+    assert MELFA.inside(joints).all()
+    assert np.abs(np.diff(joints, axis=0)).max() < 1.0
+
+
 def apart(arm: robots.Robot, one: np.ndarray, other: np.ndarray) -> float:
     """Seconds of the slowest axis between joints, each axis in any of its turns."""
     slowest = 0.0
