@@ -17,6 +17,7 @@ from assistant.robots.journey import Journey, Leg
 from assistant.robots.naming import Names, Place
 from assistant.robots.run import Floats, Pace
 from assistant.robots.timing.rows import Mount, Moves, Settings, moves_of, placed
+from assistant.robots.timing.values import Values
 from assistant.robots.timing.way import Joints
 
 Moving = Move | MoveCircular | MoveJoints | Follow
@@ -42,11 +43,11 @@ class Pieces:
     """The motion statements of a journey.
 
     numbers: id of a statement → its number in its procedure and its leg. labels: procedure and
-    number → what it moves to.
+    number → what it moves to. external: ids of the statements that move external axes.
     """
 
-    def __init__(self, journey: Journey, names: Names) -> None:
-        self.journey, self.names = journey, names
+    def __init__(self, journey: Journey, names: Names, values: Values) -> None:
+        self.journey, self.names, self.values = journey, names, values
         program = journey.program
         self.tables = (
             {name.lower(): speed for name, speed in program.speeds.items()},
@@ -54,6 +55,7 @@ class Pieces:
         )
         self.numbers: dict[int, tuple[int, Leg]] = {}
         self.labels: dict[tuple[str, int], str] = {}
+        self.external: set[int] = set()
         for procedure in program.procedures:
             self._number(procedure, journey.legs[procedure.name])
         self.made: dict[tuple[object, ...], Moves] = {}
@@ -65,6 +67,8 @@ class Pieces:
         for (number, statement), leg in zip(numbered, there, strict=True):
             self.numbers[id(statement)] = number, leg
             self.labels[procedure.name, number] = label_of(statement)
+            if _moves_external(leg):
+                self.external.add(id(statement))
 
     def piece(
         self, statement: Moving, procedure: str, settings: Settings, near: Joints | None
@@ -130,7 +134,7 @@ class Pieces:
             return None
         found = []
         for target in targets:
-            place = self.names.place(target)
+            place = self.values.place(target)
             joints = None if place is None else self._reached(place, mount, near)
             if joints is None:
                 return None
@@ -179,6 +183,14 @@ def _travel(joints: Floats, at: Floats) -> float:
 
 def _empty(statement: Moving) -> bool:
     return isinstance(statement, Follow) and not len(statement.path)
+
+
+def _moves_external(leg: Leg) -> bool:
+    if leg.stretch is None:
+        return False
+    external = leg.stretch.run.external[max(leg.rows.start - 1, 0) : leg.rows.stop]
+    used = np.isfinite(external).all(axis=0)
+    return bool((np.ptp(external[:, used], axis=0) > 0.0).any())
 
 
 def _of_stretch(leg: Leg, tables: tuple, settings: Settings) -> Moves:  # type: ignore[type-arg]

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
 
-from assistant.program.expressions import Expression, Name, Number, TargetValue
-from assistant.program.program import Procedure, Variable, walk
+from assistant.program.expressions import Expression, Index, Member, Name, Number
+from assistant.program.program import Procedure, walk
 from assistant.program.pseudo.expressions import expression_text
 from assistant.program.rewriting import records
 from assistant.program.statements import (
@@ -42,14 +42,12 @@ from assistant.robots.timing.ledger import Ledger
 from assistant.robots.timing.pieces import Piece, Pieces, label_of
 from assistant.robots.timing.plan import Plan, plan_of
 from assistant.robots.timing.rows import Rows, joined
-from assistant.robots.timing.values import rounds, truth
+from assistant.robots.timing.values import Known, Values, first_values, local_values, rounds
 from assistant.robots.timing.way import Duration, Joints, Trace, Way, met
 
 MOST_STATEMENTS: Final = 50_000
 """Statements that are walked through; then each loop is walked once and multiplied."""
 WORD: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
-
-Known = dict[str, Expression | None]
 
 
 class Walker:
@@ -61,7 +59,8 @@ class Walker:
     def __init__(self, journey: Journey, drive: Drive) -> None:
         self.journey, self.drive = journey, drive
         self.names = Names(journey.program)
-        self.pieces = Pieces(journey, self.names)
+        self.values = Values(journey.program, self.names)
+        self.pieces = Pieces(journey, self.names, self.values)
         self.ledger = Ledger()
         self.procedures: dict[str, Duration] = {}
         self.plans: dict[tuple[object, ...], Plan] = {}
@@ -73,14 +72,16 @@ class Walker:
 
     def begin(self) -> Known:
         """The variables of the program as they are at a start from the top."""
-        return _first_values(self.journey.program.variables)
+        program = self.journey.program
+        assigned = {_root(s.target) for s in program.statements() if isinstance(s, Assign)}
+        return first_values(program.variables, assigned)
 
-    def procedure(self, procedure: Procedure, way: Way, given: Mapping[str, Expression]) -> Way:
+    def procedure(self, procedure: Procedure, way: Way, given: Known) -> Way:
         """A call, from the way up to it; given: its arguments by parameter, where known."""
         kept, returned, self.returned = dict(way.known), self.returned, []
         self.calls.append(procedure.name)
         self.names.enter(procedure)
-        own: Known = {**self.names.own, **_first_values(procedure.variables), **given}
+        own: Known = {**self.names.own, **local_values(procedure), **given}
         outer = {name: value for name, value in kept.items() if name in self.shared}
         inside = replace(way.begun(), known={**outer, **own})
         ends = [self.body(procedure.body, inside), *self.returned]
@@ -126,10 +127,12 @@ class Walker:
         if self.waiting:
             near = tuple(self.waiting[-1].moves.joints[-1].tolist())
         piece = self.pieces.piece(statement, self.calls[-1], way.settings, near)
+        number, _ = self.pieces.numbers[id(statement)]
+        if id(statement) in self.pieces.external:
+            self.note(f"move {number}: its external axes are not timed")
         if piece is not None:
             self.waiting.append(piece)
             return way
-        number, _ = self.pieces.numbers[id(statement)]
         self.note(
             f"move {number} to {label_of(statement)}: only running the program tells where that is"
         )
@@ -189,13 +192,15 @@ class Walker:
                 value = self.number(percent, "the override")
                 return way if value is None else _with(way, override=max(value, 0.0) / 100.0)
             case SetAcceleration(acceleration=up, deceleration=down):
-                rise, fall = self.names.number(up), self.names.number(down)
+                rise, fall = self.values.number(up), self.values.number(down)
                 if rise is None or fall is None:
                     self.note("an acceleration that only running the program tells stays as it was")
                     return way
                 return _with(way, acceleration=rise / 100.0, deceleration=fall / 100.0)
             case Assign(target=Name(name), value=value):
-                return replace(way, known={**way.known, name.lower(): self.value(value)})
+                return replace(way, known={**way.known, name.lower(): self.values.value(value)})
+            case Assign(target=target):
+                return _without(way, {_root(target)})
             case (
                 Wait() | WaitSignal() | WaitUntil() | Call() | If() | Switch() | For() | While()
             ) | (Return() | Stop() | Goto() | Opaque()):
@@ -242,14 +247,12 @@ class Walker:
         if procedure.name in self.calls:
             self.note(f"`{procedure.name}` calls itself; that is not followed")
             return replace(way, places=())
-        given: dict[str, Expression] = {}
-        changed = set()
-        for parameter, argument in zip(procedure.parameters, statement.arguments, strict=False):
-            value = self.value(argument)
-            if value is not None:
-                given[parameter.name.lower()] = value
-            if parameter.mode == "inout" and isinstance(argument, Name):
-                changed.add(argument.name.lower())
+        given = self.values.given(procedure, statement.arguments)
+        changed = {
+            _root(argument)
+            for parameter, argument in zip(procedure.parameters, statement.arguments, strict=False)
+            if parameter.mode == "inout"
+        }
         return _without(self.procedure(procedure, way, given), changed)
 
     def branches(self, statement: If | Switch, way: Way) -> Way | None:
@@ -258,7 +261,7 @@ class Walker:
         if isinstance(statement, If):
             for branch in statement.branches:
                 self.names.own = dict(way.known)
-                holds = truth(self.names, branch.condition)
+                holds = self.values.truth(branch.condition)
                 if holds is not False:
                     taken.append(self.inner(branch.body, way))
                 if holds:
@@ -272,8 +275,8 @@ class Walker:
         return None if done is None else way.then(done)
 
     def counted(self, statement: For, way: Way) -> Way | None:
-        first, last = self.names.number(statement.first), self.names.number(statement.last)
-        step = None if statement.step is None else self.names.number(statement.step)
+        first, last = self.values.number(statement.first), self.values.number(statement.last)
+        step = None if statement.step is None else self.values.number(statement.step)
         name = statement.variable.lower()
         if first is None or last is None or (statement.step is not None and step is None):
             self.note(f"how often the loop over {statement.variable} goes round; once is counted")
@@ -295,7 +298,7 @@ class Walker:
         return _without(way, {name})
 
     def loop(self, statement: While, way: Way) -> Way | None:
-        holds = truth(self.names, statement.condition)
+        holds = self.values.truth(statement.condition)
         constant = not any(isinstance(part, Name) for part in records(statement.condition))
         if holds and constant:
             self.note("the loop runs for ever; one round is counted")
@@ -311,7 +314,7 @@ class Walker:
                 break
             way = way.then(end)
             self.names.own = dict(way.known)
-            holds = truth(self.names, statement.condition)
+            holds = self.values.truth(statement.condition)
         if holds is False:
             return way
         text = expression_text(statement.condition)
@@ -320,11 +323,7 @@ class Walker:
 
     def once(self, statement: For | While, way: Way) -> Way | None:
         """A round of a loop whose rounds are not known, and what is not known after it."""
-        assigned = {
-            s.target.name.lower()
-            for s in walk(statement.body)
-            if isinstance(s, Assign) and isinstance(s.target, Name)
-        }
+        assigned = {_root(s.target) for s in walk(statement.body) if isinstance(s, Assign)}
         end = self.inner(statement.body, _without(way, assigned))
         return None if end is None else _without(way.then(end), assigned)
 
@@ -347,16 +346,8 @@ class Walker:
             return True
         return any(_mentions(s, name) for s in inner)
 
-    def value(self, expression: Expression) -> Expression | None:
-        """A number or target that an expression stands for here, as far as is known."""
-        number = self.names.number(expression)
-        if number is not None:
-            return Number(number)
-        place = self.names.place(expression)
-        return None if place is None else TargetValue(replace(place.target, pose=place.pose))
-
     def number(self, expression: Expression, what: str) -> float | None:
-        value = self.names.number(expression)
+        value = self.values.number(expression)
         if value is None:
             text = expression_text(expression)
             self.note(f"{what} of {text}, which only running the program tells")
@@ -366,12 +357,11 @@ class Walker:
         self.ledger.note(self.calls[-1], what)
 
 
-def _first_values(variables: Mapping[str, Variable]) -> Known:
-    return {
-        name.lower(): variable.initial
-        for name, variable in variables.items()
-        if variable.storage == "variable" and isinstance(variable.initial, Number)
-    }
+def _root(target: Expression) -> str:
+    """The variable, in lower case, that a target of an assignment is of."""
+    while isinstance(target, Member | Index):
+        target = target.value
+    return target.name.lower() if isinstance(target, Name) else ""
 
 
 def _mentions(statement: Statement, name: str) -> bool:

@@ -23,7 +23,7 @@ target b [400, 100, 400] [0, 0, 1, 0]
 target far [2000, 0, 0] [0, 0, 1, 0]
 
 variable n number = 0
-persistent total number = 0
+variable total number
 
 procedure main
 """
@@ -83,6 +83,49 @@ def test_calls_and_what_they_are_given() -> None:
         1,
         2,
     ]
+
+
+def test_arrays_components_and_functions_that_compute() -> None:
+    rest = (
+        "\nprocedure higher(p position, k number) returns number\n  variable most number = 30\n"
+        "  if k * 10 > most\n    return most\n  end\n  return k * 10\nend\n"
+    )
+    body = THERE + (
+        "  for i from 1 to 4\n"
+        "    q = offset(places[2], 0, 0, higher(a, steps[i]))\n"
+        "    move linear q speed 100 mm/s blend fine\n"
+        "    move linear offset(a, q.x - 400, 0, 0) speed 100 mm/s blend fine\n  end\n"
+    )
+    arrays = (
+        "constant places position[2] = [target [400, 0, 400] [0, 0, 1, 0], "
+        "target [400, -100, 400] [0, 0, 1, 0]]\nconstant steps number[4] = [1, 2, 3, 9]\n"
+        "variable q position\n\nprocedure main\n"
+    )
+    text = HEAD.replace("procedure main\n", arrays) + body + "end\n" + rest
+    simulation = simulate(robots.journey(parse(text), ARM), drive=LOOSE)
+    assert simulation.unknown == ()
+    assert simulation.seconds == near(2 * (0.1 + 0.2 + 0.3 + 0.3))
+
+
+def test_a_taught_place_counts_unless_the_program_sets_it() -> None:
+    taught = "persistent p position = target [400, 100, 400] [0, 0, 1, 0]\n\nprocedure main\n"
+    text = HEAD.replace("procedure main\n", taught) + THERE
+    text += "  move linear p speed 100 mm/s blend fine\n"
+    simulation = simulate(robots.journey(parse(text + "end\n"), ARM), drive=LOOSE)
+    assert (simulation.seconds, simulation.unknown) == (near(2), ())
+    text += "  p = offset(p, total, 0, 0)\nend\n"
+    simulation = simulate(robots.journey(parse(text), ARM), drive=LOOSE)
+    assert [one.what[:6] for one in simulation.unknown] == ["move 2"]
+
+
+def test_external_axes_are_told_of() -> None:
+    held = "target [400, {}, 400] [0, 0, 1, 0] external [{}]"
+    moves = "".join(
+        f"  move linear {held.format(y, e)} speed 100 mm/s blend fine\n"
+        for y, e in ((0, 10), (50, 10), (100, 20))
+    )
+    simulation = done(THERE + moves)
+    assert [one.what for one in simulation.unknown] == ["move 4: its external axes are not timed"]
 
 
 def test_a_loop_with_a_condition_that_the_text_tells() -> None:
