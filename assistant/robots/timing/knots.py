@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from assistant.program import rotations
 from assistant.program.path import Kind
+from assistant.robots.arms.arm import CLOSING
 from assistant.robots.robot import CHUNK, IN_LINE, Robot
 from assistant.robots.run import Floats
 from assistant.robots.timing.arcs import Arcs, arcs_of
@@ -36,7 +37,7 @@ class Knots:
     row: (k,) the move that a step belongs to. part: (k,) of its move that it is; 0 where only
     the tool or the frame changes. joints: (k + 1, a). positions, quaternions: (k + 1, 3),
     (k + 1, 4) as `Mount.tip` gives them. length: (k,) mm. turn: (k,) deg.
-    guessed: rows on whose way the joints are only taken as linear: the branch changes on it.
+    guessed: rows on whose way the joints are only taken as linear: no one branch reaches all of it.
     """
 
     row: Rows
@@ -179,9 +180,11 @@ def _fill(
 
 
 def _solved(robot: Robot, tool: Mount, p: Floats, q: Floats, branch: int) -> Floats:
-    """(m, a) joints in one branch, whole turns left open."""
-    found, _ = robot.solve(*tool.to_flange(p, q), (branch,))
-    return np.ascontiguousarray(found[:, 0].T)
+    """(m, a) joints in one branch, whole turns left open; NaN where that does not reach."""
+    found, excess = robot.solve(*tool.to_flange(p, q), (branch,))
+    joints = np.ascontiguousarray(found[:, 0].T)
+    joints[excess[0] >= CLOSING] = np.nan
+    return joints
 
 
 def _unwind(
@@ -205,19 +208,19 @@ def _unwind(
         joints[line, 5] += joints[line, 3] - between[line, 3]
         joints[line, 3] = between[line, 3]
     first = np.concatenate([[0], np.cumsum(inner)[:-1]])
+    lost = np.logical_or.reduceat(np.isnan(joints).any(axis=1), first)
     steps = np.empty_like(joints)
     steps[1:] = joints[1:] - joints[:-1]
     steps[first] = joints[first] - ends.j0[rows]
-    steps = robot.wound(steps)
+    steps = np.nan_to_num(robot.wound(steps))
     total = np.cumsum(steps, axis=0)
     before = np.concatenate([np.zeros((1, joints.shape[1])), total])[first]
     smooth = ends.j0[each] + total - np.repeat(before, inner, axis=0)
     final = first + inner - 1
-    off = robot.wound(moves.joints[rows] - joints[final])
+    off = np.nan_to_num(robot.wound(moves.joints[rows] - joints[final]))
     missed = np.abs(smooth[final] + off - moves.joints[rows]).max(axis=1) > 1.0
     widest = np.maximum(np.maximum.reduceat(np.abs(steps).max(axis=1), first), np.abs(off).max(1))
-    finite = np.isfinite(total[final]).all(axis=1)
-    bad = (missed | (widest > LEAP) | ~finite) & solved[first]
+    bad = (missed | (widest > LEAP) | lost) & solved[first]
     good = np.repeat(~bad, inner)
     joints[:] = np.where(good[:, None] & solved[:, None], smooth, between)
     return np.asarray(rows[bad])

@@ -179,7 +179,7 @@ class Walker:
         ends = np.cumsum([len(piece.moves) for piece in pieces])
         for at in np.unique(np.searchsorted(ends, rows, side="right")):
             self.note(
-                f"move {pieces[at].number}: the arm would change its branch on a line; how fast "
+                f"move {pieces[at].number}: the arm cannot stay in one branch on its way; how fast "
                 "its axes must turn there is not known"
             )
 

@@ -221,3 +221,21 @@ def test_a_path_of_columns_takes_as_long_as_its_moves() -> None:
     assert len(done.moves) == 20001
     way = done.moves.length[1:].sum()
     assert done.moves.seconds[1:].sum() == pytest.approx(way / 100, rel=0.01)
+
+
+@pytest.mark.parametrize(("radius", "reached"), [(150, True), (250, False)])
+def test_a_way_out_of_reach_is_told_of_and_spoils_no_other(radius: float, reached: bool) -> None:
+    angles = np.radians([230, 240, 130])
+    circle = [[500 + radius * math.cos(a), radius * math.sin(a), 300] for a in angles]
+    way = [[400, -150, 300], *circle, [400, 150, 300], [400, 150, 400]]
+    kinds = [Kind.JOINT, Kind.LINEAR, Kind.VIA, Kind.END, Kind.LINEAR, Kind.LINEAR]
+    path = Path.of("way", way, [DOWN] * 6, kinds=kinds, speeds=[Speed(100.0)])
+    program = Program("p", (Procedure("main", (Follow(path),)),))
+    done = simulate(robots.journey(program, ARM))
+    assert reached != any("one branch" in one.what for one in done.unknown)
+    tip, _ = ARM.fk(done.samples.joints)
+    times = np.cumsum(done.moves.seconds)
+    off_arc = (done.samples.t < times[1]) | (done.samples.t > times[3])
+    apart = np.abs(tip - done.samples.position).max(axis=1)
+    assert apart[off_arc].max() < 0.1
+    assert bool(apart.max() < 0.1) == reached
