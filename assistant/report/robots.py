@@ -67,6 +67,7 @@ def record(robot: Robot) -> dict[str, Any]:
         "configuration": robot.counts,
         "tcp_speed_mm_s": robot.tcp_speed,
         "repeatability_mm": robot.repeatability,
+        "coupling": robot.coupling,
         "lengths_mm": lengths(robot),
         "axes": [_axis(robot, i) for i in range(len(robot.axes))],
         "home_flange": {"position": _rounded(position), "quaternion": _rounded(quaternion)},
@@ -129,6 +130,8 @@ def _facts(robot: Robot) -> Iterator[tuple[str, str]]:
     if found := lengths(robot):
         named = ", ".join(f"{k} {v:g}{_doubt(robot, f'lengths_mm.{k}')}" for k, v in found.items())
         yield "lengths", f"{named} mm"
+    if robot.coupling:
+        yield "coupling", f"axis 3 turns by {robot.coupling:g} of J2 as well"
     position, quaternion = (column[0].tolist() for column in robot.fk(robot.home))
     yield "flange at home", "x {:g}, y {:g}, z {:g} mm".format(*_rounded(position))
     yield "turned", "q {:g}, {:g}, {:g}, {:g}".format(*_rounded(quaternion))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Final, Literal
@@ -48,6 +49,9 @@ class Robot:
     reach: mm from axis 1 to the wrist centre of the stretched arm.
     counts: what a target's configuration says of axes 1, 4 and 6: `quadrants` (ABB) or
     only whole `turns` (Mitsubishi).
+    coupling: degrees that axis 3 of the chain turns with one degree of J2; -1 where a parallel
+    rod keeps the forearm level, so that the maker counts J3 from the floor and not from the
+    upper arm.
     unconfirmed: fields whose figures no source at hand confirms.
     findings: what is assumed because the file that it was read from does not say it.
     """
@@ -70,12 +74,25 @@ class Robot:
     unconfirmed: tuple[str, ...] = ()
     accelerations: Floats | None = None
     repeatability: float | None = None
+    coupling: float = 0.0
     findings: tuple[Diagnostic, ...] = ()
 
     @property
     def axes(self) -> tuple[str, ...]:
         """Names of the a joints, ("J1", …); a five-axis arm has no "J4"."""
         return self.arm.axes
+
+    @cached_property
+    def places(self) -> tuple[int, ...]:
+        """(a,) places of the axes among J1, J2, … from 0: (0, 1, 2, 4, 5) without a "J4"."""
+        return tuple(int(name[1:]) - 1 for name in self.axes)
+
+    def own_joints(self, joints: Sequence[float]) -> tuple[float, ...]:
+        """Those of the robot's axes, out of six that say nothing (0 or NaN) of any other."""
+        others = [v for i, v in enumerate(joints) if i not in self.places]
+        if len(joints) != 6 or len(self.axes) > 6 or any(v > 0.0 or v < 0.0 for v in others):
+            return tuple(joints)
+        return tuple(joints[i] for i in self.places)
 
     @property
     def lengths(self) -> Lengths:
@@ -142,13 +159,10 @@ class Robot:
         else:
             np.degrees(joints, out=joints)
         joints -= self.zero[:, None, None]
-        turns = joints - self.limits.mean(axis=1)[:, None, None]
-        turns *= 1.0 / 360.0
-        np.rint(turns, out=turns)
-        turns *= 360.0
-        if self._slides:
-            turns[self.sliding] = 0.0
-        joints -= turns
+        self._to_middle(joints)
+        if self.coupling:
+            joints[2] -= self.coupling * joints[1]
+            self._to_middle(joints)
         return joints, excess
 
     def follow(
@@ -263,6 +277,8 @@ class Robot:
     def chained(self, joints: ArrayLike) -> Floats:
         """(n, a) joints → values of the arm's chain: radians, mm for an axis that slides."""
         values = self._joints(joints) + self.zero
+        if self.coupling:
+            values[:, 2] += self.coupling * (values[:, 1] - self.zero[1])
         if not self._slides:
             return np.radians(values)
         values[:, ~self.sliding] = np.radians(values[:, ~self.sliding])
@@ -291,6 +307,16 @@ class Robot:
         from assistant.robots.toolbox import to_rtb
 
         return to_rtb(self)
+
+    def _to_middle(self, joints: Floats) -> None:
+        """Turns joints (a, …), in place, by whole turns to the nearest of the middle of limits."""
+        turns = joints - self.limits.mean(axis=1)[:, None, None]
+        turns *= 1.0 / 360.0
+        np.rint(turns, out=turns)
+        turns *= 360.0
+        if self._slides:
+            turns[self.sliding] = 0.0
+        joints -= turns
 
     @cached_property
     def _slides(self) -> bool:

@@ -130,6 +130,7 @@ class _Reader:
         column = {k: np.array([axis[k] for axis in rows]) for k in ("zero", "speed", "home")}
         limits = np.array([axis["limits"] for axis in rows], dtype=np.float64)
         rates = self.accelerations(arm, axes)
+        coupling = self.coupling(arm)
         if self.findings:
             return None
         for values in (limits, *column.values()):
@@ -150,6 +151,7 @@ class _Reader:
             home=column["home"],
             tcp_speed=fastest,
             repeatability=repeatability,
+            coupling=coupling,
             payload=payload,
             reach=reach,
             counts="quadrants" if counts == "quadrants" else "turns",
@@ -236,6 +238,16 @@ class _Reader:
         if kind == FiveAxis.kind and (values["a1"] or values["a3"]):
             self.wrong("lengths_mm", "has an a1 or a3, which an arm of five axes cannot have")
         return (FiveAxis if kind == FiveAxis.kind else SixAxis)(Lengths(**values))
+
+    def coupling(self, arm: Arm) -> float:
+        """How axis 3 turns with J2; 0 if nothing is said."""
+        if "coupling" not in self.table:
+            return 0.0
+        if not isinstance(arm, SixAxis | FiveAxis):
+            self.wrong(
+                "coupling", f"is of arms `{SixAxis.kind}` and `{FiveAxis.kind}` with lengths"
+            )
+        return self.number(self.table, "coupling", "coupling")
 
     def accelerations(self, arm: Arm, axes: dict[str, dict[str, Any]]) -> Floats | None:
         """(a,) a second squared, None if no axis has one; some alone would say nothing."""
@@ -348,7 +360,7 @@ class _Reader:
 
 FIELDS: Final = (
     "name", "title", "maker", "controller", "languages", "arm", "configuration", "payload_kg",
-    "reach_mm", "tcp_speed_mm_s", "repeatability_mm", "source", "unconfirmed",
+    "reach_mm", "tcp_speed_mm_s", "repeatability_mm", "coupling", "source", "unconfirmed",
     "lengths_mm", "axes_deg", "axes_mm", "links",
 )  # fmt: skip
 LINK: Final = ("a", "d", "alpha", "theta")

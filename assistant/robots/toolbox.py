@@ -26,6 +26,12 @@ NEEDS_TOOLBOX: Final = Rule(
     "{purpose} needs roboticstoolbox, which is not installed",
     "install it with `pip install 'robot-assistant[toolbox]'`",
 )
+COUPLED: Final = Rule(
+    "RB009",
+    Severity.ERROR,
+    "a robot of roboticstoolbox has no joint that turns with another, as J3 of {robot} does",
+    "take the robot without `coupling`, and add its share of J2 to J3",
+)
 METRE: Final = 1000.0
 """mm."""
 
@@ -43,6 +49,8 @@ def library(purpose: str) -> Any:
 
 def to_rtb(robot: Robot) -> DHRobot | ToolboxRobot:
     """See `Robot.to_rtb`."""
+    if robot.coupling:
+        raise Refused(COUPLED(robot=robot.name))
     toolbox = library("a robot of roboticstoolbox")
     zero = np.where(robot.sliding, robot.zero / METRE, np.radians(robot.zero))
     limits = robot.limits * np.where(robot.sliding, 1.0 / METRE, np.radians(1.0))[:, None]

@@ -42,7 +42,9 @@ class Lengths:
         """
         upper, fore = joints[:, 1], joints[:, 1] + joints[:, 2]
         r = self.a1 + self.a2 * np.sin(upper) + self.a3 * np.cos(fore) + self.d4 * np.sin(fore)
-        lower = joints[:, 2] + np.arctan2(self.a3, self.d4) < -np.radians(BOUNDARY)
+        # By its sine, which is the same for a joint that has turned on by 360 degrees.
+        bend = np.sin(joints[:, 2] + np.arctan2(self.a3, self.d4))
+        lower = bend < -np.radians(BOUNDARY)
         return r < -CLOSING, lower
 
     def points(self, joints: Floats, flange: Floats) -> Floats:
