@@ -83,6 +83,8 @@ def _pieces(moves: Moves, way: Way) -> Iterator[tuple[Rows, Floats]]:
         yield at, ends
     _crossed_at_targets(moves, way)
     way.by_ends[:] = way.crossed
+    if not isinstance(moves.robot.arm, SixAxis | FiveAxis | Scara):
+        return  # solved by numbers, which on the way may lead to another branch
     wanted = np.flatnonzero((wide > STRAIGHT) & ~way.crossed)
     wanted = wanted[_same_branch(moves, wanted)]
     counts = np.array([parts for _, parts in PARTS])
