@@ -1,4 +1,4 @@
-"""Cases: poses of arms, their joints, and the whole check of many targets, beside roboticstoolbox.
+"""Cases: poses of arms and their joints beside roboticstoolbox; many targets checked and timed.
 
 The toolbox solves a sample of the same poses, and gives one answer a pose where `ik` gives every
 arm branch.
@@ -17,7 +17,8 @@ from assistant.program.motion import Blend, Speed
 from assistant.program.path import Path
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
-from assistant.robots import Robot
+from assistant.robots import Journey, Robot
+from assistant.robots.timing import simulate
 from benchmarks.reading import Reading
 
 ARMS: Final = ("irb1200-7-0.7", "rv-4frl", "rv-2aj", "rh-6frh5520")
@@ -110,6 +111,18 @@ def checked(given: tuple[Robot, Program]) -> None:
     checks.with_robot(travelled)
 
 
+def travelled(n: int) -> Journey:
+    arm, program = surface(n)
+    return robots.journey(program, arm)
+
+
+def timed(journey: Journey) -> None:
+    """Joints, speeds and times along the whole path."""
+    done = simulate(journey)
+    if done.unknown or len(done.moves) != len(done.moves.seconds.nonzero()[0]):
+        raise SystemExit("a target has no time")
+
+
 ROBOTS: Final[dict[str, Reading]] = {
     **{f"FK, {name}": Reading((joints(name), forward), (POSES,), "poses") for name in ARMS},
     f"FK, {TOOLBOX_ARM}, roboticstoolbox": Reading(
@@ -123,4 +136,5 @@ ROBOTS: Final[dict[str, Reading]] = {
         (toolbox_flanges, toolbox_inverse), (SAMPLE,), "poses"
     ),
     f"whole check, {TOOLBOX_ARM}": Reading((surface, checked), (TARGETS,), "targets checked"),
+    f"cycle time, {TOOLBOX_ARM}": Reading((travelled, timed), (TARGETS,), "targets timed"),
 }

@@ -26,6 +26,8 @@ TURNED: Final = 1.5
 """degrees (or mm) that the tool or an axis turns between knots at most."""
 MOST: Final = 400
 """Steps of a move."""
+MOST_KNOTS: Final = 2_000_000
+"""Steps of a way from which on the long moves get fewer of them: about 300 bytes each."""
 LEAP: Final = 60.0
 """degrees that no axis turns between two knots: the arm would change its branch there."""
 
@@ -133,7 +135,11 @@ class _Ends:
         if self.arcs is not None:
             at = self.arcs.rows
             wanted[at] = np.maximum(wanted[at], np.abs(self.arcs.angles) / TURNED)
-        return np.asarray(np.clip(np.ceil(wanted), 1, MOST).astype(np.intp))
+        steps = np.clip(np.ceil(wanted), 1, MOST)
+        more = steps.sum() - len(steps)
+        if more > MOST_KNOTS:
+            steps = 1.0 + np.floor((steps - 1.0) * (MOST_KNOTS / more))
+        return np.asarray(steps.astype(np.intp))
 
 
 def _batches(rows: Rows, steps: Rows) -> list[Rows]:
