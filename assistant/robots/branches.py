@@ -16,12 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+Singles = NDArray[np.float32]
 Truths = NDArray[np.bool_]
 Rows = NDArray[np.intp]
 
 CHANGE: Final = 0.5
 """Seconds of joint travel that a change of branch at a joint move must save to be worth it."""
-BREAK: Final = 1e7
+BREAK: Final = 1e6
 """What a change of branch where no joint move allows it counts: more than any path takes."""
 BLOCK: Final = 16384
 """Chains that are looked at together."""
@@ -120,7 +121,7 @@ def _blocks(count: int) -> Iterator[Rows]:
         yield np.arange(start, min(start + BLOCK, count))
 
 
-def _steps(block: Rows, possible: Truths, costs: Costs, change: Floats) -> Floats:
+def _steps(block: Rows, possible: Truths, costs: Costs, change: Floats) -> Singles:
     """(steps, b, b, sections) what leads from one chain to the next; what is filled up costs
     nothing and leads nowhere else.
     """
@@ -131,17 +132,19 @@ def _steps(block: Rows, possible: Truths, costs: Costs, change: Floats) -> Float
     filled = order >= m
     chains = block[np.minimum(order, m - 1)]
     flat = chains.ravel()
-    table = costs.between(flat).astype(np.float64)
-    table += np.where(possible[:, flat], costs.chains[:, flat], np.inf)
+    table = costs.between(flat).astype(np.float32, copy=False)
+    table += np.where(possible[:, flat], costs.chains[:, flat], np.inf).astype(np.float32)
     other = ~np.eye(branches, dtype=bool)
-    table[other] += change[flat]
+    added = change[flat].astype(np.float32)
+    for one, two in np.argwhere(other):
+        table[one, two] += added
     if filled.any():
         table[:, :, filled.ravel()] = np.where(other, np.inf, 0.0)[:, :, None]
     steps = table.reshape(branches, branches, length, sections)
     return np.ascontiguousarray(steps.transpose(2, 0, 1, 3))
 
 
-def _starts(steps: Floats, before: Floats) -> Floats:
+def _starts(steps: Singles, before: Floats) -> Floats:
     """(b, sections) what it costs to come to the start of each section of a block."""
     length, branches, _, sections = steps.shape
     out = np.empty((branches, sections))
@@ -150,13 +153,16 @@ def _starts(steps: Floats, before: Floats) -> Floats:
         return out
     through = steps[0].copy()
     for t in range(1, length):
-        through = (through[:, :, None] + steps[t]).min(axis=1)
+        best = through[:, :1] + steps[t][0]
+        for branch in range(1, branches):
+            np.minimum(best, through[:, branch, None] + steps[t][branch], out=best)
+        through = best
     for section in range(1, sections):
         out[:, section] = (out[:, section - 1, None] + through[:, :, section - 1]).min(axis=0)
     return out
 
 
-def _followed(steps: Floats, starts: Floats) -> tuple[NDArray[np.uint8], Floats]:
+def _followed(steps: Singles, starts: Floats) -> tuple[NDArray[np.uint8], Floats]:
     """(steps, b, sections) from which branch one comes best, and (b, sections) what it costs."""
     pointers = np.empty((len(steps), *starts.shape), dtype=np.uint8)
     for t, step in enumerate(steps):

@@ -40,6 +40,11 @@ ROUNDING: Final = 1e-3
 """degrees; the columns are of single precision."""
 PART: Final = 512
 """Chains whose joint moves are computed at once: 64 pairs of branches stay in the cache."""
+ALIKE: Final = (4, 2, 2, 1, 1, 1)
+"""Of an arm of six axes, how many branches in a row have the same angle of each axis."""
+FREE: Final = 540.0
+"""degrees between the limits of an axis from which on it can go the short way round between any
+two angles within half a turn of its middle: one of the two can be wound towards the other."""
 TURN: Final = np.float32(1.0 / 360.0)
 
 _Windings = tuple[NDArray[np.int8], NDArray[np.int8]]
@@ -80,10 +85,18 @@ class Travel:
         if self.crossed is not None:
             often = np.add.reduceat(self.crossed, starts, axis=1, dtype=np.float64)
             chains += np.repeat(THROUGH * often, 2, axis=0)
-        windings = [self._windings(axis, starts) for axis in self.robot.winding()]
-        for least_turns, most in windings:
-            chains += np.where(most < least_turns, WOUND, 0.0)
-        ways = _Ways(self, starts, np.append(starts[1:], count) - 1, self._wide(windings))
+        windings: dict[int, _Windings | None] = {}
+        for axis in self.robot.winding():
+            span = np.ptp(self.robot.limits[axis])
+            if len(starts) == count and span >= FREE:
+                windings[axis] = None
+            elif len(starts) < count or span >= 360.0:
+                least_turns, most = self._windings(axis, starts)
+                stuck = most < least_turns
+                chains += np.where(stuck, WOUND, 0.0)
+                if span >= 360.0:
+                    windings[axis] = np.where(stuck, 0, least_turns), np.where(stuck, 0, most)
+        ways = _Ways(self, starts, np.append(starts[1:], count) - 1, windings)
         return Costs(ways.first(), chains, ways.between)
 
     def _windings(self, axis: int, starts: Rows) -> _Windings:
@@ -91,45 +104,40 @@ class Travel:
         low, high = self.robot.limits[axis]
         least = np.zeros((self.robot.branches, len(starts)), dtype=np.int8)
         most = np.zeros_like(least)
-        alone = len(starts) == len(self.run)
-        if alone and high - low < 360.0:
-            return least, most
         for branch, angles in enumerate(self.joints[axis]):
             lows = highs = angles
-            if not alone:
+            if len(starts) < len(angles):
                 lows, highs = (f.reduceat(angles, starts) for f in (np.minimum, np.maximum))
-            fewest = (np.float32((low - ROUNDING) / 360.0) - lows * TURN).clip(-100.0, 100.0)
-            largest = (np.float32((high + ROUNDING) / 360.0) - highs * TURN).clip(-100.0, 100.0)
-            least[branch], most[branch] = np.ceil(fewest), np.floor(largest)
+            least[branch], most[branch] = _shifts((low, high), lows, highs)
         return least, most
-
-    def _wide(self, windings: list[_Windings]) -> dict[int, _Windings]:
-        """Those of the axes that have more than one winding."""
-        wide = {}
-        for axis, (least, most) in zip(self.robot.winding(), windings, strict=True):
-            if np.ptp(self.robot.limits[axis]) >= 360.0:
-                stuck = most < least
-                wide[axis] = (np.where(stuck, 0, least), np.where(stuck, 0, most))
-        return wide
 
 
 @dataclass(frozen=True, slots=True)
 class _Ways:
-    """Joint moves between chains. firsts, lasts: (c,) rows. windings: axis → least and most."""
+    """Joint moves between chains.
+
+    firsts, lasts: (c,) rows. windings: axis → least and most turns; None for one that can always
+    go the short way round.
+    """
 
     travel: Travel
     firsts: Rows
     lasts: Rows
-    windings: dict[int, _Windings]
+    windings: dict[int, _Windings | None]
 
     def first(self) -> Floats:
-        """(b,) seconds from where the arm is; `CHANGE` more in another branch, if known."""
+        """(b,) seconds from where the arm is; `CHANGE` more in another branch."""
         robot, before = self.travel.robot, self.travel.run.before
         seconds = np.zeros(robot.branches)
         for axis, speed in enumerate(robot.speeds):
-            off = self.travel.joints[axis, :, self.firsts[0]] - before[axis]
+            angles = self.travel.joints[axis, :, self.firsts[0]]
+            off = angles - before[axis]
             if axis in self.windings:
-                least, most = (turns[:, 0] for turns in self.windings[axis])
+                low, high = robot.limits[axis]
+                shifts = self.windings[axis] or _shifts(
+                    (low, high), angles[:, None], angles[:, None]
+                )
+                least, most = (turns[:, 0] for turns in shifts)
                 off = off + 360.0 * np.clip(np.rint(-off / 360.0), least, most)
             seconds = np.maximum(seconds, np.abs(off) / speed)
         seconds[np.arange(robot.branches) != robot.branch_of(robot.configuration(before))] += CHANGE
@@ -148,40 +156,37 @@ class _Ways:
     def _axis(self, axis: int, chains: Rows, out: Singles) -> None:
         """Raises what `between` gives to the seconds of one axis."""
         joints, speed = self.travel.joints[axis], self.travel.robot.speeds[axis]
-        last, first = joints[:, self.lasts[chains - 1]], joints[:, self.firsts[chains]]
-        alike = _alike(last, first)
-        step = first[None, ::alike] - last[::alike, None]
+        alike = ALIKE[axis] if isinstance(self.travel.robot.arm, SixAxis) else 1
+        unit = np.float32(360.0 if axis in self.windings else speed)
+        last = joints[::alike, self.lasts[chains - 1]] / unit
+        first = joints[::alike, self.firsts[chains]] / unit
+        step = first[None] - last[:, None]
         if axis in self.windings:
-            least, most = (turns[::alike] for turns in self.windings[axis])
-            turns = step * -TURN
-            np.rint(turns, out=turns)
-            fewest = _apart(least[:, chains], most[:, chains - 1])
-            np.maximum(turns, fewest, out=turns)
-            largest = _apart(most[:, chains], least[:, chains - 1])
-            np.minimum(turns, largest, out=turns)
-            turns *= np.float32(360.0)
-            step += turns
+            turns = np.rint(step)
+            known = self.windings[axis]
+            if known is not None:
+                least, most = (each[::alike] for each in known)
+                np.maximum(turns, _apart(least[:, chains - 1], most[:, chains]), out=turns)
+                np.minimum(turns, _apart(most[:, chains - 1], least[:, chains]), out=turns)
+            step -= turns
+            step *= np.float32(360.0 / speed)
         np.abs(step, out=step)
-        step *= np.float32(1.0 / speed)
         some, m = len(step), len(chains)
         spread = out.reshape(some, alike, some, alike, m)
         np.maximum(spread, step[:, None, :, None], out=spread)
 
 
-def _apart(to: NDArray[np.int8], of: NDArray[np.int8]) -> Singles:
-    """(b, b, m) from each of (b, m) to each other."""
-    return np.asarray(to.astype(np.float32)[None] - of.astype(np.float32)[:, None])
+def _shifts(limits: tuple[float, float], lows: Singles, highs: Singles) -> tuple[Singles, Singles]:
+    """The least and the greatest whole turns by which lows to highs are within limits, degrees."""
+    low, high = limits
+    least = np.ceil(np.float32((low - ROUNDING) / 360.0) - lows * TURN)
+    most = np.floor(np.float32((high + ROUNDING) / 360.0) - highs * TURN)
+    return np.clip(least, -100.0, 100.0), np.clip(most, -100.0, 100.0)
 
 
-def _alike(last: Singles, first: Singles) -> int:
-    """How many branches in a row have the same angles of an axis."""
-    for count in (4, 2):
-        if len(last) % count == 0 and all(
-            (angles.reshape(-1, count, angles.shape[1]) == angles[::count, None]).all()
-            for angles in (last, first)
-        ):
-            return count
-    return 1
+def _apart(of: NDArray[np.int8], to: NDArray[np.int8]) -> Singles:
+    """(b, b, m) the first (b, m) less the second, each with each."""
+    return np.asarray(of.astype(np.float32)[:, None] - to.astype(np.float32)[None])
 
 
 def travel_of(
