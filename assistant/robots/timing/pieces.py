@@ -199,13 +199,17 @@ def _of_stretch(leg: Leg, tables: tuple, settings: Settings) -> Moves:  # type: 
     mounting = run.mounting
     p, q = run.targets(rows)
     tool, frame = mounting.tool[rows], mounting.frame[rows]
-    pairs, mount = np.unique(np.stack([tool, frame], axis=1), axis=0, return_inverse=True)
-    mounts = tuple(Mount(mounting.tools[t], mounting.frames[f]) for t, f in pairs)
+    many = len(mounting.frames)
+    both = tool.astype(np.intp) * many + frame
+    used = np.flatnonzero(np.bincount(both))
+    mounts = tuple(
+        Mount(mounting.tools[one // many], mounting.frames[one % many]) for one in used.tolist()
+    )
     return moves_of(
         run.kinds[rows],
         leg.joints,
         placed([f.pose for f in mounting.frames], frame, p, q),
-        (mount.reshape(-1).astype(np.int32), mounts),
+        (np.searchsorted(used, both).astype(np.int32), mounts),
         run.pace,
         rows,
         tables,
