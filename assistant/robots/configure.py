@@ -285,9 +285,8 @@ class _Survey:
 
     def joints(self, target: JointTarget, label: str | None) -> Floats | None:
         """The angles of the robot's axes; findings, if it has a label, for what is wrong."""
-        robot, given = self.robot, np.array(target.joints, dtype=np.float64)
-        if robot.five_axis and len(given) == 6 and not given[3] > 0 and not given[3] < 0:
-            given = np.delete(given, 3)
+        robot = self.robot
+        given = np.array(robot.own_joints(target.joints), dtype=np.float64)
         if len(given) != len(robot.axes) or not np.isfinite(given).all():
             if label is not None:
                 self.findings.append(

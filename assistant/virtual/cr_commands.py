@@ -9,11 +9,14 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from assistant.virtual import cr_edit
 from assistant.virtual.cr_state import TASKMAX, CrSession
 from assistant.virtual.cr_store import CrRefusal, checked_name
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
 
 JOG_SPEEDS: Final = "3,5,A,1E,32,46,64"
 """Percent, hexadecimal."""
@@ -62,11 +65,11 @@ def bare(handler: Callable[[CrSession], str]) -> Handler:
 
 def _open(session: CrSession, argument: str) -> str:
     state = session.state
-    five = state.robot.five_axis
+    world, joints = _axes_there(state.robot)
     return ";".join(
         [
-            "1F" if five else "3F",
-            "37" if five else "3F",
+            f"{world:02X}",
+            f"{joints:02X}",
             state.flags(),
             JOG_SPEEDS,
             state.suffix,
@@ -82,6 +85,13 @@ def _open(session: CrSession, argument: str) -> str:
             f"{TASKMAX};",
         ]
     )
+
+
+def _axes_there(robot: Robot) -> tuple[int, int]:
+    """Bits of X Y Z A B C and of J1 to J6 that the arm has; a SCARA turns about Z only."""
+    joints = sum(1 << place for place in robot.places if place < 6)
+    world = {"five-axis": 0x1F, "scara": 0x27}.get(robot.arm.kind, 0x3F)
+    return world, joints
 
 
 def _close(session: CrSession) -> str:

@@ -67,6 +67,15 @@ def test_open_says_what_the_controller_is(wire):
     )
 
 
+def test_a_scara_has_four_joints_and_turns_about_z_only():
+    with VirtualCr("rh-6frh5520") as controller, Wire(controller.port) as wire:
+        controller.state.joints = (0.0, -90.0, 333.0, 10.0)
+        assert wire.ask("1;1;OPEN=USERTOOL").startswith("QoK27;0F;4,0;")
+        joints = wire.ask("1;1;JPOSF")
+        assert joints.startswith("QoKJ1;0.00;J2;-90.00;J3;333.00;J4;10.00;J5;****;J6;****;;")
+        assert ";C;-80.00;" in wire.ask("1;1;PPOSF")
+
+
 def test_positions_of_the_five_axis_arm(controller, wire):
     controller.state.joints = (0.0, 21.19, 72.78, 86.03, 0.0)
     assert (

@@ -24,6 +24,9 @@ Ints = NDArray[np.int64]
 PLACES: Final = 2
 """Decimals of a position line."""
 
+JOINTS: Final = ("J1", "J2", "J3", "J4", "J5", "J6")
+"""Components of a joint position."""
+
 FINE_PLACES: Final = 4
 """Decimals of tools and frames: an angle of a frame acts over the distance to its targets."""
 
@@ -61,15 +64,14 @@ def from_values(values: Floats, robot: Robot | None) -> tuple[Floats, Floats, Fl
 
 
 def flags_of(configurations: NDArray[np.int8], robot: Robot | None) -> Ints:
-    """(n, 2) FL1 and FL2; an arm without a wrist to flip always shows bit 0 as 0."""
+    """(n, 2) FL1 and FL2; bits that say nothing of an arm, as of a wrist without flip, are 0."""
     flags = to_flags(configurations)
-    if robot is not None and robot.five_axis:
-        flags = flags & (~1, -1)
-    return flags
+    return flags if robot is None else flags & (robot.arm.flags, -1)
 
 
 def configurations_of(flags: Ints, robot: Robot | None) -> NDArray[np.int8]:
-    configurations = from_flags(flags)
+    """(n, 6) columns of (n, 2) flags, of which bits that say nothing of the arm do not count."""
+    configurations = from_flags(flags if robot is None else flags & (robot.arm.flags, -1))
     if robot is not None and robot.five_axis:
         configurations[:, FLIP] = 0
     return configurations
@@ -80,6 +82,18 @@ def rounded_configurations(
 ) -> NDArray[np.int8]:
     """The configurations as they come back from their flags; unstated ones as (7,0)."""
     return configurations_of(flags_of(configurations, robot), robot)
+
+
+def is_length(component: str, robot: Robot | None) -> bool:
+    """Whether a component is in mm: X, Y, Z, and of a joint position an axis that slides."""
+    if robot is None or component not in robot.axes:
+        return component in ("X", "Y", "Z")
+    return bool(robot.sliding[robot.axes.index(component)])
+
+
+def is_angle(component: str, robot: Robot | None) -> bool:
+    """Whether a component is that of an axis that turns, which the controller has in radian."""
+    return component[:1] == "J" and not is_length(component, robot)
 
 
 def plain_values(pose: Pose) -> tuple[float, ...]:

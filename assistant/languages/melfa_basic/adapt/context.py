@@ -192,9 +192,11 @@ class Context:
                     what=f"axis 4 of `{name}` for an arm of five axes", cure="teach it on this arm"
                 ))  # fmt: skip
             joints = joints[:3] + joints[4:]
+        elif self.robot is not None:
+            joints = self.robot.own_joints(joints)
         if not self.five_axis and any(v != v for v in joints):
             joints = tuple(0.0 if v != v else v for v in joints)
-        wanted = 5 if self.five_axis else 6
+        wanted = 6 if self.robot is None else min(len(self.robot.axes), 6)
         used = tuple(v for v in target.external if v == v)
         if len(joints) != wanted or used != target.external[: len(used)] or len(used) > 2:
             self.findings.append(rules.CANNOT_SAY(

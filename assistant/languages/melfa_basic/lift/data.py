@@ -69,9 +69,9 @@ def _component(node: s.Assign, lift: Expressions) -> p.Assign:
     if not isinstance(whole, e.Name | e.Index):
         raise Unliftable
     member = e.Member(whole, target.component.lower())
-    if target.component in ("X", "Y", "Z"):
+    if poses.is_length(target.component, lift.m.robot):
         return p.Assign(member, lift.of(node.value))
-    if target.component in ("J1", "J2", "J3", "J4", "J5", "J6"):
+    if target.component in poses.JOINTS:
         return p.Assign(member, lift.degrees(node.value))
     raise Unliftable
 

@@ -14,6 +14,7 @@ from assistant.languages.melfa_basic.lift.pallets import declared
 from assistant.languages.melfa_basic.lift.positions import target_of
 from assistant.languages.melfa_basic.lift.shifts import amounts, shift
 from assistant.languages.melfa_basic.lift.timers import elapsed, timed
+from assistant.languages.melfa_basic.poses import JOINTS, is_angle, is_length
 from assistant.languages.melfa_basic.vocabulary import function, status
 from assistant.languages.melfa_basic.vocabulary.timers import MILLISECONDS
 from assistant.program import expressions as e
@@ -279,9 +280,9 @@ class Expressions:
         return 0
 
     def component(self, node: s.Variable) -> e.Expression:
-        """X, Y, Z in mm; joints are read in radian."""
+        """X, Y, Z in mm, as axes that slide; joints that turn are read in radian."""
         whole = s.Variable(node.name, node.suffix, node.arguments)
-        if node.component in ("X", "Y", "Z"):
+        if is_length(node.component, self.m.robot):
             return e.Member(self.variable(whole), node.component.lower())
         if node.component[:1] == "J" and not self.m.own:
             return e.Binary("*", self.degrees(node), e.Number(DEGREE))
@@ -338,9 +339,9 @@ class Expressions:
         match node:
             case s.Variable(key="RAD", arguments=(inner,)) if inner is not None:
                 return self.number(inner)
-            case s.Variable(component=component) if component[:1] == "J":
+            case s.Variable(component=component) if is_angle(component, self.m.robot):
                 whole = s.Variable(node.name, node.suffix, node.arguments)
-                if component not in ("J1", "J2", "J3", "J4", "J5", "J6"):
+                if component not in JOINTS:
                     raise Unliftable
                 return e.Member(self.variable(whole), component.lower())
             case s.Variable(arguments=tuple(given)) if node.key in _TO_ANGLE and not node.component:
@@ -368,7 +369,9 @@ class Expressions:
         """Whether it is of the kind that comes in radian."""
         if not isinstance(node, s.Variable):
             return False
-        return node.component[:1] == "J" or node.key == "RAD" or node.key in _TO_ANGLE
+        if is_angle(node.component, self.m.robot):
+            return True
+        return node.key == "RAD" or node.key in _TO_ANGLE
 
     # --------------------------------------------------------------------------- positions
 

@@ -147,6 +147,6 @@ def target_of(constant: s.Constant, robot: Robot | None) -> Target:
 def joints_of(constant: s.Constant, robot: Robot | None) -> JointTarget:
     values = [0.0 if v is None else v for v in constant.values]
     joints, more = values[:6], values[6:8]
-    if robot is not None and robot.five_axis and len(joints) == 6:
-        del joints[3]
+    if robot is not None and len(robot.axes) < 6 and len(joints) > max(robot.places):
+        joints = [joints[place] for place in robot.places]
     return JointTarget(tuple(joints), tuple([*more, *[UNUSED_AXIS] * 6][:6]))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from assistant.languages.melfa_basic import printer, rules
+from assistant.languages.melfa_basic import poses, printer, rules
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.dialects import EMITTED_LINE
 from assistant.languages.melfa_basic.lower.expressions import Unsayable
@@ -48,7 +48,7 @@ def call(w: Writer, node: p.Call) -> None:
 def assign(w: Writer, node: p.Assign) -> None:
     target = w.expressions.place(node.target)
     value = w.expressions.of(node.value)
-    if target.component.startswith("J"):
+    if poses.is_angle(target.component, w.expressions.robot):
         value = w.expressions.call("Rad", value)
     w.add(s.Assign(target, value))
     w.previous = None

@@ -121,7 +121,8 @@ class Expressions:
                 return self.constant(value)
             case e.Member(value=inner, field=component):
                 whole = self.component(inner, component)
-                return self.call("Deg", whole) if whole.component.startswith("J") else whole
+                angle = poses.is_angle(whole.component, self.robot)
+                return self.call("Deg", whole) if angle else whole
             case e.Index(value=inner, indices=indices):
                 return self.element(inner, indices)
             case e.Unary(operator="-", operand=operand):
@@ -375,11 +376,16 @@ def position_constant(target: Target, robot: Robot | None) -> s.Constant:
 
 
 def joint_constant(target: JointTarget, robot: Robot | None) -> s.Constant:
-    """A joint target as `(j1, …, j6)`; an arm of five axes keeps the place of J4, as 0."""
-    joints = list(target.joints)
-    if robot is not None and robot.five_axis and len(joints) == 5:
-        joints.insert(3, 0.0)
-    joints += [v for v in target.external[:2] if v == v]
+    """A joint target as `(j1, …, j6)`; an arm of five axes keeps the place of J4, as 0, and one of
+    four those of J5 and J6 if an external axis follows.
+    """
+    joints, more = list(target.joints), [v for v in target.external[:2] if v == v]
+    if robot is not None and len(joints) == len(robot.axes) < 6:
+        row = [0.0] * (6 if more else 1 + max(robot.places))
+        for place, value in zip(robot.places, joints, strict=True):
+            row[place] = value
+        joints = row
+    joints += more
     return s.Constant(tuple(round(0.0 if v != v else v, poses.PLACES) + 0.0 for v in joints))
 
 
