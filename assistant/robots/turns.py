@@ -8,6 +8,7 @@ moves after it) share one count of turns; a joint move may wind an axis back.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,7 +52,7 @@ def turn(
     turns = np.cumsum(step)
     whole = _by_chain(angles, wrapped, turns, starts[:1], limits, stated)
     first = round((near - wrapped[0]) / 360.0)
-    if whole.patterns[0]:
+    if whole.patterns[0] and (whole.clear or len(starts) == 1):
         return Turned(angles + 360.0 * (whole.follow(first) + turns), np.empty(0, np.intp))
     chains = _by_chain(angles, wrapped, turns, starts, limits, stated)
     failing = chains.patterns == 0
@@ -69,7 +70,10 @@ def turn(
     return Turned(out, broken)
 
 
-FREE = np.iinfo(np.int64).min
+CLEARANCE: Final = 1.0
+"""degrees that an axis keeps from its limits where another count of turns can: a controller
+reads a target rounded, and near a singularity that turns the wrist."""
+FREE: Final = np.iinfo(np.int64).min
 """In `stated`: the row says nothing of its turns."""
 
 
@@ -103,13 +107,15 @@ def _filled_by_chain(angles: Floats, starts: Rows) -> Floats:
 @dataclass(frozen=True, slots=True)
 class _Chains:
     """starts: (c,) rows. of_row: (n,) chain of each row. offsets: (c,) turns at the starts.
-    patterns: (c,) bit k set if every row of the chain is inside with lowest + k turns.
+    patterns: (c,) bit k set if every row of the chain is inside with lowest + k turns, and clear
+    of the limits if it is so with any. clear: whether all of them are that.
     """
 
     starts: Rows
     of_row: Rows
     offsets: NDArray[np.int64]
     patterns: NDArray[np.int64]
+    clear: bool
     lowest: int
     width: int
 
@@ -168,7 +174,7 @@ def _by_chain(
     lows, highs = np.fmin.reduceat(unwound, starts), np.fmax.reduceat(unwound, starts)
     lowest = int(np.ceil((low - middle - 180.0) / 360.0))
     width = int(np.floor((high - middle + 180.0) / 360.0)) - lowest + 1
-    patterns = np.zeros(len(starts), dtype=np.int64)
+    patterns, clear = (np.zeros(len(starts), dtype=np.int64) for _ in range(2))
     if stated is not None:
         wanted = np.where(stated == FREE, 0, stated - relative)
         least = np.minimum.reduceat(np.where(stated == FREE, 1 << 40, wanted), starts)
@@ -177,7 +183,10 @@ def _by_chain(
         shift = 360.0 * (lowest + k)
         # `not outside` rather than `inside`: a chain without any solution allows everything.
         fits = ~((lows + shift < low - 1e-6) | (highs + shift > high + 1e-6))
+        close = (lows + shift < low + CLEARANCE) | (highs + shift > high - CLEARANCE)
         if stated is not None:
             fits &= (least >= lowest + k) & (most <= lowest + k)
         patterns |= fits.astype(np.int64) << k
-    return _Chains(starts, of_row, turns[starts], patterns, lowest, width)
+        clear |= (fits & ~close).astype(np.int64) << k
+    patterns = np.where(clear, clear, patterns)
+    return _Chains(starts, of_row, turns[starts], patterns, bool(clear.all()), lowest, width)

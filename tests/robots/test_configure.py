@@ -520,3 +520,17 @@ def test_a_stated_turn_beyond_the_limits_is_an_error() -> None:
     assert codes(findings) == ["RB108"]
     assert findings[0].severity is Severity.ERROR
     assert "turns 0 0 0, not 1 0 0" in findings[0].message
+
+
+@pytest.mark.parametrize(("fourth", "taken"), [(199.99, -160.01), (198.0, 198.0)])
+def test_an_axis_is_wound_back_rather_than_left_at_its_limit(fourth: float, taken: float) -> None:
+    """Axis 4 of an RV-4FRL goes to 200: printed with two decimals a target may be beyond it."""
+    arm = robots.get("rv-4frl")
+    joints = np.array([[10.0, 20.0, 90.0, angle, 40.0, 0.0] for angle in (170.0, fourth)])
+    path = Path.of("p", *arm.fk(joints), kinds=[Kind.JOINT] * 2, speeds=[Speed(100.0)])
+    stated = replace(
+        path, configurations=np.vstack([arm.configuration(joints[:1]), [UNSTATED] * 6])
+    )
+    _, got, findings = followed(stated, arm)
+    assert not findings
+    assert got[1, 3] == pytest.approx(taken, abs=1e-6)

@@ -1,0 +1,127 @@
+"""Programs of an IRB 120 on an RV-4FRL, and back: configurations that are true on each arm."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from assistant import robots
+from assistant.compiler import Translation, compile, load, translate
+from assistant.program.expressions import Name
+from assistant.program.geometry import Frame, Pose, Target, Tool
+from assistant.program.motion import FINE, Speed
+from assistant.program.path import configuration_of, configuration_row
+from assistant.program.program import Procedure, Program
+from assistant.program.statements import Motion, Move
+from assistant.robots import Robot
+
+ABB, MITSUBISHI = robots.get("irb120-3-0.58"), robots.get("rv-4frl")
+MELFA = ("melfa-basic-4", "melfa-basic-5", "melfa-basic-6")
+TOOL = Tool(Pose((12.0, 0.0, 118.0), (0.9659258262890683, 0.0, 0.25881904510252074, 0.0)))
+TABLE = Frame(Pose((20.0, -15.0, 30.0), (0.9914448613738104, 0.0, 0.0, 0.13052619222005157)))
+MOTION = Motion(Speed(200.0, joint=20.0), FINE, "gripper", "table")
+CLEAR = 5.0
+"""Degrees and, of the wrist, distance from its singularity that the joints keep."""
+ROUNDING = 0.1
+"""mm that a target keeps from the end of the reach: MELFA-BASIC is printed with two decimals."""
+
+
+def tips(arm: Robot, joints: np.ndarray) -> list[Pose]:
+    """Where the tool is on the table for joints (n, a)."""
+    return [
+        TABLE.pose.inverse() @ Pose.of(p, q) @ TOOL.tip
+        for p, q in zip(*arm.fk(joints), strict=True)
+    ]
+
+
+def flange(target: Target, program: Program) -> tuple[np.ndarray, np.ndarray]:
+    tool, frame = program.tools["gripper"].tip, program.frames["table"].pose
+    pose = frame @ target.pose @ tool.inverse()
+    return np.array([pose.position]), np.array([pose.quaternion])
+
+
+def program(arm: Robot, targets: dict[str, Target]) -> Program:
+    moves = tuple(Move("joint", Name(name), MOTION) for name in targets)
+    return Program(
+        "cell", (Procedure("main", moves),), entry="main", targets=targets,
+        tools={"gripper": TOOL}, frames={"table": TABLE}, robot=arm.name,
+    )  # fmt: skip
+
+
+def taught(arm: Robot, other: Robot, seed: int, count: int) -> dict[str, Target]:
+    """Targets all over the range of an arm, in every branch of it, that another one reaches."""
+    low, high = arm.limits.T
+    joints = np.random.default_rng(seed).uniform(low + CLEAR, high - CLEAR, (3000, len(low)))
+    joints = joints[np.abs(joints[:, 4]) > CLEAR]
+    positions, quaternions = arm.fk(joints)
+    both = np.ones(len(joints), dtype=bool)
+    for shift in np.vstack([ROUNDING * np.eye(3), -ROUNDING * np.eye(3)]):
+        for each in (arm, other):
+            both &= each.ik(positions + shift, quaternions)[1].any(axis=1)
+    joints = joints[both][:count]
+    assert len(joints) == count
+    configurations = arm.configuration(joints)
+    return {
+        f"P{k}": Target(pose, configuration_of(row))
+        for k, (pose, row) in enumerate(zip(tips(arm, joints), configurations, strict=True), 1)
+    }
+
+
+def kept(translation: Translation, folder: Path) -> Path:
+    """The one file of a translation, in a folder."""
+    ((name, data),) = translation.files.items()
+    (folder / name).write_bytes(data)
+    return folder / name
+
+
+def said(arm: Robot, row: np.ndarray) -> list[int]:
+    """What its controller reads of a configuration: of some makers only whole turns."""
+    shape, quadrants = row[0, :3].tolist(), row[0, 3:].tolist()
+    return shape + (quadrants if arm.counts == "quadrants" else [(q + 2) // 4 for q in quadrants])
+
+
+def holds(file: Path, arm: Robot, language: str, count: int) -> None:
+    """Every target of a file states a configuration that the arm can take there."""
+    read = load(file, language=language, robot=arm).program
+    assert len(read.targets) == count
+    for name, target in read.targets.items():
+        assert target.configuration is not None, name
+        row = np.array([configuration_row(target.configuration)])
+        joints = arm.joints_of(*flange(target, read), row)
+        assert np.isfinite(joints).all(), (name, target)
+        assert arm.inside(joints).all()
+        assert said(arm, arm.configuration(joints)) == said(arm, row), name
+
+
+@pytest.mark.parametrize("language", MELFA)
+@pytest.mark.parametrize("seed", range(3))
+def test_configurations_are_right_on_either_arm(seed: int, language: str, tmp_path: Path) -> None:
+    """RAPID for the IRB 120 → MELFA-BASIC for the RV-4FRL → RAPID for the IRB 120."""
+    targets = taught(ABB, MITSUBISHI, seed, 40)
+    written = compile(program(ABB, targets), language="rapid", robot=ABB)
+    assert written.ok, written.findings
+    source = kept(written, tmp_path)
+    holds(source, ABB, "rapid", len(targets))
+    there = translate(source, to=language, robot=MITSUBISHI, from_robot=ABB)
+    assert there.ok, there.findings
+    file = kept(there, tmp_path)
+    holds(file, MITSUBISHI, language, len(targets))
+    back = translate(file, to="rapid", robot=ABB, from_robot=MITSUBISHI, language=language)
+    assert back.ok, back.findings
+    holds(kept(back, tmp_path), ABB, "rapid", len(targets))
+
+
+def test_what_the_smaller_arm_cannot_reach_is_named(tmp_path: Path) -> None:
+    """An RV-4FRL reaches further than an IRB 120: which targets, is told."""
+    near = taught(ABB, MITSUBISHI, 7, 4)
+    far = Target(TABLE.pose.inverse() @ Pose((560.0, 40.0, 400.0), (0.0, 0.0, 1.0, 0.0)) @ TOOL.tip)
+    cell = program(MITSUBISHI, {n: Target(t.pose) for n, t in near.items()} | {"PFAR": far})
+    written = compile(cell, language="melfa-basic-5", robot=MITSUBISHI)
+    assert written.ok, written.findings
+    file = kept(written, tmp_path)
+    back = translate(file, to="rapid", robot=ABB, from_robot=MITSUBISHI, language="melfa-basic-5")
+    assert not back.files
+    (finding,) = (f for f in back.findings if f.code == "RB102")
+    assert finding.place == "main: 1 of 5 targets (PFAR)"
