@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from assistant import robots
 from assistant.program.diagnostics import Refused
@@ -201,6 +203,54 @@ def test_procedures_that_nobody_calls_and_that_call_themselves() -> None:
     simulation = done(THERE + "  call again\n", rest)
     assert simulation.procedures["alone"].most == near(2)
     assert "again: `again` calls itself; that is not followed" in map(str, simulation.unknown)
+
+
+PLAIN = st.sampled_from(
+    [
+        THERE,
+        FORTH,
+        BACK.replace("fine", "10 mm"),
+        "  move linear offset(a, 0, 0, n) speed 200 mm/s blend 5 mm\n",
+        "  move linear offset(a, total, 0, 0) speed 200 mm/s blend fine\n",
+        "  wait 0.25 s\n",
+        "  wait for di = 1\n",
+        "  n = n + 1\n",
+        "  n = di\n",
+        "  override 50 %\n",
+        "  acceleration 50 % deceleration 80 %\n",
+        "  call inner(n)\n",
+        "  return\n",
+        "  stop\n",
+    ]
+)
+OPENINGS = st.sampled_from(
+    [
+        *("if di = 1", "if n < 3", "for i from 1 to 3", "for n from 1 to di"),
+        *("while n < 4", "while di = 1", "while true"),
+    ]
+)
+BODIES = st.recursive(
+    st.lists(PLAIN, max_size=4).map("".join),
+    lambda inner: st.lists(
+        st.builds(lambda opening, body: f"  {opening}\n{body}  end\n", OPENINGS, inner), max_size=3
+    ).map("".join),
+    max_leaves=8,
+)
+
+
+@settings(max_examples=60, deadline=None)
+@given(BODIES, BODIES)
+def test_times_fit_together_whatever_the_program_does(body: str, inner: str) -> None:
+    inner = inner.replace("call inner(n)", "wait 1 s")
+    simulation = done(THERE + body, f"\nprocedure inner(k number)\n{inner}end\n")
+    assert 0.0 <= simulation.duration.least <= simulation.duration.most + 1e-9
+    for one in simulation.procedures.values():
+        assert 0.0 <= one.least <= one.most + 1e-9
+    steps = [] if simulation.trace is None else list(simulation.trace.steps())
+    spent = sum(step if isinstance(step, float) else step.seconds for step in steps)
+    assert spent == pytest.approx(simulation.seconds)
+    assert simulation.samples.t[-1] == pytest.approx(simulation.seconds, abs=simulation.period)
+    assert (simulation.moves.seconds >= 0.0).all()
 
 
 def test_what_cannot_be_reached_has_no_time() -> None:
