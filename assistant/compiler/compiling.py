@@ -32,7 +32,12 @@ if TYPE_CHECKING:
     from assistant.languages.language import Conversion, Frames
     from assistant.robots import Robot
 
-UNKNOWN_ROBOT = Rule("CO002", Severity.ERROR, "there is no robot `{name}`", "choose one of {names}")
+UNKNOWN_ROBOT = Rule(
+    "CO002",
+    Severity.ERROR,
+    "there is no robot `{name}`",
+    "choose one of {names}, or name a robot file (TOML or URDF)",
+)
 OTHER_MAKER = Rule(
     "CO003",
     Severity.WARNING,
