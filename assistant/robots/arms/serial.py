@@ -314,17 +314,20 @@ class Serial(Arm):
         quaternions: Floats,
         branch: int,
     ) -> None:
-        """Looks beside the solution of the row before where a row of a column has none, or one
-        that is far from there: a branch may have several.
+        """Looks beside the solutions of the rows before, then of those behind, where a row of a
+        column has none, and where it is far from the one before: a branch may have several.
         """
-        for row in range(1, len(best)):
-            if rank[row - 1] > _Rank.OUTSIDE:
+        n = len(best)
+        forward = [(row, row - 1) for row in range(1, n)]
+        backward = [(row, row + 1) for row in range(n - 2, -1, -1)]
+        for row, beside in forward + backward:
+            has = rank[row] <= _Rank.OUTSIDE
+            if rank[beside] > _Rank.OUTSIDE or (has and beside > row):
                 continue
-            near = np.abs(self._wound(best[row] - best[row - 1])).max() < FAR
-            if near and rank[row] <= _Rank.OUTSIDE:
+            if has and np.abs(self._wound(best[row] - best[beside])).max() < FAR:
                 continue
             one = slice(row, row + 1)
-            found = self._solved(poses[one], best[row - 1 : row])
+            found = self._solved(poses[one], best[beside : beside + 1])
             if np.abs(self._wound(found[0] - best[row])).max() < SAME:
                 continue
             mine, fits = self._ranked(found, positions[one], quaternions[one])
