@@ -43,7 +43,8 @@ class Pieces:
     """The motion statements of a journey.
 
     numbers: id of a statement → its number in its procedure and its leg. labels: procedure and
-    number → what it moves to. external: ids of the statements that move external axes.
+    number → what it moves to. external: ids of the statements that move external axes. bare:
+    of moves to joints with a tool or frame that is not known, timed for the flange in the base.
     """
 
     def __init__(self, journey: Journey, names: Names, values: Values) -> None:
@@ -56,6 +57,7 @@ class Pieces:
         self.numbers: dict[int, tuple[int, Leg]] = {}
         self.labels: dict[tuple[str, int], str] = {}
         self.external: set[int] = set()
+        self.bare: set[int] = set()
         for procedure in program.procedures:
             self._number(procedure, journey.legs[procedure.name])
         self.made: dict[tuple[object, ...], Moves] = {}
@@ -69,6 +71,8 @@ class Pieces:
             self.labels[procedure.name, number] = label_of(statement)
             if _moves_external(leg):
                 self.external.add(id(statement))
+            if isinstance(statement, MoveJoints) and self._mount(statement.motion) is None:
+                self.bare.add(id(statement))
 
     def piece(
         self, statement: Moving, procedure: str, settings: Settings, near: Joints | None
@@ -100,8 +104,7 @@ class Pieces:
         """Moves to joints (m, a), whatever they are the joints of."""
         assert not isinstance(statement, Follow)
         motion = statement.motion
-        mount = self._mount(motion)
-        assert mount is not None
+        mount = self._mount(motion) or Mount(Tool(), Frame())
         n = len(joints)
         kinds = {Move: [Kind.LINEAR], MoveCircular: [Kind.VIA, Kind.END]}.get(
             type(statement), [Kind.JOINT]

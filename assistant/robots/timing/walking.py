@@ -130,6 +130,8 @@ class Walker:
         number, _ = self.pieces.numbers[id(statement)]
         if id(statement) in self.pieces.external:
             self.note(f"move {number}: its external axes are not timed")
+        if id(statement) in self.pieces.bare:
+            self.note(f"move {number}: its tool or frame is not known; the flange is taken")
         if piece is not None:
             self.waiting.append(piece)
             return way

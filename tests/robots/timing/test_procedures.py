@@ -130,6 +130,15 @@ def test_external_axes_are_told_of() -> None:
     assert [one.what for one in simulation.unknown] == ["move 4: its external axes are not timed"]
 
 
+def test_a_move_to_joints_with_a_tool_that_is_not_declared() -> None:
+    text = HEAD.replace("variable n", "joints up [0, 0, 0, 0, 30, 0]\n\nvariable n") + THERE
+    text += "  move absolute up speed 100 mm/s blend fine tool elsewhere\nend\n"
+    simulation = simulate(robots.journey(parse(text), ARM))
+    what = "move 2: its tool or frame is not known; the flange is taken"
+    assert [one.what for one in simulation.unknown] == [what]
+    assert simulation.moves.seconds[-1] > 1
+
+
 def test_a_loop_with_a_condition_that_the_text_tells() -> None:
     body = THERE + f"  while n < 4\n    n = n + 1\n{FORTH}{BACK}  end\n"
     assert seconds(body) == near(4 * 6)
