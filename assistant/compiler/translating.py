@@ -13,6 +13,7 @@ from assistant.compiler.loading import Loaded, language_of, load
 from assistant.compiler.places import Place, Places, Trace
 from assistant.compiler.proof import Proof
 from assistant.program import statements as p
+from assistant.program.collecting import uncollected
 from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, Span, fold
 from assistant.program.program import Program, bodies, walk
 
@@ -87,6 +88,7 @@ class Translation:
         return {level: sum(r.count for r in self.rows if r.level == level) for level in LEVELS}
 
 
+@uncollected()
 def translate(
     source: str | FilePath | Loaded,
     *,

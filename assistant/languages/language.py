@@ -169,7 +169,7 @@ class Language(abc.ABC, Generic[T]):
         """
         listed = tuple(trees) if isinstance(trees, Sequence) else (trees,)
         program = self.lift_trees(listed, robot)
-        return replace(program, origin=Origin(self.name, listed))
+        return replace(program, origin=Origin(self.name, listed, program, robot))
 
     @abc.abstractmethod
     def lift_trees(self, trees: Sequence[T], robot: Robot | None) -> Program:
@@ -262,7 +262,8 @@ class Language(abc.ABC, Generic[T]):
         if origin is None or origin.language != self.name or len(origin.trees) != 1:
             return self._built(program, robot)
         (tree,) = origin.trees
-        lifted = self.lift_trees((tree,), robot)
+        known = robot is origin.robot
+        lifted = origin.lifted if known else self.lift_trees((tree,), robot)
         if program == lifted:
             unchanged: T = tree
             return unchanged

@@ -122,10 +122,16 @@ class Declaration(Spanned):
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """The trees of a vendor language that a program was lifted from."""
+    """The trees of a vendor language that a program was lifted from.
+
+    lifted: what they say, which the program may have been changed from since. robot: that they
+    were read for, None if they were for none.
+    """
 
     language: str
     trees: tuple[Any, ...]
+    lifted: Program
+    robot: Any = None
 
 
 @dataclass(frozen=True, slots=True, weakref_slot=True)

@@ -72,21 +72,42 @@ def head(statement: Any) -> Any:
 
 
 def records(value: Any) -> Iterator[Any]:
-    """Every record in a value, itself included, in no order; those of a `Path` are no such."""
+    """Every record that a value says, itself included, in no order; a `Path` has none."""
     pending = [value]
     while pending:
         item = pending.pop()
         if isinstance(item, tuple):
             pending += item
-        elif isinstance(item, Mapping):
+            continue
+        parts = _said(type(item))
+        if parts is not None:
+            if not isinstance(item, Path):
+                yield item
+                pending += [getattr(item, part) for part in parts]
+        elif _is_table(type(item)):
             pending += item.values()
-        elif is_dataclass(item) and not isinstance(item, Path):
-            yield item
-            pending += [getattr(item, part.name) for part in fields(item)]
 
 
 _WHOLE: Final = (Path, p.Motion, e.TargetValue, e.JointValue, e.PoseValue)
 _LEAVES: Final = (float, int, str, type(None))
+
+
+_SAID: Final[dict[type, tuple[str, ...] | None]] = {}
+_TABLES: Final[dict[type, bool]] = {}
+
+
+def _said(kind: type) -> tuple[str, ...] | None:
+    """Fields of a kind of record but for where it came from; None for what is no record."""
+    if kind not in _SAID:
+        parts = fields(kind) if is_dataclass(kind) else None
+        _SAID[kind] = None if parts is None else tuple(f.name for f in parts if f.compare)
+    return _SAID[kind]
+
+
+def _is_table(kind: type) -> bool:
+    if kind not in _TABLES:
+        _TABLES[kind] = issubclass(kind, Mapping)
+    return _TABLES[kind]
 
 
 def _rewritten(value: Any, visit: Callable[[Any], Any], whole: tuple[type, ...]) -> Any:
@@ -95,19 +116,18 @@ def _rewritten(value: Any, visit: Callable[[Any], Any], whole: tuple[type, ...])
     if isinstance(value, tuple):
         items = [_rewritten(item, visit, whole) for item in value]
         return value if all(a is b for a, b in zip(items, value, strict=True)) else tuple(items)
-    if isinstance(value, Mapping):
+    if _is_table(type(value)):
         table = {key: _rewritten(item, visit, whole) for key, item in value.items()}
         return value if all(table[key] is value[key] for key in table) else table
-    if not is_dataclass(value) or isinstance(value, type):
+    parts = _said(type(value))
+    if parts is None:
         return value
     if isinstance(value, whole):
         return visit(value)
     changed = {}
-    for part in fields(value):
-        if not part.compare:  # where it came from, not what it says
-            continue
-        before = getattr(value, part.name)
+    for part in parts:
+        before = getattr(value, part)
         after = _rewritten(before, visit, whole)
         if after is not before:
-            changed[part.name] = after
+            changed[part] = after
     return visit(replace(value, **changed) if changed else value)

@@ -13,6 +13,7 @@ from assistant.languages.melfa_basic.convert import memory as memories
 from assistant.languages.melfa_basic.convert.conversion import convert
 from assistant.languages.melfa_basic.convert.memory import Memory
 from assistant.languages.melfa_basic.dialects import DIALECTS
+from assistant.languages.melfa_basic.lift.program import lift, stem
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.comparison import Tolerance, compare
@@ -31,13 +32,13 @@ def compared(
     A form that a lift reads in one dialect only is compared in the first one: the program is
     converted back.
     """
-    expected, actual = lifted(before, after, robot), lifted(after, before, robot)
+    expected, actual = lifted(before, after, robot)
     if compare(expected, actual, ROUNDING).same or not before:
         return expected, actual
     back = convert(after, before[0].dialect)
     if not back.trees:
         return expected, actual
-    found = lifted(before, back.trees, robot), lifted(back.trees, before, robot)
+    found = lifted(before, back.trees, robot)
     return found if compare(*found, ROUNDING).same else (expected, actual)
 
 
@@ -45,13 +46,23 @@ ROUNDING: Final = Tolerance(1e-9, 1e-9, 0.0)
 """Of the comparison itself: numbers are not computed anew."""
 
 
-def lifted(trees: Sequence[s.File], others: Sequence[s.File], robot: Robot | None) -> Program:
-    """The pseudo-program of trees, in the words that the other ones share with them."""
-    from assistant.languages.melfa_basic.lift.program import lift
+def lifted(
+    before: Sequence[s.File], after: Sequence[s.File], robot: Robot | None
+) -> tuple[Program, Program]:
+    """The pseudo-programs of both, in the words that they share; one if these are the same."""
+    lowest = min(DIALECTS[tree.dialect].level for tree in (*before, *after))
+    one, two = ([_plain(tree, lowest) for tree in trees] for trees in (before, after))
+    said = _lifted(one, robot)
+    return said, said if _text(one) == _text(two) else _lifted(two, robot)
 
-    lowest = min(DIALECTS[tree.dialect].level for tree in (*trees, *others))
-    said = lift([_plain(t, lowest) for t in trees], robot, divide=False)
-    program: Program = rewrite(said, _without_dialect)
+
+def _text(trees: Sequence[s.File]) -> list[tuple[str | None, tuple[s.Item, ...]]]:
+    """What is lifted of trees, whatever dialect they are in."""
+    return [(stem(tree), tree.items) for tree in trees]
+
+
+def _lifted(trees: Sequence[s.File], robot: Robot | None) -> Program:
+    program: Program = rewrite(lift(trees, robot, divide=False), _without_dialect)
     return program
 
 

@@ -15,6 +15,7 @@ is a row of `IF … THEN *S1C1`.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
@@ -28,6 +29,8 @@ from assistant.languages.melfa_basic.walk import nodes
 
 Complain = Callable[[s.Item, str, str], None]
 """Says of a line what cannot be said, and what to do."""
+
+_NUMBERED: Final = re.compile(r"[A-Z]\d+")
 
 PLAIN: Final = (s.Assign, s.Jump, s.CallP, s.Print, s.Input, s.Open, s.Close, s.Command)
 """Statements that may follow `THEN` on its line."""
@@ -51,7 +54,9 @@ class Jumps:
     """Writes the blocks of one program. labels: those that it has, in upper case."""
 
     def __init__(self, dialect: Dialect, labels: set[str], complain: Complain) -> None:
-        self.dialect, self.labels, self.complain = dialect, labels, complain
+        self.dialect, self.complain = dialect, complain
+        self.begun = {m[0] for label in labels if (m := _NUMBERED.match(label))}
+        """How labels begin that have a letter and a number."""
         self.counts: dict[str, int] = {}
         self.variables: list[str] = []
 
@@ -60,10 +65,7 @@ class Jumps:
         while True:
             number = self.counts[letter] = self.counts.get(letter, 0) + 1
             made = f"{letter}{number}"
-            if not any(
-                label.startswith(made) and not label[len(made) :][:1].isdigit()
-                for label in self.labels
-            ):
+            if made not in self.begun:
                 return made
 
     def lines(self, nodes: Sequence[Node], leave: Leave | None = None) -> list[s.Item]:

@@ -36,9 +36,12 @@ def conversion(
         return None
     if not DIALECTS[dialect].functions and any(map(_has_functions, trees)):
         return None  # the pseudo-program has procedures, which every dialect says in its way
-    arms = [None] if robot is None else [None, robot]
-    read = next((arm for arm in arms if lift(trees, arm) == program), robot)
-    if read is robot and lift(trees, read) != program:
+    if origin.robot is None:
+        read, as_read = None, program == origin.lifted
+    else:
+        arms = dict.fromkeys([None, robot])
+        read, as_read = next(((a, True) for a in arms if lift(trees, a) == program), (None, False))
+    if not as_read:
         return None
     if robot is not None and read is None and program.robot not in (None, robot.name):
         return None  # another arm: its branches are chosen anew

@@ -13,7 +13,6 @@ from assistant.languages.melfa_basic.lift.blocks import Code
 from assistant.languages.melfa_basic.lift.expressions import Expressions, operator_name
 from assistant.languages.melfa_basic.lift.meanings import Meanings, Unliftable
 from assistant.languages.melfa_basic.lift.reasons import NO_LABEL
-from assistant.languages.melfa_basic.lift.scopes import all_keys
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import identifier
@@ -41,6 +40,7 @@ class Control:
         expressions: Expressions,
         body: Body,
         single: Single,
+        asks_for_breaks: bool,
     ) -> None:
         self.code, self.structure, self.expressions = code, structure, expressions
         self.body, self.single = body, single
@@ -48,7 +48,7 @@ class Control:
         self.refused: dict[int, p.Reason | None] = {}
         self.depth = 0
         self.leaving: list[_Block] = []
-        self.asks_for_breaks = "M_BRKCQ" in set(all_keys(code))
+        self.asks_for_breaks = asks_for_breaks
 
     @property
     def meanings(self) -> Meanings:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from bisect import bisect_right
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -67,11 +67,12 @@ def speed_of(values: Values, joint: bool) -> Speed:
 class Runs:
     """Collects moves; `flush` puts the path that they make among the statements.
 
-    own: the file says itself which positions are paths. previous: where the robot stands, None
-    if that is not known. arc_pending: the start of an arc was just read from the robot.
+    single: of `used_once`. own: the file says itself which positions are paths. previous: where
+    the robot stands, None if that is not known. arc_pending: the start of an arc was just read
+    from the robot.
     """
 
-    def __init__(self, meanings: Meanings, code: Sequence[Entry], own: bool, one: One) -> None:
+    def __init__(self, meanings: Meanings, single: Mapping[str, Ints], own: bool, one: One) -> None:
         self.meanings, self.own, self.one = meanings, own, one
         self.previous: Place | None = None
         self.arc_pending = False
@@ -83,7 +84,7 @@ class Runs:
         self.taken: list[tuple[str, int, int]] = []
         self.ranges = sorted(meanings.header.paths)
         self.starts = [first for first, _, _ in self.ranges]
-        self.single = {} if own else _used_once(code)
+        self.single = single
 
     # ------------------------------------------------------------------------ gathering
 
@@ -315,7 +316,7 @@ def _columns(chunks: list[_Chunk]) -> dict[str, Any]:
     return made
 
 
-def _used_once(code: Sequence[Entry]) -> dict[str, Ints]:
+def used_once(code: Sequence[Entry]) -> dict[str, Ints]:
     """By stem, the numbers of positions that the code mentions in one place only."""
     seen: dict[str, list[Ints]] = {}
     for item in code:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -47,17 +47,15 @@ class Positions:
                     if at and not undefined:
                         known = self.elements.setdefault(variable.key, (variable.name, {}))
                         known[1][tuple(int(i) for i in at)] = constant
-        self.columns: dict[
-            str, tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]
-        ] = {stem: self._columns(stem) for stem in self._stems()}
-
-    def _stems(self) -> set[str]:
-        return set(self.tables) | {
-            n[0].upper() for key in self.names if (n := split_name(s.Variable(key))) is not None
-        }
+        single: dict[str, list[tuple[int, s.Constant]]] = {stem: [] for stem in self.tables}
+        for key, (_, constant) in self.names.items():
+            name = split_name(s.Variable(key))
+            if name is not None:
+                single.setdefault(name[0].upper(), []).append((name[1], constant))
+        self.columns = {stem: self._columns(stem, found) for stem, found in single.items()}
 
     def _columns(
-        self, stem: str
+        self, stem: str, single: Sequence[tuple[int, s.Constant]]
     ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]:
         """Sorted numbers of a stem with their values and flags."""
         numbers, values, flags = (
@@ -71,13 +69,11 @@ class Positions:
             numbers.append(rows.numbers)
             values.append(wide)
             flags.append(rows.flags)
-        for key, (_, constant) in self.names.items():
-            name = split_name(s.Variable(key))
-            if name is not None and name[0].upper() == stem and stem[0] == "P":
-                one, two = _row(constant)
-                numbers.append(np.array([name[1]]))
-                values.append(one)
-                flags.append(two)
+        for at, constant in single if stem[0] == "P" else ():
+            one, two = _row(constant)
+            numbers.append(np.array([at]))
+            values.append(one)
+            flags.append(two)
         number = np.concatenate(numbers)
         order = np.argsort(number, kind="stable")
         return number[order], np.concatenate(values)[order], np.concatenate(flags)[order]

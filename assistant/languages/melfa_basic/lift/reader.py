@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Final
 
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MoveRows
 from assistant.languages.melfa_basic.lift import passes, reasons, waits
-from assistant.languages.melfa_basic.lift.blocks import Code, labels_in
-from assistant.languages.melfa_basic.lift.contexts import Contexts, Form
-from assistant.languages.melfa_basic.lift.control import Control
-from assistant.languages.melfa_basic.lift.meanings import Meanings, Routine, Unliftable
+from assistant.languages.melfa_basic.lift.blocks import labels_in
+from assistant.languages.melfa_basic.lift.contexts import Form
+from assistant.languages.melfa_basic.lift.meanings import Unliftable
 from assistant.languages.melfa_basic.lift.paths import Values
 from assistant.languages.melfa_basic.lift.regions import Region
 from assistant.languages.melfa_basic.lift.settings import FRAME, TOOL
@@ -21,32 +21,16 @@ from assistant.program import statements as p
 from assistant.program.diagnostics import Span
 from assistant.program.program import identifier
 from assistant.program.rewriting import head, records
-from assistant.program.text import SourceText
 
 
 class Reader(Statements):
     """Reads the procedures of one file.
 
-    structure: places of the words of each block, by its first line. The rest: see Statements.
+    own_labels: those of the lines that are read, upper case → name.
     """
 
-    def __init__(
-        self,
-        code: Code,
-        structure: dict[int, list[int]],
-        meanings: Meanings,
-        contexts: Contexts,
-        routines: list[Routine],
-        calls: tuple[dict[str, str], dict[str, str]],
-        main: bool,
-        kept: frozenset[int],
-        source: SourceText | None,
-    ) -> None:
-        super().__init__(code, meanings, contexts, routines, calls, main, kept, source)
-        self.control = Control(code, structure, self.expressions, self.body, self.branch)
-        self.names: passes.Names | None = None
-        self.own_labels: dict[str, str] = {}
-        """Those of the lines that are read, upper case → name."""
+    names: passes.Names | None = None
+    own_labels: Mapping[str, str]
 
     # ---------------------------------------------------------------------- procedures
 

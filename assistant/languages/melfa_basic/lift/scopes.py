@@ -35,6 +35,9 @@ class Scope:
     names: dict[str, str] = field(default_factory=dict)
     static: set[str] = field(default_factory=set)
 
+    def copy(self) -> Scope:
+        return Scope(dict(self.types), dict(self.sizes), dict(self.names), set(self.static))
+
 
 def scope_of(items: Iterable[Entry], functions: Iterable[str]) -> Scope:
     """The variables that some lines hold. functions: upper-case names of the user's own."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, Final
 
 from assistant.languages.melfa_basic import syntax as s
@@ -14,7 +14,7 @@ from assistant.languages.melfa_basic.lift.expressions import Expressions
 from assistant.languages.melfa_basic.lift.meanings import Meanings, Routine, Unliftable
 from assistant.languages.melfa_basic.lift.moves import Moves
 from assistant.languages.melfa_basic.lift.pallets import define as define_pallet
-from assistant.languages.melfa_basic.lift.paths import Runs, Values
+from assistant.languages.melfa_basic.lift.paths import Ints, Runs, Values
 from assistant.languages.melfa_basic.lift.regions import Region
 from assistant.languages.melfa_basic.lift.settings import State
 from assistant.languages.melfa_basic.lift.unknown_settings import UnknownSettings
@@ -32,7 +32,8 @@ class Statements:
     routines: what each region is called, and what `GoSub` and functions mean. units, firsts:
     the programs that `CallP` names, and the procedures that those begin with. kept: lines whose
     setting has to stay, because something depends on it that is kept as its text. source: the
-    text that the code was read from. control: what blocks and jumps are read by.
+    text that the code was read from. single: of `paths.used_once`. control: what blocks and jumps
+    are read by.
     """
 
     control: Control
@@ -47,6 +48,7 @@ class Statements:
         main: bool,
         kept: frozenset[int],
         source: SourceText | None,
+        single: Mapping[str, Ints],
     ) -> None:
         self.code, self.meanings, self.contexts = code, meanings, contexts
         self.flow, self.routines, self.main, self.kept = contexts.flow, routines, main, kept
@@ -54,7 +56,7 @@ class Statements:
         self.own = meanings.own
         self.unknown = UnknownSettings(code, self.flow.effect, meanings.dialect, source)
         self.expressions = Expressions(meanings)
-        self.runs = Runs(meanings, code, self.own, self.single)
+        self.runs = Runs(meanings, single, self.own, self.one_move)
         self.moves = Moves(self.expressions, self.runs)
         self.by_label = {r.label: k for k, r in enumerate(self.flow.regions) if r.label}
         self.form: Form | None = None
@@ -95,7 +97,7 @@ class Statements:
             raise Unliftable
         return lift(self, node)
 
-    def single(self, node: s.Motion, values: Values, span: Span | None) -> list[p.Statement]:
+    def one_move(self, node: s.Motion, values: Values, span: Span | None) -> list[p.Statement]:
         """A move that is part of no path."""
         try:
             lifted = self.moves.move(node, values)

@@ -19,14 +19,16 @@ from assistant.languages.melfa_basic.lift import (
 from assistant.languages.melfa_basic.lift.blocks import Entry
 from assistant.languages.melfa_basic.lift.constants import Constants
 from assistant.languages.melfa_basic.lift.contexts import Contexts, Form
+from assistant.languages.melfa_basic.lift.control import Control
 from assistant.languages.melfa_basic.lift.expressions import Expressions
 from assistant.languages.melfa_basic.lift.files import ALL_SETTINGS, File
 from assistant.languages.melfa_basic.lift.flow import Flow
 from assistant.languages.melfa_basic.lift.meanings import Inside, Meanings, Routine
 from assistant.languages.melfa_basic.lift.pallets import pallets, still_mentioned
+from assistant.languages.melfa_basic.lift.paths import Ints, used_once
 from assistant.languages.melfa_basic.lift.reader import Reader
 from assistant.languages.melfa_basic.lift.regions import Region
-from assistant.languages.melfa_basic.lift.scopes import scope_of
+from assistant.languages.melfa_basic.lift.scopes import Scope, all_keys, scope_of
 from assistant.languages.melfa_basic.lift.settings import (
     INITIAL,
     UNKNOWN,
@@ -63,13 +65,19 @@ class _Reading:
 
 @dataclass(frozen=True)
 class _Ways:
-    """What the code is, however its settings are said: the same in each reading of a file."""
+    """What the code is, however its settings are said: the same in each reading of a file.
+
+    single: see `paths.used_once`. breaks: whether it asks if something was left by `Break`.
+    """
 
     constants: Constants
     structure: dict[int, list[int]]
     parts: list[Region]
     settings: Settings
     contexts: Contexts
+    single: Mapping[str, Ints]
+    timers: dict[int, str]
+    breaks: bool
 
 
 class Unit:
@@ -96,6 +104,8 @@ class Unit:
         self.divide = divide and not file.own
         self.own, self.header = file.own, file.header
         self.ways: _Ways | None = None
+        self.scope: Scope | None = None
+        """The variables of the code, as each reading begins with them."""
 
     @property
     def is_main(self) -> bool:
@@ -173,20 +183,23 @@ class Unit:
         # a program written here still has the lines of first values, which are taken out below
         parts = ways.parts if ways and not own else self._regions(code)[1]
         meanings = self._meanings(program, code, parts)
-        meanings.timers = timers(code, self.header, self.own)
+        meanings.timers = ways.timers if ways else timers(code, self.header, self.own)
         if self.grids:
             meanings.pallets = pallets(code, meanings)
         expressions = Expressions(meanings)
         local = own.values(expressions) if own else {}
         declared.elements(self.file, meanings)
         if ways is None:
-            self.ways = ways = self._ways(code, meanings.constants)
+            self.ways = ways = self._ways(code, meanings)
         listed = self._routines(code, ways.parts, meanings, program)
         self._name_forms(ways.contexts, listed, program)
         source = self.file.tree.source
         calls = dict(self.main.header.names["unit"]), dict(self.main.header.names["first"])
         reader = Reader(
-            code, ways.structure, meanings, ways.contexts, listed, calls, self.is_main, kept, source
+            code, meanings, ways.contexts, listed, calls, self.is_main, kept, source, ways.single
+        )
+        reader.control = Control(
+            code, ways.structure, reader.expressions, reader.body, reader.branch, ways.breaks
         )
         reading = _Reading(meanings, ways.settings, reader, local)
         for node in _statements(code, s.DefIo):
@@ -208,11 +221,15 @@ class Unit:
         named = self.header.names["procedure"]
         return structure, regions.regions(code, structure, named, self.own)
 
-    def _ways(self, code: list[Entry], constants: Constants) -> _Ways:
+    def _ways(self, code: list[Entry], meanings: Meanings) -> _Ways:
         structure, parts = self._regions(code)
+        constants = meanings.constants
         settings = Settings(self.file.positions, constants, self.header.names, own=self.own)
         flow = Flow(code, parts, structure, settings.effect, self._calls(parts))
-        return _Ways(constants, structure, parts, settings, Contexts(flow, self._initial()))
+        return _Ways(
+            constants, structure, parts, settings, Contexts(flow, self._initial()),
+            {} if self.own else used_once(code), meanings.timers, "M_BRKCQ" in set(all_keys(code)),
+        )  # fmt: skip
 
     def _meanings(self, program: Program, code: list[Entry], parts: list[Region]) -> Meanings:
         functions = {r.function.name for r in parts if r.function is not None}
@@ -221,7 +238,9 @@ class Unit:
         if functions:
             inner = first.function is not None
             shared = code[slice(*first.before)] if inner else code[first.low : first.high]
-        scope = scope_of(shared, {name.upper() for name in functions})
+        if self.scope is None:
+            self.scope = scope_of(shared, {name.upper() for name in functions})
+        scope = self.scope.copy()
         constants = self.ways.constants if self.ways else Constants(code)
         if not self.own:
             for parameter in declared.parameters_of(self.file.code):
