@@ -24,6 +24,8 @@ Rows = NDArray[np.intp]
 
 WIDE: Final = 20.0
 """degrees or mm that an axis moves in one move from which on the line is looked at."""
+JUMP: Final = 1.0
+"""degrees or mm between joints that are not the same solution."""
 SAMPLES: Final = 12
 """Poses on such a line."""
 
@@ -66,7 +68,8 @@ def lines(run: Run, robot: Robot, joints: Floats, branch: Rows) -> Lines:
             swept = robot.wound(np.diff(between, axis=1)).sum(axis=1)
             winding[here] = np.round((swept - step[here]) / 360.0)
             bad += _bad(robot, here, found, excess)
-            bad += _jumps(robot, here, found[:, -1], joints[here])
+            if not robot.arm.named:
+                bad += _jumps(run, robot, here, found[:, -1], joints[here])
     bad.sort()
     if not bad:
         return Lines(winding, (), np.empty(0, np.intp))
@@ -113,15 +116,17 @@ def _turned(first: Floats, last: Floats, part: Floats) -> Floats:
     return np.asarray(one[..., None] * first[:, None] + two[..., None] * last[:, None])
 
 
-def _jumps(robot: Robot, rows: Rows, last: Floats, joints: Floats) -> list[tuple[int, str]]:
-    """Rows whose joints (m, a) deg are not where the last ones on the way (m, a) lead to: an arm
-    whose branches have no names may have several solutions in one.
+def _jumps(
+    run: Run, robot: Robot, rows: Rows, last: Floats, joints: Floats
+) -> list[tuple[int, str]]:
+    """Rows whose joints (m, a) deg are not those that the last ones on the way (m, a) lead to: an
+    arm whose branches have no names may have several solutions in one.
     """
-    if robot.arm.named:
-        return []
-    off = np.abs(robot.wound(joints - last))
+    p, q = run.flange(rows)
+    led, _ = robot.follow(last, p[:, None], q[:, None])
+    off = np.abs(robot.wound(joints - led[:, 0]))
     out = []
-    for i in np.flatnonzero(off.max(axis=1) > WIDE):
+    for i in np.flatnonzero(off.max(axis=1) > JUMP):
         axis = int(off[i].argmax())
         name, unit = robot.axes[axis], robot.units[axis]
         out.append((int(rows[i]), f"would have {name} jump by {off[i, axis]:.1f} {unit}"))

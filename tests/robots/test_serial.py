@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from assistant import robots
+from assistant import compile, robots
 from assistant.program import rotations
 from assistant.program.diagnostics import Refused
 from assistant.program.motion import Speed
@@ -164,6 +164,39 @@ def test_what_is_out_of_reach_is_told_of() -> None:
     (finding, _) = robot.check(Program("p", (Procedure("main", (Follow(path),)),)))
     assert finding.code == "RB117"
     assert "seam_3" in finding.message
+
+
+GENERAL = (  # no two axes parallel or through one point: up to 16 solutions a pose
+    Link(a=80.0, d=290.0, alpha=np.pi / 2),
+    Link(a=420.0, d=10.0, alpha=0.6),
+    Link(a=60.0, d=20.0, alpha=np.pi / 2),
+    Link(a=20.0, d=350.0, alpha=-np.pi / 2),
+    Link(a=30.0, d=10.0, alpha=np.pi / 2),
+    Link(d=80.0),
+)
+
+
+def test_a_line_that_would_end_in_another_solution_is_told_of() -> None:
+    robot = read(toml(GENERAL))
+    ends = [
+        [-124.8, -56.2, -73.4, 73.8, -42.3, -123.8],
+        [-142.9, -80.4, -43.1, 48.6, -15.2, -118.4],
+    ]
+    positions, quaternions = robot.fk(ends)
+    path = Path.of("far", positions, quaternions, speeds=[Speed(50.0)])
+    (finding,) = [f for f in journey(robot, path).findings if f.severity == "error"]
+    assert finding.code == "RB113"
+    assert "jump by" in finding.message and "far_2" in finding.message
+
+
+def test_a_program_for_a_chain_states_no_configuration_and_says_so() -> None:
+    robot = offset_arm()
+    path = line(robot, [10, -60, 90, -40, 80, 20], [20, -60, 90, -40, 80, 20], n=5)
+    source = Program("part", (Procedure("main", (Follow(path),)),))
+    done = compile(source, language="rapid", robot=robot)
+    assert done.ok
+    assert {"RB118", "RA303"} <= {finding.code for finding in done.findings}
+    assert done.files["part.mod"].count(b",[0,0,0,0],") == 5
 
 
 def test_without_roboticstoolbox_the_extra_is_named(monkeypatch) -> None:

@@ -7,9 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assistant import robots
+from assistant import compile, robots
 from assistant.program import rotations
 from assistant.program.diagnostics import Refused, Unreadable
+from assistant.program.expressions import TargetValue
+from assistant.program.geometry import Pose, Target
+from assistant.program.motion import FINE, Speed
+from assistant.program.program import Procedure, Program
+from assistant.program.statements import Motion, Move
 from assistant.robots import Robot, catalogue
 from assistant.robots.arms import Placed, Serial
 
@@ -87,6 +92,20 @@ def test_an_arm_of_the_catalogue_is_recognised() -> None:
     assert robot.limits == pytest.approx(np.tile(np.degrees([-2.5, 2.5]), (6, 1)))
     assert robot.speeds == pytest.approx(np.degrees(3.0))
     assert robot.payload is None and robot.tcp_speed is None
+
+
+def test_a_command_takes_the_file_where_it_takes_a_name(tmp_path) -> None:
+    file = tmp_path / "own.urdf"
+    file.write_text(WRISTED, encoding="utf-8")
+    pose = Pose((450.0, 120.0, 400.0), (0.0, 0.0, 1.0, 0.0))
+    move = Move("joint", TargetValue(Target(pose)), Motion(Speed(100.0), FINE))
+    source = Program("part", (Procedure("main", (move,)),))
+    done = compile(source, language="rapid", robot=str(file))
+    known = compile(source, language="rapid", robot="irb1200-7-0.7")
+    assert done.ok
+    assert [f.code for f in done.findings] == ["RB008"]
+    (text,), (expected,) = done.files.values(), known.files.values()
+    assert text.replace(b"own", b"irb1200-7-0.7") == expected
 
 
 signs = st.sampled_from([1, -1])
