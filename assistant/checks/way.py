@@ -23,13 +23,17 @@ Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
 Truths = NDArray[np.bool_]
 
-STRAIGHT: Final = 10.0
+STRAIGHT: Final = 5.0
 """degrees, or mm, of every axis up to which a move is looked at by its ends alone."""
-PARTS: Final = ((30.0, 8), (90.0, 32), (np.inf, 96))
+PARTS: Final = ((30.0, 24), (90.0, 64), (np.inf, 192))
 """Up to so many degrees of an axis a move is looked at in so many parts."""
 MOST_PLACES: Final = 1_000_000
 """Places on the ways of a stretch that are computed; longer stretches get fewer on each move."""
 LEAST_PARTS: Final = 4
+UNEVEN: Final = 1.5
+"""Moves with a joint that is somewhere so much faster than on average are looked at again,"""
+MOST_PARTS: Final = 1500
+"""in up to so many parts: beside a singularity the peak is short."""
 THROUGH: Final = float(np.sin(np.radians(0.1)))
 """Sine of axis 5 up to which a move counts as one through the singularity (finding RB115)."""
 IN_LINE: Final = float(np.sin(np.radians(0.05)))
@@ -62,8 +66,16 @@ def way_of(moves: Moves) -> Way:
     never = np.zeros(m, dtype=bool)
     nothing = np.zeros(m, dtype=np.intp)
     way = Way(far, far.copy(), far.copy(), never, never.copy(), np.zeros(m), nothing)
+    uneven = [np.empty(0, np.intp)]
     for at, joints in _pieces(moves, way):
-        _look(moves.robot, way, at, joints)
+        uneven.append(at[_look(moves.robot, way, at, joints)])
+    again = np.concatenate(uneven)
+    parts = min(MOST_PARTS, MOST_PLACES // max(len(again), 1))
+    if parts > PARTS[-1][1]:
+        _forget(way, again)
+        way.crossed[again] = way.by_ends[again]
+        for at, joints in _sampled(moves, again, parts):
+            _look(moves.robot, way, at, joints)
     return way
 
 
@@ -83,10 +95,12 @@ def _pieces(moves: Moves, way: Way) -> Iterator[tuple[Rows, Floats]]:
         yield at, ends
     _crossed_at_targets(moves, way)
     way.by_ends[:] = way.crossed
+    wanted = np.flatnonzero((wide > STRAIGHT) & ~way.crossed)
+    same = _same_branch(moves, wanted)
+    _forget(way, wanted)  # ends so far apart tell nothing of the way
     if not isinstance(moves.robot.arm, SixAxis | FiveAxis | Scara):
         return  # solved by numbers, which on the way may lead to another branch
-    wanted = np.flatnonzero((wide > STRAIGHT) & ~way.crossed)
-    wanted = wanted[_same_branch(moves, wanted)]
+    wanted = wanted[same]
     counts = np.array([parts for _, parts in PARTS])
     parts = counts[np.searchsorted([most for most, _ in PARTS], wide[wanted])]
     many = parts.sum()
@@ -111,6 +125,13 @@ def _crossed_at_targets(moves: Moves, way: Way) -> None:
         bends.append(np.sin(five[place]) * np.stack([np.cos(four), np.sin(four)]))
     through = in_line[(bends[0] * bends[1]).sum(axis=0) < 0.0]
     way.crossed[through] = way.crossed[through + 1] = True
+
+
+def _forget(way: Way, moves: Rows) -> None:
+    """What the ends of moves have shown."""
+    for least in (way.wrist, way.elbow, way.shoulder):
+        least[moves] = np.inf
+    way.seconds[moves] = 0.0
 
 
 def _same_branch(moves: Moves, rows: Rows) -> Truths:
@@ -139,8 +160,8 @@ def _sampled(moves: Moves, rows: Rows, parts: int) -> Iterator[tuple[Rows, Float
             yield at[inside], np.concatenate([first, between, last], axis=1)[inside]
 
 
-def _look(robot: Robot, way: Way, at: Rows, joints: Floats) -> None:
-    """Takes down what a part of the moves comes to.
+def _look(robot: Robot, way: Way, at: Rows, joints: Floats) -> Truths:
+    """Takes down what some of the moves come to; which of them are uneven (k,).
 
     joints: (k, parts + 1, a) deg.
     """
@@ -179,6 +200,8 @@ def _look(robot: Robot, way: Way, at: Rows, joints: Floats) -> None:
     more = seconds > way.seconds[at]
     way.axis[at[more]] = axis[more]
     way.seconds[at[more]] = seconds[more]
+    mean = (step.sum(axis=1) / robot.speeds)[np.arange(k), axis]
+    return np.asarray((seconds > UNEVEN * mean) & (places > 2))
 
 
 def _past_nothing(points: Floats) -> Floats:

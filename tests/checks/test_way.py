@@ -1,0 +1,77 @@
+"""What is taken down of a move's way is what a far finer look at it sees."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from assistant import robots
+from assistant.checks.moves import moves_of
+from assistant.checks.way import way_of
+from assistant.program.motion import Speed
+from assistant.program.path import UNSTATED, Path
+from assistant.program.program import Procedure, Program
+from assistant.program.statements import Follow
+
+NAMES = ["irb1200-7-0.7", "rv-4frl", "rv-2aj", "rh-6frh5520", "irb4600-20-2.50"]
+FINE: Final = 3001
+IN_LINE: Final = 0.1
+"""degrees of axis 5 below which axes 4 and 6 of the fine look mean nothing."""
+EVEN: Final = 2.0
+"""degrees, or mm, in a fine step; where it is more a joint as good as jumps."""
+NEAR: Final = 10.0
+"""degrees of axis 5 below which its least angle has to be exact."""
+SHORT: Final = 0.1
+"""seconds of a move that is too short for any joint to get to its speed."""
+
+
+def moves_between(arm, *joints, kinds):
+    p, q = arm.fk(joints)
+    stated = arm.configuration(joints)
+    stated[1:, 0] = UNSTATED
+    path = Path.of("way", p, q, kinds=kinds, speeds=[Speed(100.0)], configurations=stated)
+    journey = robots.journey(Program("p", (Procedure("main", (Follow(path),)),)), arm)
+    assume(not [f for f in journey.findings if f.severity == "error" or f.code == "RB115"])
+    return moves_of(journey.stretches[0], arm, {}, {})
+
+
+def looked_at_finely(arm, moves):
+    p, q = moves.poses(np.array([0]), FINE)
+    ends = moves.joints[[moves.starts[0] + 1, moves.rows[0] + 1]]
+    branch, other = arm.branch_of(arm.configuration(ends))
+    assume(branch == other)
+    found, excess = arm.solve(p[0], q[0], (int(branch),))
+    assume(excess.max() < 1e-6)
+    fine = np.concatenate([ends[:1], found[:, 0].T, ends[1:]])
+    return fine
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("kinds", [(1, 1), (1, 2, 3)])
+@settings(max_examples=30, derandomize=True)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_the_way_is_that_of_a_fine_look(name, kinds, seed):
+    arm = robots.get(name)
+    rng = np.random.default_rng(seed)
+    low, high = arm.limits.T
+    joints = [rng.uniform(low, high)]
+    joints += [np.clip(joints[0] + rng.normal(0.0, 15.0, len(low)), low, high) for _ in kinds[1:]]
+    moves = moves_between(arm, *joints, kinds=kinds)
+    fine = looked_at_finely(arm, moves)
+    way = way_of(moves)
+    assume(not way.crossed[0])
+    step = np.abs(arm.wound(np.diff(fine, axis=0)))
+    if arm.arm.spherical:
+        bend = np.degrees(np.arcsin(np.abs(np.sin(np.radians(fine[:, 4]))))).min()
+        if min(bend, way.wrist[0]) < NEAR:
+            assert way.wrist[0] == pytest.approx(bend, abs=0.2)
+        assume(bend > IN_LINE)
+    assume(step.max() < EVEN)
+    seconds = (step.max(axis=0) * FINE / arm.speeds).max()
+    assert way.seconds[0] <= 1.05 * seconds
+    if len(kinds) == 2 and seconds > SHORT:
+        assert way.seconds[0] >= 0.7 * seconds
