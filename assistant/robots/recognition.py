@@ -23,6 +23,8 @@ Floats = NDArray[np.float64]
 
 MEETING: Final = 1e-6
 """mm between the axes of a wrist, and what a cosine may be off."""
+ROUNDING: Final = 1e-12
+"""Of a quaternion; what is below has come out of arithmetic."""
 AGREEING: Final = 1e-9
 """By which forward kinematics of both may differ: in part of the reach, and radians."""
 TRIALS: Final = 50
@@ -104,7 +106,7 @@ def _turned_to_base(
 ) -> Placed:
     """With the base's axes those of the file where only a turn about axis 1 is between them."""
     w, x, y, z = base.quaternion
-    if abs(x) < MEETING and abs(y) < MEETING:
+    if abs(x) < ROUNDING and abs(y) < ROUNDING:
         zeros = (2.0 * float(np.arctan2(z, w)), *zeros[1:])
         base = Pose(base.position)
     return Placed(arm, senses, zeros, base, IDENTITY, chain)
@@ -116,7 +118,7 @@ def _flanged(arm: Placed, flange: Pose) -> Placed:
     p, q = arm.fk(zero)
     rest = Pose.of(p[0], q[0]).inverse() @ flange
     w, x, y, z = rest.quaternion
-    if abs(x) < MEETING and abs(y) < MEETING and np.abs(rest.position).max() < MEETING:
+    if max(abs(x), abs(y)) < ROUNDING and np.abs(rest.position).max() < 1000.0 * ROUNDING:
         last = 2.0 * float(np.arctan2(z, w))
         return Placed(arm.arm, arm.senses, (*arm.zeros[:5], last), arm.base, IDENTITY, arm.chain)
     return Placed(arm.arm, arm.senses, arm.zeros, arm.base, rest, arm.chain)
