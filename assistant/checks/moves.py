@@ -9,11 +9,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from assistant.program import rotations
 from assistant.program.expressions import Name
 from assistant.program.geometry import Pose
 from assistant.program.motion import Blend, Speed
 from assistant.program.path import Kind
 from assistant.robots import Robot
+from assistant.robots.arcs import Circles, circles
 from assistant.robots.journey import Stretch
 from assistant.robots.run import Run
 
@@ -64,8 +66,8 @@ class Moves:
         )
         at = np.flatnonzero(self.arcs)
         if len(at):
-            _, radius, sweep, _ = self.circles(at)
-            chord[at] = np.where(sweep > 0.0, radius * sweep, chord[at])
+            on = self.circles(at)
+            chord[at] = np.where(on.ends > 0.0, on.radii * on.ends, chord[at])
         return np.asarray(chord)
 
     @cached_property
@@ -102,30 +104,18 @@ class Moves:
         passing = np.append(False, self.radii[self.run.pace.blend] > 0.0)
         return passing[self.starts + 1], passing[self.rows + 1]
 
-    def circles(self, at: Rows) -> tuple[Floats, Floats, Floats, Floats]:
-        """Centres (k, 3), radii (k,), sweeps (k,) in radians and unit normals (k, 3) of some arcs.
-
-        The sweep is 0 where the three points lie on a line.
-        """
-        a, b, c = (self.positions[rows[at] + 1] for rows in (self.starts, self.vias, self.rows))
-        u, v = b - a, c - a
-        normal = np.cross(u, v)
-        size = np.linalg.norm(normal, axis=1)
-        long = np.linalg.norm(u, axis=1) * np.linalg.norm(v, axis=1)
-        round_ = size > 1e-9 * np.maximum(long, 1e-9)
-        safe = np.where(round_, size, 1.0)
-        uu, vv = (np.einsum("ij,ij->i", w, w)[:, None] for w in (u, v))
-        offset = np.cross(uu * v - vv * u, normal) / (2.0 * safe[:, None] ** 2)
-        inner = np.arctan2(np.linalg.norm(np.cross(a - b, c - b), axis=1), _dot(a - b, c - b))
-        sweep = np.where(round_, 2.0 * (np.pi - inner), 0.0)
-        return a + offset, np.linalg.norm(offset, axis=1), sweep, normal / safe[:, None]
+    def circles(self, at: Rows) -> Circles:
+        """Those of some arcs; they go round up to `Circles.ends`, 0 for three points on a line."""
+        return circles(
+            *(self.positions[rows[at] + 1] for rows in (self.starts, self.vias, self.rows))
+        )
 
     def tangents(self, at: Rows, *, at_end: bool) -> Floats:
         """Directions (k, 3) in which some arcs begin or end."""
         a, c = self.positions[self.starts[at] + 1], self.positions[self.rows[at] + 1]
-        centre, _, sweep, normal = self.circles(at)
-        along = np.cross(normal, (c if at_end else a) - centre)
-        return np.where(sweep[:, None] > 0.0, along, c - a)
+        on = self.circles(at)
+        along = on.directions(on.ends if at_end else np.zeros(len(at)))
+        return np.where(on.ends[:, None] > 0.0, along, c - a)
 
     def poses(self, at: Rows, parts: int) -> tuple[Floats, Floats]:
         """Poses of the flange between the ends of some moves: (k, parts - 1, 3), (k, parts - 1, 4).
@@ -137,13 +127,11 @@ class Moves:
         p = p0[:, None] + part[None, :, None] * (p1 - p0)[:, None]
         bent = np.flatnonzero(self.arcs[at])
         if len(bent):
-            centre, _, sweep, normal = self.circles(at[bent])
-            arm, angle = p0[bent] - centre, (sweep[:, None] * part)[..., None]
-            aside = np.cross(normal, arm)
-            there = np.cos(angle) * arm[:, None] + np.sin(angle) * aside[:, None]
-            around = sweep > 0.0
-            p[bent[around]] = (centre[:, None] + there)[around]
-        q = turned(self.quaternions[self.starts[at] + 1], self.quaternions[self.rows[at] + 1], part)
+            on = self.circles(at[bent])
+            around = on.ends > 0.0
+            p[bent[around]] = on.points(on.ends[:, None] * part)[around]
+        q0, q1 = self.quaternions[self.starts[at] + 1], self.quaternions[self.rows[at] + 1]
+        q = rotations.between(q0[:, None], q1[:, None], part)
         rows = np.repeat(self.rows[at], len(part))
         flat = self.run.mounting.to_flange(p.reshape(-1, 3), q.reshape(-1, 4), rows)
         return flat[0].reshape(p.shape), flat[1].reshape(q.shape)
@@ -196,20 +184,6 @@ def moves_of(
     )
 
 
-def turned(first: Floats, last: Floats, part: Floats) -> Floats:
-    """Unit quaternions (k, s, 4) on the shorter turns between (k, 4) and (k, 4), at parts (s,)."""
-    cosine = np.einsum("ij,ij->i", first, last)
-    last = np.where(cosine[:, None] < 0.0, -last, last)
-    away = np.linalg.norm(last - first, axis=1)
-    angle = 2.0 * np.arctan2(away, np.linalg.norm(last + first, axis=1))[:, None]
-    sine = np.sin(angle)
-    flat = sine < 1e-9
-    sine = np.where(flat, 1.0, sine)
-    one = np.where(flat, 1.0 - part, np.sin((1.0 - part) * angle) / sine)
-    two = np.where(flat, part, np.sin(part * angle) / sine)
-    return np.asarray(one[..., None] * first[:, None] + two[..., None] * last[:, None])
-
-
 def _with_start(run: Run, robot: Robot) -> tuple[Floats, Floats]:
     """Targets (n + 1, 3), (n + 1, 4), the first being where the robot stands before the run."""
     p, q = run.targets(slice(None))
@@ -231,7 +205,3 @@ def _radius(blend: Blend | Name, named: Mapping[str, Blend]) -> float:
     if known is None:
         return np.nan
     return 0.0 if known.radius is None else known.radius
-
-
-def _dot(a: Floats, b: Floats) -> Floats:
-    return np.asarray(np.einsum("ij,ij->i", a, b))

@@ -69,6 +69,23 @@ def angle_between(left: ArrayLike, right: ArrayLike) -> Floats:
     return np.asarray(np.degrees(2.0 * np.arctan2(sine, np.abs(difference[..., 0]))))
 
 
+def between(first: ArrayLike, last: ArrayLike, part: ArrayLike) -> Floats:
+    """Unit quaternions on the shorter turns from unit quaternions (..., 4) to others (..., 4).
+
+    part: (...) of each turn; all three are broadcast. The sign is that of the first.
+    """
+    a, b = np.asarray(first, dtype=np.float64), np.asarray(last, dtype=np.float64)
+    b = np.where(np.sum(a * b, axis=-1, keepdims=True) < 0.0, -b, b)
+    apart, near = np.linalg.norm(b - a, axis=-1), np.linalg.norm(b + a, axis=-1)
+    angle = (2.0 * np.arctan2(apart, near))[..., None]
+    sine, t = np.sin(angle), np.asarray(part, dtype=np.float64)[..., None]
+    alike = sine < 1e-9
+    safe = np.where(alike, 1.0, sine)
+    one = np.where(alike, 1.0 - t, np.sin((1.0 - t) * angle) / safe)
+    two = np.where(alike, t, np.sin(t * angle) / safe)
+    return np.asarray(one * a + two * b)
+
+
 def about(axis: ArrayLike, degrees: ArrayLike) -> Floats:
     """Quaternions of turns about a unit axis (..., 3)."""
     half = np.radians(np.asarray(degrees, dtype=np.float64)) / 2.0

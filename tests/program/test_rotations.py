@@ -111,6 +111,28 @@ def test_the_angle_between_is_exact_even_when_small(q: np.ndarray, degrees: floa
     assert rotations.angle_between(q, -turned) == pytest.approx(degrees, rel=1e-6, abs=1e-13)
 
 
+@given(unit, st.floats(0.0, 179.9), st.floats(0.0, 1.0))
+def test_part_of_a_turn_is_that_part_of_its_angle(
+    q: np.ndarray, degrees: float, part: float
+) -> None:
+    axis = (0.6, 0.0, 0.8)
+    last = rotations.multiply(q, rotations.about(axis, degrees))
+    expected = rotations.multiply(q, rotations.about(axis, part * degrees))
+    for end in (last, -last):
+        found = rotations.between(q, end, part)
+        assert np.linalg.norm(found) == pytest.approx(1.0, abs=1e-9)
+        assert rotations.angle_between(found, expected) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_parts_of_turns_in_columns() -> None:
+    first = np.tile((1.0, 0.0, 0.0, 0.0), (3, 1))
+    last = rotations.about(np.tile([1.0, 0.0, 0.0], (3, 1)), np.array([10.0, 20.0, 30.0]))
+    parts = np.array([0.0, 0.5])
+    found = rotations.between(first[:, None], last[:, None], parts)
+    assert found.shape == (3, 2, 4)
+    np.testing.assert_allclose(rotations.angle_between(found[:, 1], last), [5.0, 10.0, 15.0])
+
+
 @pytest.mark.parametrize("axis", [(1.0, 0, 0), (0, 1.0, 0), (0, 0, 1.0)])
 def test_half_turns_survive_the_matrix(axis: tuple[float, float, float]) -> None:
     q = rotations.about(axis, 180.0)

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from assistant.program import rotations
 from assistant.program.path import Kind
+from assistant.robots.arcs import Arcs, arcs_of, vias_of
 from assistant.robots.arms.arm import CLOSING
 from assistant.robots.robot import CHUNK, IN_LINE, Robot
 from assistant.robots.run import Floats
-from assistant.robots.timing.arcs import Arcs, arcs_of
 from assistant.robots.timing.rows import Mount, Moves, Rows
 
 APART: Final = 10.0
@@ -122,9 +122,14 @@ class _Ends:
             self.p0[rows], self.q0[rows] = moves.mounts[index].tip(robot, self.j0[rows])
         self.lengths = np.linalg.norm(moves.positions - self.p0, axis=1)
         self.turns = rotations.angle_between(self.q0, moves.quaternions)
-        self.arcs: Arcs | None = arcs_of(moves.kinds, self.p0, moves.positions)
+        self.arcs = self._arcs()
         if self.arcs is not None:
             self.lengths[self.arcs.rows] = self.arcs.lengths
+
+    def _arcs(self) -> Arcs | None:
+        vias = vias_of(self.moves.kinds)
+        ends = self.moves.positions
+        return arcs_of(vias, self.p0[vias], ends[vias], ends[vias + 1]) if len(vias) else None
 
     def steps(self) -> Rows:
         """(n,) how many steps each move is cut into."""
@@ -134,7 +139,7 @@ class _Ends:
         wanted = np.maximum(straight / APART, np.maximum(self.turns, angles) / TURNED)
         if self.arcs is not None:
             at = self.arcs.rows
-            wanted[at] = np.maximum(wanted[at], np.abs(self.arcs.angles) / TURNED)
+            wanted[at] = np.maximum(wanted[at], np.degrees(self.arcs.angles) / TURNED)
         steps = np.clip(np.ceil(wanted), 1, MOST)
         more = steps.sum() - len(steps)
         if more > MOST_KNOTS:
@@ -162,8 +167,8 @@ def _fill(
     p = ends.p0[each] + part[:, None] * (moves.positions[each] - ends.p0[each])
     if ends.arcs is not None:
         on = np.flatnonzero(np.isin(each, ends.arcs.rows))
-        p[on] = ends.arcs.points(each[on], part[on])
-    q = slerp(ends.q0[each], moves.quaternions[each], part)
+        p[on] = ends.arcs.points(np.searchsorted(ends.arcs.rows, each[on]), part[on])
+    q = rotations.between(ends.q0[each], moves.quaternions[each], part)
     between = ends.j0[each] + part[:, None] * (moves.joints[each] - ends.j0[each])
     free = moves.kinds[each] == Kind.JOINT
     mount = moves.mount[each]
@@ -230,14 +235,3 @@ def _unwind(
     good = np.repeat(~bad, inner)
     joints[:] = np.where(good[:, None] & solved[:, None], smooth, between)
     return np.asarray(rows[bad])
-
-
-def slerp(first: Floats, last: Floats, part: Floats) -> Floats:
-    """Unit quaternions (m, 4) on the shorter turns between two columns, at parts (m,)."""
-    turned = rotations.multiply(rotations.conjugate(first), last)
-    turned = np.where(turned[:, :1] < 0.0, -turned, turned)
-    sine = np.linalg.norm(turned[:, 1:], axis=1)
-    half = np.arctan2(sine, turned[:, 0]) * part
-    axis = turned[:, 1:] / np.maximum(sine, 1e-300)[:, None]
-    step = np.concatenate([np.cos(half)[:, None], np.sin(half)[:, None] * axis], axis=1)
-    return rotations.multiply(first, step)
