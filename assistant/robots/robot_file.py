@@ -61,8 +61,10 @@ def read(data: bytes, path: str | None = None) -> Robot:
         return replace(_over({}, drawn, path), findings=drawn.findings)
     try:
         table = tomllib.loads(data.decode("utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except ValueError as error:  # also what is no UTF-8, and an integer of thousands of digits
         raise Unreadable(NO_TOML(path=path, reason=str(error))) from None
+    except RecursionError:
+        raise Unreadable(NO_TOML(path=path, reason="its values are too deep")) from None
     drawing = table.pop("urdf", None)
     if drawing is None:
         return _finished(_Reader(table, path))
@@ -192,6 +194,9 @@ class _Reader:
         rows = self.table.get("links")
         if not isinstance(rows, list) or not rows or not all(map(_is_table, rows)):
             self.wrong("links", "is no list of tables: `[[links]]` with a, d, alpha, theta")
+            return None
+        if len(rows) > urdf.MOST_AXES:
+            self.wrong("links", f"has {len(rows)} axes, more than {urdf.MOST_AXES}")
             return None
         sliding = self.table.get("axes_mm", {})
         links, ranges = [], []
@@ -325,7 +330,7 @@ class _Reader:
     ) -> float:
         value = table.get(key)
         if value is None or not _is_number(value):
-            self.wrong(where, "is missing" if value is None else "is no finite number")
+            self.wrong(where, "is missing" if value is None else f"is no number up to {MOST:g}")
             return 0.0
         if least is not None and value < least:
             self.wrong(where, "is not above 0")
@@ -363,6 +368,8 @@ FIELDS: Final = (
     "reach_mm", "tcp_speed_mm_s", "repeatability_mm", "coupling", "source", "unconfirmed",
     "lengths_mm", "axes_deg", "axes_mm", "links",
 )  # fmt: skip
+MOST: Final = 1e9
+"""mm, degrees, or these a second or second squared: the largest number taken for one of a robot."""
 LINK: Final = ("a", "d", "alpha", "theta")
 """mm and degrees."""
 SLIDING: Final = {Scara.kind: ("J3",)}
@@ -374,4 +381,4 @@ def _is_table(value: Any) -> bool:
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and np.isfinite(value)
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= MOST

@@ -77,6 +77,8 @@ def test_an_unknown_name_lists_the_known_ones() -> None:
         ("payload_kg = 2", 'payload_kg = "two"', "payload_kg"),
         ("payload_kg = 2", "payload_kg = nan", "payload_kg"),
         ("payload_kg = 2", "payload_kg = 0", "payload_kg"),
+        ("payload_kg = 2", f"payload_kg = {'9' * 400}", "payload_kg"),
+        ("a2 = 250", "a2 = 1e300", "lengths_mm.a2"),
         ("d1 = 300", "d9 = 300", "lengths_mm.d9"),
         ("d1 = 300", "", "lengths_mm.d1"),
         ("a2 = 250", "a2 = 0", "lengths_mm.a2"),
@@ -111,7 +113,9 @@ def test_a_wrong_field_is_named(old: str, new: str, field: str) -> None:
     assert all(f.code == "RB002" and f.path == "mine.toml" for f in refused.value.findings)
 
 
-@pytest.mark.parametrize("data", [b"name = ", b"\xff\xfe", b"= 3"])
+@pytest.mark.parametrize(
+    "data", [b"name = ", b"\xff\xfe", b"= 3", b"a = " + b"9" * 5000, b"a = " + b"[" * 50000]
+)
 def test_a_file_that_is_no_toml(data: bytes) -> None:
     with pytest.raises(Unreadable) as refused:
         catalogue.read(data, "mine.toml")

@@ -211,6 +211,14 @@ def test_the_flange_is_the_link_of_that_name_else_the_longest_chain() -> None:
     assert robot.fk([[0, 0, 0]])[0][0] == pytest.approx([0, 0, 350])
 
 
+def test_a_file_of_very_many_links_is_read() -> None:
+    held = [joint(f"f{i}", f"m{i}", f"m{i + 1}", "fixed", "") for i in range(20000)]
+    side = [joint(f"s{i}", "m0", f"t{i}", "fixed", "") for i in range(5000)]
+    robot = read(urdf(joint("j", "base", "m0"), *held, *side))
+    assert robot.arm.axes == ("J1",)
+    assert "`m20000`" in robot.findings[0].message
+
+
 def test_an_axis_without_end_gets_turns() -> None:
     endless = '<axis xyz="0 0 1"/><limit velocity="1"/>'
     robot = read(urdf(joint("spin", "a", "b", "continuous", endless)))
@@ -230,6 +238,8 @@ ARM = '<axis xyz="0 0 1"/>' + LIMIT
         (urdf(joint("j", "a", "b", inner=ARM.replace("0 0 1", "0 0 0"))), "RB007", "length 0"),
         (urdf(joint("j", "a", "b", inner=ARM.replace("0 0 1", "0 1"))), "RB007", "three numbers"),
         (urdf(joint("j", "a", "b", inner=ARM.replace("0 0 1", "0 0 nan"))), "RB007", "three"),
+        (urdf(joint("j", "a", "b", inner=moved("1e300 0 0", "0 0 1"))), "RB007", "up to 1e+06"),
+        (urdf(*(joint(f"j{i}", f"l{i}", f"l{i + 1}") for i in range(40))), "RB007", "40 axes"),
         (urdf(joint("j", "a", "b", inner=ARM.replace('"2.5"', '"x"'))), "RB007", "upper `x`"),
         (urdf(joint("j", "a", "b", inner=ARM.replace('"2.5"', '"-3"'))), "RB007", "not below"),
         (urdf(joint("j", "a", "b", inner="")), "RB007", "has no <limit> lower and upper"),
@@ -258,6 +268,8 @@ ARM = '<axis xyz="0 0 1"/>' + LIMIT
         ("<robot xmlns:xacro='x'><xacro:include filename='y'/></robot>", "RB006", "xacro:include"),
         ("<!DOCTYPE robot [<!ENTITY a 'b'>]><robot>&a;</robot>", "RB005", "document type"),
         ("<robot>" + "<a>" * 200, "RB004", "too deep"),
+        ('<?xml version="1.0" encoding="utf-7"?><robot/>', "RB004", "multi-byte"),
+        ('<?xml version="1.0" encoding="none"?><robot/>', "RB004", "unknown encoding"),
     ],
 )
 def test_what_is_wrong_is_told_with_its_place(text: str, code: str, words: str) -> None:

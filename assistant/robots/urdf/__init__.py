@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from assistant.robots.urdf.reading import Drawn, read
+from assistant.robots.urdf.reading import MOST_AXES, Drawn, read
 
-__all__ = ["Drawn", "read"]
+__all__ = ["MOST_AXES", "Drawn", "read"]

@@ -105,6 +105,10 @@ def parse(data: bytes, path: str | None) -> Element:
         raise Unreadable(
             NO_XML(path=path, line=error.lineno, column=column, reason=reason)
         ) from None
+    except Unreadable:
+        raise
+    except (LookupError, ValueError) as error:  # of an encoding that expat or Python lacks
+        raise Unreadable(NO_XML(path=path, line=line(), reason=str(error))) from None
     root = top.children[0]
     if root.tag != "robot":
         raise Unreadable(NO_XML(path=path, line=root.line, reason=f"its root is <{root.tag}>"))

@@ -25,6 +25,8 @@ ASSUMED: Final = Rule(
     "write a TOML file with the key `urdf` and what you know better",
 )
 METRE: Final = 1000.0
+MOST_AXES: Final = 32
+"""Of a chain; more than any arm has."""
 TURNS: Final = 360.0
 """degrees to either side for an axis that turns without end."""
 LANGUAGES: Final = ("rapid", "melfa-basic-4", "melfa-basic-5", "melfa-basic-6")
@@ -57,6 +59,9 @@ def read(data: bytes, path: str | None) -> Drawn:
     joints = tree.chain(tip, carried)
     _refuse_unfit(joints, path)
     moving = [joint for joint in joints if joint.moving]
+    if len(moving) > MOST_AXES:
+        reason = f"has {len(moving)} axes up to link `{tip}`, more than {MOST_AXES}"
+        raise Refused(root.wrong(path, reason))
     chain = _serial(joints)
     arm = recognised(chain) or chain
     table, missing = _table(root, moving, arm, path)

@@ -14,6 +14,8 @@ MOVING: Final = ("revolute", "continuous", "prismatic")
 KINDS: Final = (*MOVING, "fixed", "floating", "planar")
 TIPS: Final = ("tool0", "flange")
 """Names of links that are the flange, by convention of ROS-Industrial; the first that is there."""
+MOST: Final = 1e6
+"""m, radians or these a second: the largest number that is taken for one of a robot."""
 SHORTEST: Final = 2
 """Decimals from which on an angle that is printed short of a quarter turn counts as one."""
 
@@ -115,7 +117,10 @@ class Reader:
         numbers = [_number(word) for word in text.split()]
         x, y, z = numbers if len(numbers) == 3 else (None, None, None)
         if x is None or y is None or z is None:
-            self.wrong(joint, f"has {key} `{text}` of <{part.tag}>, which is not three numbers")
+            self.wrong(
+                joint,
+                f"has {key} `{text}` of <{part.tag}>, which is not three numbers up to {MOST:g}",
+            )
             return usual
         return x, y, z
 
@@ -123,7 +128,9 @@ class Reader:
         text = part.attributes.get(key)
         value = usual if text is None else _number(text)
         if text is not None and value is None:
-            self.wrong(joint, f"has {key} `{text}` of <{part.tag}>, which is no number")
+            self.wrong(
+                joint, f"has {key} `{text}` of <{part.tag}>, which is no number up to {MOST:g}"
+            )
         return value
 
     def wrong(self, element: Element, reason: str) -> None:
@@ -170,8 +177,11 @@ class Reader:
             circle = "has no link that no joint carries: it is a circle"
             self.wrong(root, what if roots or not links else circle)
             return
+        hanging = {roots[0]}
+        for link, _ in outwards(carried):
+            hanging.add(link)
         for name in links:
-            if _circles(name, carried):
+            if name not in hanging:
                 self.wrong(links[name], "hangs on itself")
                 return
 
@@ -181,11 +191,27 @@ def chain(tip: str, carried: Mapping[str, Joint]) -> tuple[Joint, ...]:
     return tuple(reversed(list(_down(tip, carried))))
 
 
+def outwards(carried: Mapping[str, Joint]) -> Iterator[tuple[str, Joint]]:
+    """The links that hang on a root, with the joints that carry them, each behind its parent."""
+    children: dict[str, list[str]] = {}
+    for link, joint in carried.items():
+        children.setdefault(joint.parent, []).append(link)
+    waiting = [link for root in children if root not in carried for link in children[root]]
+    while waiting:
+        link = waiting.pop()
+        yield link, carried[link]
+        waiting += children.get(link, ())
+
+
 def tip_of(carried: Mapping[str, Joint]) -> tuple[str, str]:
     """The link that is the flange, and why: a name of `TIPS`, else the end with most axes."""
+    counts: dict[str, tuple[int, int]] = {}
+    for link, joint in outwards(carried):
+        moving, all_ = counts.get(joint.parent, (0, 0))
+        counts[link] = moving + joint.moving, all_ + 1
 
     def axes(link: str) -> int:
-        return sum(joint.moving for joint in _down(link, carried))
+        return counts[link][0]
 
     for wanted in TIPS:
         named = [link for link in carried if _is_called(link, wanted) and axes(link)]
@@ -193,7 +219,7 @@ def tip_of(carried: Mapping[str, Joint]) -> tuple[str, str]:
             return max(named, key=lambda link: (link == wanted, axes(link))), "by its name"
     parents = {joint.parent for joint in carried.values()}
     ends = [link for link in carried if link not in parents]
-    best = max(ends, key=lambda link: (axes(link), len(list(_down(link, carried)))))
+    best = max(ends, key=counts.__getitem__)
     return best, "as the end of the chain with most axes"
 
 
@@ -222,19 +248,9 @@ def _down(link: str, carried: Mapping[str, Joint]) -> Iterator[Joint]:
         link = carried[link].parent
 
 
-def _circles(link: str, carried: Mapping[str, Joint]) -> bool:
-    seen = set()
-    while link in carried:
-        if link in seen:
-            return True
-        seen.add(link)
-        link = carried[link].parent
-    return False
-
-
 def _number(text: str) -> float | None:
     try:
         value = float(text)
     except ValueError:
         return None
-    return value if math.isfinite(value) else None
+    return value if abs(value) <= MOST else None
