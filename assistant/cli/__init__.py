@@ -27,12 +27,12 @@ INTERRUPTED: Final = 130
 def main(arguments: list[str] | None = None) -> None:
     """Runs one command; exits 0 clean, 1 with findings, 2 for wrong usage or unreadable input."""
     from assistant.cli.app import app
-    from assistant.cli.presentation import print_findings
+    from assistant.cli.presentation import print_findings, print_refused
 
     try:
         app(args=arguments, prog_name="robot-assistant")
     except Refused as refused:
-        print_findings(refused.findings)
+        print_refused(refused.findings)
         sys.exit(refused.exit_status)
     except KeyboardInterrupt:
         sys.exit(INTERRUPTED)

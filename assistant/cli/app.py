@@ -8,7 +8,7 @@ from typing import Annotated, Final
 import typer
 
 from assistant import __version__
-from assistant.cli.presentation import FindingFormat, Format, FramesAs
+from assistant.cli.presentation import FindingFormat, Format, FramesAs, answer_as
 
 app: Final = typer.Typer(
     help="Drawings, trajectories and robot programs to proven ABB RAPID and MELFA-BASIC.",
@@ -75,9 +75,12 @@ FramesOption = Annotated[
 ]
 FindingFormatOption = Annotated[
     FindingFormat,
-    typer.Option("--format", help="For people, programs, code scanning or pull requests."),
+    typer.Option("--format", help="For people, programs, code scanning or pull requests.",
+                 callback=answer_as),
+]  # fmt: skip
+FormatOption = Annotated[
+    Format, typer.Option("--format", help="For people or for programs.", callback=answer_as)
 ]
-FormatOption = Annotated[Format, typer.Option("--format", help="For people or for programs.")]
 
 
 def _version(wanted: bool) -> None:
@@ -337,7 +340,8 @@ def robots_show(
     from assistant.cli.robots import run_show
 
     before = context.parent.params["format"] if context.parent else Format.TEXT
-    raise typer.Exit(run_show(robot, draw, format or Format(before)))
+    asked = answer_as(format or Format(before))
+    raise typer.Exit(run_show(robot, draw, Format(asked)))
 
 
 @virtual.command("irc5")

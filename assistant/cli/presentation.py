@@ -7,6 +7,7 @@ import json
 import re
 import sys
 from collections.abc import Iterable, Sequence
+from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -30,6 +31,15 @@ class FindingFormat(enum.StrEnum):
     JSON = "json"
     SARIF = "sarif"
     GITHUB = "github"
+
+
+def answer_as(format: Format | FindingFormat) -> Format | FindingFormat:
+    """Remembers how the command is asked to answer, for what it refuses as well."""
+    _asked.set(format)
+    return format
+
+
+_asked: Final[ContextVar[Format | FindingFormat]] = ContextVar("format", default=Format.TEXT)
 
 
 class FramesAs(enum.StrEnum):
@@ -124,6 +134,19 @@ def print_for_programs(
         print_json(sarif(findings, ignored, Path.cwd()))
     else:
         print_json({"findings": [finding_record(finding) for finding in findings]})
+
+
+def print_refused(findings: Sequence[Diagnostic]) -> None:
+    """What keeps a command from answering, in the form that the answer was asked for."""
+    from assistant.findings.formats import finding_record
+
+    asked = _asked.get()
+    if asked == Format.TEXT:
+        print_findings(findings)
+    elif asked == Format.JSON:
+        print_json({"ok": False, "findings": [finding_record(finding) for finding in findings]})
+    else:
+        print_for_programs(findings, (), FindingFormat(asked))
 
 
 _NO_CHARACTER: Final = re.compile(r"[\ud800-\udfff]")

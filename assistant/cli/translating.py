@@ -56,36 +56,42 @@ def run_translate(
     format: FindingFormat,
 ) -> int:
     """0 if everything is said, 1 if something is not, 2 if a program cannot be read."""
+    from assistant.findings.formats import finding_record
     from assistant.report.translation import Translated, record
 
     if list(programs).count(STANDARD) > 1:
         raise Refused(TWICE(), exit_status=2)
     if report is not None and not report.name:
         raise Refused(NO_FILE_NAME(name=report), exit_status=2)
-    status, done = 0, list[Translated]()
+    status, done, refusals = 0, list[Translated](), list[Diagnostic]()
     for program in dict.fromkeys(programs):
         try:
             for name in _files(program, options.from_language):
                 with working(f"translating {name}"):
                     done.append(_translated(name, options))
         except Refused as refused:
-            print_findings(f.within(program) for f in refused.findings)
+            refusals += [f.within(program) for f in refused.findings]
             status = max(status, refused.exit_status)
     files, clash = _together(done)
-    print_findings(clash)
+    refusals += clash
     if has_errors(clash) or not all(one.translation.ok for one in done):
         status = max(status, 1)
     written = _write(files if not clash and status < 2 else {}, output, report, done)
     if format is FindingFormat.TEXT:
+        print_findings(refusals)
         for one in done:
             _show(one)
         for path in written:
             say(f"wrote {path}")
     elif format is FindingFormat.JSON:
-        answer = {"ok": status == 0, "programs": list(map(record, done)), "written": written}
+        answer = {
+            "ok": status == 0, "programs": list(map(record, done)), "written": written,
+            "findings": list(map(finding_record, refusals)),
+        }  # fmt: skip
         print_json(answer)
     else:
-        print_for_programs([f for one in done for f in one.translation.findings], (), format)
+        found = [f for one in done for f in one.translation.findings]
+        print_for_programs([*refusals, *found], (), format)
     return status
 
 

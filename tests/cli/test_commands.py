@@ -229,3 +229,35 @@ def test_the_demo_leaves_programs_plots_and_a_report(capsys, tmp_path):
     assert page.count("<polyline") > 10
     assert "MoveL positioning_1,v150,z100,GRIPPER" in page
     assert 'src="http' not in page
+
+
+REFUSED = (
+    ["compile", "BROKEN", "-l", "rapid", "-o", "FOLDER"],
+    ["translate", "BROKEN", "--to", "rapid", "-o", "FOLDER"],
+    ["simulate", "FOLDER/nowhere.mod", "-r", "rv-4frl"],
+    ["robots", "show", "nobody"],
+)
+
+
+@pytest.mark.parametrize("command", REFUSED, ids=lambda command: command[0])
+def test_what_is_refused_is_told_in_the_form_that_was_asked_for(
+    command: list[str], tmp_path: Path, capsys
+) -> None:
+    broken = tmp_path / "broken.mod"
+    broken.write_text("MODULE m\nPROC main(\nENDPROC\nENDMODULE\n")
+    said = [w.replace("BROKEN", str(broken)).replace("FOLDER", str(tmp_path)) for w in command]
+    status, out, errors = run(capsys, *said, "--format", "json")
+    answer = json.loads(out)
+    assert status in (1, 2)
+    assert not answer["ok"]
+    assert [finding["severity"] for finding in answer["findings"]] == ["error"]
+    assert not errors
+    if command[0] in ("compile", "translate"):
+        _, out, errors = run(capsys, *said, "--format", "sarif")
+        (found,) = json.loads(out)["runs"][0]["results"]
+        assert found["ruleId"] == "RA103"
+        assert not errors
+    status, out, errors = run(capsys, *said)
+    assert status in (1, 2)
+    assert not out
+    assert answer["findings"][0]["code"] in errors
