@@ -6,6 +6,7 @@ import re
 import sys
 from collections.abc import Iterator, Sequence
 from difflib import unified_diff
+from io import StringIO
 from typing import TYPE_CHECKING, Final
 
 from assistant.cli.compiling import STANDARD, TWICE, working
@@ -91,7 +92,10 @@ def _files(path: str, language: str | None) -> Iterator[str | Refused]:
 
 
 def _difference(done: Formatted, name: str) -> Iterator[str]:
-    before, after = (text.splitlines(keepends=True) for text in (done.source.text, done.text))
+    # not `splitlines`, to which a form feed ends a line as well
+    before, after = (
+        StringIO(text, newline="").readlines() for text in (done.source.text, done.text)
+    )
     for line in unified_diff(before, after, name, f"{name} (formatted)"):
         ended = line.endswith(("\n", "\r"))
         yield line if ended else f"{line}\n\\ No newline at end of file\n"

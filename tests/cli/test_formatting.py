@@ -183,3 +183,12 @@ def test_steps_are_numbered_anew(capsys, tmp_path, folder):
     status, _, err = run(capsys, "fmt", "--renumber", "10", folder / "one.mod")
     assert status == 2 and "CO404" in err
     assert contents(folder) == before
+
+
+def test_a_form_feed_in_a_comment_ends_no_line_of_a_diff(capsys, tmp_path):
+    name = tmp_path / "page.mod"
+    name.write_bytes(b"MODULE m\n    ! one\x0ctwo\n    VAR num a := 1;\nENDMODULE\n")
+    status, out, _ = run(capsys, "fmt", "--diff", name)
+    assert status == 0
+    assert "\n     ! one\x0ctwo\n" in out
+    assert "No newline" not in out
