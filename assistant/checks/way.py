@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from assistant.checks.moves import Moves
 from assistant.robots import Robot
-from assistant.robots.arms import FiveAxis, Scara, SixAxis
 from assistant.robots.arms.arm import CLOSING
 from assistant.robots.robot import CHUNK
 
@@ -29,6 +28,8 @@ PARTS: Final = ((30.0, 24), (90.0, 64), (np.inf, 192))
 """Up to so many degrees of an axis a move is looked at in so many parts."""
 MOST_PLACES: Final = 1_000_000
 """Places on the ways of a stretch that are computed; longer stretches get fewer on each move."""
+MOST_FOLLOWED: Final = 20_000
+"""The same for an arm without a closed form, which is solved by numbers, place by place."""
 LEAST_PARTS: Final = 4
 UNEVEN: Final = 1.5
 """Moves with a joint that is somewhere so much faster than on average are looked at again,"""
@@ -70,7 +71,7 @@ def way_of(moves: Moves) -> Way:
     for at, joints in _pieces(moves, way):
         uneven.append(at[_look(moves.robot, way, at, joints)])
     again = np.concatenate(uneven)
-    parts = min(MOST_PARTS, MOST_PLACES // max(len(again), 1))
+    parts = min(MOST_PARTS, _most_places(moves.robot) // max(len(again), 1))
     if parts > PARTS[-1][1]:
         _forget(way, again)
         way.crossed[again] = way.by_ends[again]
@@ -96,18 +97,21 @@ def _pieces(moves: Moves, way: Way) -> Iterator[tuple[Rows, Floats]]:
     _crossed_at_targets(moves, way)
     way.by_ends[:] = way.crossed
     wanted = np.flatnonzero((wide > STRAIGHT) & ~way.crossed)
-    same = _same_branch(moves, wanted)
     _forget(way, wanted)  # ends so far apart tell nothing of the way
-    if not isinstance(moves.robot.arm, SixAxis | FiveAxis | Scara):
-        return  # solved by numbers, which on the way may lead to another branch
-    wanted = wanted[same]
+    if moves.robot.arm.named:
+        wanted = wanted[_same_branch(moves, wanted)]
     counts = np.array([parts for _, parts in PARTS])
     parts = counts[np.searchsorted([most for most, _ in PARTS], wide[wanted])]
     many = parts.sum()
-    if many > MOST_PLACES:
-        parts = np.maximum(parts * MOST_PLACES // many, LEAST_PARTS)
+    most = _most_places(moves.robot)
+    if many > most:
+        parts = np.maximum(parts * most // many, LEAST_PARTS)
     for one in np.unique(parts):
         yield from _sampled(moves, wanted[parts == one], int(one))
+
+
+def _most_places(robot: Robot) -> int:
+    return MOST_PLACES if robot.arm.named else MOST_FOLLOWED
 
 
 def _crossed_at_targets(moves: Moves, way: Way) -> None:
@@ -144,6 +148,9 @@ def _same_branch(moves: Moves, rows: Rows) -> Truths:
 
 
 def _sampled(moves: Moves, rows: Rows, parts: int) -> Iterator[tuple[Rows, Floats]]:
+    """Moves (k,) of those in some rows with their joints (k, parts + 1, a) deg, but for moves
+    that leave the reach of the branch that they end in.
+    """
     robot = moves.robot
     branches = robot.branch_of(robot.configuration(moves.joints[moves.rows[rows] + 1]))
     many = max(CHUNK // parts, 1)
@@ -151,13 +158,18 @@ def _sampled(moves: Moves, rows: Rows, parts: int) -> Iterator[tuple[Rows, Float
         own = rows[branches == branch]
         for start in range(0, len(own), many):
             at = own[start : start + many]
+            first = moves.joints[moves.starts[at] + 1]
+            last = moves.joints[moves.rows[at] + 1]
             p, q = moves.poses(at, parts)
-            found, excess = robot.solve(p.reshape(-1, 3), q.reshape(-1, 4), (int(branch),))
-            between = found[:, 0].T.reshape(len(at), parts - 1, -1)
-            first = moves.joints[moves.starts[at] + 1][:, None]
-            last = moves.joints[moves.rows[at] + 1][:, None]
-            inside = (excess[0].reshape(len(at), -1) < CLOSING / 2.0).all(axis=1)
-            yield at[inside], np.concatenate([first, between, last], axis=1)[inside]
+            if robot.arm.named:
+                found, over = robot.solve(p.reshape(-1, 3), q.reshape(-1, 4), (int(branch),))
+                between = found[:, 0].T.reshape(len(at), parts - 1, -1)
+                excess = over[0].reshape(len(at), -1)
+            else:
+                between, excess = robot.follow(first, p, q)
+            inside = (excess < CLOSING / 2.0).all(axis=1)
+            joints = np.concatenate([first[:, None], between, last[:, None]], axis=1)
+            yield at[inside], joints[inside]
 
 
 def _look(robot: Robot, way: Way, at: Rows, joints: Floats) -> Truths:
@@ -184,14 +196,17 @@ def _look(robot: Robot, way: Way, at: Rows, joints: Floats) -> Truths:
         step[..., [3, 5]] = np.where(
             (small[:, :-1] | small[:, 1:])[..., None], 0.0, step[..., [3, 5]]
         )
-    elbow = _elbow(robot, chain)
+    elbow = robot.arm.elbow(chain)
     if elbow is not None:
-        angle = elbow.reshape(k, places)
-        least = np.where((angle[:, :-1] * angle[:, 1:] < 0.0).any(axis=1), 0.0, np.inf)
+        angle = _within_a_turn(elbow).reshape(k, places)
+        first, last = angle[:, :-1], angle[:, 1:]
+        stretched = (first * last < 0.0) & (np.abs(last - first) < np.pi)
+        least = np.where(stretched.any(axis=1), 0.0, np.inf)
         least = np.minimum(least, np.degrees(np.abs(angle)).min(axis=1))
         way.elbow[at] = np.minimum(way.elbow[at], least)
-    wrist = _wrist(robot, chain)
-    if wrist is not None:
+    ahead = robot.arm.wrist(chain)
+    if ahead is not None:
+        wrist = ahead[:, None] * np.stack([np.cos(chain[:, 0]), np.sin(chain[:, 0])], axis=1)
         least = _past_nothing(wrist.reshape(k, places, 2)).min(axis=1)
         way.shoulder[at] = np.minimum(way.shoulder[at], least)
     needed = step.max(axis=1) * (places - 1) / robot.speeds
@@ -213,19 +228,5 @@ def _past_nothing(points: Floats) -> Floats:
     return np.asarray(np.linalg.norm(first + part * way, axis=2))
 
 
-def _elbow(robot: Robot, chain: Floats) -> Floats | None:
-    """(n,) radians that the elbow is away from stretched; None for an arm without one."""
-    if isinstance(robot.arm, SixAxis | FiveAxis):
-        lengths = robot.arm.lengths
-        return np.asarray(chain[:, 2] + np.arctan2(lengths.a3, lengths.d4))
-    return np.asarray(chain[:, 1]) if isinstance(robot.arm, Scara) else None
-
-
-def _wrist(robot: Robot, chain: Floats) -> Floats | None:
-    """(n, 2) mm, the wrist centre as seen along axis 1; None for an arm without one."""
-    if not isinstance(robot.arm, SixAxis | FiveAxis):
-        return None
-    arm = robot.arm.lengths
-    fore = chain[:, 1] + chain[:, 2]
-    r = arm.a1 + arm.a2 * np.sin(chain[:, 1]) + arm.a3 * np.cos(fore) + arm.d4 * np.sin(fore)
-    return np.stack([r * np.cos(chain[:, 0]), r * np.sin(chain[:, 0])], axis=1)
+def _within_a_turn(radians: Floats) -> Floats:
+    return np.asarray(radians - 2.0 * np.pi * np.round(radians / (2.0 * np.pi)))

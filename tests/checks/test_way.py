@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -16,6 +17,8 @@ from assistant.program.motion import Speed
 from assistant.program.path import UNSTATED, Path
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
+from assistant.robots.arms import Serial
+from assistant.robots.recognition import recognised
 
 NAMES = ["irb1200-7-0.7", "rv-4frl", "rv-2aj", "rh-6frh5520", "irb4600-20-2.50"]
 FINE: Final = 3001
@@ -29,12 +32,16 @@ SHORT: Final = 0.1
 """seconds of a move that is too short for any joint to get to its speed."""
 
 
-def moves_between(arm, *joints, kinds):
+def journey_between(arm, *joints, kinds):
     p, q = arm.fk(joints)
     stated = arm.configuration(joints)
     stated[1:, 0] = UNSTATED
     path = Path.of("way", p, q, kinds=kinds, speeds=[Speed(100.0)], configurations=stated)
-    journey = robots.journey(Program("p", (Procedure("main", (Follow(path),)),)), arm)
+    return robots.journey(Program("p", (Procedure("main", (Follow(path),)),)), arm)
+
+
+def moves_between(arm, *joints, kinds):
+    journey = journey_between(arm, *joints, kinds=kinds)
     assume(not [f for f in journey.findings if f.severity == "error" or f.code == "RB115"])
     return moves_of(journey.stretches[0], arm, {}, {})
 
@@ -75,3 +82,27 @@ def test_the_way_is_that_of_a_fine_look(name, kinds, seed):
     assert way.seconds[0] <= 1.05 * seconds
     if len(kinds) == 2 and seconds > SHORT:
         assert way.seconds[0] >= 0.7 * seconds
+
+
+@pytest.mark.parametrize("how", ["recognised", "followed"])
+@pytest.mark.parametrize("kinds", [(1, 1), (1, 2, 3)])
+def test_an_arm_of_links_goes_the_same_way(how, kinds):
+    known = robots.get("irb4600-20-2.50")
+    joints = np.array(
+        [[-20.0, 10, 20, 15, 40, -30], [0, 0, 30, 10, 45, 0], [35, 20, 10, -5, 50, 20]]
+    )
+    joints = joints[: len(kinds)]
+    known = replace(known, home=joints[0])
+    chain = Serial.of_links(known.arm.links(), np.radians(known.limits + known.zero[:, None]))
+    own = replace(known, arm=recognised(chain) if how == "recognised" else chain)
+    journeys = [journey_between(arm, *joints, kinds=kinds) for arm in (known, own)]
+    assert {f.code for journey in journeys for f in journey.findings} <= {"RB118"}
+    wanted, found = (way_of(moves_of(j.stretches[0], j.robot, {}, {})) for j in journeys)
+    assert wanted.seconds[0] > 0.05
+    assert found.seconds == pytest.approx(wanted.seconds, rel=1e-3)
+    assert found.axis.tolist() == wanted.axis.tolist()
+    if how == "recognised":
+        assert found.wrist == pytest.approx(wanted.wrist, abs=1e-6)
+        assert found.elbow == pytest.approx(wanted.elbow, abs=1e-6)
+        assert found.shoulder == pytest.approx(wanted.shoulder, abs=1e-6)
+        assert np.isfinite(found.elbow).all()

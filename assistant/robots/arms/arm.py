@@ -109,6 +109,16 @@ class Arm(ABC):
     def points(self, joints: Floats) -> Floats:
         """(n, k, 3) mm: base, the ends of the links in order, flange."""
 
+    def elbow(self, joints: Floats) -> Floats | None:  # noqa: ARG002 - of some
+        """(n,) radians by which the elbow is bent; None for an arm without one."""
+        return None
+
+    def wrist(self, joints: Floats) -> Floats | None:  # noqa: ARG002 - of some
+        """(n,) mm of the wrist centre in front of axis 1, less than 0 behind it; None for an
+        arm without one.
+        """
+        return None
+
     @abstractmethod
     def links(self) -> tuple[Link, ...]:
         """The same chain by the standard parameters of Denavit and Hartenberg."""

@@ -69,6 +69,12 @@ class FiveAxis(Arm):
     def points(self, joints: Floats) -> Floats:
         return self.lengths.points(joints, self.fk(joints)[0])
 
+    def elbow(self, joints: Floats) -> Floats:
+        return self.lengths.elbow(joints)
+
+    def wrist(self, joints: Floats) -> Floats:
+        return self.lengths.wrist(joints)
+
     def miss(self, joints: Floats, quaternions: Floats) -> Floats:
         return turn_between(self.fk(joints)[1], quaternions)
 

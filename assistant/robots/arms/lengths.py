@@ -40,12 +40,19 @@ class Lengths:
 
         joints: (n, 3 …) radians of the common chain.
         """
+        # By its sine, which is the same for a joint that has turned on by 360 degrees.
+        lower = np.sin(self.elbow(joints)) < -np.radians(BOUNDARY)
+        return self.wrist(joints) < -CLOSING, lower
+
+    def elbow(self, joints: Floats) -> Floats:
+        """(n,) radians from the stretched arm; joints: (n, 3 …) of the common chain."""
+        return np.asarray(joints[:, 2] + np.arctan2(self.a3, self.d4))
+
+    def wrist(self, joints: Floats) -> Floats:
+        """(n,) mm of the wrist centre in front of axis 1; joints: (n, 3 …) of the common chain."""
         upper, fore = joints[:, 1], joints[:, 1] + joints[:, 2]
         r = self.a1 + self.a2 * np.sin(upper) + self.a3 * np.cos(fore) + self.d4 * np.sin(fore)
-        # By its sine, which is the same for a joint that has turned on by 360 degrees.
-        bend = np.sin(joints[:, 2] + np.arctan2(self.a3, self.d4))
-        lower = bend < -np.radians(BOUNDARY)
-        return r < -CLOSING, lower
+        return np.asarray(r)
 
     def points(self, joints: Floats, flange: Floats) -> Floats:
         """(n, 6, 3) mm: base, axis 2, axis 3, forearm, wrist centre, flange (n, 3)."""

@@ -72,6 +72,12 @@ class Placed(Arm):
         placed = rotations.rotate(np.array(self.base.quaternion), inner) + self.base.position
         return np.concatenate([placed, self.fk(joints)[0][:, None]], axis=1)
 
+    def elbow(self, joints: Floats) -> Floats:
+        return self.arm.elbow(self._inner(joints))
+
+    def wrist(self, joints: Floats) -> Floats:
+        return self.arm.wrist(self._inner(joints))
+
     def too_far(self, positions: Floats, quaternions: Floats) -> Truths:
         return self.arm.too_far(*self._wanted(positions, quaternions))
 

@@ -103,6 +103,9 @@ class Scara(Arm):
         end = np.stack([flange[:, 0], flange[:, 1], zero], axis=-1)
         return np.stack([np.zeros_like(elbow), elbow, end, flange], axis=1)
 
+    def elbow(self, joints: Floats) -> Floats:
+        return np.asarray(joints[:, 1])
+
     def miss(self, joints: Floats, quaternions: Floats) -> Floats:
         return turn_between(self.fk(joints)[1], quaternions)
 

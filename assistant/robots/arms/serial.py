@@ -164,13 +164,13 @@ class Serial(Arm):
     ) -> tuple[Floats, Floats]:
         """Joints (m, a) taken along poses (m, s, 3) and (m, s, 4) → (m, s, a) and excess (m, s)."""
         m, s, _ = positions.shape
-        out, excess = np.empty((m, s, len(self.joints))), np.empty((m, s))
+        p, q = positions.reshape(-1, 3), quaternions.reshape(-1, 4)
+        poses = _matrices(p, q).reshape(m, s, 4, 4)
+        out = np.empty((m, s, len(self.joints)))
         here = joints
         for k in range(s):
-            here = self._solved(_matrices(positions[:, k], quaternions[:, k]), here)
-            out[:, k] = here
-            excess[:, k] = self._off(here, positions[:, k], quaternions[:, k])
-        return out, excess
+            out[:, k] = here = self._solved(poses[:, k], here)
+        return out, self._off(out.reshape(m * s, -1), p, q).reshape(m, s)
 
     def shape(self, joints: Floats) -> NDArray[np.int8]:
         positions, _, axes = self._along(joints)

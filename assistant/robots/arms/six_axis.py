@@ -64,6 +64,12 @@ class SixAxis(Arm):
     def points(self, joints: Floats) -> Floats:
         return self.lengths.points(joints, self.fk(joints)[0])
 
+    def elbow(self, joints: Floats) -> Floats:
+        return self.lengths.elbow(joints)
+
+    def wrist(self, joints: Floats) -> Floats:
+        return self.lengths.wrist(joints)
+
     def too_far(self, positions: Floats, quaternions: Floats) -> Truths:
         return self.lengths.too_far(positions, quaternions)
 
