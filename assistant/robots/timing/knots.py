@@ -1,7 +1,8 @@
 """The way of moves as knots: close enough to each other to take the joints as linear between.
 
 A knot is a place of the tool with the joints that it takes. A short move is one step, from its
-start to its end; a long one gets knots on its line or arc, solved in the branch of its end.
+start to its end; a long one gets knots on its line or arc, solved in the branch of its end (of an
+arm without named branches followed from its start).
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from assistant.robots.arcs import Arcs, arcs_of, vias_of
 from assistant.robots.arms.arm import CLOSING
 from assistant.robots.robot import CHUNK, IN_LINE, Robot
 from assistant.robots.run import Floats
-from assistant.robots.timing.rows import Mount, Moves, Rows
+from assistant.robots.timing.rows import Moves, Rows
 
 APART: Final = 10.0
 """mm between knots at most."""
@@ -172,8 +173,7 @@ def _fill(
     between = ends.j0[each] + part[:, None] * (moves.joints[each] - ends.j0[each])
     free = moves.kinds[each] == Kind.JOINT
     mount = moves.mount[each]
-    branch = robot.branch_of(robot.configuration(moves.joints[rows]))
-    branches = np.repeat(branch, inner)
+    branches = np.repeat(robot.branch_of(robot.configuration(moves.joints[rows])), inner)
     joints = between.copy()
     for index in np.unique(mount):
         here = mount == index
@@ -181,20 +181,46 @@ def _fill(
         some = np.flatnonzero(here & free)
         if len(some):
             p[some], q[some] = tool.tip(robot, joints[some])
-        for one in np.unique(branches[here & ~free]):
-            some = np.flatnonzero(here & ~free & (branches == one))
-            joints[some] = _solved(robot, tool, p[some], q[some], int(one))
+        some = np.flatnonzero(here & ~free)
+        flange = tool.to_flange(p[some], q[some])
+        if robot.arm.named:
+            joints[some] = _solved(robot, branches[some], *flange)
+        else:
+            joints[some] = _followed(robot, ends.j0[each[some]], each[some], *flange)
     straight = ~free
     guessed = _unwind(joints, between, straight, each, rows, inner, moves, ends, robot)
     knots.positions[at], knots.quaternions[at], knots.joints[at] = p, q, joints
     return guessed
 
 
-def _solved(robot: Robot, tool: Mount, p: Floats, q: Floats, branch: int) -> Floats:
-    """(m, a) joints in one branch, whole turns left open; NaN where that does not reach."""
-    found, excess = robot.solve(*tool.to_flange(p, q), (branch,))
-    joints = np.ascontiguousarray(found[:, 0].T)
-    joints[excess[0] >= CLOSING] = np.nan
+def _solved(robot: Robot, branches: Rows, p: Floats, q: Floats) -> Floats:
+    """(m, a) joints at flange poses in branches (m,), whole turns left open; NaN where those do
+    not reach.
+    """
+    joints = np.empty((len(p), len(robot.axes)))
+    for branch in np.unique(branches):
+        some = np.flatnonzero(branches == branch)
+        found, excess = robot.solve(p[some], q[some], (int(branch),))
+        joints[some] = found[:, 0].T
+        joints[some[excess[0] >= CLOSING]] = np.nan
+    return joints
+
+
+def _followed(robot: Robot, before: Floats, each: Rows, p: Floats, q: Floats) -> Floats:
+    """(m, a) joints of an arm without named branches, followed along the flange poses of moves.
+
+    before: (m, a) where the move of a pose starts. each: (m,) which move that is. NaN where the
+    arm does not reach.
+    """
+    joints = np.empty((len(p), len(robot.axes)))
+    starts = np.flatnonzero(np.diff(each, prepend=-1))
+    counts = np.diff(np.append(starts, len(each)))
+    for count in np.unique(counts):
+        first = starts[counts == count]
+        at = first[:, None] + np.arange(count)
+        found, excess = robot.follow(before[first], p[at], q[at])
+        found[excess >= CLOSING] = np.nan
+        joints[at] = found
     return joints
 
 

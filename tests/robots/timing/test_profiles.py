@@ -16,6 +16,7 @@ from assistant.program.path import Kind, Path
 from assistant.program.program import Procedure, Program
 from assistant.program.pseudo import parse
 from assistant.program.statements import Follow
+from assistant.robots.arms import Serial
 from assistant.robots.timing import Drive, Simulation, drive_of, simulate
 
 ARM = robots.get("irb1200-7-0.7")
@@ -221,6 +222,25 @@ def test_a_path_of_columns_takes_as_long_as_its_moves() -> None:
     assert len(done.moves) == 20001
     way = done.moves.length[1:].sum()
     assert done.moves.seconds[1:].sum() == pytest.approx(way / 100, rel=0.01)
+
+
+def test_a_chain_of_links_takes_as_long_as_its_closed_form() -> None:
+    home = np.array([-40.0, 20.0, 10.0, 0.0, 60.0, -40.0])
+    known = replace(ARM, home=home)
+    chain = Serial.of_links(known.arm.links(), np.radians(known.limits + known.zero[:, None]))
+    position, quaternion = known.fk(home)
+    ways = np.array([[0.0, 0, 0], [0, 300, 40], [40, 350, 0], [80, 300, 0], [0, 0, 0]])
+    kinds = np.array([Kind.JOINT, Kind.LINEAR, Kind.VIA, Kind.END, Kind.LINEAR])
+    path = Path.of(
+        "way", position + ways, np.repeat(quaternion, 5, 0), kinds=kinds, speeds=[Speed(1000.0)]
+    )
+    program = Program("p", (Procedure("main", (Follow(path),)),))
+    one, other = (
+        simulate(robots.journey(program, arm)) for arm in (known, replace(known, arm=chain))
+    )
+    assert other.unknown == one.unknown == ()
+    assert other.moves.seconds == pytest.approx(one.moves.seconds, rel=1e-4, abs=1e-9)
+    assert other.samples.joints == pytest.approx(one.samples.joints, abs=0.01)
 
 
 @pytest.mark.parametrize(("radius", "reached"), [(150, True), (250, False)])
