@@ -189,12 +189,8 @@ def _with_start(run: Run, robot: Robot) -> tuple[Floats, Floats]:
     p, q = run.targets(slice(None))
     here = np.full(7, np.nan)
     if run.joined:
-        tool = run.mounting.tools[run.mounting.tool[0]]
-        frame = run.mounting.frames[run.mounting.frame[0]]
         position, quaternion = robot.fk(run.before)
-        flange = Pose.of(position[0], quaternion[0])
-        carried = tool.held and not frame.held
-        pose = frame.pose.inverse() @ (flange if carried else flange.inverse()) @ tool.tip
+        pose = run.mounting.from_flange(Pose.of(position[0], quaternion[0]), 0)
         here = np.array([*pose.position, *pose.quaternion])
     return np.concatenate([here[None, :3], p]), np.concatenate([here[None, 3:], q])
 

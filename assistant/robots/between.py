@@ -1,37 +1,46 @@
-"""What the arm does between the targets of linear moves that are far apart.
+"""What the arm does between the targets of linear and circular moves.
 
 The angles at both ends of a move do not tell how often an axis turned on the way, nor
-whether the line leaves the reach of the arm; poses on the line do.
+whether the way leaves the reach of the arm; poses on it do.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from assistant.program import rotations
 from assistant.program.diagnostics import Diagnostic
+from assistant.program.geometry import Pose
 from assistant.program.path import Kind
 from assistant.robots import findings as rules
+from assistant.robots.arcs import Arcs, arcs_of, vias_of
 from assistant.robots.arms.arm import CLOSING
+from assistant.robots.choosing import continued
 from assistant.robots.robot import CHUNK, LIMIT_TOLERANCE, Robot
 from assistant.robots.run import Run
+from assistant.robots.wrist import bends_to, swept
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
 WIDE: Final = 20.0
-"""degrees or mm that an axis moves in one move from which on the line is looked at."""
+"""degrees or mm that an axis moves in one move from which on the way is looked at."""
+BULGE: Final = 1.0
+"""mm that an arc is off the straight line from which on it is looked at all the same."""
 JUMP: Final = 1.0
 """degrees or mm between joints that are not the same solution."""
-SAMPLES: Final = 12
-"""Poses on such a line."""
+SAMPLES: Final = np.array([3, 12, 40])
+"""Poses on a way: the second for a line, and for an arc as few as leave bulges of about `BULGE`
+between them."""
 
 
 @dataclass(frozen=True, slots=True)
-class Lines:
+class Ways:
     """winding: (n, a) whole turns that an axis makes on the way to a row beyond the shorter
     way from the row before. findings: what cannot be done on the way to which rows.
     """
@@ -41,79 +50,136 @@ class Lines:
     rows: Rows
 
 
-def lines(run: Run, robot: Robot, joints: Floats, branch: Rows) -> Lines:
-    """Looks at the linear moves of a run whose joints (n, a) deg are up to whole turns.
+def ways(run: Run, robot: Robot, joints: Floats, branch: Rows) -> Ways:
+    """Looks at the linear and circular moves of a run whose joints (n, a) deg are up to whole
+    turns.
 
     branch: (n,) of each row, -1 where there is none.
     """
-    n, axes = joints.shape
-    winding = np.zeros((n, axes), dtype=np.int64)
-    step = np.zeros((n, axes))
-    step[1:] = robot.wound(np.diff(joints, axis=0))
-    with np.errstate(invalid="ignore"):
-        wide = (np.abs(step) > WIDE).any(axis=1)
-    wide &= (run.kinds == Kind.LINEAR) & run.mounting.unchanged()
-    wide[1:] &= (branch[1:] == branch[:-1]) & (branch[1:] >= 0)
-    rows = np.flatnonzero(wide & np.isfinite(step).all(axis=1))
+    winding = np.zeros(joints.shape, dtype=np.int64)
+    look = _Look(run, robot, joints)
     bad: list[tuple[int, str]] = []
-    many = max(CHUNK // SAMPLES, 1)
-    for start in range(0, len(rows), many):
-        some = rows[start : start + many]
-        for one in np.unique(branch[some]):
-            here = some[branch[some] == one]
-            found, excess = _on_the_way(run, robot, here, int(one), joints[here - 1])
-            between = np.concatenate(
-                [joints[here - 1][:, None], found, joints[here][:, None]], axis=1
-            )
-            swept = robot.wound(np.diff(between, axis=1)).sum(axis=1)
-            winding[here] = np.round((swept - step[here]) / 360.0)
-            bad += _bad(robot, here, found, excess)
-            if not robot.arm.named:
-                bad += _jumps(run, robot, here, found[:, -1], joints[here])
+    for here, samples in look.rows(branch):
+        one, before = int(branch[here[0]]), look.before(here)
+        found, excess = look.on_the_way(here, samples, one)
+        between = np.concatenate([before[:, None], found, joints[here][:, None]], axis=1)
+        steps = robot.wound(np.diff(between, axis=1))
+        if robot.arm.spherical:
+            steps = swept(steps, bends_to(between[..., 3], between[..., 4]))
+        whole = steps.sum(axis=1) - robot.wound(joints[here] - before)
+        winding[here] = np.round(whole / 360.0)
+        bad += _bad(robot, here, found, excess)
+        if not robot.arm.named:
+            bad += _jumps(run, robot, here, found[:, -1], joints[here])
+    winding[:1] = 0  # the whole run starts with the turns that suit it best
     bad.sort()
-    if not bad:
-        return Lines(winding, (), np.empty(0, np.intp))
-    over = np.array([row for row, _ in bad], dtype=np.intp)
-    row, reason = bad[0]
-    where = run.label(row)
-    place = run.what(over)
-    finding = rules.ON_THE_WAY(place=place, robot=robot.title, reason=reason, where=where)
-    return Lines(winding, (finding,), over)
+    findings = []
+    for way, round_ in (("straight line", False), ("arc", True)):
+        over = [(row, reason) for row, reason in bad if look.is_round(row) is round_]
+        if over:
+            findings.append(
+                rules.ON_THE_WAY(
+                    place=run.what(np.array([row for row, _ in over], dtype=np.intp)),
+                    way=way,
+                    robot=robot.title,
+                    reason=over[0][1],
+                    where=run.label(over[0][0]),
+                )
+            )
+    return Ways(winding, tuple(findings), np.array([row for row, _ in bad], dtype=np.intp))
 
 
-def _on_the_way(
-    run: Run, robot: Robot, rows: Rows, branch: int, before: Floats
-) -> tuple[Floats, Floats]:
-    """Joints (m, s, a) deg and excess of the reach (m, s) mm on the lines to some rows.
+class _Look:
+    """The moves of a run, each from where the one before ends.
 
-    before: (m, a) deg where the lines begin.
+    start: where the tool is before the run, in the frame of the first row; None if the run does
+    not go on from there. arcs: the circular moves whose tool and frame stay the same.
     """
-    p0, q0 = run.targets(rows - 1)
-    p1, q1 = run.targets(rows)
-    part = (np.arange(1, SAMPLES + 1) / (SAMPLES + 1))[None, :, None]
-    p = p0[:, None] + part * (p1 - p0)[:, None]
-    q = _turned(q0, q1, part[..., 0])
-    p, q = run.mounting.to_flange(p.reshape(-1, 3), q.reshape(-1, 4), np.repeat(rows, SAMPLES))
-    shape = (len(rows), SAMPLES)
-    if not robot.arm.named:
-        return robot.follow(before, p.reshape(*shape, 3), q.reshape(*shape, 4))
-    found, excess = robot.solve(p, q, (branch,))
-    return found[:, 0].T.reshape(*shape, len(robot.axes)), excess[0].reshape(shape)
 
+    def __init__(self, run: Run, robot: Robot, joints: Floats) -> None:
+        self.run, self.robot, self.joints = run, robot, joints
+        self.start: Pose | None = None
+        if continued(run):
+            p, q = robot.fk(run.before)
+            self.start = run.mounting.from_flange(Pose.of(p[0], q[0]), 0)
+        self.same = run.mounting.unchanged()
+        self.same[0] = self.start is not None
+        self.arcs = self._arcs()
 
-def _turned(first: Floats, last: Floats, part: Floats) -> Floats:
-    """Quaternions (m, s, 4) on the shorter turn between two columns (m, 4), at parts (1, s)."""
-    first = first / np.linalg.norm(first, axis=1, keepdims=True)
-    last = last / np.linalg.norm(last, axis=1, keepdims=True)
-    cosine = np.einsum("ij,ij->i", first, last)
-    last = np.where(cosine[:, None] < 0.0, -last, last)
-    angle = np.arctan2(np.linalg.norm(last - first, axis=1), np.linalg.norm(last + first, axis=1))
-    angle = 2.0 * angle[:, None]
-    sine = np.maximum(np.sin(angle), 1e-12)
-    near = angle < 1e-6
-    one = np.where(near, 1.0 - part, np.sin((1.0 - part) * angle) / sine)
-    two = np.where(near, part, np.sin(part * angle) / sine)
-    return np.asarray(one[..., None] * first[:, None] + two[..., None] * last[:, None])
+    def _arcs(self) -> Arcs | None:
+        vias = vias_of(self.run.kinds)
+        vias = vias[self.same[vias] & self.same[vias + 1]]
+        if not len(vias):
+            return None
+        starts, _ = self._starts(vias)
+        return arcs_of(vias, starts, self.run.targets(vias)[0], self.run.targets(vias + 1)[0])
+
+    def rows(self, branch: Rows) -> Iterator[tuple[Rows, int]]:
+        """Rows (m,) of one branch to which the way has to be looked at, and at how many poses."""
+        wide = np.zeros(len(self.joints), dtype=bool)
+        with np.errstate(invalid="ignore"):
+            step = np.abs(self.robot.wound(np.diff(self.joints, axis=0)))
+            wide[1:] = (step > WIDE).any(axis=1) & np.isfinite(step).all(axis=1)
+            first = self.robot.wound(self.joints[0] - self.run.before)
+            wide[0] = (np.abs(first) > WIDE).any()
+        linear = wide & (self.run.kinds == Kind.LINEAR)
+        samples = np.where(linear, SAMPLES[1], 0)
+        if self.arcs is not None:
+            parts = np.sqrt(self.arcs.bulges / BULGE)
+            least = SAMPLES[np.minimum(np.searchsorted(SAMPLES + 1, parts), len(SAMPLES) - 1)]
+            least[parts < 1.0] = 0
+            samples[self.arcs.rows] = np.where(
+                wide[self.arcs.rows], np.maximum(least, SAMPLES[1]), least
+            )
+        known = self.same & (branch >= 0)
+        known[1:] &= branch[1:] == branch[:-1]
+        chosen = np.flatnonzero(known & (samples > 0))
+        for count in SAMPLES.tolist():
+            some = chosen[samples[chosen] == count]
+            many = max(CHUNK // count, 1)
+            for one in np.unique(branch[some]):
+                own = some[branch[some] == one]
+                for at in range(0, len(own), many):
+                    yield own[at : at + many], count
+
+    def is_round(self, row: int) -> bool:
+        return bool(self.run.kinds[row] != Kind.LINEAR)
+
+    def before(self, rows: Rows) -> Floats:
+        """(m, a) deg where the moves to some rows begin."""
+        joints = self.joints[rows - 1]
+        joints[rows == 0] = self.run.before
+        return joints
+
+    def on_the_way(self, rows: Rows, samples: int, branch: int) -> tuple[Floats, Floats]:
+        """Joints (m, s, a) deg and excess of the reach (m, s) mm on the ways to some rows.
+
+        The tool turns evenly up to each row, that of a via point included.
+        """
+        run, robot = self.run, self.robot
+        (p0, q0), (p1, q1) = self._starts(rows), run.targets(rows)
+        part = np.arange(1, samples + 1) / (samples + 1)
+        p = p0[:, None] + part[:, None] * (p1 - p0)[:, None]
+        if self.arcs is not None:
+            at = np.minimum(np.searchsorted(self.arcs.rows, rows), len(self.arcs.rows) - 1)
+            on = np.flatnonzero(self.arcs.rows[at] == rows)
+            p[on] = self.arcs.points(at[on], np.broadcast_to(part, (len(on), samples)))
+        q0, q1 = (q / np.linalg.norm(q, axis=1, keepdims=True) for q in (q0, q1))
+        q = rotations.between(q0[:, None], q1[:, None], part)
+        each = np.repeat(rows, samples)
+        p, q = run.mounting.to_flange(p.reshape(-1, 3), q.reshape(-1, 4), each)
+        shape = (len(rows), samples)
+        if not robot.arm.named:
+            return robot.follow(self.before(rows), p.reshape(*shape, 3), q.reshape(*shape, 4))
+        found, excess = robot.solve(p, q, (branch,))
+        return found[:, 0].T.reshape(*shape, len(robot.axes)), excess[0].reshape(shape)
+
+    def _starts(self, rows: Rows) -> tuple[Floats, Floats]:
+        """Targets (m, 3), (m, 4) that the moves to some rows begin at."""
+        p, q = self.run.targets(np.maximum(rows - 1, 0))
+        if self.start is not None:
+            p[rows == 0], q[rows == 0] = self.start.position, self.start.quaternion
+        return p, q
 
 
 def _jumps(

@@ -70,7 +70,7 @@ WOUND_UP: Final = Rule(
 ON_THE_WAY: Final = Rule(
     "RB113",
     Severity.ERROR,
-    "on the straight line to it {robot} {reason} ({where})",
+    "on the {way} to it {robot} {reason} ({where})",
     "go there by a joint move, or by way of another target",
 )
 NOT_CLOSED: Final = Rule(

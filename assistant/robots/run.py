@@ -50,6 +50,13 @@ class Mounting:
             )
         return p, q
 
+    def from_flange(self, flange: Pose, row: int) -> Pose:
+        """A pose of the flange → the target with the tool and frame of a row."""
+        tool, frame = self.tools[self.tool[row]], self.frames[self.frame[row]]
+        carried = tool.held and not frame.held
+        target: Pose = frame.pose.inverse() @ (flange if carried else flange.inverse()) @ tool.tip
+        return target
+
     def tip(self, row: int) -> Pose:
         """The tip on the flange at a row; none for a tool that stands in the room."""
         tool, frame = self.tools[self.tool[row]], self.frames[self.frame[row]]

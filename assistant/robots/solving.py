@@ -16,7 +16,7 @@ from assistant.program.diagnostics import Diagnostic, Severity
 from assistant.program.path import UNSTATED
 from assistant.robots import findings as rules
 from assistant.robots.arms.arm import CLOSING
-from assistant.robots.between import lines
+from assistant.robots.between import ways
 from assistant.robots.choosing import Choice, Choices, chain_starts, choices, continued
 from assistant.robots.configurations import BACK, QUADRANTS
 from assistant.robots.robot import CHUNK, LIMIT_TOLERANCE, Robot
@@ -146,7 +146,7 @@ def _tried(
         findings.append(rules.NOT_CLOSED(place=run.what(lost), robot=robot.title, where=where))
     winding, bad = None, np.empty(0, np.intp)
     if look and not findings and not len(choice.broken):
-        way = lines(run, robot, joints, choice.branches)
+        way = ways(run, robot, joints, choice.branches)
         winding, bad = way.winding, way.rows
         findings += way.findings
     joints, unmet, off = _turned(run, robot, joints, chain_starts(run), said, winding)

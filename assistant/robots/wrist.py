@@ -33,9 +33,13 @@ EVEN: Final = 0.5
 
 def directions(joints: Floats) -> NDArray[np.float32]:
     """Joints (6, 8, n) deg → (4, 2, n), where the wrist bends to: sin J5 · (cos J4, sin J4)."""
-    four, five = np.radians(joints[3, ::2]), np.radians(joints[4, ::2])
-    bend = np.sin(five)
-    return np.stack([bend * np.cos(four), bend * np.sin(four)], axis=1).astype(np.float32)
+    return np.moveaxis(bends_to(joints[3, ::2], joints[4, ::2]), 0, 1)
+
+
+def bends_to(four: Floats, five: Floats) -> NDArray[np.float32]:
+    """(2, ...) where the wrist bends to, of axes 4 and 5 (...) deg."""
+    four, bend = np.radians(four), np.sin(np.radians(five))
+    return np.stack([bend * np.cos(four), bend * np.sin(four)]).astype(np.float32)
 
 
 def crossings(bends: NDArray[np.float32], kinds: NDArray[np.uint8]) -> Truths:
@@ -51,13 +55,40 @@ def crossings(bends: NDArray[np.float32], kinds: NDArray[np.uint8]) -> Truths:
         bent = np.hypot(*bend) > IN_LINE
         last = np.maximum.accumulate(np.where(bent, np.arange(n), -1))
         before = np.append(-1, last[:-1])
-        opposite = np.einsum("in,in->n", bend, bend[:, before]) < 0.0
+        opposite = _opposite(bend, bend[:, before])
         rows = np.flatnonzero(bent & (before >= 0) & (chain == chain[before]) & opposite)
-        here, there = bend[:, rows], bend[:, before[rows]]
-        length = np.hypot(*(here - there))
-        off = np.abs(here[0] * there[1] - here[1] * there[0]) / length
-        out[pair, rows] = (off < THROUGH) | (before[rows] < rows - 1)
+        near = _near(bend[:, rows], bend[:, before[rows]])
+        out[pair, rows] = near | (before[rows] < rows - 1)
     return out
+
+
+def swept(steps: Floats, bends: NDArray[np.float32]) -> Floats:
+    """Steps (k, p - 1, 6) deg between poses on k ways, without what a singularity adds.
+
+    bends: (2, k, p) of the poses. Straight through it axis 4 stays where it is, and with axes 4
+    and 6 in line axis 6 does the turn of both, whatever the angles of the two branches are.
+    """
+    first, last = bends[..., :-1], bends[..., 1:]
+    out = steps.copy()
+    through = _opposite(first, last) & _near(first, last)
+    for axis in (3, 5):
+        out[..., axis] -= np.where(through, 180.0 * np.round(steps[..., axis] / 180.0), 0.0)
+    bent = np.hypot(*bends) > IN_LINE
+    in_line = ~(bent[..., :-1] & bent[..., 1:])
+    both = steps[..., 3] + steps[..., 5]
+    out[..., 3] = np.where(in_line, 0.0, out[..., 3])
+    out[..., 5] = np.where(in_line, both - 360.0 * np.round(both / 360.0), out[..., 5])
+    return out
+
+
+def _opposite(first: NDArray[np.float32], last: NDArray[np.float32]) -> Truths:
+    return np.asarray(first[0] * last[0] + first[1] * last[1] < 0.0)
+
+
+def _near(first: NDArray[np.float32], last: NDArray[np.float32]) -> Truths:
+    """Whether the straight line between two bends (2, ...) comes near to none."""
+    length = np.maximum(np.hypot(*(last - first)), np.float32(1e-12))
+    return np.asarray(np.abs(last[0] * first[1] - last[1] * first[0]) / length < THROUGH)
 
 
 def clearances(bends: NDArray[np.float32], kinds: NDArray[np.uint8]) -> NDArray[np.float32]:
