@@ -56,10 +56,10 @@ def to_rtb(robot: Robot) -> DHRobot | ToolboxRobot:
     limits = robot.limits * np.where(robot.sliding, 1.0 / METRE, np.radians(1.0))[:, None]
     links = robot.arm.links()
     if not links:
-        chain = robot.arm.chain if isinstance(robot.arm, Placed) else robot.arm
-        assert isinstance(chain, Serial)
+        arm = robot.arm.chain if isinstance(robot.arm, Placed) else robot.arm
+        assert isinstance(arm, Serial)
         name = {"name": robot.title, "manufacturer": robot.maker}
-        return toolbox.Robot(chain.elementary(zero, limits), **name)
+        return toolbox.Robot(arm.chain.elementary(zero, limits), **name)
     rows = []
     for link, at, qlim in zip(links, zero, limits, strict=True):
         a, d = link.a / METRE, link.d / METRE

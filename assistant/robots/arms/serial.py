@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from assistant.program import rotations
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.arms.arm import CLOSING, Arm, Floats, Link, Rows, Truths, turn_between
+from assistant.robots.arms.chain import METRE, Along, Chain, Joint, matrices
 
 SIGNS: Final = 3
 STARTS: Final = (16384, 5)
@@ -32,7 +33,6 @@ STEPS: Final = 40
 RESIDUAL: Final = 1e-21
 """Half the square of what is left over in metres and radians when the solver ends."""
 PARALLEL: Final = 1e-9
-METRE: Final = 1000.0
 FAR: Final = np.radians(10.0)
 """From one pose of a column to the next, radians or mm."""
 SAME: Final = 1e-6
@@ -48,20 +48,6 @@ class _Rank(enum.IntEnum):
     NONE = 3
 
 
-@dataclass(frozen=True, slots=True)
-class Joint:
-    """pose: of the joint at 0, in the frame of the one before, mm. axis: unit vector in its frame.
-
-    low, high: the stretch in which the solver starts, radians or mm.
-    """
-
-    pose: Pose
-    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    sliding: bool = False
-    low: float = -np.pi
-    high: float = np.pi
-
-
 @dataclass(frozen=True)
 class Serial(Arm):
     """A chain of joints from the base. flange: its pose in the frame of the last joint."""
@@ -74,16 +60,8 @@ class Serial(Arm):
     @staticmethod
     def of_links(links: Sequence[Link], ranges: Sequence[tuple[float, float]]) -> Serial:
         """A chain of links with the ranges of their joints, radians or mm."""
-        joints, tail = [], IDENTITY
-        for link, (low, high) in zip(links, ranges, strict=True):
-            turn = Pose(quaternion=_about(2, link.theta))
-            slide = Pose((0.0, 0.0, link.d))
-            # An axis that slides does so behind its turn, one that turns before it.
-            before = tail @ turn @ slide if link.sliding else tail @ turn
-            joints.append(Joint(before, sliding=link.sliding, low=low, high=high))
-            behind = IDENTITY if link.sliding else slide
-            tail = behind @ Pose((link.a, 0.0, 0.0), _about(0, link.alpha))
-        return Serial(tuple(joints), tail)
+        chain = Chain.of_links(links, ranges)
+        return Serial(chain.joints, chain.flange)
 
     @property
     def axes(self) -> tuple[str, ...]:
@@ -109,18 +87,23 @@ class Serial(Arm):
         return float(sum(np.linalg.norm(pose.position) for pose in poses) + slides)
 
     def fk(self, joints: Floats) -> tuple[Floats, Floats]:
-        positions, quaternions, _ = self._along(joints)
-        return positions[:, -1], rotations.canonical(quaternions)
+        found = self.chain.along(joints)
+        return found.origins[:, -1], rotations.from_matrix(found.turns)
 
     def at_zero(self) -> tuple[Floats, Floats, Pose]:
         """Origins (a, 3) mm and axes (a, 3) of the joints and the pose of the flange, all at 0."""
-        origins, quaternions, axes = self._along(np.zeros((1, len(self.joints))))
-        return origins[0, :-1], axes[0], Pose.of(origins[0, -1], quaternions[0])
+        found = self.chain.along(np.zeros((1, len(self.joints))))
+        flange = Pose.of(found.origins[0, -1], rotations.from_matrix(found.turns)[0])
+        return found.origins[0, :-1], found.axes[0], flange
 
     def points(self, joints: Floats) -> Floats:
         """Base, the origins of the joints, flange."""
-        positions, _, _ = self._along(joints)
-        return np.concatenate([np.zeros_like(positions[:, :1]), positions], axis=1)
+        origins = self.chain.along(joints).origins
+        return np.concatenate([np.zeros_like(origins[:, :1]), origins], axis=1)
+
+    @cached_property
+    def chain(self) -> Chain:
+        return Chain(self.joints, self.flange)
 
     def ik(
         self, positions: Floats, quaternions: Floats, branches: tuple[int, ...]
@@ -142,7 +125,7 @@ class Serial(Arm):
         return {}
 
     def _all(self, positions: Floats, quaternions: Floats) -> tuple[Floats, Floats]:
-        n, poses = len(positions), _matrices(positions, quaternions)
+        n, poses = len(positions), matrices(positions, quaternions)
         best = np.tile(self._middle, (self.branches, n, 1))
         rank = np.full((self.branches, n), _Rank.NONE, dtype=np.int64)
         for branch in range(self.branches):
@@ -156,7 +139,7 @@ class Serial(Arm):
                 best[mine, rows], rank[mine, rows] = found[better], fits[better]
         for branch in range(self.branches):
             self._join(best[branch], rank[branch], poses, positions, quaternions, branch)
-        off = [self._off(joints, positions, quaternions) for joints in best]
+        off = [_off(self.chain.along(joints), positions, quaternions) for joints in best]
         return np.moveaxis(best, 2, 0), np.stack(off)
 
     def follow(
@@ -165,16 +148,15 @@ class Serial(Arm):
         """Joints (m, a) taken along poses (m, s, 3) and (m, s, 4) → (m, s, a) and excess (m, s)."""
         m, s, _ = positions.shape
         p, q = positions.reshape(-1, 3), quaternions.reshape(-1, 4)
-        poses = _matrices(p, q).reshape(m, s, 4, 4)
+        poses = matrices(p, q).reshape(m, s, 4, 4)
         out = np.empty((m, s, len(self.joints)))
         here = joints
         for k in range(s):
             out[:, k] = here = self._solved(poses[:, k], here)
-        return out, self._off(out.reshape(m * s, -1), p, q).reshape(m, s)
+        return out, _off(self.chain.along(out.reshape(m * s, -1)), p, q).reshape(m, s)
 
     def shape(self, joints: Floats) -> NDArray[np.int8]:
-        positions, _, axes = self._along(joints)
-        return np.asarray(self._signs(positions, axes) < -PARALLEL, dtype=np.int8)
+        return self._shape(self.chain.along(joints))
 
     def branch(self, shape: NDArray[np.intp]) -> Rows:
         return np.asarray((shape == 1) @ np.array([4, 2, 1]), dtype=np.intp)
@@ -190,44 +172,6 @@ class Serial(Arm):
         """None: its axes lie as they lie."""
         return ()
 
-    def elementary(self, zero: Floats | None = None, limits: Floats | None = None) -> Any:
-        """The chain as elementary transforms of roboticstoolbox, in metres and radians.
-
-        zero: (a,) of the chain where a joint is 0. limits: (a, 2) of the joints.
-        """
-        from assistant.robots.toolbox import library
-
-        rtb = library(f"an arm of kind `{self.kind}`")
-        parts, tail = [], IDENTITY
-        for i, joint in enumerate(self.joints):
-            onto = Pose(quaternion=_onto_z(joint.axis))
-            parts.append(rtb.ET.SE3(_in_metres(tail @ joint.pose @ onto)))
-            turn = rtb.ET.tz if joint.sliding else rtb.ET.Rz
-            if zero is not None and zero[i]:
-                parts.append(turn(float(zero[i])))
-            parts.append(turn(qlim=None if limits is None else limits[i]))
-            tail = onto.inverse()
-        return rtb.ETS([*parts, rtb.ET.SE3(_in_metres(tail @ self.flange))])
-
-    def _along(self, joints: Floats) -> tuple[Floats, Floats, Floats]:
-        """Origins of joints and flange (n, a + 1, 3), quaternions of the flange, axes (n, a, 3)."""
-        n = len(joints)
-        p, q = np.zeros((n, 3)), np.tile([1.0, 0.0, 0.0, 0.0], (n, 1))
-        origins, axes = np.empty((n, len(self.joints) + 1, 3)), np.empty((n, len(self.joints), 3))
-        for i, joint in enumerate(self.joints):
-            p = p + rotations.rotate(q, joint.pose.position)
-            q = rotations.multiply(q, joint.pose.quaternion)
-            axes[:, i] = rotations.rotate(q, joint.axis)
-            if joint.sliding:
-                p = p + joints[:, i, None] * axes[:, i]
-            else:
-                half = joints[:, i] / 2.0
-                about = np.sin(half)[:, None] * np.array(joint.axis)
-                q = rotations.multiply(q, np.column_stack([np.cos(half), about]))
-            origins[:, i] = p
-        origins[:, -1] = p + rotations.rotate(q, self.flange.position)
-        return origins, rotations.multiply(q, self.flange.quaternion), axes
-
     @cached_property
     def _turning(self) -> tuple[int, ...]:
         return tuple(i for i, joint in enumerate(self.joints) if not joint.sliding)
@@ -237,7 +181,7 @@ class Serial(Arm):
         """The elbow: the first of two axes that are parallel and follow each other, or else the
         second axis that turns, and the joint behind them if it is parallel too.
         """
-        axes = self._along(np.zeros((1, len(self.joints))))[2][0]
+        _, axes, _ = self.at_zero()
 
         def parallel(i: int) -> bool:
             both = i in self._turning and i + 1 in self._turning
@@ -246,6 +190,9 @@ class Serial(Arm):
         first = next((i for i in range(len(axes) - 1) if parallel(i)), self._turning[1])
         third = first + 2 < len(axes) and parallel(first) and parallel(first + 1)
         return first, first + 2 if third else None
+
+    def _shape(self, found: Along) -> NDArray[np.int8]:
+        return np.asarray(self._signs(found.origins, found.axes) < -PARALLEL, dtype=np.int8)
 
     def _signs(self, origins: Floats, axes: Floats) -> Floats:
         """(n, SIGNS) numbers, each of which changes its sign where two branches meet."""
@@ -277,15 +224,13 @@ class Serial(Arm):
         low = np.array([joint.low for joint in self.joints])
         high = np.array([joint.high for joint in self.joints])
         joints = np.random.default_rng(0).uniform(low, high, (STARTS[0], len(low)))
-        positions, quaternions, axes = self._along(joints)
-        shape = self._signs(positions, axes) < -PARALLEL
-        branches = self.branch(shape.astype(np.intp))
-        return joints, self._place(positions[:, -1], quaternions), branches
+        found = self.chain.along(joints)
+        branches = self.branch(self._shape(found).astype(np.intp))
+        return joints, self._place(found.origins[:, -1], found.turns), branches
 
-    def _place(self, positions: Floats, quaternions: Floats) -> Floats:
-        """(n, 12) whose distances say how far poses are apart."""
-        turned = rotations.to_matrix(quaternions).reshape(-1, 9)
-        return np.hstack([positions / max(self.reach, 1.0), 0.25 * turned])
+    def _place(self, positions: Floats, turns: Floats) -> Floats:
+        """(n, 12) whose distances say how far poses (n, 3), (n, 3, 3) are apart."""
+        return np.hstack([positions / max(self.reach, 1.0), 0.25 * turns.reshape(-1, 9)])
 
     def _starts(self, positions: Floats, quaternions: Floats, branch: int) -> Floats:
         """(n, k, a) joints of a branch whose poses are near to some."""
@@ -299,7 +244,8 @@ class Serial(Arm):
         out = np.empty((len(positions), many, len(self.joints)))
         for start in range(0, len(positions), 1024):
             rows = slice(start, start + 1024)
-            away = square - 2.0 * self._place(positions[rows], quaternions[rows]) @ theirs.T
+            turns = rotations.to_matrix(quaternions[rows])
+            away = square - 2.0 * self._place(positions[rows], turns) @ theirs.T
             near = np.argpartition(away, many - 1, axis=1)[:, :many]
             order = np.take_along_axis(away, near, axis=1).argsort(axis=1)
             out[rows] = joints[mine[np.take_along_axis(near, order, axis=1)]]
@@ -338,11 +284,12 @@ class Serial(Arm):
         self, joints: Floats, positions: Floats, quaternions: Floats
     ) -> tuple[Rows, NDArray[np.int64]]:
         """(n,) branches of joints (n, a), and how good they are."""
-        closes = self._off(joints, positions, quaternions) == 0.0
+        found = self.chain.along(joints)
+        closes = _off(found, positions, quaternions) == 0.0
         spread = np.array([joint.high - joint.low for joint in self.joints])
         inside = (np.abs(self._wound(joints - self._middle)) <= spread / 2.0 + 1e-9).all(axis=1)
         ranks = np.where(closes, np.where(inside, _Rank.INSIDE, _Rank.OUTSIDE), _Rank.OPEN)
-        return self.branch(self.shape(joints).astype(np.intp)), ranks.astype(np.int64)
+        return self.branch(self._shape(found).astype(np.intp)), ranks.astype(np.int64)
 
     def _wound(self, joints: Floats) -> Floats:
         """Differences (..., a) of joints, whole turns taken out."""
@@ -355,7 +302,7 @@ class Serial(Arm):
 
     @cached_property
     def _transforms(self) -> Any:
-        return self.elementary()
+        return self.chain.elementary()
 
     def _solved(self, poses: Floats, starts: Floats) -> Floats:
         """What the solver finds for poses (n, 4, 4) in metres from starts (n, a).
@@ -371,19 +318,12 @@ class Serial(Arm):
         found = np.where(np.isfinite(found), found / scale, starts)
         return starts + self._wound(found - starts)
 
-    def _off(self, joints: Floats, positions: Floats, quaternions: Floats) -> Floats:
-        """(n,) 0 where joints (n, a) lead to the poses, else mm or, if more, degrees."""
-        p, q = self.fk(joints)
-        off = np.linalg.norm(p - positions, axis=1)
-        off = np.maximum(off, turn_between(q, quaternions))
-        return np.asarray(np.where(off < CLOSING / 2.0, 0.0, off))
 
-
-def _about(axis: int, angle: float) -> tuple[float, float, float, float]:
-    """A rotation about X, Y or Z, radians."""
-    unit = np.eye(3)[axis]
-    w, x, y, z = rotations.canonical(rotations.about(unit, np.degrees(angle))).tolist()
-    return (w, x, y, z)
+def _off(found: Along, positions: Floats, quaternions: Floats) -> Floats:
+    """(n,) 0 where joints lead to the poses, else mm or, if more, degrees."""
+    off = np.linalg.norm(found.origins[:, -1] - positions, axis=1)
+    off = np.maximum(off, turn_between(rotations.from_matrix(found.turns), quaternions))
+    return np.asarray(np.where(off < CLOSING / 2.0, 0.0, off))
 
 
 def _dot(left: Floats, right: Floats) -> Floats:
@@ -396,24 +336,3 @@ def _nearest_point(origin: Floats, axis: Floats, other: Floats, direction: Float
     square = _dot(normal, normal)
     way = _dot(np.cross(other - origin, direction), normal) / np.where(square > 0.0, square, 1.0)
     return np.asarray(origin + np.where(square > PARALLEL, way, 0.0)[:, None] * axis)
-
-
-def _onto_z(axis: tuple[float, float, float]) -> tuple[float, float, float, float]:
-    """A rotation that takes Z to an axis."""
-    x, y, z = axis
-    if z < -1.0 + 1e-12:
-        return (0.0, 1.0, 0.0, 0.0)
-    w, a, b, _ = rotations.canonical([1.0 + z, -y, x, 0.0]).tolist()
-    return (w, a, b, 0.0)
-
-
-def _matrices(positions: Floats, quaternions: Floats) -> Floats:
-    """Poses as matrices (n, 4, 4), in metres."""
-    out = np.tile(np.eye(4), (len(positions), 1, 1))
-    out[:, :3, :3] = rotations.to_matrix(quaternions)
-    out[:, :3, 3] = positions / METRE
-    return out
-
-
-def _in_metres(pose: Pose) -> Floats:
-    return np.asarray(_matrices(np.array([pose.position]), np.array([pose.quaternion]))[0])
