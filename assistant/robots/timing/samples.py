@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +9,11 @@ import numpy as np
 from assistant.robots.robot import Robot
 from assistant.robots.run import Floats
 from assistant.robots.timing.plan import Moment, Plan
+from assistant.robots.timing.rows import Rows
 from assistant.robots.timing.way import Trace
+
+Columns = dict[str, Floats]
+"""The columns of `Moment` by name."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,11 +42,9 @@ def samples_of(
 ) -> Samples:
     """Samples of a trace from 0 to its end, the last one before the end or at it."""
     t = np.arange(int(seconds / period + 1e-9) + 1, dtype=np.float64) * period
-    moments = list(_moments(trace, t, robot, start))
-    columns = {
-        name: np.concatenate([getattr(moment, name) for moment in moments])
-        for name in Moment.__slots__
-    }
+    columns = _rest_at(robot, start, len(t))
+    if trace is not None:
+        _fill(columns, trace, np.arange(len(t)), t, None)
     velocity = columns["velocities"]
     acceleration = np.gradient(velocity, period, axis=0) if len(t) > 1 else velocity * 0.0
     return Samples(
@@ -64,31 +65,43 @@ def _unflipped(quaternions: Floats) -> Floats:
     return np.asarray(quaternions * sign[:, None])
 
 
-def _moments(trace: Trace | None, t: Floats, robot: Robot, start: Floats) -> Iterator[Moment]:
-    """The samples of each plan and wait that holds any."""
+def _rest_at(robot: Robot, start: Floats, count: int) -> Columns:
+    """The columns of `Moment` for an arm that stands still."""
     p, q = robot.fk(start[None])
-    last = Moment(p, q, start[None], np.zeros(1), np.zeros((1, len(start))))
-    begin, done = 0.0, 0
-    for step in trace.steps() if trace is not None else ():
-        end = begin + (step.seconds if isinstance(step, Plan) else step)
-        until = int(np.searchsorted(t, end, side="right"))
-        if isinstance(step, Plan):
-            if until > done:
-                yield step.at(t[done:until] - begin)
-            last = step.at(np.array([step.seconds]))
-        elif until > done:
-            yield _still(last, until - done)
-        begin, done = end, max(done, until)
-    if done < len(t):
-        yield _still(last, len(t) - done)
+    rest = Moment(p, q, start[None], np.zeros(1), np.zeros((1, len(start))))
+    return {name: np.repeat(getattr(rest, name), count, axis=0) for name in Moment.__slots__}
 
 
-def _still(last: Moment, count: int) -> Moment:
-    zero = np.zeros(count, dtype=np.intp)
-    return Moment(
-        last.positions[zero],
-        last.quaternions[zero],
-        last.joints[zero],
-        np.zeros(count),
-        np.zeros((count, last.joints.shape[1])),
-    )
+def _fill(columns: Columns, trace: Trace, rows: Rows, t: Floats, last: Plan | None) -> None:
+    """Fills rows (m,) with a trace at times (m,) from its start; last: the plan before it.
+
+    The rounds of a loop are filled together, so that it does not matter how many there are.
+    """
+    chain = trace.chain()
+    index = np.searchsorted([node.start for node in chain], t, side="left") - 1
+    index = np.clip(index, 0, None)
+    order = np.argsort(index, kind="stable")
+    bounds = np.searchsorted(index[order], np.arange(len(chain) + 1))
+    for at in np.unique(index):
+        node, some = chain[at], order[bounds[at] : bounds[at + 1]]
+        before = (node.before.last if node.before is not None else None) or last
+        inside = t[some] - node.start
+        if isinstance(node.done, Plan):
+            _put(columns, rows[some], node.done.at(inside))
+        elif not isinstance(node.done, tuple):
+            if before is not None:
+                _put(columns, rows[some], before.at(np.full(len(some), before.seconds)))
+        else:
+            inner, count = node.done
+            gone = np.ceil(inside / inner.seconds) - 1.0 if inner.seconds > 0.0 else 0.0 * inside
+            gone = np.clip(gone, 0.0, count - 1.0)
+            inside = inside - gone * inner.seconds
+            for first, came in ((True, before), (False, inner.last or before)):
+                mine = (gone == 0.0) == first
+                if mine.any():
+                    _fill(columns, inner, rows[some[mine]], inside[mine], came)
+
+
+def _put(columns: Columns, rows: Rows, moment: Moment) -> None:
+    for name, column in columns.items():
+        column[rows] = getattr(moment, name)

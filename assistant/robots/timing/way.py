@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
@@ -28,25 +28,38 @@ class Duration:
 class Trace:
     """What was done, the last thing first: a plan, seconds of waiting, or another trace as
     often as its count says.
+
+    start: seconds of all before it. seconds: of all with it. last: the last plan of all.
     """
 
     before: Trace | None
     done: Plan | float | tuple[Trace, int]
+    start: float = field(init=False)
+    seconds: float = field(init=False)
+    last: Plan | None = field(init=False)
 
-    def steps(self) -> Iterator[Plan | float]:
-        """Plans and waits in the order in which they are done."""
+    def __post_init__(self) -> None:
+        start, last = (
+            (0.0, None) if self.before is None else (self.before.seconds, self.before.last)
+        )
+        if isinstance(self.done, Plan):
+            took, last = self.done.seconds, self.done
+        elif isinstance(self.done, tuple):
+            took, last = self.done[0].seconds * self.done[1], self.done[0].last or last
+        else:
+            took = self.done
+        object.__setattr__(self, "start", start)
+        object.__setattr__(self, "seconds", start + took)
+        object.__setattr__(self, "last", last)
+
+    def chain(self) -> list[Trace]:
+        """What was done, the first thing first."""
         nodes = []
         node: Trace | None = self
         while node is not None:
             nodes.append(node)
             node = node.before
-        for node in reversed(nodes):
-            if isinstance(node.done, tuple):
-                inner, count = node.done
-                for _ in range(count):
-                    yield from inner.steps()
-            else:
-                yield node.done
+        return nodes[::-1]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -92,3 +92,33 @@ def test_a_long_program_gets_a_period_that_fits() -> None:
     result = simulate(robots.journey(parse(TEXT.replace("wait 0.5 s", "wait 30000 s")), ARM))
     assert result.period == pytest.approx(0.05)
     assert len(result.samples) <= 1_000_000
+
+
+ROUND = """    wait 0.2 s
+    move linear d speed 200 mm/s blend fine tool pen
+    move linear a speed 100 mm/s blend fine tool pen
+"""
+INNER = f"    for j from 1 to 2\n{ROUND}    end\n    wait 0.3 s\n"
+
+
+def looping(body: str) -> Simulation:
+    start = TEXT[: TEXT.index("  wait 0.5 s")]
+    return simulate(robots.journey(parse(f"{start}{body}end\n"), ARM), period=0.007)
+
+
+def test_the_samples_of_a_loop_are_those_of_its_rounds_one_after_the_other() -> None:
+    looped = looping(f"  for i from 1 to 3\n{INNER}  end\n  wait 1 s\n").samples
+    written = looping((ROUND * 2 + "    wait 0.3 s\n") * 3 + "  wait 1 s\n").samples
+    assert len(looped) == len(written)
+    for name in looped.__slots__:
+        assert np.allclose(getattr(looped, name), getattr(written, name), atol=1e-6)
+
+
+def test_a_loop_without_end_has_samples_of_its_rounds() -> None:
+    start = TEXT[: TEXT.index("  wait 0.5 s")]
+    loop = f"  for i from 1 to 1000000000\n{INNER}  end\n"
+    samples = simulate(robots.journey(parse(f"{start}{loop}end\n"), ARM)).samples
+    assert 100_000 < len(samples) <= 1_000_000
+    x, y, z = samples.position[1:].T
+    assert np.allclose(x, 400) and np.allclose(y, -150, atol=0.1)
+    assert np.quantile(z, 0.01) < 352 and np.quantile(z, 0.99) > 398
