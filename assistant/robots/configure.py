@@ -50,6 +50,7 @@ from assistant.robots.naming import Names, Place
 from assistant.robots.robot import Robot
 from assistant.robots.run import Floats
 from assistant.robots.solving import solve
+from assistant.robots.survey import Cures
 
 
 def configure(program: Program, robot: Robot) -> tuple[Program, tuple[Diagnostic, ...]]:
@@ -107,6 +108,7 @@ class _Survey:
         self.program, self.robot = program, robot
         self.names = Names(program)
         self.findings: list[Diagnostic] = []
+        self.cures = Cures(robot)
         self.done: dict[int, NDArray[np.int8]] = {}
         self.paths: dict[int, Path] = {}
         self.followed: dict[int, Path] = {}
@@ -182,8 +184,7 @@ class _Survey:
         return Leg(statement, None, slice(0), np.empty((0, len(self.robot.axes))), None)
 
     def move(self, kind: Kind, target: Expression, motion: Motion) -> None:
-        self.count += 1
-        label = target.name if isinstance(target, Name) else f"move {self.count} of {self.where}"
+        label = self.label(target)
         tool, frame = self.tool(motion.tool, label), self.frame(motion.frame, label)
         self.used.add((motion.tool, motion.frame))
         place = self.names.place(target)
@@ -195,6 +196,11 @@ class _Survey:
             return
         self.moves.append(SingleMove(kind, place, tool, frame, motion, label))
         self.rows += 1
+
+    def label(self, target: Expression) -> str:
+        """What the next move is called in a finding."""
+        self.count += 1
+        return target.name if isinstance(target, Name) else f"move {self.count} of {self.where}"
 
     def coming_from(self, value: Expression) -> set[str]:
         """The names in an expression, and those that the variables among them come from."""
@@ -210,7 +216,7 @@ class _Survey:
         known_tools = [tool for tool in tools if tool is not None]
         known_frames = [frame for frame in frames if frame is not None]
         if not len(path):
-            self.made.append(self.unsolved(statement))
+            self.pending.append((statement, self.rows, self.rows))
             return
         if len(known_tools) < len(tools) or len(known_frames) < len(frames):
             self.flush()
@@ -236,23 +242,29 @@ class _Survey:
         parts, self.parts = self.parts, []
         pending, self.pending = self.pending, []
         self.rows, self.flushes = 0, self.flushes + 1
-        if not parts:
-            return
+        stretch = self.solved(parts) if parts else None
+        for moving, first, end in pending:
+            self.made.append(
+                self.unsolved(moving)
+                if stretch is None or first == end
+                else _leg(moving, stretch, slice(first, end))
+            )
+
+    def solved(self, parts: Sequence[Part]) -> Stretch:
         run = run_of(parts, self.before, self.joined)
-        solved = solve(run, self.robot)
+        solved = solve(run, self.robot, self.cures)
         first = first_ones(parts, solved.configurations)
         if first is not solved.configurations:
             # What is met twice has one configuration: the first one it got.
-            solved = solve(replace(run, configurations=first), self.robot)
+            solved = solve(replace(run, configurations=first), self.robot, self.cures)
         self.keep(parts, solved.configurations)
         self.findings.extend(solved.findings)
         stretch = Stretch(run, solved.joints, solved.configurations)
-        for moving, first_row, end in pending:
-            self.made.append(_leg(moving, stretch, slice(first_row, end)))
         last = solved.joints[-1]
         self.joined = bool(np.isfinite(last).all())
         if self.joined:
             self.before = last
+        return stretch
 
     def keep(self, parts: Sequence[Part], configurations: Configurations) -> None:
         """Remembers the configurations of targets and paths."""
@@ -271,14 +283,17 @@ class _Survey:
 
     def move_joints(self, statement: MoveJoints) -> Floats | None:
         """Where it goes, if the text tells and the arm can."""
-        self.count += 1
         target = self.names.joints(statement.target)
+        label = self.label(statement.target)
+        self.tool(statement.motion.tool, label)
+        if self.names.frame(statement.motion.frame) is None:
+            self.frame(statement.motion.frame, label)
         self.joined = False
         if target is None:
             return None
         # A declared one is reported once, by its own name.
         literal = isinstance(statement.target, JointValue)
-        joints = self.joints(target, f"move {self.count} of {self.where}" if literal else None)
+        joints = self.joints(target, label if literal else None)
         if joints is not None:
             self.before, self.joined = joints, True
         return joints
@@ -342,7 +357,8 @@ class _Survey:
         if not moves:
             return
         parts = [moves_part("", moves, self.done)]
-        solved = solve(run_of(parts, self.robot.home, joined=False), self.robot)
+        run = run_of(parts, self.robot.home, joined=False)
+        solved = solve(run, self.robot, Cures(self.robot, 0))
         self.keep(parts, solved.configurations)
 
     def tool(self, name: str, place: str) -> Tool | None:

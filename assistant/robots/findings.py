@@ -114,7 +114,7 @@ JOINT_COUNT: Final = Rule(
 UNKNOWN_TOOL: Final = Rule(
     "RB111",
     Severity.WARNING,
-    "no {kind} `{name}` is declared, so reach and limits are not checked",
+    "no {kind} `{name}` is declared, so where moves with it lead is not checked",
     "declare it, or name one of {names}",
 )
 MOVED_FRAME: Final = Rule(

@@ -21,7 +21,7 @@ from assistant.robots.choosing import Choice, Choices, chain_starts, choices, co
 from assistant.robots.configurations import BACK, QUADRANTS
 from assistant.robots.robot import CHUNK, LIMIT_TOLERANCE, Robot
 from assistant.robots.run import Run
-from assistant.robots.survey import finite_poses, survey_of
+from assistant.robots.survey import Cures, finite_poses, survey_of
 from assistant.robots.travel import STRAIGHT
 from assistant.robots.turns import FREE, filled, turn
 
@@ -46,7 +46,7 @@ class Solved:
     findings: tuple[Diagnostic, ...]
 
 
-def solve(run: Run, robot: Robot) -> Solved:
+def solve(run: Run, robot: Robot, cures: Cures) -> Solved:
     """Chooses the configurations that a run of at least one move leaves open.
 
     What cannot be done is reported; of rows that state their branches themselves a change
@@ -60,7 +60,7 @@ def solve(run: Run, robot: Robot) -> Solved:
     first = plan.best()
     others = plan if len(run) <= LOOKED_AT else None
     del every, plan  # of long runs the largest columns
-    report = survey.findings(run, robot)
+    report = survey.findings(run, robot, cures)
     said = np.where(kept[:, None], run.configurations, UNSTATED)
     done = _best(run, robot, first, others, said, look=not report)
     report += done.findings

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,9 @@ from assistant.robots.wrist import PAIRS, directions
 Floats = NDArray[np.float64]
 Truths = NDArray[np.bool_]
 Rows = NDArray[np.intp]
+
+MOST_NEAREST: Final = 3
+"""Findings of a program that state the nearest pose that the robot can take instead."""
 
 
 @dataclass(slots=True)
@@ -44,6 +48,34 @@ class _Worst:
 
 
 @dataclass(slots=True)
+class Cures:
+    """The nearest poses that a robot can take, which take long to find, for the first findings.
+
+    left: poses that are still looked for. told: pose, tip and whether the orientation is kept →
+    what was found.
+    """
+
+    robot: Robot
+    left: int = MOST_NEAREST
+    told: dict[tuple[Pose, Pose, bool], str] = field(default_factory=dict)
+
+    def nearest(self, run: Run, row: int, *, keep: bool = False) -> str:
+        """What a cure adds: the pose of the tip in the robot's base that it can take instead."""
+        from assistant.robots.nearest import told
+
+        tip = run.mounting.tip(row)
+        p, q = run.flange(np.array([row]))
+        wanted = Pose.of(p[0], q[0]) @ tip
+        key = wanted, tip, keep
+        if key not in self.told:
+            if not self.left:
+                return ""
+            self.left -= 1
+            self.told[key] = told(self.robot, wanted, tip, keep=keep)
+        return f"; the nearest pose that it can take is {self.told[key]}"
+
+
+@dataclass(slots=True)
 class Survey:
     """What a first look at every row says.
 
@@ -58,7 +90,7 @@ class Survey:
     plane: _Worst = field(default_factory=_Worst)
     limits: _Worst = field(default_factory=_Worst)
 
-    def findings(self, run: Run, robot: Robot) -> list[Diagnostic]:
+    def findings(self, run: Run, robot: Robot, cures: Cures) -> list[Diagnostic]:
         out = []
         if self.no_number:
             out.append(rules.NO_NUMBER(place=run.what(np.concatenate(self.no_number))))
@@ -69,7 +101,7 @@ class Survey:
                     robot=robot.title,
                     worst=self.reach.value,
                     where=run.label(self.reach.row),
-                    nearest=_nearest(run, robot, self.reach.row, keep=True),
+                    nearest=cures.nearest(run, self.reach.row, keep=True),
                 )
             )
         elif self.reach.rows:
@@ -84,14 +116,14 @@ class Survey:
                     side="too far out" if far else "too near to the arm",
                     where=run.label(self.reach.row),
                     cure=(cure if far else "move the work piece away from the arm")
-                    + _nearest(run, robot, self.reach.row, keep=True),
+                    + cures.nearest(run, self.reach.row, keep=True),
                 )
             )
         if self.plane.rows:
             place, where = run.what(self.plane.all()), run.label(self.plane.row)
             worst = self.plane.value
             if robot.five_axis:
-                nearest = _nearest(run, robot, self.plane.row)
+                nearest = cures.nearest(run, self.plane.row)
                 finding = rules.NOT_IN_PLANE(place=place, worst=worst, where=where, nearest=nearest)
             else:
                 finding = rules.TILTED(place=place, worst=worst, where=where, robot=robot.title)
@@ -108,20 +140,10 @@ class Survey:
                     value=value,
                     limit=low if value < low else high,
                     where=run.label(self.limits.row),
-                    nearest=_nearest(run, robot, self.limits.row),
+                    nearest=cures.nearest(run, self.limits.row),
                 )
             )
         return out
-
-
-def _nearest(run: Run, robot: Robot, row: int, *, keep: bool = False) -> str:
-    """What a cure adds: the pose of the tip in the robot's base that it can take instead."""
-    from assistant.robots.nearest import told
-
-    tip = run.mounting.tip(row)
-    p, q = run.flange(np.array([row]))
-    pose = told(robot, Pose.of(p[0], q[0]) @ tip, tip, keep=keep)
-    return f"; the nearest pose that it can take is {pose}"
 
 
 def survey_of(run: Run, robot: Robot) -> tuple[Survey, NDArray[np.float32]]:

@@ -343,12 +343,20 @@ def test_unknown_tools_and_moved_frames_are_not_checked() -> None:
     motion = replace(MOTION, tool="gun")
     _, findings = robots.configure(program(Move("joint", down(400, 0, 300), motion)), ABB)
     assert codes(findings) == ["RB111"]
+    joints = JointValue(JointTarget((0, 0, 0, 0, 30, 0)))
+    to_joints = MoveJoints(joints, replace(motion, frame="table"))
+    _, findings = robots.configure(program(to_joints, to_joints), ABB)
+    assert [(f.code, f.place) for f in findings] == [
+        ("RB111", "2 times: move 1 of main, move 2 of main")
+    ] * 2
+    assert ("`gun`" in findings[0].message, "`table`" in findings[1].message) == (True, True)
     frames = {"belt": Frame(mechanism="CNV1")}
     motion = replace(MOTION, frame="belt")
     _, findings = robots.configure(
         program(Move("joint", down(4000, 0, 300), motion), frames=frames), ABB
     )
     assert codes(findings) == ["RB112"]
+    assert robots.configure(program(MoveJoints(joints, motion), frames=frames), ABB)[1] == ()
 
 
 def test_what_only_running_tells_is_left_alone() -> None:

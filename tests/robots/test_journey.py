@@ -5,7 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from assistant import robots
+from assistant.program.expressions import TargetValue
+from assistant.program.geometry import Pose, Target
+from assistant.program.motion import FINE, Speed
+from assistant.program.path import Path
+from assistant.program.program import Procedure, Program
 from assistant.program.pseudo import parse
+from assistant.program.statements import Follow, Motion, Move
 
 ARM = robots.get("irb1200-7-0.7")
 TEXT = """program p
@@ -50,3 +56,37 @@ def test_what_only_running_tells_has_no_joints() -> None:
     journey = robots.journey(parse(text), ARM)
     assert [leg.stretch is None for leg in journey.legs["main"]] == [True, False, True, False]
     assert len(journey.legs["main"][2].joints) == 0
+
+
+def test_an_empty_path_has_its_place_among_the_legs() -> None:
+    q = np.tile((0.0, 0.0, 1.0, 0.0), (2, 1))
+    there = Path.of("there", np.array([[450.0, 0, 400], [450, 50, 400]]), q, speeds=[Speed(100.0)])
+    nothing = Path.of("nothing", np.empty((0, 3)), np.empty((0, 4)), speeds=[Speed(100.0)])
+    target = TargetValue(Target(Pose((450.0, 0.0, 350.0), (0.0, 0.0, 1.0, 0.0))))
+    move = Move("joint", target, Motion(Speed(100.0), FINE))
+    body = (Follow(nothing), move, Follow(nothing), Follow(there), Follow(nothing))
+    for statements in (body, body[:1], body[2:]):
+        program = Program("p", (Procedure("main", statements),))
+        journey = robots.journey(program, ARM)
+        assert journey.findings == ()
+        assert [leg.statement for leg in journey.legs["main"]] == list(statements)
+        assert [len(leg.joints) for leg in journey.legs["main"]] == [
+            len(s.path) if isinstance(s, Follow) else 1 for s in statements
+        ]
+
+
+def test_only_the_first_findings_state_the_nearest_pose() -> None:
+    places = (900, 910, 900, 920, 930, 940)
+    moves = [
+        f"  move joint at_{x} speed 100 mm/s joint 10 % blend fine\n  call wait_here()\n"
+        for x in places
+    ]
+    targets = [f"target at_{x} [{x}, 0, 400] [0, 0, 1, 0]\n" for x in sorted(set(places))]
+    waiting = "end\n\nprocedure wait_here\n  wait 1 s\nend\n"
+    text = "".join(["program p\n\n", *targets, "\nprocedure main\n", *moves, waiting])
+    findings = robots.journey(parse(text), ARM).findings
+    assert [finding.code for finding in findings] == ["RB102"] * 5
+    stated = ["the nearest pose that it can take is" in finding.cure for finding in findings]
+    assert stated == [True, True, True, False, False]
+    assert findings[0].place is not None and "2 times" in findings[0].place
+    assert all("one that reaches" in finding.cure for finding in findings)

@@ -13,6 +13,7 @@ from assistant.program.path import UNSTATED, Kind, configuration_row
 from assistant.program.program import Procedure, walk
 from assistant.program.pseudo.expressions import expression_text
 from assistant.program.statements import Follow, Motion, Move, MoveCircular, MoveJoints
+from assistant.robots.configurations import BACK
 from assistant.robots.journey import Journey, Leg
 from assistant.robots.naming import Names, Place
 from assistant.robots.run import Floats, Pace
@@ -64,9 +65,9 @@ class Pieces:
 
     def _number(self, procedure: Procedure, legs: tuple[Leg, ...]) -> None:
         moving = [s for s in walk(procedure.body) if isinstance(s, Moving)]
-        there = [leg for leg in legs if not _empty(leg.statement)]
-        numbered = [(n, s) for n, s in enumerate(moving, start=1) if not _empty(s)]
-        for (number, statement), leg in zip(numbered, there, strict=True):
+        for number, (statement, leg) in enumerate(zip(moving, legs, strict=True), start=1):
+            if _empty(statement):
+                continue
             self.numbers[id(statement)] = number, leg
             self.labels[procedure.name, number] = label_of(statement)
             if _moves_external(leg):
@@ -160,7 +161,8 @@ class Pieces:
         no_row = np.zeros(1, dtype=np.int32)
         flange = mount.to_flange(*placed([mount.frame.pose], no_row, p, q))
         row = np.array([configuration_row(place.target.configuration)], dtype=np.int8)
-        branches = None if row[0, 0] == UNSTATED else (int(robot.branch_of(row)[0]),)
+        stated = robot.arm.named and row[0, BACK] != UNSTATED
+        branches = (int(robot.branch_of(row)[0]),) if stated else None
         found, _ = robot.solve(*flange, branches)
         at = robot.home if near is None else np.array(near)
         best: Floats | None = None
