@@ -78,7 +78,7 @@ def record(robot: Robot) -> dict[str, Any]:
 def lengths(robot: Robot) -> dict[str, float]:
     """Lengths of the arm in mm by their names in a robot file; none of an arm of another kind."""
     match robot.arm:
-        case SixAxis(lengths=found) | FiveAxis(lengths=found) | Placed(arm=SixAxis(lengths=found)):
+        case SixAxis(lengths=found) | FiveAxis(lengths=found) | Placed(lengths=found):
             return asdict(found)
         case Scara(l1=l1, l2=l2):
             return {"l1": l1, "l2": l2}

@@ -16,6 +16,7 @@ from assistant.program.program import Program
 from assistant.robots.arms.arm import BOUNDARY, CLOSING, Arm
 from assistant.robots.arms.five_axis import FiveAxis
 from assistant.robots.arms.lengths import Lengths
+from assistant.robots.arms.placed import Placed
 from assistant.robots.arms.serial import Serial
 from assistant.robots.arms.six_axis import SixAxis
 from assistant.robots.configurations import BACK, QUADRANTS, TURNING_AXES
@@ -97,7 +98,7 @@ class Robot:
     @property
     def lengths(self) -> Lengths:
         """Link lengths of a vertical arm; raises TypeError for an arm of another kind."""
-        if not isinstance(self.arm, SixAxis | FiveAxis):
+        if not isinstance(self.arm, SixAxis | FiveAxis | Placed):
             raise TypeError(f"{self.title} has no link lengths of a vertical arm")
         return self.arm.lengths
 

@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program.path import Kind
-from assistant.robots.arms.six_axis import SixAxis
 from assistant.robots.branches import CHANGE, Costs
 from assistant.robots.robot import CHUNK, Robot
 from assistant.robots.run import Run
@@ -41,7 +40,7 @@ ROUNDING: Final = 1e-3
 PART: Final = 512
 """Chains whose joint moves are computed at once: 64 pairs of branches stay in the cache."""
 ALIKE: Final = (4, 2, 2, 1, 1, 1)
-"""Of an arm of six axes, how many branches in a row have the same angle of each axis."""
+"""Of an arm with a spherical wrist, how many branches in a row have the same angle of each axis."""
 FREE: Final = 540.0
 """degrees between the limits of an axis from which on it can go the short way round between any
 two angles within half a turn of its middle: one of the two can be wound towards the other."""
@@ -156,7 +155,7 @@ class _Ways:
     def _axis(self, axis: int, chains: Rows, out: Singles) -> None:
         """Raises what `between` gives to the seconds of one axis."""
         joints, speed = self.travel.joints[axis], self.travel.robot.speeds[axis]
-        alike = ALIKE[axis] if isinstance(self.travel.robot.arm, SixAxis) else 1
+        alike = ALIKE[axis] if self.travel.robot.arm.spherical else 1
         unit = np.float32(360.0 if axis in self.windings else speed)
         last = joints[::alike, self.lasts[chains - 1]] / unit
         first = joints[::alike, self.firsts[chains]] / unit
@@ -292,9 +291,15 @@ def _straighten(joints: Singles, before: Singles) -> None:
 
 def _elbow(robot: Robot, joints: Singles) -> Singles | None:
     """(b / 2, n) degrees of the elbow from stretched or folded; None where branches agree."""
-    if not isinstance(robot.arm, SixAxis) or robot.lengths.a1 == 0.0:
+    if robot.lengths.a1 == 0.0:
         return None
-    lengths = robot.lengths
-    straight = robot.zero[2] + np.degrees(np.arctan2(lengths.a3, lengths.d4))
-    bend = joints[2, ::2] + np.float32(straight)
-    return np.asarray(np.abs(bend - 180.0 * np.rint(bend / 180.0)), dtype=np.float32)
+    out = np.empty_like(joints[0, ::2])
+    for start in range(0, joints.shape[2], CHUNK):
+        rows = slice(start, start + CHUNK)
+        some = joints[:, ::2, rows]
+        elbow = robot.arm.elbow(robot.chained(some.reshape(len(some), -1).T))
+        if elbow is None:
+            return None
+        bend = np.degrees(elbow).reshape(-1, some.shape[2])
+        out[:, rows] = np.abs(bend - 180.0 * np.rint(bend / 180.0))
+    return out

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -17,7 +18,9 @@ from assistant.program.motion import Speed
 from assistant.program.path import Kind, Path
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
+from assistant.robots.arms import Serial
 from assistant.robots.branches import CHANGE
+from assistant.robots.recognition import recognised
 
 DOWN = (0.0, 0.0, 1.0, 0.0)
 ABB = robots.get("irb1200-7-0.7")
@@ -291,3 +294,23 @@ def test_what_is_chosen_is_inside_the_limits_and_leads_back_to_the_poses(seed, a
     there, turned = arm.fk(joints)
     assert np.abs(there - p).max() < 1e-4
     assert rotations.angle_between(turned, q).max() < 0.02
+
+
+@settings(max_examples=25, deadline=None)
+@given(seed=seeds)
+def test_an_arm_recognised_in_a_chain_takes_the_branches_of_its_closed_form(seed) -> None:
+    known = robots.get("irb1600-10-1.45")
+    chain = Serial.of_links(known.arm.links(), np.radians(known.limits + known.zero[:, None]))
+    rng = np.random.default_rng(seed)
+    joints = rng.uniform(*known.limits.T)
+    joints[2] = rng.uniform(-100.0, -60.0)  # near to stretched
+    position, quaternion = known.fk(joints)
+    lines = position + np.cumsum(rng.normal(0.0, 40.0, (6, 3)), axis=0)
+    kinds = np.array([Kind.JOINT] + 5 * [Kind.LINEAR], dtype=np.uint8)
+    mine, theirs = (
+        solved(arm, lines, quaternion[0], kinds=kinds)
+        for arm in (known, replace(known, arm=recognised(chain)))
+    )
+    assert codes(mine[2]) == codes(theirs[2])
+    assert mine[1].tolist() == theirs[1].tolist()
+    assert mine[0] == pytest.approx(theirs[0], abs=1e-3, nan_ok=True)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from assistant.program import rotations
 from assistant.program.geometry import Pose
 from assistant.robots.arms.arm import Arm, Floats, Link, Rows, Truths
+from assistant.robots.arms.lengths import Lengths
 from assistant.robots.arms.serial import Serial
 from assistant.robots.arms.six_axis import SixAxis
 
@@ -35,6 +36,10 @@ class Placed(Arm):
     axes: ClassVar[tuple[str, ...]] = SixAxis.axes
     branches: ClassVar[int] = SixAxis.branches
     compared: ClassVar[tuple[int, ...]] = SixAxis.compared
+
+    @property
+    def lengths(self) -> Lengths:
+        return self.arm.lengths
 
     @property
     def reach(self) -> float:
