@@ -3,7 +3,7 @@ MODULE Palletising
     ! Cell: IRB 1200-7/0.7, vacuum gripper, pallet on the left.
 
     PERS tooldata tVacuum:=[TRUE,[[0,0,96],[1,0,0,0]],[0.8,[0,0,41],[1,0,0,0],0,0,0]];
-    PERS wobjdata wPallet:=[FALSE,TRUE,"",[[250,-330,60],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];
+    PERS wobjdata wPallet:=[FALSE,TRUE,"",[[320,-340,60],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];
     PERS wobjdata wInfeed:=[FALSE,TRUE,"",[[300,260,140],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];
 
     CONST robtarget pHome:=[[380,0,420],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
