@@ -28,7 +28,7 @@ test: lint
 	$(BIN)/python -m pytest --numprocesses 2
 
 test-slow: .venv/test
-	$(BIN)/python -m pytest --numprocesses 2 -m slow
+	$(BIN)/python -m pytest --numprocesses 2 --dist worksteal -m slow
 
 bench: .venv/bench
 	$(BIN)/python -m benchmarks
