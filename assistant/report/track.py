@@ -15,6 +15,7 @@ from assistant.program.geometry import BASE, IDENTITY, Pose, Target
 from assistant.program.path import Kind, Path
 from assistant.program.program import Program, walk
 from assistant.program.statements import Call, Follow, Motion, Move, MoveCircular, Statement
+from assistant.robots.arcs import circles
 
 ARC_STEPS: Final = 24
 """Chords an arc is drawn with."""
@@ -165,15 +166,8 @@ def arc_points(
     start: NDArray[np.float64], via: NDArray[np.float64], end: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Points (m, 3) on the arc after `start` up to `end`; the points themselves if straight."""
-    a, b = via - start, end - start
-    normal = np.cross(a, b)
-    square = float(normal @ normal)
-    if square < 1e-12 * max(float(a @ a) * float(b @ b), 1e-12):
+    circle = circles(start[None], via[None], end[None])
+    if circle.ends[0] == 0.0:
         return np.stack([via, end])
-    centre = start + np.cross(float(a @ a) * b - float(b @ b) * a, normal) / (2.0 * square)
-    x_axis = start - centre
-    y_axis = np.cross(normal / np.sqrt(square), x_axis)
-    toward = end - centre
-    sweep = np.arctan2(toward @ y_axis, toward @ x_axis) % (2.0 * np.pi)
-    angles = np.linspace(0.0, sweep, ARC_STEPS + 1)[1:, None]
-    return np.asarray(centre + np.cos(angles) * x_axis + np.sin(angles) * y_axis)
+    angles = np.linspace(0.0, circle.ends, ARC_STEPS + 1)[1:]
+    return np.asarray(circle.points(angles.T)[0])
