@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from assistant.checks.moves import Moves
 from assistant.robots import Robot
 from assistant.robots.arms.arm import CLOSING
-from assistant.robots.robot import CHUNK
+from assistant.robots.robot import CHUNK, IN_LINE
+from assistant.robots.wrist import THROUGH
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -35,9 +36,7 @@ UNEVEN: Final = 1.5
 """Moves with a joint that is somewhere so much faster than on average are looked at again,"""
 MOST_PARTS: Final = 1500
 """in up to so many parts: beside a singularity the peak is short."""
-THROUGH: Final = float(np.sin(np.radians(0.1)))
-"""Sine of axis 5 up to which a move counts as one through the singularity (finding RB115)."""
-IN_LINE: Final = float(np.sin(np.radians(0.05)))
+BENT: Final = float(np.sin(np.radians(IN_LINE)))
 """Sine of axis 5 below which axes 4 and 6 mean nothing by themselves."""
 
 
@@ -121,7 +120,7 @@ def _crossed_at_targets(moves: Moves, way: Way) -> None:
     first, last = moves.starts + 1, moves.rows + 1
     five = np.radians(moves.joints[:, 4])
     in_line = np.flatnonzero(
-        (np.abs(np.sin(five[last[:-1]])) < IN_LINE) & (moves.rows[:-1] == moves.starts[1:])
+        (np.abs(np.sin(five[last[:-1]])) < BENT) & (moves.rows[:-1] == moves.starts[1:])
     )
     bends = []
     for place in (first[in_line], last[in_line + 1]):
@@ -192,7 +191,7 @@ def _look(robot: Robot, way: Way, at: Rows, joints: Floats) -> Truths:
         way.crossed[at] |= (opposite & (nearest < THROUGH)).any(axis=1)
         least = np.degrees(np.arcsin(np.minimum(nearest, 1.0))).min(axis=1)
         way.wrist[at] = np.minimum(way.wrist[at], least)
-        small = np.abs(sine).reshape(k, places) < IN_LINE
+        small = np.abs(sine).reshape(k, places) < BENT
         step[..., [3, 5]] = np.where(
             (small[:, :-1] | small[:, 1:])[..., None], 0.0, step[..., [3, 5]]
         )

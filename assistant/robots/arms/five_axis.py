@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from assistant.program import rotations
 from assistant.robots.arms.arm import MISS_TOLERANCE, Arm, Link, Rows, Truths, turn_between
 from assistant.robots.arms.lengths import Lengths, wrist_words
-from assistant.robots.arms.links import reach_excess, two_links, zyz
+from assistant.robots.arms.links import axis_z, reach_excess, two_links, zyz
 
 Floats = NDArray[np.float64]
 
@@ -180,16 +180,10 @@ def _azimuth(positions: ArrayLike) -> Floats:
 
 def _plane(positions: Floats, quaternions: Floats) -> Floats:
     """Azimuth of the arm's plane: that of the position, on axis 1 that of the tool axis."""
-    x, y = _tool_axis(quaternions)
+    x, y, _ = axis_z(quaternions)
     upright = np.hypot(x, y) < 1e-9
     on_axis = np.hypot(positions[:, 0], positions[:, 1]) < ON_AXIS
     return np.where(on_axis & ~upright, np.arctan2(y, x), _azimuth(positions))
-
-
-def _tool_axis(quaternions: Floats) -> tuple[Floats, Floats]:
-    """Components x and y of the tool axis, (n,) each."""
-    w, x, y, z = quaternions.T
-    return 2.0 * (x * z + w * y), 2.0 * (y * z - w * x)
 
 
 def _in_plane(azimuth: Floats, quaternions: ArrayLike) -> Floats:

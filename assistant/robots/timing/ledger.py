@@ -28,6 +28,12 @@ class _Entry:
 
 
 class Ledger:
+    """Takes down the moves as they are timed, each as it took the longest, and notes.
+
+    entries: by procedure and number of the motion statement. notes: procedure and what is not
+    known there → how often it was met.
+    """
+
     def __init__(self) -> None:
         self.entries: dict[tuple[str, int], _Entry] = {}
         self.notes: dict[tuple[str, str], int] = {}

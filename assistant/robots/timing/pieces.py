@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
 
 import numpy as np
 
@@ -22,8 +21,6 @@ from assistant.robots.timing.values import Values
 from assistant.robots.timing.way import Joints
 
 Moving = Move | MoveCircular | MoveJoints | Follow
-ONE_ROW: Final = slice(0, 1)
-TWO_ROWS: Final = slice(0, 2)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

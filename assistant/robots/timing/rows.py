@@ -151,10 +151,13 @@ def moves_of(
     )
 
 
-def placed(frames: Sequence[Pose], frame: NDArray[np.int32], p: Floats, q: Floats) -> (
-    tuple[Floats, Floats]
-):  # fmt: skip
-    """Targets (n, 3), (n, 4) in frames → in what the frames are in."""
+def placed(
+    frames: Sequence[Pose], frame: NDArray[np.int32], p: Floats, q: Floats
+) -> tuple[Floats, Floats]:
+    """Targets (n, 3), (n, 4) in frames → in what the frames are in.
+
+    frame: (n,) rows of the table frames.
+    """
     q = q / np.linalg.norm(q, axis=1, keepdims=True)
     if all(pose == Pose() for pose in frames):
         return p, q

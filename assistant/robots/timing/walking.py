@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from assistant.program.expressions import Expression, Index, Member, Name, Number
+from assistant.program.path import Kind
 from assistant.program.program import Procedure, walk
 from assistant.program.pseudo.expressions import expression_text
 from assistant.program.rewriting import records
@@ -46,7 +47,9 @@ from assistant.robots.timing.values import Known, Values, first_values, local_va
 from assistant.robots.timing.way import Duration, Joints, Trace, Way, met
 
 MOST_STATEMENTS: Final = 50_000
-"""Statements that are walked through; then each loop is walked once and multiplied."""
+"""Statements that are walked through; then each loop is walked once and multiplied. Calls, too,
+that are followed: some programs have more calls than anybody could wait for.
+"""
 WORD: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 
@@ -67,7 +70,7 @@ class Walker:
         self.calls: list[str] = []
         self.returned: list[Way] = []
         self.waiting: list[Piece] = []
-        self.statements = 0
+        self.statements = self.called = 0
         self.shared = {name.lower() for name in journey.program.variables}
 
     def begin(self) -> Known:
@@ -121,6 +124,7 @@ class Walker:
     # ------------------------------------------------------------------------------- moves
 
     def moving(self, statement: Move | MoveCircular | MoveJoints | Follow, way: Way) -> Way:
+        """A motion statement, which waits to be timed together with those that follow it."""
         if id(statement) not in self.pieces.numbers:
             return way  # along a path of no targets
         near = way.places[0] if way.places else None
@@ -148,10 +152,12 @@ class Walker:
         moves = joined([piece.moves for piece in pieces])
         if np.isnan(moves.tcp).any():
             self.note("a speed that is not declared is taken as the most")
+        if (moves.tcp <= 0.0).any():
+            self.note("a speed that is not above 0 takes nearly for ever")
         end = tuple(moves.joints[-1].tolist())
         skipped = 0
         if not way.places:
-            skipped = 2 if len(moves) > 1 and moves.kinds[0] == 2 else 1
+            skipped = 2 if len(moves) > 1 and moves.kinds[0] == Kind.VIA else 1
             first = pieces[0]
             self.note(f"move {first.number}: where it starts from is not known, so it is not timed")
             if skipped == len(moves):
@@ -178,6 +184,7 @@ class Walker:
         )
 
     def note_guessed(self, pieces: Sequence[Piece], rows: Rows) -> None:
+        """rows: of the pieces together, see `Knots.guessed`."""
         ends = np.cumsum([len(piece.moves) for piece in pieces])
         for at in np.unique(np.searchsorted(ends, rows, side="right")):
             self.note(
@@ -210,6 +217,7 @@ class Walker:
         return way
 
     def acting(self, statement: Statement, way: Way) -> Way | None:
+        """What the arm stands still for; None if nothing behind it is reached."""
         self.names.own = dict(way.known)
         match statement:
             case Wait(seconds=seconds):
@@ -249,6 +257,10 @@ class Walker:
         if procedure.name in self.calls:
             self.note(f"`{procedure.name}` calls itself; that is not followed")
             return replace(way, places=())
+        self.called += 1
+        if self.called > MOST_STATEMENTS:
+            self.note("there are too many calls; the last of them are not followed")
+            return replace(way, places=())
         given = self.values.given(procedure, statement.arguments)
         changed = {
             _root(argument)
@@ -277,6 +289,7 @@ class Walker:
         return None if done is None else way.then(done)
 
     def counted(self, statement: For, way: Way) -> Way | None:
+        """As many rounds as the text tells, else one; alike ones are walked once."""
         first, last = self.values.number(statement.first), self.values.number(statement.last)
         step = None if statement.step is None else self.values.number(statement.step)
         name = statement.variable.lower()
@@ -300,6 +313,7 @@ class Walker:
         return _without(way, {name})
 
     def loop(self, statement: While, way: Way) -> Way | None:
+        """Rounds until the condition fails, as long as it is known to hold; else one."""
         holds = self.values.truth(statement.condition)
         constant = not any(isinstance(part, Name) for part in records(statement.condition))
         if holds and constant:
