@@ -293,13 +293,13 @@ def _elbow(robot: Robot, joints: Singles) -> Singles | None:
     """(b / 2, n) degrees of the elbow from stretched or folded; None where branches agree."""
     if robot.lengths.a1 == 0.0:
         return None
-    out = np.empty_like(joints[0, ::2])
-    for start in range(0, joints.shape[2], CHUNK):
-        rows = slice(start, start + CHUNK)
-        some = joints[:, ::2, rows]
-        elbow = robot.arm.elbow(robot.chained(some.reshape(len(some), -1).T))
-        if elbow is None:
-            return None
-        bend = np.degrees(elbow).reshape(-1, some.shape[2])
-        out[:, rows] = np.abs(bend - 180.0 * np.rint(bend / 180.0))
-    return out
+    axes = len(joints)
+    tried = robot.arm.elbow(robot.chained(np.vstack([np.zeros(axes), np.eye(axes)])))
+    if tried is None:
+        return None
+    # So much for each degree of a joint, whatever its zero, its sense and the coupling.
+    slopes = np.degrees(tried[1:] - tried[0])
+    bend = np.full_like(joints[0, ::2], np.degrees(tried[0]))
+    for axis in np.flatnonzero(np.abs(slopes) > ROUNDING):
+        bend += np.float32(slopes[axis]) * joints[axis, ::2]
+    return np.asarray(np.abs(bend - 180.0 * np.rint(bend / 180.0)), dtype=np.float32)
