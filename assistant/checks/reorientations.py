@@ -36,6 +36,7 @@ def reorientations(tour: Tour) -> Iterator[Diagnostic]:
             alone = moves.length / moves.tcp
             turning = moves.turn / moves.rotation
         binds = (turning > SLOWER * alone) & (turning > alone + LATER)
+        binds &= (moves.tcp > 0.0) & (moves.rotation > 0.0)  # others cannot be meant: CK201
         rows = np.flatnonzero(binds & (moves.length >= LEAST_LENGTH) & np.isfinite(moves.tcp))
         for group, worst in stage.groups(moves.rows[rows], turning[rows] - alone[rows]):
             at = rows[worst]

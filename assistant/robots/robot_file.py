@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import tomllib
 from dataclasses import replace
 from pathlib import Path as FilePath
@@ -345,6 +346,10 @@ class _Reader:
         if not isinstance(value, str) or not value.strip():
             self.wrong(key, "is missing" if value is None else "is no text")
             return ""
+        if not value.isprintable():
+            self.wrong(key, "is no text of one line")
+        if key == "name" and not NAME.fullmatch(value):
+            self.wrong(key, "is not of up to 64 letters A to Z, digits, `.`, `_` and `-`")
         return value
 
     def texts(self, key: str, *, needed: bool = True) -> tuple[str, ...]:
@@ -368,6 +373,8 @@ FIELDS: Final = (
     "reach_mm", "tcp_speed_mm_s", "repeatability_mm", "coupling", "source", "unconfirmed",
     "lengths_mm", "axes_deg", "axes_mm", "links",
 )  # fmt: skip
+NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
+"""The name of a robot, as a comment in a program of any language carries it."""
 MOST: Final = 1e9
 """mm, degrees, or these a second or second squared: the largest number taken for one of a robot."""
 LINK: Final = ("a", "d", "alpha", "theta")

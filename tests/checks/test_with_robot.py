@@ -241,6 +241,7 @@ def test_a_turn_that_takes_longer_than_the_way():
     assert (finding.code, finding.severity) == ("CK312", "info")
     assert "the TCP moves at 20 mm/s instead of 100" in finding.message
     assert codes(seam(p, q, speed=Speed(15.0, 90.0))) == []
+    assert "CK312" not in codes(seam(p, q, speed=Speed(-5.0, -5.0)))
     p[1] = p[0]  # on the spot no speed of the TCP is meant
     assert codes(seam(p, q, speed=Speed(100.0, 90.0))) == []
 

@@ -74,6 +74,9 @@ def test_an_unknown_name_lists_the_known_ones() -> None:
     ("old", "new", "field"),
     [
         ('name = "rv-2aj"', "", "name"),
+        ('name = "rv-2aj"', 'name = "my arm"', "name"),
+        ('name = "rv-2aj"', 'name = "../x"', "name"),
+        ('controller = "CR1"', 'controller = "a\\nb"', "controller"),
         ("payload_kg = 2", 'payload_kg = "two"', "payload_kg"),
         ("payload_kg = 2", "payload_kg = nan", "payload_kg"),
         ("payload_kg = 2", "payload_kg = 0", "payload_kg"),

@@ -219,6 +219,21 @@ def test_a_file_of_very_many_links_is_read() -> None:
     assert "`m20000`" in robot.findings[0].message
 
 
+def test_a_name_that_no_program_carries_is_only_the_title(tmp_path) -> None:
+    text = WRISTED.replace('name="own"', 'name="My &#10; Arm: ü/2"')
+    assert (read(text).name, read(text).title) == ("My-Arm-2", "My Arm: ü/2")
+    file = tmp_path / "arm.urdf"
+    file.write_text(text, encoding="utf-8")
+    program = tmp_path / "way.pseudo"
+    program.write_text(
+        "program way\n\ntarget a [400, 0, 400] [0, 0, 1, 0]\n\n"
+        "procedure main\n  move joint a speed 100 mm/s blend fine\nend\n",
+        encoding="utf-8",
+    )
+    compiled = compile(str(program), language="rapid", robot=str(file))
+    assert "robot: My-Arm-2" in next(iter(compiled.files.values())).decode()
+
+
 def test_an_axis_without_end_gets_turns() -> None:
     endless = '<axis xyz="0 0 1"/><limit velocity="1"/>'
     robot = read(urdf(joint("spin", "a", "b", "continuous", endless)))

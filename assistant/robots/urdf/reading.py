@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -25,6 +26,8 @@ ASSUMED: Final = Rule(
     "write a TOML file with the key `urdf` and what you know better",
 )
 METRE: Final = 1000.0
+UNFIT: Final = re.compile(r"[^A-Za-z0-9_.-]+")
+"""What the name of a robot cannot hold, see `robot_file`."""
 MOST_AXES: Final = 32
 """Of a chain; more than any arm has."""
 TURNS: Final = 360.0
@@ -108,10 +111,11 @@ def _serial(joints: tuple[tree.Joint, ...]) -> Serial:
 def _table(
     root: Element, joints: list[tree.Joint], arm: Arm, path: str | None
 ) -> tuple[dict[str, Any], dict[tuple[str, str], Diagnostic]]:
-    name = root.attributes.get("name", "").strip() or "robot"
+    title = " ".join(root.attributes.get("name", "").split())
+    name = UNFIT.sub("-", title).strip("-_.")[:64] or "robot"
     table: dict[str, Any] = {
         "name": name,
-        "title": name,
+        "title": title or name,
         "maker": "unknown",
         "controller": "unknown",
         "languages": list(LANGUAGES),
