@@ -283,6 +283,28 @@ def test_a_row_of_a_run_is_found_on_its_line() -> None:
     assert found(text) == [("RA206", 18), ("RA462", 31)]
 
 
+CONFIGURATIONS = {
+    "as the robot shows it": ("[-1,3,-4,7]", []),
+    "an arm of seven axes": ("[0,0,0,1011]", []),
+    "half a quadrant": ("[0,0.5,0,0]", ["RA463"]),
+    "unused external axes at the wrong place": ("[9E9,9E9,9E9,9E9]", ["RA463"]),
+    "a shape there is not": ("[0,0,0,8]", ["RA464"]),
+    "a negative shape": ("[0,0,0,-1]", ["RA464"]),
+}
+
+
+@pytest.mark.parametrize(("stated", "codes"), CONFIGURATIONS.values(), ids=CONFIGURATIONS)
+def test_configurations_are_those_of_an_arm(stated: str, codes: list[str]) -> None:
+    value = f"[[1,2,3],[1,0,0,0],{stated},[9E9,9E9,9E9,9E9,9E9,9E9]]"
+    assert found(module(f"CONST robtarget a:={value};")) == [(code, 2) for code in codes]
+    several = "".join(f"CONST robtarget p{k}:={value};\n" for k in range(9))
+    assert found(module(several)) == [(code, 2) for code in codes]
+    written = found(routine(f"TPErase;\nMoveJ {value},v20,fine,tool0;"))
+    assert written == [(code, 4) for code in codes]
+    listed = module(f"CONST robtarget a{{2}}:=[{value},\n{value}];")
+    assert found(listed) == [(code, line) for line in (2, 3) for code in codes]
+
+
 def test_names_of_runs_are_declared_once() -> None:
     one, other = module(run(20), "one"), module(target("P7", 1, 2), "other")
     assert found(one, other) == [("RA201", 2)]

@@ -8,6 +8,7 @@ from typing import Final
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.checks import (
     arcs,
+    configurations,
     flow,
     fly,
     literals,
@@ -42,6 +43,7 @@ RULES: Final[tuple[Callable[[Look], Iterator[Diagnostic]], ...]] = (
     literals.strings,
     literals.persistents,
     orientations.quaternions,
+    configurations.configurations,
     motions.arguments,
     meaning.uses,
     flow.jumps,

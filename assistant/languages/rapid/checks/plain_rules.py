@@ -164,3 +164,15 @@ NO_ORIENTATION: Final = Rule(
     "the orientation of `{name}` is [0,0,0,0]{more}",
     "write a quaternion, [1,0,0,0] for none; the robot cannot move to it",
 )
+NO_QUADRANTS: Final = Rule(
+    "RA463",
+    ERROR,
+    "the configuration of `{name}` is no four whole numbers: {numbers}{more}",
+    "state the quadrants of axes 1, 4 and 6 and cfx, as the robot shows them",
+)
+NO_CFX: Final = Rule(
+    "RA464",
+    WARNING,
+    "cfx of `{name}` is {cfx}; arms of six axes count it from 0 to 7{more}",
+    "state it as the robot shows it",
+)

@@ -1,0 +1,86 @@
+"""Rules of `confdata` in targets that are written out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.checks import plain_rules
+from assistant.languages.rapid.checks.scope import Look
+from assistant.languages.rapid.gather import literal_target
+from assistant.languages.rapid.runs import MOVES
+from assistant.program.diagnostics import Diagnostic
+
+MOST: Final = 127
+"""Quadrants are counted in turns of an axis, of which no arm has 32."""
+SHAPES: Final = 8
+"""Values of cfx of an arm with six axes, from 0."""
+CODES: Final = (10, 9999)
+"""An arm with seven axes has a code of up to four digits; those of one are as above."""
+
+
+def configurations(look: Look) -> Iterator[Diagnostic]:
+    """Quadrants and cfx are whole numbers, and cfx is one that an arm of six axes has."""
+    for run in look.all(s.TargetRunNode):
+        yield from _rows(look, run, run.run.values[:, 7:11], run.run.names.name)
+    for moves in look.all(s.MoveRunNode):
+        if moves.run.values is not None:
+            name = partial(_word, moves)
+            yield from _rows(look, moves, moves.run.values[:, 7:11], name)
+    for call in look.all(s.ProcedureCall):
+        for argument in call.arguments:
+            if isinstance(argument, s.Positional):
+                yield from _written_out(look, argument, argument.value, str(call.name))
+    for node in look.all(s.Data):
+        if node.value is not None and node.type.lower() == "robtarget":
+            yield from _written_out(look, node, node.value, node.name)
+
+
+def _word(moves: s.MoveRunNode, row: int) -> str:
+    return MOVES[int(moves.run.kinds[row])]
+
+
+def _written_out(look: Look, node: s.Node, value: s.Expression, name: str) -> Iterator[Diagnostic]:
+    """A target, or those of an array, at its own place."""
+    numbers = literal_target(value)
+    if numbers is not None:
+        place = value if isinstance(value, s.Node) else node
+        yield from _rows(look, place, np.array([numbers[7:11]]), lambda _: name, single=True)
+    elif isinstance(value, s.AggregateNode):
+        for item in value.items:
+            if isinstance(item, s.AggregateNode):
+                yield from _written_out(look, item, item, name)
+
+
+def _rows(
+    look: Look,
+    node: s.Node,
+    confdata: NDArray[np.float64],
+    name: Callable[[int], str],
+    *,
+    single: bool = False,
+) -> Iterator[Diagnostic]:
+    """confdata: (n, 4) of the rows of a run. name: of a row."""
+    whole = np.isfinite(confdata) & (confdata == np.round(confdata))
+    quadrants = (whole[:, :3] & (np.abs(confdata[:, :3]) <= MOST)).all(axis=1)
+    odd = ~(quadrants & whole[:, 3])
+    cfx = confdata[:, 3]
+    known = ((cfx >= 0) & (cfx < SHAPES)) | ((cfx >= CODES[0]) & (cfx <= CODES[1]))
+    for faults, rule in (
+        (odd, plain_rules.NO_QUADRANTS),
+        (~odd & ~known, plain_rules.NO_CFX),
+    ):
+        rows = np.flatnonzero(faults)
+        if len(rows):
+            row = int(rows[0])
+            more = f", as of {len(rows) - 1} more" if len(rows) > 1 else ""
+            numbers = ", ".join(f"{v:g}" for v in confdata[row])
+            place = {} if single else {"row": row}
+            yield look.finding(
+                rule, node, name=name(row), numbers=numbers, cfx=f"{cfx[row]:g}", more=more, **place
+            )
