@@ -51,6 +51,8 @@ MOST_STATEMENTS: Final = 50_000
 that are followed: some programs have more calls than anybody could wait for.
 """
 WORD: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+MOVING: Final = re.compile(r"\s*(?:[0-9]+\s+)?(?:mov|mv[acrst]|trigg|search)", re.IGNORECASE)
+"""How the statements of either language begin that move the arm, where they are kept as text."""
 
 
 class Walker:
@@ -244,9 +246,12 @@ class Walker:
                 self.note(f"the jump to {label} is not followed")
             case Opaque(text=text):
                 line = text.strip().splitlines()[0] if text.strip() else text
+                way = _without(way, {word.lower() for word in WORD.findall(text)})
+                if MOVING.match(text):
+                    self.note(f"`{line}` is a motion whose time is not known")
+                    return replace(way, places=())
                 self.note(f"`{line}` is taken as neither time nor motion")
-                said = {word.lower() for word in WORD.findall(text)}
-                return _without(way, said)
+                return way
         return way
 
     def call(self, statement: Call, way: Way) -> Way:

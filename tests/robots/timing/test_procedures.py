@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 from hypothesis import given, settings
@@ -11,6 +12,7 @@ from hypothesis import strategies as st
 from assistant import robots
 from assistant.program.diagnostics import Refused
 from assistant.program.pseudo import parse
+from assistant.program.statements import Opaque
 from assistant.robots.timing import Drive, Simulation, simulate
 
 ARM = robots.get("irb1200-7-0.7")
@@ -205,6 +207,27 @@ def test_what_follows_a_place_that_is_not_known_is_not_timed() -> None:
     assert simulation.seconds == near(4)
     assert [one.what[:6] for one in simulation.unknown] == ["move 2", "move 3"]
     assert simulation.moves.number.tolist() == [1, 4]
+
+
+@pytest.mark.parametrize(
+    ("text", "count", "what"),
+    [
+        ("MoveL c,v100\\T:=7,fine,tool0;", 2, "is a motion whose time is not known"),
+        ("30 MVS P3 WTH M_OUT(8)=1", 2, "is a motion whose time is not known"),
+        ("SetAO ao1,3;", 1, "is taken as neither time nor motion"),
+    ],
+)
+def test_a_motion_that_is_kept_as_its_text_leads_nobody_knows_where(
+    text: str, count: int, what: str
+) -> None:
+    program = parse(HEAD + THERE + FORTH + BACK + FORTH + "end\n")
+    (main,) = program.procedures
+    kept = Opaque("rapid", text)
+    main = replace(main, body=(*main.body[:2], kept, *main.body[3:]))
+    simulation = simulate(robots.journey(replace(program, procedures=(main,)), ARM), drive=LOOSE)
+    assert what in str(simulation.unknown[0])
+    assert simulation.seconds == near(2)
+    assert len(simulation.unknown) == count  # the move behind a motion as well
 
 
 def test_procedures_that_nobody_calls_and_that_call_themselves() -> None:
