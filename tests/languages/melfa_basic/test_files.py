@@ -118,7 +118,7 @@ def test_thousands_of_position_lists_come_back(tree: s.File, seed: int) -> None:
 def test_every_kind_of_node_is_made() -> None:
     kinds: set[type] = set()
 
-    @settings(PATIENT, max_examples=500, derandomize=True, database=None)
+    @settings(PATIENT, max_examples=2000, derandomize=True, database=None)
     @given(ANY)
     def look(tree: s.File) -> None:
         kinds.update(type(node) for node in of_type(tree.items, object) if is_dataclass(node))
