@@ -52,10 +52,10 @@ class Mounting:
 
     def from_flange(self, flange: Pose, row: int) -> Pose:
         """A pose of the flange → the target with the tool and frame of a row."""
+        p, q = np.array([flange.position]), np.array([flange.quaternion])
         tool, frame = self.tools[self.tool[row]], self.frames[self.frame[row]]
-        carried = tool.held and not frame.held
-        target: Pose = frame.pose.inverse() @ (flange if carried else flange.inverse()) @ tool.tip
-        return target
+        (position,), (quaternion,) = from_flange(p, q, tool, frame)
+        return Pose.of(position, quaternion)
 
     def tip(self, row: int) -> Pose:
         """The tip on the flange at a row; none for a tool that stands in the room."""
@@ -180,4 +180,21 @@ def to_flange(
     return (
         p + rotations.rotate(q, inverse.position),
         np.asarray(rotations.multiply(q, inverse.quaternion)),
+    )
+
+
+def from_flange(
+    positions: Floats, quaternions: Floats, tool: Tool, frame: Frame
+) -> tuple[Floats, Floats]:
+    """Poses of the flange (n, 3), (n, 4) → targets of a tool in a frame; undoes `to_flange`."""
+    p, q, tip = positions, quaternions, tool.tip
+    if frame.held or not tool.held:
+        q = rotations.conjugate(q)
+        p = -rotations.rotate(q, p)
+    into = frame.pose.inverse()
+    p = p + rotations.rotate(q, tip.position)
+    q = np.asarray(rotations.multiply(q, tip.quaternion))
+    return (
+        rotations.rotate(into.quaternion, p) + into.position,
+        np.asarray(rotations.multiply(into.quaternion, q)),
     )

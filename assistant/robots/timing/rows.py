@@ -14,7 +14,7 @@ from assistant.program.expressions import Name
 from assistant.program.geometry import Frame, Pose, Tool
 from assistant.program.motion import FINE, Blend, Speed
 from assistant.robots.robot import Robot
-from assistant.robots.run import Floats, Pace, to_flange
+from assistant.robots.run import Floats, Pace, from_flange, to_flange
 
 Rows = NDArray[np.intp]
 UNKNOWN_SPEED: Final = Speed(np.nan)
@@ -35,13 +35,7 @@ class Mount:
         """Joints (n, a) → the tool's tip in the base, or in a work piece's holder if the arm
         carries the work piece: (n, 3), (n, 4).
         """
-        p, q = robot.fk(joints)
-        tip = self.tool.tip
-        if self.frame.held or not self.tool.held:
-            back = rotations.conjugate(q)
-            away = np.asarray(tip.position) - p
-            return rotations.rotate(back, away), rotations.multiply(back, tip.quaternion)
-        return p + rotations.rotate(q, tip.position), rotations.multiply(q, tip.quaternion)
+        return from_flange(*robot.fk(joints), self.tool, Frame(held=self.frame.held))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
