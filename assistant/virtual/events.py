@@ -1,0 +1,74 @@
+"""What a program does to the world while it runs, told alike for every language.
+
+Two programs do the same if their events agree: that is how a translation is judged without
+the reading that it was written by.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from assistant.program.geometry import Pose
+
+
+@dataclass(frozen=True, slots=True)
+class Moved:
+    """A motion that was commanded.
+
+    flange: its pose in the robot's own base, mm and unit quaternions, where the motion ends.
+    tool: the tool on the flange. via: the flange on the way of an arc. joints: degrees, where
+    the motion names them. speed: of the tool in mm/s where the motion states one, percent of the
+    axes' own where it states that. blend: mm, 0 for a motion that ends at its target.
+    """
+
+    kind: Literal["joint", "linear", "circular"]
+    flange: Pose | None
+    tool: Pose
+    via: Pose | None = None
+    joints: tuple[float, ...] | None = None
+    speed: float | None = None
+    percent: float | None = None
+    blend: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Switched:
+    """A signal that was set. signal: its name or number, as the language says it, lower case."""
+
+    signal: str
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class Waited:
+    """A delay that the program states, in seconds."""
+
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Said:
+    """A text on the teach pendant."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Stopped:
+    """The program waits for a person. end: for good."""
+
+    end: bool = False
+
+
+Event = Moved | Switched | Waited | Said | Stopped
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """What happened, in order. ended: why it is over, `end` where the program came to its end."""
+
+    events: tuple[Event, ...] = field(default=())
+    ended: Literal["end", "stopped", "steps", "error", "unknown"] = "end"
+    message: str = ""
+    """Of `error`: what the controller would say; of `unknown`: what is not simulated."""
