@@ -77,7 +77,7 @@ def _ways(flow: Flow, region: Region) -> dict[int, list[State]]:
         if after is None:
             continue
         for following in flow.following(at, region):
-            if flow.is_label(following):
+            if following != region.high and flow.is_label(following):
                 found.setdefault(following, []).append(after)
     if region.low in found:
         found[region.low].append(flow.entry)

@@ -251,12 +251,12 @@ class Flow:
             if after is None:
                 continue
             for following in self.following(at, region):
-                if following in self.cuts:
-                    self.edges.setdefault(at, {})[following] = after
-                    continue
-                if following == region.high:
+                if following == region.high:  # the way out, not the line there
                     if not self.cuts:
                         self.exits[number] = joined(self.exits[number], after)
+                    continue
+                if following in self.cuts:
+                    self.edges.setdefault(at, {})[following] = after
                     continue
                 known = self.before.get(following)
                 made = joined(known, after)
@@ -324,7 +324,7 @@ class Flow:
         return state if made is None else made
 
     def following(self, at: int, region: Region) -> Iterator[int]:
-        """Lines that may run after one."""
+        """Lines that may run after one; the end of the region where it is left."""
         statement = self._statement(at)
         match statement:
             case s.Jump(keyword="GoTo", target=target):
