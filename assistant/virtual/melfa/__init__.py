@@ -1,0 +1,67 @@
+"""A small interpreter of MELFA-BASIC IV, V and VI: what a program does, without a controller.
+
+It reads the typed trees and knows the language from its manuals alone: nothing of what lifts or
+lowers programs is used, so that it can judge them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from assistant.languages.melfa_basic import syntax as s
+from assistant.program.diagnostics import has_errors
+from assistant.program.geometry import Pose
+from assistant.virtual.events import Run
+from assistant.virtual.melfa.arm import Arm
+from assistant.virtual.melfa.code import code_of
+from assistant.virtual.melfa.machine import Machine
+from assistant.virtual.melfa.stops import Failed, OutOfSteps, Unknown
+from assistant.virtual.melfa.world import Inputs, World, inputs_of
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+
+MOST_STEPS = 100_000
+
+
+def run(
+    trees: s.File | Sequence[s.File],
+    *,
+    inputs: Mapping[int, int] | Inputs | None = None,
+    robot: Robot | None = None,
+    start: Pose | None = None,
+    names: Sequence[str] = (),
+    most_steps: int = MOST_STEPS,
+) -> Run:
+    """One cycle of a program, from its first line to `End`.
+
+    trees: the program first, then those that it calls. inputs: 0 or 1 by number, the same all the
+    time. start: the flange in the robot's base before the first move, None where it is not known.
+    names: of the programs, in the order of the trees, where they call each other. most_steps:
+    statements after which the run is over.
+
+    What the controller would refuse ends the run with `error` and its number; what nothing tells,
+    or what is not simulated, with `unknown`.
+    """
+    files = [trees] if isinstance(trees, s.File) else list(trees)
+    world = World(Arm(robot, start), inputs_of(inputs), most_steps)
+    try:
+        machines = [_machine(file, world, {}) for file in files]
+        programs = dict(zip((name.upper() for name in names), machines, strict=False))
+        for machine in machines:
+            machine.programs = programs
+        machines[0].run()
+    except Failed as failed:
+        return Run(tuple(world.events), "error", str(failed))
+    except Unknown as unknown:
+        return Run(tuple(world.events), "unknown", str(unknown))
+    except OutOfSteps:
+        return Run(tuple(world.events), "steps", f"more than {most_steps} statements")
+    return Run(tuple(world.events))
+
+
+def _machine(file: s.File, world: World, programs: Mapping[str, Machine]) -> Machine:
+    if has_errors(file.findings):
+        raise Failed(4220, "; ".join(f.message for f in file.findings))
+    return Machine(code_of(file), world, programs)

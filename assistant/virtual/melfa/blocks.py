@@ -1,0 +1,142 @@
+"""Blocks: If, For, While and Select, and how they are left."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from assistant.languages.melfa_basic import syntax as s
+from assistant.virtual.melfa import expressions
+from assistant.virtual.melfa.code import nodes
+from assistant.virtual.melfa.expressions import RELATIONS, SPELLED
+from assistant.virtual.melfa.stops import Failed, Unknown
+from assistant.virtual.melfa.values import Value, holds, number
+
+if TYPE_CHECKING:
+    from assistant.virtual.melfa.machine import Machine
+
+
+def enter_if(m: Machine, node: s.If) -> None:
+    """Goes to the first part whose condition is met."""
+    block = m.code.opened[m.here]
+    if holds(expressions.value(m, node.condition)):
+        return
+    for part in block.parts:
+        statement = m.code.rows[part].statement
+        m.at = part + 1
+        if not isinstance(statement, s.ElseIf):
+            return
+        if holds(expressions.value(m, statement.condition)):
+            return
+    m.at = block.end + 1
+
+
+def skip_rest(m: Machine, _: Any) -> None:
+    """A part that another one ends in: behind the whole block."""
+    m.at = m.code.parted[m.here].end + 1
+
+
+def leave(m: Machine, _: s.Command) -> None:
+    """`Break`: behind the innermost block, and M_BrkCq tells of it (CR1D 4-208)."""
+    block = m.code.inside[m.here]
+    if block is None or block.kind == "Function":
+        raise Failed(4220, "Break outside of a block")
+    m.at = block.end + 1
+    m.world.left = True
+
+
+# -------------------------------------------------------------------------------------- loops
+
+
+def begin_for(m: Machine, node: s.For) -> None:
+    """Bounds are worked out once; a loop without a turn is passed (COSIROP: FOR)."""
+    from assistant.virtual.melfa.machine import Loop
+
+    first = expressions.plain(m, node.first, "the first value of a loop")
+    last, step = _bounds(m, node)
+    place, index = expressions.reference(m, node.variable)
+    place.set(first, index)
+    m.frame.loops[m.here] = Loop(last, step)
+    if not _goes_on(number(place.get(index)), last, step):
+        block = m.code.opened[m.here]
+        m.at = block.end + 1
+
+
+def _bounds(m: Machine, node: s.For) -> tuple[float, float]:
+    last = expressions.plain(m, node.last, "the last value of a loop")
+    step = 1 if node.step is None else expressions.plain(m, node.step, "the step of a loop")
+    if step == 0:
+        raise Unknown("a loop of step 0")
+    return last, step
+
+
+def next_turn(m: Machine, _: s.Next) -> None:
+    """Counts on and goes back to the first statement of the loop, or on behind it."""
+    for closed in m.code.closed[m.here]:
+        statement = m.code.rows[closed.start].statement
+        assert isinstance(statement, s.For)
+        loop = m.frame.loops.get(closed.start)
+        if loop is None:
+            raise Failed(3230, "Next without its For")
+        if not _calls(m, statement) and _bounds(m, statement) != (loop.last, loop.step):
+            raise Unknown("a loop whose bounds change while it runs")
+        place, index = expressions.reference(m, statement.variable)
+        place.set(number(place.get(index)) + loop.step, index)
+        if _goes_on(number(place.get(index)), loop.last, loop.step):
+            m.at = closed.start + 1
+            return
+
+
+def _calls(m: Machine, node: s.For) -> bool:
+    """Whether a bound calls a function of the program, which is not worked out once more."""
+    return any(
+        isinstance(part, s.Variable) and part.key in m.code.functions
+        for part in nodes((node.last, node.step))
+    )
+
+
+def _goes_on(value: float, last: float, step: float) -> bool:
+    return value <= last if step > 0 else value >= last
+
+
+def test_while(m: Machine, node: s.Command) -> None:
+    if not holds(expressions.value(m, node.arguments[0])):
+        m.at = m.code.opened[m.here].end + 1
+
+
+def back_to_while(m: Machine, _: s.Command) -> None:
+    (block,) = m.code.closed[m.here]
+    m.at = block.start
+
+
+# ------------------------------------------------------------------------------------- Select
+
+
+def choose(m: Machine, node: s.Select) -> None:
+    """The first part that fits, Default where none does; lines before the first never run."""
+    block = m.code.opened[m.here]
+    subject = expressions.value(m, node.subject)
+    for part in block.parts:
+        statement = m.code.rows[part].statement
+        if not isinstance(statement, s.Case) or any(
+            _fits(m, item, subject) for item in statement.items
+        ):
+            m.at = part + 1
+            return
+    m.at = block.end + 1
+
+
+def _fits(m: Machine, item: s.CaseRange | s.CaseIs, subject: Value) -> bool:
+    if isinstance(item, s.CaseIs):
+        sign = SPELLED.get(item.operator, item.operator)
+        return _compared(m, sign, subject, expressions.value(m, item.value))
+    first = expressions.value(m, item.first)
+    if item.last is None:
+        return _compared(m, "=", subject, first)
+    last = expressions.value(m, item.last)
+    return _compared(m, ">=", subject, first) and _compared(m, "<=", subject, last)
+
+
+def _compared(m: Machine, sign: str, left: Value, right: Value) -> bool:
+    if sign not in RELATIONS:
+        raise Failed(4220, f"Case Is {sign}")
+    return bool(expressions.binary(m, sign, left, right))

@@ -1,0 +1,284 @@
+"""A parsed program as rows of statements: labels, blocks, functions and variables in tables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, fields, is_dataclass
+from typing import Any, Final
+
+from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.columnar import KEYWORDS, MoveRows, PositionRows
+from assistant.virtual.melfa.memory import DEFINED, SUFFIXES, Scope
+from assistant.virtual.melfa.stops import Failed
+from assistant.virtual.melfa.values import Bare, Kind, Position, Value, eight
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A statement with its label and step number. function: upper-case name, empty for none."""
+
+    statement: s.Statement | None
+    label: str = ""
+    number: int | None = None
+    function: str = ""
+
+
+@dataclass(slots=True)
+class Block:
+    """kind: `If`, `For`, `While`, `Select` or `Function`. parts: rows of `ElseIf`, `Else`,
+    `Case` and `Default`. end: the row that closes it.
+    """
+
+    kind: str
+    start: int
+    parts: list[int] = field(default_factory=list)
+    end: int = -1
+
+
+@dataclass(slots=True)
+class Code:
+    """A program. inside: the innermost block of each row; opened, parted and closed: blocks by
+    the row that opens, divides or closes them (`Next M1,M2` closes two).
+    """
+
+    rows: list[Row]
+    labels: dict[tuple[str, str], int]
+    numbers: dict[int, int]
+    opened: dict[int, Block]
+    parted: dict[int, Block]
+    closed: dict[int, list[Block]]
+    inside: list[Block | None]
+    functions: dict[str, Block]
+    main: Scope
+    scopes: dict[str, Scope]
+    data: list[tuple[str, tuple[int, ...], Value]]
+    definitions: dict[str, s.DefFunction]
+    signals: dict[str, s.DefIo]
+
+    def target(self, target: s.Target, function: str) -> int:
+        """The row that a jump goes to; labels of a function are its own."""
+        if isinstance(target.place, int):
+            at = self.numbers.get(target.place)
+        else:
+            name = target.place.upper()
+            at = self.labels.get((function, name), self.labels.get(("", name)))
+        if at is None:
+            raise Failed(3600, f"the jump destination {target.place} does not exist")
+        return at
+
+    def function_of(self, block: Block) -> s.Function:
+        statement = self.rows[block.start].statement
+        assert isinstance(statement, s.Function)
+        return statement
+
+
+CLOSERS: Final = {"WEnd": "While", "EndIf": "If", "End Select": "Select", "FEnd": "Function"}
+MISMATCH: Final = {"If": 3252, "For": 3230, "While": 3250, "Select": 3254, "Function": 3220}
+
+
+def code_of(file: s.File) -> Code:
+    """The tables of a file; raises Failed where blocks do not close or a line is none."""
+    rows = list(_rows(file))
+    code = Code(rows, {}, {}, {}, {}, {}, [], {}, Scope(), {}, list(_data(file)), {}, {})
+    open_: list[Block] = []
+    for at, row in enumerate(rows):
+        if row.label:
+            if (row.function, row.label) in code.labels:
+                raise Failed(4440, f"the label {row.label} stands twice")
+            code.labels[row.function, row.label] = at
+        if row.number is not None:
+            code.numbers[row.number] = at
+        _blocks(code, open_, at, row.statement)
+    if open_:
+        raise Failed(MISMATCH[open_[-1].kind], f"a {open_[-1].kind} is not closed")
+    _scopes(code)
+    return code
+
+
+def _rows(file: s.File) -> Iterator[Row]:
+    function = ""
+    for item in file.items:
+        match item:
+            case s.Line(statement=statement, label=label, number=number):
+                if isinstance(statement, s.Function):
+                    function = statement.name.upper()
+                yield Row(statement, (label or "").upper(), number, function)
+                if statement == s.Command("FEnd"):
+                    function = ""
+            case MoveRows():
+                for at in range(len(item)):
+                    yield Row(_move(item, at), "", int(item.steps[at]), function)
+            case s.Unread(text=text):
+                raise Failed(4220, f"`{text}` is no statement")
+
+
+def _move(rows: MoveRows, at: int) -> s.Motion:
+    columns = (rows.start, rows.via, rows.end)
+    named = [int(column[at]) for column in columns if column[at] >= 0]
+    targets = tuple(s.Variable(f"{rows.stem}{number}") for number in named)
+    return s.Motion(KEYWORDS[int(rows.kinds[at])], targets)
+
+
+def _data(file: s.File) -> Iterator[tuple[str, tuple[int, ...], Value]]:
+    """Variables that stand in the file, with their values."""
+    for item in file.items:
+        match item:
+            case PositionRows():
+                for at in range(len(item)):
+                    values = eight(tuple(float(v) for v in item.values[at]))
+                    one, two = (int(flag) for flag in item.flags[at])
+                    yield f"{item.stem}{item.numbers[at]}".upper(), (), Position(values, (one, two))
+            case s.Data(variable=variable, value=value):
+                made = constant(value)
+                if made is not None:
+                    yield variable.key, _numbers(variable), made
+
+
+def _numbers(variable: s.Variable) -> tuple[int, ...]:
+    """Subscripts, or extents."""
+    return tuple(int(a.value) for a in variable.arguments or () if isinstance(a, s.Number))
+
+
+def constant(node: s.Expression) -> Value | None:
+    """The value of a constant, None for the form of a variable that has none: `(…)(,)`."""
+    match node:
+        case s.Number(value=value) | s.String(value=value):
+            return value
+        case s.Unary(operator="-", operand=s.Number(value=value)):
+            return -value
+        case s.Unary(operator="+", operand=s.Number(value=value)):
+            return value
+        case s.Constant(values=values, flags=None):
+            return Bare(eight(values))
+        case s.Constant(values=values, flags=(None, None)):
+            return None
+        case s.Constant(values=values, flags=flags):
+            return Position(eight(values), flags or (None, None))
+    raise Failed(4220, "a value that is no constant")
+
+
+# ----------------------------------------------------------------------------------- blocks
+
+
+def _blocks(code: Code, open_: list[Block], at: int, statement: s.Statement | None) -> None:
+    kind = _opening(statement)
+    part = _parting(statement)
+    if part:
+        if not open_ or open_[-1].kind != part:
+            raise Failed(MISMATCH[part], f"a part of a {part} stands outside of one")
+        open_[-1].parts.append(at)
+        code.parted[at] = open_[-1]
+    for closed in _closing(statement):
+        if not open_ or open_[-1].kind != closed:
+            raise Failed(MISMATCH[closed], f"the end of a {closed} stands without its beginning")
+        block = open_.pop()
+        block.end = at
+        code.closed.setdefault(at, []).append(block)
+    code.inside.append(open_[-1] if open_ else None)
+    if kind:
+        block = Block(kind, at)
+        code.opened[at] = block
+        open_.append(block)
+        if isinstance(statement, s.Function):
+            code.functions[statement.name.upper()] = block
+
+
+def _opening(statement: s.Statement | None) -> str:
+    match statement:
+        case s.If(then=None):
+            return "If"
+        case s.For():
+            return "For"
+        case s.Select():
+            return "Select"
+        case s.Function():
+            return "Function"
+        case s.Command(keyword="While"):
+            return "While"
+    return ""
+
+
+def _parting(statement: s.Statement | None) -> str:
+    match statement:
+        case s.ElseIf() | s.Command(keyword="Else"):
+            return "If"
+        case s.Case() | s.Command(keyword="Default"):
+            return "Select"
+    return ""
+
+
+def _closing(statement: s.Statement | None) -> list[str]:
+    match statement:
+        case s.Next(variables=variables):
+            return ["For"] * max(1, len(variables))
+        case s.Command(keyword=word) if word in CLOSERS:
+            return [CLOSERS[word]]
+    return []
+
+
+# ----------------------------------------------------------------------------------- scopes
+
+
+def _scopes(code: Code) -> None:
+    """Types and extents; those of a function behind those of the program."""
+    for name in code.functions:
+        code.scopes[name] = Scope()
+    marked: dict[str, Kind] = {}
+    before = True
+    for row in code.rows:
+        before = before and not isinstance(row.statement, s.Function)
+        scope = code.scopes[row.function] if row.function else code.main
+        _declare(code, scope, row.statement)
+        for node in nodes(row.statement):
+            if isinstance(node, s.Variable):
+                if node.suffix:
+                    marked.setdefault(node.key, SUFFIXES[node.suffix])
+                if before:
+                    code.main.declared.add(node.key)
+    code.main.declared.update(name for name, _, _ in code.data)
+    for scope in (code.main, *code.scopes.values()):
+        for name, kind in {**marked, **code.main.kinds}.items():
+            scope.kinds.setdefault(name, kind)
+
+
+def _declare(code: Code, scope: Scope, statement: s.Statement | None) -> None:
+    match statement:
+        case s.DefNames(type=type_, variables=variables) if type_ in DEFINED:
+            for variable in variables:
+                scope.kinds[variable.key] = DEFINED[type_]
+                _size(scope, variable)
+        case s.Dim(variables=variables):
+            for variable in variables:
+                _size(scope, variable)
+        case s.Const(type=type_, variable=variable):
+            scope.declared.add(variable.key)
+            if type_ in DEFINED:
+                scope.kinds[variable.key] = DEFINED[type_]
+        case s.Static(definition=definition):
+            scope.static |= {variable.key for variable in definition.variables}
+            _declare(code, scope, definition)
+        case s.DefFunction(name=name):
+            code.definitions[name.upper()] = statement
+        case s.DefIo(variable=variable):
+            code.signals[variable.key] = statement
+        case s.Function(parameters=parameters):
+            for parameter in parameters or ():
+                if parameter.suffix:
+                    scope.kinds[parameter.name.upper()] = SUFFIXES[parameter.suffix]
+
+
+def _size(scope: Scope, variable: s.Variable) -> None:
+    scope.declared.add(variable.key)
+    if variable.arguments:
+        scope.sizes[variable.key] = _numbers(variable)
+
+
+def nodes(node: Any) -> Iterator[Any]:
+    """A node and all below it."""
+    if isinstance(node, tuple):
+        for one in node:
+            yield from nodes(one)
+    elif is_dataclass(node):
+        yield node
+        for part in fields(node):
+            yield from nodes(getattr(node, part.name))

@@ -1,0 +1,264 @@
+"""A running program: its place, its subroutines, its variables and what they are called with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from typing import Final
+
+from assistant.languages.melfa_basic import syntax as s
+from assistant.virtual.melfa import expressions
+from assistant.virtual.melfa.code import Block, Code
+from assistant.virtual.melfa.memory import (
+    SUFFIXES,
+    Cell,
+    Element,
+    Memory,
+    Place,
+    Scope,
+    is_external,
+    kind_by_name,
+)
+from assistant.virtual.melfa.pallets import Grid
+from assistant.virtual.melfa.stops import Ended, Failed, Unknown
+from assistant.virtual.melfa.values import Kind, Value, converted
+from assistant.virtual.melfa.world import World
+
+MOST_SUBROUTINES: Final = 800
+MOST_FUNCTIONS: Final = 16
+MOST_PROGRAMS: Final = 8
+"""How deep calls may go (CR1D 4-151); of GoSub about 800."""
+
+
+@dataclass(slots=True)
+class Loop:
+    """A `For` that runs: the value that ends it, and its step, as they were at its beginning."""
+
+    last: float
+    step: float
+
+
+@dataclass(slots=True)
+class Frame:
+    """A Function that runs, or the program itself. back: rows that `Return` goes to."""
+
+    function: str
+    memory: Memory
+    back: list[int] = field(default_factory=list)
+    loops: dict[int, Loop] = field(default_factory=dict)
+    result: Value | None = None
+    left: bool = False
+
+
+@dataclass
+class Machine:
+    """One program that runs. programs: what it may call, by upper-case name.
+
+    here: the row that runs. at: the one that comes next.
+    """
+
+    code: Code
+    world: World
+    programs: Mapping[str, Machine]
+    depth: int = 0
+    here: int = 0
+    at: int = 0
+
+    def __post_init__(self) -> None:
+        self.main = Memory(self.code.main)
+        self.static: dict[str, Memory] = {}
+        self.frames = [Frame("", self.main)]
+        self.pallets: dict[int, Grid] = {}
+        self.arguments: tuple[Value, ...] = ()
+        for name, index, value in self.code.data:
+            self.main.place(name).set(value, index)
+
+    @property
+    def frame(self) -> Frame:
+        return self.frames[-1]
+
+    # ------------------------------------------------------------------------------ running
+
+    def run(self) -> None:
+        """From the top to the end of the program."""
+        self.at, self.frames = 0, [Frame("", self.main)]
+        with suppress(Ended):
+            self.go_on(self.frame)
+
+    def go_on(self, until: Frame) -> None:
+        """Runs until a frame is left; the last row of a program is its end."""
+        from assistant.virtual.melfa.statements import execute
+
+        while not until.left:
+            if self.at >= len(self.code.rows):
+                raise Ended
+            self.here = self.at
+            self.at += 1
+            statement = self.code.rows[self.here].statement
+            if statement is not None:
+                self.world.tick()
+                execute(self, statement)
+
+    def jump(self, target: s.Target) -> None:
+        self.at = self.code.target(target, self.frame.function)
+
+    def gosub(self, target: s.Target) -> None:
+        if len(self.frame.back) >= MOST_SUBROUTINES:
+            raise Failed(3220, "subroutines call too deep")
+        self.frame.back.append(self.at)
+        self.jump(target)
+
+    # ------------------------------------------------------------------------------- memory
+
+    def memory_of(self, name: str) -> Memory:
+        """Where a variable stands: shared by all programs, of the function, or of the program."""
+        if is_external(name):
+            return self.world.shared
+        frame = self.frame
+        if not frame.function:
+            return self.main
+        if name in frame.memory.places:
+            return frame.memory
+        scope = self.code.scopes[frame.function]
+        if name in scope.static:
+            return self.static.setdefault(frame.function, Memory(scope))
+        if name in self.code.main.declared and name not in scope.declared:
+            return self.main
+        return frame.memory
+
+    def is_own(self, name: str) -> bool:
+        """Whether the function that runs has a variable of that name itself."""
+        return bool(self.frame.function) and (
+            name in self.frame.memory.places
+            or name in self.code.scopes[self.frame.function].declared
+        )
+
+    def is_result(self, node: s.Variable) -> bool:
+        """Whether a name stands for the result of the function that runs."""
+        return node.arguments is None and node.key == self.frame.function != ""
+
+    def result(self) -> Value:
+        if self.frame.result is None:
+            raise Failed(3700, f"the result of {self.frame.function} is not set")
+        return self.frame.result
+
+    def set_result(self, value: Value) -> None:
+        """The result of the function that runs, as its head says its type."""
+        function = self.code.function_of(self.code.functions[self.frame.function])
+        name = function.result.upper()
+        if name in ("", "V"):
+            raise Failed(4220, f"{function.name} gives nothing back")
+        mark = name[-1] if name[-1] in SUFFIXES else function.suffix
+        kind: Kind = SUFFIXES.get(mark, "text" if name[0] == "C" else kind_by_name(name[0]))
+        self.frame.result = converted(value, kind, function.name)
+
+    # ------------------------------------------------------------------------------ calling
+
+    def called(self, node: s.Variable) -> Value:
+        """What a Function gives back."""
+        frame = self.call(node)
+        if frame.result is None:
+            raise Failed(3700, f"{node.name} gives nothing back")
+        return frame.result
+
+    def call(self, node: s.Variable) -> Frame:
+        """Runs a Function of MELFA-BASIC VI."""
+        block = self.code.functions.get(node.key)
+        if block is None:
+            raise Failed(3600, f"there is no function {node.name}")
+        if len(self.frames) > MOST_FUNCTIONS:
+            raise Failed(3220, "functions call too deep")
+        function = self.code.function_of(block)
+        parameters, given = function.parameters or (), node.arguments or ()
+        if len(parameters) != len(given):
+            raise Failed(3120, f"{len(given)} arguments for the {len(parameters)} of {node.name}")
+        memory = Memory(self.code.scopes[node.key])
+        for parameter, argument in zip(parameters, given, strict=True):
+            name = parameter.name.upper()
+            memory.places[name] = self._argument(parameter, argument, memory.scope)
+        frame = Frame(node.key, memory)
+        back = self.here, self.at
+        self.frames.append(frame)
+        self.at = block.start + 1
+        self.go_on(frame)
+        self.frames.pop()
+        self.here, self.at = back
+        return frame
+
+    def _argument(
+        self, parameter: s.FunctionParameter, node: s.Expression | None, scope: Scope
+    ) -> Place:
+        name = parameter.name.upper()
+        whole = isinstance(node, s.Variable) and not node.arguments and not node.component
+        if parameter.array:
+            if not isinstance(node, s.Variable) or not whole:
+                raise Failed(3810, f"{parameter.name} takes an array")
+            place = self.memory_of(node.key).place(node.key)
+            if not isinstance(place, Cell):
+                raise Failed(3810, f"{parameter.name} takes an array")
+            return place if parameter.mode == "ByRef" else place.copy(name)
+        kind = scope.kinds.get(name, kind_by_name(name))
+        if parameter.mode == "ByRef" and isinstance(node, s.Variable):
+            if node.component or self.is_result(node):
+                raise Unknown("a component or a result that is given by reference")
+            place, index = expressions.reference(self, node)
+            if place.kind != kind:
+                raise Unknown(f"a variable of another type by reference as {parameter.name}")
+            return Element(place, index) if index and isinstance(place, Cell) else place
+        made = Cell(name, kind)
+        made.set(expressions.value(self, node))
+        return made
+
+    def leave(self) -> None:
+        """The end of a Function; that of the first one is the end of the program."""
+        if self.frame.function == MAIN and len(self.frames) == 2:
+            raise Ended
+        self.frame.left = True
+
+    def defined(self, node: s.Variable) -> Value:
+        """What a function gives that `Def FN` defines."""
+        definition = self.code.definitions[node.key]
+        given = node.arguments or ()
+        if len(given) != len(definition.parameters):
+            raise Failed(3120, f"{len(given)} arguments of {node.name}")
+        memory = Memory(Scope(dict(self.frame.memory.scope.kinds)))
+        for parameter, argument in zip(definition.parameters, given, strict=True):
+            cell = memory.place(parameter.key)
+            cell.set(expressions.value(self, argument))
+        frame = self.frame
+        names = {name: frame.memory.places.get(name) for name in memory.places}
+        frame.memory.places.update(memory.places)
+        try:
+            found = expressions.value(self, definition.value)
+        finally:
+            for name, before in names.items():
+                if before is None:
+                    del frame.memory.places[name]
+                else:
+                    frame.memory.places[name] = before
+        kind: Kind = SUFFIXES.get(definition.suffix, kind_by_name(node.key[2:3]))
+        return converted(found, kind, node.name)
+
+    def call_program(self, name: str, arguments: tuple[Value, ...]) -> None:
+        """`CallP`: another program, to its end; arguments go by value."""
+        called = self.programs.get(name.upper())
+        if called is None:
+            raise Unknown(f"the program {name}, which is not at hand")
+        if self.depth + 1 > MOST_PROGRAMS:
+            raise Failed(3710, "programs call too deep")
+        if called.depth or called is self:
+            raise Failed(3710, f"the program {name} calls itself")
+        called.depth, called.arguments = self.depth + 1, arguments
+        called.run()
+        called.depth = 0
+
+    def enter_main(self, block: Block) -> None:
+        """The Function that a program of MELFA-BASIC VI begins with."""
+        if self.frame.function or self.frame.back:
+            raise Failed(3220, "a Function is run into")
+        self.frames.append(Frame(MAIN, Memory(self.code.scopes[MAIN])))
+        self.at = block.start + 1
+
+
+MAIN: Final = "MAIN"

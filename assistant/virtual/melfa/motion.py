@@ -1,0 +1,245 @@
+"""Moves: what they make of the arm, and the event of each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from assistant.languages.melfa_basic import syntax as s
+from assistant.program.geometry import Pose, Vector
+from assistant.virtual.events import Moved
+from assistant.virtual.melfa import expressions, poses
+from assistant.virtual.melfa.arm import OPTIMUM
+from assistant.virtual.melfa.circles import Floats, circle_about, circle_through
+from assistant.virtual.melfa.stops import Failed, Unknown
+from assistant.virtual.melfa.values import Bare, Joints, Position, Value, holds, position
+
+if TYPE_CHECKING:
+    from assistant.virtual.melfa.machine import Machine
+
+SAME_RADIUS: Final = 0.01
+"""mm by which the two radii of Mvr3 may differ (COSIROP: MVR3)."""
+
+
+def move(m: Machine, node: s.Motion) -> None:
+    """Runs a motion with what is appended to it; raises Unknown for a kind not simulated."""
+    kind = KINDS.get(node.keyword.upper())
+    if kind is None:
+        raise Unknown(f"the motion {node.keyword}")
+    if node.append is not None:
+        _begin(m, node.append)
+    kind(m, node)
+
+
+def _begin(m: Machine, append: s.Append) -> None:
+    """`Wth` and `WthIf` act as the motion starts; inputs are the same until it ends."""
+    from assistant.virtual.melfa.statements import execute
+
+    if append.condition is not None:
+        if not holds(expressions.value(m, append.condition)):
+            return
+    if not isinstance(append.statement, s.Assign):
+        raise Unknown("where a motion is when it is broken off")
+    execute(m, append.statement)
+
+
+# ------------------------------------------------------------------------ straight and by joints
+
+
+def _joint(m: Machine, node: s.Motion) -> None:
+    goal = _goal(m, node)
+    if isinstance(goal, Joints):
+        _to_joints(m, goal)
+    else:
+        flange = _flange(m, goal)
+        m.world.events.append(_moved(m, "joint", flange))
+        m.world.arm.at_position(flange, goal.flags)
+
+
+def _to_joints(m: Machine, goal: Joints) -> None:
+    arm = m.world.arm
+    count = max((i + 1 for i, v in enumerate(goal.values) if v is not None), default=0)
+    joints = tuple(v for v in goal.values[:count] if v is not None)
+    if len(joints) != count or not count:
+        raise Failed(2802, "a joint position with elements that are not defined")
+    arm.at_joints(joints)
+    m.world.events.append(_moved(m, "joint", arm.flange, joints=joints))
+
+
+def _linear(m: Machine, node: s.Motion) -> None:
+    goal = _goal(m, node)
+    if isinstance(goal, Joints):
+        raise Unknown("a straight move to joints")
+    _straight(m, goal, agree=node.type is None)
+
+
+def _straight(m: Machine, goal: Position, agree: bool = True) -> None:
+    """agree: whether the structure flags of both ends must be the same."""
+    arm = m.world.arm
+    one, two = arm.flags[0], goal.flags[0]
+    if agree and one is not None and two is not None and one != two:
+        raise Failed(2810, "the posture flags of start and end differ")
+    flange = _flange(m, goal)
+    m.world.events.append(_moved(m, "linear", flange))
+    arm.at_position(flange, goal.flags)
+
+
+def _goal(m: Machine, node: s.Motion) -> Position | Joints:
+    """The target of Mov and Mvs, moved along the tool by the distance behind it."""
+    target, *more = node.arguments
+    goal = m.world.arm.shown() if target is None else _place(expressions.value(m, target))
+    if not more or more[0] is None:
+        return goal
+    distance = expressions.plain(m, more[0], "the distance")
+    if isinstance(goal, Joints):
+        raise Unknown("a distance from joints")
+    away = poses.pose_of(goal, m.world.arm.robot).offset(z=distance)
+    return poses.position_of(away, goal, m.world.arm.robot)
+
+
+def _place(value: Value) -> Position | Joints:
+    if isinstance(value, Bare):
+        raise Unknown("a move to a constant that may be a position or joints")
+    if not isinstance(value, Position | Joints):
+        raise Failed(3810, "a move to what is no position")
+    return value
+
+
+def _flange(m: Machine, goal: Position) -> Pose:
+    return m.world.arm.placed(goal)
+
+
+def _moved(
+    m: Machine,
+    kind: str,
+    flange: Pose | None,
+    via: Pose | None = None,
+    joints: tuple[float, ...] | None = None,
+) -> Moved:
+    """The event of a motion with the speed and the corner that hold."""
+    arm = m.world.arm
+    speed = percent = None
+    if kind == "joint":
+        percent = arm.override * arm.joint_override / 100.0
+    elif arm.speed != OPTIMUM:
+        speed = arm.override * arm.speed / 100.0
+    made: Moved = Moved(
+        kind,  # type: ignore[arg-type] # one of its three
+        flange,
+        arm.tip,
+        via=via,
+        joints=joints,
+        speed=speed,
+        percent=percent,
+        blend=arm.corner,
+    )
+    return made
+
+
+# ------------------------------------------------------------------------------------- arcs
+
+
+def _three(m: Machine, node: s.Motion) -> tuple[Position, Position, Position]:
+    if len(node.arguments) < 3 or None in node.arguments[:3]:
+        raise Failed(3120, f"{node.keyword} takes three positions")
+    first, second, third = (
+        position(expressions.value(m, a), "a place of an arc") for a in node.arguments[:3]
+    )
+    return first, second, third
+
+
+def _to_start(m: Machine, start: Position) -> None:
+    """An arc that begins elsewhere is reached by a straight move first (COSIROP: MVR)."""
+    arm = m.world.arm
+    flange = arm.placed(start)
+    if arm.flange is None:
+        raise Unknown("where an arc begins")
+    tip = arm.flange @ arm.tip
+    if not poses.same_place(tip, flange @ arm.tip, BEGINNING):
+        _straight(m, start)
+
+
+BEGINNING: Final = 0.05
+"""mm between where the arm stands and where an arc begins: rounding of positions."""
+
+
+def _through(m: Machine, node: s.Motion) -> None:
+    """Mvr: start, a place on the way, end."""
+    start, via, end = _three(m, node)
+    _to_start(m, start)
+    if circle_through(*(_at(m, p) for p in (start, via, end))) is None:
+        _straight(m, end)
+        return
+    _arc(m, _flange(m, via), end)
+
+
+def _round_other_side(m: Machine, node: s.Motion) -> None:
+    """Mvr2: start, end, a place of the circle that is not on the way."""
+    start, end, reference = _three(m, node)
+    _to_start(m, start)
+    a, b, c = (_at(m, p) for p in (start, end, reference))
+    circle = circle_through(a, c, b)
+    if circle is None:
+        _straight(m, end)
+        return
+    _arc_by(m, circle.middle(b, a), end)
+
+
+def _about(m: Machine, node: s.Motion) -> None:
+    """Mvr3: start, end, centre; less than half a turn."""
+    start, end, centre = _three(m, node)
+    _to_start(m, start)
+    a, b, c = (_at(m, p) for p in (start, end, centre))
+    radii = np.linalg.norm(a - c), np.linalg.norm(b - c)
+    circle = circle_about(a, b, c)
+    if abs(radii[0] - radii[1]) > SAME_RADIUS or circle is None:
+        raise Failed(2803, "the centre of an arc")
+    _arc_by(m, circle.middle(a, b), end)
+
+
+def _whole_circle(m: Machine, node: s.Motion) -> None:
+    """Mvc: start and two places on the way, back to the start; the posture stays."""
+    start, first, second = _three(m, node)
+    _to_start(m, start)
+    a, b, c = (_at(m, p) for p in (start, first, second))
+    circle = circle_through(a, b, c)
+    if circle is None:
+        raise Failed(2803, "the places of a circle")
+    kept = poses.pose_of(start, m.world.arm.robot)
+    half = poses.position_of(Pose(_vector(c), kept.quaternion), start)
+    _arc_by(m, circle.middle(a, c), half)
+    _arc_by(m, circle.middle(c, a), start)
+
+
+def _vector(place: Floats) -> Vector:
+    x, y, z = (float(v) for v in place)
+    return x, y, z
+
+
+def _at(m: Machine, value: Position) -> Floats:
+    return np.array(poses.pose_of(value, m.world.arm.robot).position)
+
+
+def _arc_by(m: Machine, middle: Floats, end: Position) -> None:
+    """An arc through a place that is worked out, turned as at its end."""
+    turned = poses.pose_of(end, m.world.arm.robot).quaternion
+    via = poses.position_of(Pose(_vector(middle), turned), end)
+    _arc(m, _flange(m, via), end)
+
+
+def _arc(m: Machine, via: Pose, end: Position) -> None:
+    flange = _flange(m, end)
+    m.world.events.append(_moved(m, "circular", flange, via))
+    m.world.arm.at_position(flange, end.flags)
+
+
+KINDS: Final[Mapping[str, Callable[[Machine, s.Motion], None]]] = {
+    "MOV": _joint,
+    "MVS": _linear,
+    "MVR": _through,
+    "MVR2": _round_other_side,
+    "MVR3": _about,
+    "MVC": _whole_circle,
+}

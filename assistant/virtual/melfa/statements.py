@@ -1,0 +1,193 @@
+"""What each statement of MELFA-BASIC does, in two tables: by form and by word."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant.languages.melfa_basic import syntax as s
+from assistant.virtual.melfa import blocks, expressions, motion, settings, status
+from assistant.virtual.melfa.stops import Failed, Unknown, out_of_range
+from assistant.virtual.melfa.values import holds, text, whole, with_component
+
+if TYPE_CHECKING:
+    from assistant.virtual.melfa.machine import Machine
+
+
+def execute(m: Machine, statement: s.Statement) -> None:
+    """Runs one statement; the row that comes next is set already."""
+    if isinstance(statement, s.Command):
+        settings.command(m, statement)
+        return
+    run = FORMS.get(type(statement))
+    if run is None:
+        raise Unknown(f"the statement {type(statement).__name__}")
+    run(m, statement)
+
+
+def _nothing(_m: Machine, _node: Any) -> None:
+    """Definitions are taken in before the program runs."""
+
+
+def _motion(m: Machine, node: s.Motion) -> None:
+    motion.move(m, node)
+
+
+# ------------------------------------------------------------------------------- assignments
+
+
+def _assign(m: Machine, node: s.Assign) -> None:
+    target, key = node.target, node.target.key
+    value = expressions.value(m, node.value)
+    if m.is_result(target):
+        _result(m, target, value)
+    elif not m.is_own(key) and key in m.code.signals:
+        first, width, mask = expressions.io_of(m, m.code.signals[key])
+        _switch(m, node, first, width, whole(value), mask)
+    elif key in status.WIDTHS and not m.is_own(key):
+        first = _index(m, target)
+        if not status.WIDTHS[key][0]:
+            raise Failed(3210, f"{target.name} is written")
+        _switch(m, node, first, status.WIDTHS[key][1], whole(value))
+    elif key == "M_TIMER":
+        m.world.set_timer(status.timer_number(_index(m, target)), float(whole(value)))
+    elif expressions.is_status(key) and not m.is_own(key):
+        raise Unknown(f"setting the status variable {target.name}")
+    elif node.delay is not None:
+        raise Failed(4220, "a pulse of what is no output")
+    else:
+        _store(m, target, value)
+
+
+def _result(m: Machine, target: s.Variable, value: Any) -> None:
+    """The result of the Function that runs."""
+    if target.component:
+        m.set_result(with_component(m.result(), target.component, value))
+    else:
+        m.set_result(value)
+
+
+def _store(m: Machine, target: s.Variable, value: Any) -> None:
+    place, index = expressions.reference(m, target)
+    if target.component:
+        value = with_component(place.get(index), target.component, value)
+    place.set(value, index)
+
+
+def _index(m: Machine, target: s.Variable) -> int:
+    if not target.arguments or len(target.arguments) != 1:
+        raise Failed(4370, f"{target.name} without one number")
+    return expressions.integer(m, target.arguments[0], f"the number of {target.name}")
+
+
+def _switch(m: Machine, node: s.Assign, first: int, width: int, value: int, mask: int = -1) -> None:
+    """Sets outputs; with a time it is a pulse, whose end is told at once: moves take no time."""
+    before = m.world.read(output=True, first=first, width=width)
+    m.world.switch(first, width, value, mask)
+    if node.delay is None:
+        return
+    if width != 1:
+        raise Unknown("a pulse of a group of signals")
+    if expressions.plain(m, node.delay, "the time of a pulse") < 0:
+        raise out_of_range("the time of a pulse")
+    if before == value:
+        raise Unknown("a pulse of an output that is as it would be set")
+    m.world.switch(first, width, before)
+
+
+# ------------------------------------------------------------------------------------ jumps
+
+
+def _if(m: Machine, node: s.If) -> None:
+    if node.then is None:
+        blocks.enter_if(m, node)
+        return
+    branch = node.then if holds(expressions.value(m, node.condition)) else node.otherwise
+    if isinstance(branch, s.Target):
+        m.jump(branch)
+    elif branch is not None:
+        execute(m, branch)
+
+
+def _jump(m: Machine, node: s.Jump) -> None:
+    if node.keyword == "GoSub":
+        m.gosub(node.target)
+    else:
+        m.jump(node.target)
+
+
+def _on(m: Machine, node: s.OnJump) -> None:
+    which = expressions.integer(m, node.subject, "the place of a jump")
+    if not 0 <= which <= LARGEST:
+        raise out_of_range(f"the place {which} of a jump")
+    if not 1 <= which <= len(node.targets):
+        return
+    target = node.targets[which - 1]
+    if target is None:
+        raise out_of_range(f"the empty place {which} of a jump")
+    _jump(m, s.Jump(node.keyword, target))
+
+
+LARGEST: Final = 32767
+
+
+def _call(m: Machine, node: s.Call) -> None:
+    m.call(node.function)
+
+
+def _call_program(m: Machine, node: s.CallP) -> None:
+    name = text(expressions.value(m, node.program), "the name of a program")
+    m.call_program(name, tuple(expressions.value(m, a) for a in node.arguments))
+
+
+def _parameters(m: Machine, node: s.FPrm) -> None:
+    if len(node.variables) != len(m.arguments):
+        raise Failed(3120, f"{len(m.arguments)} arguments for {len(node.variables)}")
+    for variable, value in zip(node.variables, m.arguments, strict=True):
+        _store(m, variable, value)
+
+
+# ------------------------------------------------------------------------------ definitions
+
+
+def _const(m: Machine, node: s.Const) -> None:
+    _store(m, node.variable, expressions.value(m, node.value))
+
+
+def _other(m: Machine, node: s.DefOther) -> None:
+    if node.kind.upper() not in ("PLT", "DEF PLT"):
+        raise Unknown(f"Def {node.kind}")
+    settings.define_pallet(m, node.arguments)
+
+
+def _function(m: Machine, _: s.Function) -> None:
+    """A Function that is run into: the first one of a program is its beginning."""
+    block = m.code.functions.get("MAIN")
+    if block is None:
+        raise Unknown("a program that runs into a Function")
+    m.enter_main(block)
+
+
+FORMS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
+    s.Motion: _motion,
+    s.Assign: _assign,
+    s.If: _if,
+    s.ElseIf: blocks.skip_rest,
+    s.For: blocks.begin_for,
+    s.Next: blocks.next_turn,
+    s.Select: blocks.choose,
+    s.Case: blocks.skip_rest,
+    s.Jump: _jump,
+    s.OnJump: _on,
+    s.CallP: _call_program,
+    s.Call: _call,
+    s.FPrm: _parameters,
+    s.DefNames: _nothing,
+    s.DefIo: _nothing,
+    s.DefFunction: _nothing,
+    s.DefOther: _other,
+    s.Dim: _nothing,
+    s.Const: _const,
+    s.Static: _nothing,
+    s.Function: _function,
+}

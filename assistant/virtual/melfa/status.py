@@ -1,0 +1,81 @@
+"""Status variables that can be read, in a table: what the controller knows of the run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Final
+
+from assistant.virtual.melfa.arm import FULL, OPTIMUM, Arm
+from assistant.virtual.melfa.stops import Unknown, out_of_range
+from assistant.virtual.melfa.values import ORIGIN, Value, whole
+from assistant.virtual.melfa.world import World
+
+STANDARD_GRAVITY: Final = 9.80665
+
+ARM: Final[Mapping[str, Callable[[Arm], Value]]] = {
+    "P_CURR": Arm.shown,
+    "P_FBC": Arm.shown,
+    "J_CURR": Arm.shown_joints,
+    "J_FBC": Arm.shown_joints,
+    "P_TOOL": lambda arm: arm.tool,
+    "P_BASE": lambda arm: arm.base,
+    "M_SPD": lambda arm: arm.speed,
+    "M_OVRD": lambda arm: arm.override,
+    "M_JOVRD": lambda arm: arm.joint_override,
+    "M_ACL": lambda arm: arm.acceleration[0],
+    "M_DACL": lambda arm: arm.acceleration[1],
+}
+"""Of the own mechanism or slot, which an index of 1 names too."""
+
+CONSTANT: Final[Mapping[str, Value]] = {
+    "P_NTOOL": ORIGIN, "P_NBASE": ORIGIN, "P_ZERO": ORIGIN,
+    "M_NSPD": OPTIMUM, "M_NOVRD": FULL, "M_NJOVRD": FULL, "M_NACL": FULL, "M_NDACL": FULL,
+    "M_OPOVRD": FULL, "M_PI": math.pi, "M_EXP": math.e, "M_G": STANDARD_GRAVITY,
+    "M_ON": 1, "M_OFF": 0, "M_SVO": 1, "M_ERR": 0, "M_ERRLVL": 0, "M_ERRNO": 0, "M_SKIPCQ": 0,
+}  # fmt: skip
+"""What does not change while a program runs here: nothing goes wrong and nobody interferes."""
+
+WIDTHS: Final[Mapping[str, tuple[bool, int]]] = {
+    "M_IN": (False, 1), "M_INB": (False, 8), "M_IN8": (False, 8), "M_INW": (False, 16),
+    "M_IN16": (False, 16), "M_IN32": (False, 32), "M_OUT": (True, 1), "M_OUTB": (True, 8),
+    "M_OUT8": (True, 8), "M_OUTW": (True, 16), "M_OUT16": (True, 16), "M_OUT32": (True, 32),
+}  # fmt: skip
+"""Signals: whether it is an output, and its bits."""
+
+IO_WIDTHS: Final = {"BIT": 1, "BYTE": 8, "WORD": 16, "INTEGER": 16, "DWORD": 32}
+"""Of `Def Io`."""
+
+OWN: Final = (1,)
+TIMERS: Final = range(1, 9)
+
+
+def read(world: World, name: str, arguments: tuple[Value, ...]) -> Value:
+    """The value of a status variable; raises Unknown for one that is not simulated."""
+    index = tuple(whole(a, f"the index of {name}") for a in arguments)
+    if name in WIDTHS and len(index) == 1:
+        output, width = WIDTHS[name]
+        value = world.read(output, index[0], width)
+        return _signed(value, width)
+    if name == "M_TIMER" and len(index) == 1:
+        return world.timer(timer_number(index[0]))
+    if name == "M_BRKCQ" and index in ((), OWN):
+        return int(world.left)
+    if name in ARM and index in ((), OWN):
+        return ARM[name](world.arm)
+    if name in CONSTANT and index in ((), OWN):
+        return CONSTANT[name]
+    raise Unknown(f"the status variable {name}")
+
+
+def timer_number(number: int) -> int:
+    if number not in TIMERS:
+        raise out_of_range(f"the timer {number}")
+    return number
+
+
+def _signed(value: int, width: int) -> int:
+    """A number of 16 or 32 bits whose highest one is set may be shown as negative or not."""
+    if width in (16, 32) and value >> (width - 1):
+        raise Unknown(f"the sign of a group of {width} signals whose highest is on")
+    return value

@@ -1,0 +1,31 @@
+"""Why a run of MELFA-BASIC is over before its end."""
+
+from __future__ import annotations
+
+
+class Failed(Exception):
+    """The controller stops with an error. number: as it shows it (lists of errors, BFP-A8871)."""
+
+    def __init__(self, number: int, what: str) -> None:
+        super().__init__(f"error {number}: {what}")
+        self.number = number
+
+
+class Unknown(Exception):
+    """What nothing at hand tells, or what is not simulated: the run ends instead of guessing."""
+
+
+class OutOfSteps(Exception):
+    """More statements were run than the run may take."""
+
+
+class Ended(Exception):
+    """`End` of the program that runs."""
+
+
+def number_wanted(what: str) -> Failed:
+    return Failed(4390, f"{what} is no number")
+
+
+def out_of_range(what: str) -> Failed:
+    return Failed(3110, f"{what} is out of range")

@@ -1,0 +1,498 @@
+"""What programs of MELFA-BASIC do, worked out by hand from the manuals' words."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from assistant import languages, robots
+from assistant.program import rotations
+from assistant.program.geometry import Pose
+from assistant.virtual import melfa
+from assistant.virtual.events import Moved, Run, Stopped, Switched, Waited
+
+DOWN = (0.0, 0.0, 1.0, 0.0)
+START = Pose((400.0, 0.0, 600.0), DOWN)
+
+POSITIONS = """
+P1=(+400.00,+0.00,+500.00,+180.00,+0.00,+180.00)(7,0)
+P2=(+450.00,+50.00,+500.00,+180.00,+0.00,+180.00)(7,0)
+P3=(+400.00,+100.00,+500.00,+180.00,+0.00,+180.00)(7,0)
+PT=(+0.00,+0.00,+100.00,+0.00,+0.00,+0.00)(0,0)
+"""
+
+
+def run(text: str, level: int = 5, **options: object) -> Run:
+    tree = languages.get(f"melfa-basic-{level}").parse(text.strip() + POSITIONS)
+    return melfa.run(tree, **{"start": START, **options})  # type: ignore[arg-type]
+
+
+def moves(done: Run) -> list[Moved]:
+    return [event for event in done.events if isinstance(event, Moved)]
+
+
+def shown(done: Run) -> list[tuple[float, ...]]:
+    """Where the tip of the tool ends each motion."""
+    flanges = [(one.flange, one.tool) for one in moves(done)]
+    ends = [flange @ tool for flange, tool in flanges if flange is not None]
+    return [tuple(round(v, 3) + 0.0 for v in end.position) for end in ends]
+
+
+def outputs(done: Run) -> list[tuple[str, float]]:
+    return [(e.signal, e.value) for e in done.events if isinstance(e, Switched)]
+
+
+def value(expression: str, before: str = "", level: int = 5) -> float:
+    """What an expression comes to, seen as the height of a position."""
+    done = run(f"{before}\nP9=P1\nP9.Z={expression}\nMvs P9\nEnd", level)
+    assert done.ended == "end", done.message
+    return shown(done)[-1][2]
+
+
+# ------------------------------------------------------------------------------------- numbers
+
+
+@pytest.mark.parametrize(
+    ("expression", "result"),
+    [
+        ("7.6\\2", 4),  # 8 \ 2
+        ("7\\2", 3),
+        ("7.6 Mod 5", 3),  # 8 Mod 5
+        ("7/2", 3.5),
+        ("2+3*4", 14),
+        ("-2^2", -4),  # the power before the sign
+        ("10-4-3", 3),
+        ("12\\5*2", 1),  # 12 \ (5*2): the product binds more than the whole quotient
+        ("17 Mod 12\\5", 1),  # 17 Mod (12\5)
+        ("10+17 Mod 7", 13),
+        ("12 And 10", 8),
+        ("12 Or 10", 14),
+        ("12 Xor 10", 6),
+        ("6 Or 3 And 1", 7),  # And before Or
+        ("1 Xor 3 Or 2", 2),  # Or before Xor
+        ("(2>1)+5", 6),
+        ("1<<3", 8),
+        ("&HFF And &B1010", 10),
+        ("CInt(1.5)", 2),
+        ("CInt(-1.5)", -2),
+        ("Fix(-1.5)", -1),
+        ("Int(-1.5)", -2),
+        ("Sgn(-3)", -1),
+        ("Max(1,7,3)", 7),
+        ("Min(1,7,3)", 1),
+        ("Sqr(16)", 4),
+        ("Deg(M_PI)", 180),
+        ("Atn2(1,1)*4/M_PI", 1),
+        ("Len(\"abc\")+Asc(\"A\")", 68),
+        ("Val(\"&H1F\")+Val(\"12.5\")", 43.5),
+        ("StrPos(\"abcd\",\"cd\")", 3),
+        ("Dist(P1,P3)", 100),
+    ],
+)  # fmt: skip
+def test_numbers(expression: str, result: float) -> None:
+    assert value(expression) == pytest.approx(result, abs=1e-3)
+
+
+def test_whole_variables_round_what_they_are_given() -> None:
+    assert value("M1", "Def Inte M1\nM1=7.5") == 8
+    assert value("M1%", "M1%=7/2") == 4
+    assert value("M1", "M1=7/2") == 3.5
+
+
+def test_a_subscript_is_rounded() -> None:
+    assert value("M1(1.6)", "Dim M1(3)\nM1(1)=10\nM1(2)=20") == 20
+
+
+def test_arrays_begin_at_one() -> None:
+    done = run("Dim M1(3)\nM1(0)=1\nEnd")
+    assert done.ended == "error" and done.message.startswith("error 4370")
+
+
+@pytest.mark.parametrize(
+    "text", ["Mvs P8", "M1=M2+1", "Dim M1(3)\nM2=M1(2)", "P8=P9*P1", "C1$=C2$+\"x\""]
+)  # fmt: skip
+def test_what_was_never_set_is_an_error(text: str) -> None:
+    done = run(f"Mvs P1\n{text}\nMvs P2\nEnd")
+    assert done.ended == "error" and done.message.startswith("error 3700")
+    assert len(moves(done)) == 1
+
+
+@pytest.mark.parametrize(
+    ("condition", "holds"),
+    [
+        ("2", True), ("0", False), ("M_In(1)", False), ("M_In(2)", True),
+        ("1=1 And 2=2", True), ("Not (1=1)", False), ("1=2 Or M_In(2)=1", True),
+        ("\"ab\"<\"b\"", True), ("2 And 1", False), ("1=1 Xor 2=2", False),
+    ],
+)  # fmt: skip
+def test_conditions(condition: str, holds: bool) -> None:
+    done = run(f"If {condition} Then Mvs P1 Else Mvs P2\nEnd", inputs={2: 1})
+    assert shown(done) == [(400, 0, 500) if holds else (450, 50, 500)]
+
+
+@pytest.mark.parametrize("text", ["M1=-7\\2", "M1=-7 Mod 3", "M1=1/0", "M1=Rnd(0)", "M1=M_Uar"])
+def test_what_nothing_tells_is_not_guessed(text: str) -> None:
+    assert run(f"{text}\nEnd").ended == "unknown"
+
+
+# ----------------------------------------------------------------------------------- positions
+
+
+def test_a_product_moves_along_the_tool_and_a_sum_in_the_base() -> None:
+    done = run("Mvs P1*(0,0,10,0,0,0)\nMvs P1+(0,0,10,0,0,0)(0,0)\nMvs P1,-20\nEnd")
+    assert shown(done) == [(400, 0, 490), (400, 0, 510), (400, 0, 520)]
+
+
+def test_a_product_turns_what_stands_right_of_it() -> None:
+    turned = "PF=(100,0,0,0,0,90)(0,0)\nPA=(10,20,30,0,0,0)(7,0)"
+    assert shown(run(f"{turned}\nMvs PF*PA\nEnd")) == [(80, 10, 30)]
+    assert shown(run(f"{turned}\nMvs Inv(PF)*PF*PA\nEnd")) == [(10, 20, 30)]
+    assert shown(run(f"{turned}\nMvs PA/PF\nEnd")) == [(10, 120, 30)]
+
+
+def test_components_are_radian_and_mm() -> None:
+    done = run("P9=P1\nP9.X=P2.X+1\nP9.C=P9.C-Rad(90)\nMvs P9\nEnd")
+    (one,) = moves(done)
+    assert one.flange is not None and one.flange.position == pytest.approx((451, 0, 500))
+    wanted = rotations.from_euler((90.0, 0.0, 180.0))
+    assert one.flange.quaternion == pytest.approx(tuple(wanted))
+
+
+def test_positions_are_scaled_and_halved() -> None:
+    done = run("Mvs (P1+P2)/2\nEnd")
+    assert shown(done) == [(425, 25, 500)]
+
+
+def test_joints_are_degrees_as_constants_and_radian_as_components() -> None:
+    done = run("J1=(0,10,80,0,90,0)\nJ1.J1=Rad(30)\nMov J1\nEnd")
+    (one,) = moves(done)
+    assert one.joints == pytest.approx((30, 10, 80, 0, 90, 0)) and one.flange is None
+
+
+def test_with_a_robot_joints_become_poses_and_back() -> None:
+    robot = robots.get("rv-4frl")
+    done = run(
+        "J1=(20,10,80,15,60,30)\nMov J1\nP8=P_Curr\nMov P8\nJ2=J_Curr\nMov J2\nEnd", robot=robot
+    )
+    first, second, third = moves(done)
+    assert first.flange is not None and second.flange is not None
+    assert second.flange.position == pytest.approx(first.flange.position)
+    assert third.joints == pytest.approx((20, 10, 80, 15, 60, 30), abs=1e-6)
+
+
+# -------------------------------------------------------------------------------- tool and base
+
+
+def test_a_tool_holds_at_once() -> None:
+    done = run("Tool PT\nMvs P1\nTool P_NTool\nP9=P_Curr\nMvs P9\nEnd")
+    first, second = moves(done)
+    assert first.flange is not None and second.flange is not None
+    assert first.flange.position == pytest.approx((400, 0, 600))
+    assert second.flange.position == pytest.approx((400, 0, 600))  # where it stands
+
+
+def test_the_base_is_where_the_robot_stands() -> None:
+    """Shown = Base · flange · Tool, so a base moved by 100 takes 100 off."""
+    done = run("PB=(100,0,0,0,0,0)(0,0)\nBase PB\nMvs P1\nP9=P_Curr\nBase P_NBase\nMvs P9\nEnd")
+    flanges = [one.flange for one in moves(done)]
+    assert [f.position[0] for f in flanges if f] == pytest.approx([300, 400])
+
+
+def test_a_distance_alone_goes_from_here_along_the_tool() -> None:
+    assert shown(run("Mvs P1\nMvs ,-30\nEnd")) == [(400, 0, 500), (400, 0, 530)]
+
+
+# ------------------------------------------------------------------------------------ settings
+
+
+def test_speeds_and_corners() -> None:
+    text = "Spd 100\nOvrd 50\nJOvrd 40\nCnt 1,20,10\nMov P1\nMvs P2\nCnt 0\nSpd M_NSpd\nMvs P1\nEnd"
+    one, two, three = moves(run(text))
+    assert (one.speed, one.percent, one.blend) == (None, 20, 10)
+    assert (two.speed, two.percent, two.blend) == (50, None, 10)
+    assert (three.speed, three.blend) == (None, 0)
+
+
+def test_cnt_without_sizes_is_of_the_controllers_choice() -> None:
+    assert moves(run("Cnt 1\nMvs P1\nEnd"))[0].blend == math.inf
+
+
+@pytest.mark.parametrize("text", ["Ovrd 0", "Ovrd 101", "Spd 0", "JOvrd 0", "Dly -1"])
+def test_settings_out_of_range_are_refused(text: str) -> None:
+    assert run(f"{text}\nEnd").message.startswith("error 3110")
+
+
+def test_straight_moves_want_one_posture() -> None:
+    other = "P9=(400,0,500,180,0,180)(6,0)"
+    assert run(f"{other}\nMvs P1\nMvs P9\nEnd").message.startswith("error 2810")
+    assert run(f"{other}\nMvs P1\nMov P9\nEnd").ended == "end"
+
+
+# ---------------------------------------------------------------------------------------- arcs
+
+
+def test_an_arc_begins_with_a_straight_move_to_its_start() -> None:
+    kinds = [one.kind for one in moves(run("Mvr P1,P2,P3\nEnd"))]
+    assert kinds == ["linear", "circular"]
+    assert [one.kind for one in moves(run("Mvs P1\nMvr P1,P2,P3\nEnd"))] == ["linear", "circular"]
+
+
+def test_mvr2_goes_round_the_other_side() -> None:
+    """The circle about (400, 50): from P1 to P3, not over P2 on its right."""
+    done = moves(run("Mvs P1\nMvr2 P1,P3,P2\nEnd"))
+    assert done[1].via is not None
+    assert done[1].via.position == pytest.approx((350, 50, 500))
+
+
+def test_mvr3_goes_about_its_centre_by_less_than_half_a_turn() -> None:
+    done = moves(run("PC=(400,50,500,180,0,180)(7,0)\nMvs P1\nMvr3 P1,P2,PC\nEnd"))
+    half = math.sqrt(0.5) * 50
+    assert done[1].via is not None
+    assert done[1].via.position == pytest.approx((400 + half, 50 - half, 500))
+
+
+def test_mvc_comes_back() -> None:
+    done = moves(run("Mvs P1\nMvc P1,P2,P3\nEnd"))
+    assert [one.kind for one in done] == ["linear", "circular", "circular"]
+    assert shown(run("Mvs P1\nMvc P1,P2,P3\nEnd"))[-1] == (400, 0, 500)
+
+
+def test_three_places_on_a_line_are_a_straight_move() -> None:
+    done = moves(run("PA=P1+(50,0,0,0,0,0)(0,0)\nPB=P1+(90,0,0,0,0,0)(0,0)\nMvr P1,PA,PB\nEnd"))
+    assert [one.kind for one in done] == ["linear", "linear"]
+
+
+# ----------------------------------------------------------------------------------------- flow
+
+
+@pytest.mark.parametrize(
+    ("head", "turns"),
+    [
+        ("For M1=1 To 3", 3), ("For M1=3 To 1", 0), ("For M1=3 To 1 Step -1", 3),
+        ("For M1=0 To 1 Step 0.25", 5), ("For M1=2 To 2", 1), ("For M1=M2 To M3 Step M4", 3),
+    ],
+)  # fmt: skip
+def test_a_loop_is_tested_before_its_first_turn(head: str, turns: int) -> None:
+    done = run(f"M2=5\nM3=1\nM4=-2\n{head}\nMvs P1\nNext M1\nEnd")
+    assert len(moves(done)) == turns
+
+
+def test_one_next_closes_two_loops() -> None:
+    text = "M3=0\nFor M1=1 To 2\nFor M2=1 To 3\nM3=M3+1\nNext M2,M1"
+    assert value("M3", text) == 6
+
+
+def test_behind_a_loop_its_variable_is_one_step_further() -> None:
+    assert value("M1", "For M1=1 To 3\nNext M1") == 4
+
+
+def test_while_and_break() -> None:
+    text = "M1=0\nWhile 1\nM1=M1+1\nIf M1=4 Then Break\nWEnd"
+    assert value("M1", text) == 4
+
+
+def test_break_leaves_the_innermost_block() -> None:
+    text = "M1=0\nWhile M1<3\nM1=M1+1\nIf M1>0 Then\nBreak\nM1=100\nEndIf\nWEnd"
+    assert value("M1", text) == 3
+
+
+def test_blocks() -> None:
+    text = "If M1=1 Then\nM2=10\nElseIf M1=2 Then\nM2=20\nElse\nM2=30\nEndIf"
+    assert [value("M2", f"M1={i}\n{text}") for i in (1, 2, 3)] == [10, 20, 30]
+
+
+def test_select() -> None:
+    text = (
+        "Select M1\nM2=-1\nCase 1\nM2=10\nBreak\nM2=11\nCase 2 To 4\nM2=20\n"
+        "Case Is >7\nM2=30\nDefault\nM2=40\nEnd Select"
+    )
+    assert [value("M2", f"M1={i}\n{text}") for i in (1, 2, 4, 8, 6)] == [10, 20, 20, 30, 40]
+
+
+def test_subroutines_and_an_early_return() -> None:
+    text = (
+        "M1=0\nGoSub *A\nGoSub *A\nMvs P1+(0,0,1,0,0,0)(0,0)\nEnd\n"
+        "*A\nM1=M1+1\nIf M1=2 Then Return\nGoSub *B\nReturn\n*B\nMvs P2\nReturn"
+    )
+    assert shown(run(text)) == [(450, 50, 500), (400, 0, 501)]
+
+
+def test_return_needs_a_gosub() -> None:
+    assert run("Return\nEnd").message.startswith("error 3840")
+
+
+@pytest.mark.parametrize(
+    ("which", "ends"), [("1", "P1"), ("1.6", "P2"), ("0", ""), ("3", ""), ("-1", "error")]
+)
+def test_jumps_by_number(which: str, ends: str) -> None:
+    done = run(f"M1={which}\nOn M1 GoSub *A,*B\nEnd\n*A\nMvs P1\nReturn\n*B\nMvs P2\nReturn")
+    where = {"P1": [(400, 0, 500)], "P2": [(450, 50, 500)]}.get(ends, [])
+    assert shown(done) == where and (done.ended == "error") == (ends == "error")
+
+
+def test_steps_are_places_of_jumps_in_four() -> None:
+    done = run("10 GOTO 40\n20 MVS P1\n30 END\n40 MVS P2\n50 END", level=4)
+    assert shown(done) == [(450, 50, 500)]
+
+
+def test_a_loop_without_an_end_is_over_at_some_time() -> None:
+    done = run("*L\nGoTo *L", most_steps=50)
+    assert done.ended == "steps"
+
+
+def test_a_program_goes_on_after_a_halt() -> None:
+    done = run("Hlt\nDly 0.5\nMvs P1\nEnd\nMvs P2")
+    assert done.events[:2] == (Stopped(), Waited(0.5)) and len(moves(done)) == 1
+
+
+# ------------------------------------------------------------------------------------- signals
+
+
+def test_outputs_and_groups() -> None:
+    done = run("M_Out(9)=1\nM_Outb(16)=5\nM_Out(30)=M_Outb(16) And 1\nEnd", level=5)
+    bits = [(str(16 + i), float(v)) for i, v in enumerate((1, 0, 1, 0, 0, 0, 0, 0))]
+    assert outputs(done) == [("9", 1), *bits, ("30", 1)]
+
+
+def test_inputs_in_groups() -> None:
+    done = run("M_Outb(0)=M_Inb(8)\nEnd", inputs={8: 1, 10: 1})
+    assert [n for n, v in outputs(done) if v] == ["0", "2"]
+
+
+def test_names_of_signals() -> None:
+    done = run(
+        "Def Io GRP=Byte,16\nDef Io DONE=Bit,3\nDONE=1\nM1=GRP\nM_Out(4)=M1-2\nEnd",
+        inputs={16: 1, 17: 1},
+    )
+    assert outputs(done) == [("3", 1), ("4", 1)]
+
+
+def test_a_pulse_goes_back() -> None:
+    assert outputs(run("M_Out(9)=1 Dly 0.5\nEnd")) == [("9", 1), ("9", 0)]
+
+
+def test_hands() -> None:
+    assert outputs(run("HOpen 1\nHClose 1\nEnd")) == [("hand1", 1), ("hand1", 0)]
+
+
+def test_a_wait_for_an_input_that_never_comes() -> None:
+    assert run("Wait M_In(1)=1\nMvs P1\nEnd", most_steps=100).ended == "steps"
+    assert run("Wait M_In(1)=1\nMvs P1\nEnd", inputs={1: 1}).ended == "end"
+
+
+def test_a_timer_counts_milliseconds() -> None:
+    done = run("M_Timer(1)=0\nDly 2\nIf M_Timer(1)>=2000 And M_Timer(1)<3000 Then Mvs P1\nEnd")
+    assert len(moves(done)) == 1
+
+
+def test_what_a_motion_is_given_to_do() -> None:
+    done = run("Mvs P1 Wth M_Out(17)=1\nMvs P2 WthIf M_In(3)=1,M_Out(18)=1\nEnd")
+    assert outputs(done) == [("17", 1)] and len(moves(done)) == 2
+
+
+# ------------------------------------------------------------------------------------- pallets
+
+
+@pytest.mark.parametrize(
+    ("direction", "at", "place"),
+    [
+        (2, 1, (400, 0)), (2, 3, (440, 0)), (2, 4, (400, 50)), (2, 6, (440, 50)),
+        (1, 3, (440, 0)), (1, 4, (440, 50)), (1, 6, (400, 50)),
+    ],
+)  # fmt: skip
+def test_pallets(direction: int, at: int, place: tuple[float, float]) -> None:
+    done = run(
+        "PA=P1+(40,0,0,0,0,0)(0,0)\nPB=P1+(0,50,0,0,0,0)(0,0)\n"
+        f"Def Plt 1,P1,PA,PB,,3,2,{direction}\nMvs (Plt 1,{at})\nEnd"
+    )
+    assert shown(done) == [(*place, 500)]
+
+
+def test_a_fourth_corner_pulls_the_grid() -> None:
+    done = run(
+        "PA=P1+(40,0,0,0,0,0)(0,0)\nPB=P1+(0,50,0,0,0,0)(0,0)\nPC=P1+(60,60,0,0,0,0)(0,0)\n"
+        "Def Plt 1,P1,PA,PB,PC,3,3,2\nMvs (Plt 1,9)\nMvs (Plt 1,5)\nEnd"
+    )
+    assert shown(done) == [(460, 60, 500), (425, 27.5, 500)]
+
+
+def test_a_pallet_has_no_other_points() -> None:
+    text = "PA=P1+(40,0,0,0,0,0)(0,0)\nDef Plt 1,P1,PA,P3,,3,2,2\nMvs (Plt 1,7)\nEnd"
+    assert run(text).message.startswith("error 3110")
+    assert run("Mvs (Plt 1,1)\nEnd").message.startswith("error 3850")
+
+
+# ----------------------------------------------------------------------------------- functions
+
+
+def test_functions_take_copies_or_references() -> None:
+    text = """
+Function M Twice(ByVal M1,ByRef M2)
+M1=M1+1
+M2=M2+M1
+Twice=2*M1
+FEnd
+Function Main
+Dim MA(2)
+MX=3
+MA(1)=10
+MY=Twice(MX,MA(1))
+P9=P1+(0,0,0,0,0,0)(0,0)
+P9.X=MX
+P9.Y=MY
+P9.Z=MA(1)
+Mvs P9
+FEnd
+"""
+    assert shown(run(text, 6)) == [(3, 8, 14)]
+
+
+def test_variables_of_a_function_are_its_own() -> None:
+    text = """
+Def Float MG
+Function V Count()
+Static Def Inte MS
+If MG>1 Then
+MS=MS+1
+Else
+MS=1
+EndIf
+ML=MS
+MG=MG+ML
+FEnd
+Function Main
+MG=1
+ML=50
+Count()
+Count()
+P9=P1
+P9.X=MG
+P9.Z=ML
+Mvs P9
+FEnd
+"""
+    assert shown(run(text, 6)) == [(4, 0, 50)]
+
+
+def test_functions_of_one_expression() -> None:
+    assert value("FNMSUM(2,3)", "Def FNMSUM(MA,MB)=MA*10+MB") == 23
+
+
+def test_programs_call_others_with_values() -> None:
+    language = languages.get("melfa-basic-5")
+    main = language.parse('M1=5\nCallP "SUB",M1,P1\nP8=P1\nP8.X=M1\nMvs P8\nEnd' + POSITIONS)
+    sub = language.parse("FPrm M9,P9\nM9=M9+1\nP9.Z=M9\nMvs P9\nEnd")
+    done = melfa.run([main, sub], names=["MAIN", "SUB"], start=START)
+    assert done.ended == "end", done.message
+    assert shown(done) == [(400, 0, 6), (5, 0, 500)]
+
+
+def test_a_program_that_cannot_be_read_does_not_run() -> None:
+    assert run("Mvs P1\nMvs Mvs\nEnd").ended == "error"
+    assert run("For M1=1 To 2\nEnd").message.startswith("error 3230")
+    assert run("GoTo *NOWHERE\nEnd").message.startswith("error 3600")
+
+
+def test_an_error_of_the_programs_own() -> None:
+    assert run("Error 9100\nMvs P1\nEnd").message.startswith("error 9100")
