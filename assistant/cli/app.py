@@ -41,6 +41,12 @@ def _complete_robot(incomplete: str) -> list[str]:
     return [name for name in robots.names() if name.startswith(incomplete)]
 
 
+def _complete_unit(incomplete: str) -> list[str]:
+    from assistant.sources.lengths import UNITS
+
+    return [name for name in UNITS if name.startswith(incomplete)]
+
+
 Source = Annotated[
     str, typer.Argument(help="Drawing, table, .pseudo text or robot program; - for standard input.")
 ]
@@ -69,6 +75,11 @@ ProcessOption = Annotated[
     Path | None,
     typer.Option("--process", "-p", help="Process file; default NAME.process.toml beside it."),
 ]
+UnitOption = Annotated[
+    str | None,
+    typer.Option("--unit", help="Unit that a drawing is in, whatever it says: mm, in, m …",
+                 autocompletion=_complete_unit),
+]  # fmt: skip
 FramesOption = Annotated[
     FramesAs,
     typer.Option(help="Work objects in MELFA-BASIC: as Base, or as factors of the targets."),
@@ -105,6 +116,7 @@ def compile(
     language: LanguageOption,
     robot: RobotOption = None,
     process: ProcessOption = None,
+    unit: UnitOption = None,
     output: Annotated[
         str, typer.Option("--output", "-o", help="Folder for the files; - prints a single one.")
     ] = ".",
@@ -126,6 +138,7 @@ def compile(
             language,
             robot=robot,
             process=process,
+            unit=unit,
             output=output,
             most_targets=most_targets,
             frames=frames,
@@ -181,6 +194,7 @@ def show(
     source: Source,
     robot: RobotOption = None,
     process: ProcessOption = None,
+    unit: UnitOption = None,
     from_language: FromLanguage = None,
     output: Annotated[
         Path | None,
@@ -190,7 +204,7 @@ def show(
     """Print the pseudo-program of any source or robot program."""
     from assistant.cli.compiling import run_show
 
-    raise typer.Exit(run_show(source, robot, process, from_language, output))
+    raise typer.Exit(run_show(source, robot, process, unit, from_language, output))
 
 
 @app.command()
@@ -200,13 +214,14 @@ def check(
     ],
     robot: RobotOption = None,
     process: ProcessOption = None,
+    unit: UnitOption = None,
     from_language: FromLanguage = None,
     format: FindingFormatOption = FindingFormat.TEXT,
 ) -> None:
     """Check sources and robot programs; with a robot also reach, limits and configurations."""
     from assistant.cli.checking import run_check
 
-    raise typer.Exit(run_check(sources, robot, process, from_language, format))
+    raise typer.Exit(run_check(sources, robot, process, unit, from_language, format))
 
 
 @app.command()
@@ -278,6 +293,7 @@ def simulate(
         float | None, typer.Option(help="Seconds between samples; default 0.01, or what fits.")
     ] = None,
     process: ProcessOption = None,
+    unit: UnitOption = None,
     from_language: FromLanguage = None,
     from_robot: FromRobot = None,
     format: FormatOption = Format.TEXT,
@@ -285,7 +301,7 @@ def simulate(
     """Tell how long a program takes on a robot, and write its motion over time. Nothing moves."""
     from assistant.cli.simulating import Options, run_simulate
 
-    options = Options(robot, process, from_language, from_robot, acceleration, period)
+    options = Options(robot, process, unit, from_language, from_robot, acceleration, period)
     raise typer.Exit(run_simulate(program, options, output or (), format))
 
 

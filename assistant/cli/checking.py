@@ -19,13 +19,14 @@ def run_check(
     sources: Sequence[str],
     robot: str | None,
     process: Path | None,
+    unit: str | None,
     from_language: str | None,
     format: FindingFormat,
 ) -> int:
     from assistant.findings.settling import settle
 
     with working(f"checking {', '.join(sources)}"):
-        checked = _checked(sources, robot, process, from_language)
+        checked = _checked(sources, robot, process, unit, from_language)
         settled = settle(checked.findings, checked.texts)
     if format is not FindingFormat.TEXT:
         print_for_programs(settled.left, settled.ignored, format)
@@ -47,7 +48,11 @@ def run_explain(codes: Sequence[str]) -> int:
 
 
 def _checked(
-    sources: Sequence[str], robot: str | None, process: Path | None, language: str | None
+    sources: Sequence[str],
+    robot: str | None,
+    process: Path | None,
+    unit: str | None,
+    language: str | None,
 ) -> Checked:
     from assistant.compiler.checking import Checked, check_files, check_text
 
@@ -58,7 +63,7 @@ def _checked(
         text, spoken = standard_input(language)
         checked = check_text(text, robot=robot, language=spoken)
     files = [source for source in sources if source != STANDARD]
-    more = check_files(files, robot=robot, process=process, language=language)
+    more = check_files(files, robot=robot, process=process, language=language, unit=unit)
     return Checked(
         [*checked.findings, *more.findings],
         checked.files + more.files,

@@ -65,6 +65,7 @@ def run_compile(
     *,
     robot: str | None,
     process: Path | None,
+    unit: str | None,
     output: str,
     most_targets: int | None,
     frames: FramesAs,
@@ -86,6 +87,7 @@ def run_compile(
                 language=language,
                 robot=robot,
                 process=process,
+                unit=unit,
                 from_robot=from_robot,
                 most_targets=most_targets,
                 frames=frames.value,
@@ -123,12 +125,13 @@ def run_show(
     source: str,
     robot: str | None,
     process: Path | None,
+    unit: str | None,
     from_language: str | None,
     output: Path | None,
 ) -> int:
     from assistant.program import pseudo
 
-    loaded = load_given(source, robot, process, from_language)
+    loaded = load_given(source, robot, process, unit, from_language)
     print_findings(fold(f.within(source) for f in loaded.findings))
     if output is None:
         sys.stdout.write(pseudo.print_program(loaded.program).text)
@@ -145,14 +148,19 @@ def run_show(
 
 
 def load_given(
-    source: str, robot: str | None, process: Path | None, from_language: str | None
+    source: str,
+    robot: str | None,
+    process: Path | None,
+    unit: str | None,
+    from_language: str | None,
 ) -> Loaded:
     """The program of a file, or of standard input if the source says so."""
     from assistant.compiler.compiling import robot_of
     from assistant.compiler.loading import load
 
     given = _input(source, from_language, robot, process)
-    return given or load(source, process=process, robot=robot_of(robot), language=from_language)
+    arm = robot_of(robot)
+    return given or load(source, process=process, robot=arm, language=from_language, unit=unit)
 
 
 def _input(

@@ -44,6 +44,7 @@ class Options:
 
     robot: str | None
     process: Path | None
+    unit: str | None
     from_language: str | None
     from_robot: str | None
     acceleration: float | None
@@ -86,7 +87,8 @@ def _solved(source: str, options: Options) -> tuple[Journey, list[Diagnostic]]:
 
     written_for, arm = robot_of(options.from_robot), robot_of(options.robot)
     reader = options.from_robot or options.robot
-    loaded = load_given(source, reader, options.process, options.from_language)
+    given = (options.process, options.unit, options.from_language)
+    loaded = load_given(source, reader, *given)
     program: Program = loaded.program
     arm = arm or known_robot(program.robot)
     if arm is None:

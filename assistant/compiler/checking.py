@@ -79,12 +79,14 @@ def check_files(
     robot: str | None = None,
     process: str | FilePath | None = None,
     language: str | None = None,
+    unit: str | None = None,
 ) -> Checked:
     """Checks files, and what is in folders: robot programs, pseudo-programs and drawings.
 
     Modules that a controller loads together, as those of a folder in RAPID, are one program.
     robot: reach, limits and configurations are checked for it. process: process file of
     drawings and tables. language: of robot programs, where neither suffix nor text tell.
+    unit: of length, that drawings are in.
     Raises Refused if there is no such robot or language.
     """
     arm, named = robot_of(robot), None if language is None else language_of(language)
@@ -108,7 +110,7 @@ def check_files(
             if spoken is not None:
                 found = _check_program(spoken, files, arm, checked)
             else:
-                found = _check_source(files[0], process, arm, checked)
+                found = _check_source(files[0], process, unit, arm, checked)
             checked.findings += [f.within(where) for f in found]
     # a file that others call is looked at with each of them
     checked.findings = list(dict.fromkeys(checked.findings))
@@ -183,13 +185,17 @@ def _spoken(file: str, named: Language[Any] | None) -> Language[Any] | None:
 
 
 def _check_source(
-    file: str, process: str | FilePath | None, arm: Robot | None, checked: Checked
+    file: str,
+    process: str | FilePath | None,
+    unit: str | None,
+    arm: Robot | None,
+    checked: Checked,
 ) -> list[Diagnostic]:
     """Findings of a drawing, a table, or a `.pseudo` text."""
     path = FilePath(file)
     if path.suffix.lower() == pseudo.SUFFIX:
         return _check_pseudo(read_pseudo(path), path.parent, arm, checked)
-    loaded = load(file, process=process, robot=arm)
+    loaded = load(file, process=process, robot=arm, unit=unit)
     return [*loaded.findings, *_check_meaning(loaded.program, arm)]
 
 

@@ -95,6 +95,7 @@ def compile(
     language: str,
     robot: str | Robot | None = None,
     process: str | FilePath | None = None,
+    unit: str | None = None,
     from_robot: str | Robot | None = None,
     most_targets: int | None = None,
     frames: Frames = "base",
@@ -102,7 +103,8 @@ def compile(
     """The source as a program of the language, read back and compared before it is given out.
 
     robot: whose arm runs it; chooses configurations and checks reach and limits. Without one
-    the program's own. process: process file of a drawing or table. from_robot: the arm that a
+    the program's own. process: process file of a drawing or table. unit: of length, that a
+    drawing is in, whatever it says itself. from_robot: the arm that a
     vendor program was written for. most_targets: of one unit, for controllers that take less.
     frames: how a language without work objects says them, see `Language.with_frames`.
     Raises Unreadable or Refused for input that cannot be used at all.
@@ -114,7 +116,7 @@ def compile(
     if isinstance(source, Program):
         program = source
     else:
-        loaded = load(source, process=process, robot=robot_of(from_robot))
+        loaded = load(source, process=process, robot=robot_of(from_robot), unit=unit)
         program, findings = loaded.program, list(loaded.findings)
         findings = [f.within(str(source)) for f in findings]
     places = Places(program)

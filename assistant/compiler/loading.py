@@ -13,6 +13,7 @@ from assistant.program import pseudo
 from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, has_errors
 from assistant.program.program import Program
 from assistant.program.text import SourceText, decode, read_bytes
+from assistant.sources.lengths import unit_stated
 
 if TYPE_CHECKING:
     from assistant.languages import Language, Tree
@@ -39,6 +40,7 @@ def load(
     process: str | FilePath | None = None,
     robot: Robot | None = None,
     language: str | None = None,
+    unit: str | None = None,
 ) -> Loaded:
     """The pseudo-program of a drawing, table, `.pseudo` text or vendor program.
 
@@ -46,17 +48,21 @@ def load(
     signals of those names it says anew. robot: the arm that a vendor program was
     written for, where its own header does not say. language: of a vendor program, if neither
     suffix nor text tell. Other units that a vendor program calls are read from beside it.
+    unit: of length, that a drawing is in.
     Raises Unreadable or Refused.
     """
     source = FilePath(path)
+    stated = () if unit is None else (unit_stated(path, unit),)
     if source.suffix.lower() == pseudo.SUFFIX:
-        return Loaded(pseudo.parse(read_pseudo(path), side_tables=source.parent))
+        program = pseudo.parse(read_pseudo(path), side_tables=source.parent)
+        return Loaded(program, None, stated)
     data = None if source.suffix.lower() in sources.READERS else read_bytes(source)
     spoken = _spoken(source, data, language)
     if spoken is None:
-        reading = sources.read(source, process)
+        reading = sources.read(source, process, unit)
         return Loaded(reading.program, None, reading.findings)
     lifted = lift(spoken, [spoken.read(source)], robot, beside=source.parent)
+    lifted = replace(lifted, findings=(*lifted.findings, *stated))
     return lifted if process is None else _equipped(lifted, process)
 
 

@@ -9,6 +9,7 @@ from typing import Final, Protocol, cast
 
 from assistant.program.diagnostics import Diagnostic, Rule, Severity, Unreadable
 from assistant.program.program import Program
+from assistant.sources.lengths import known_unit, unit_stated
 from assistant.sources.process import NO_PROCESS, Process
 
 
@@ -34,6 +35,9 @@ READERS: Final = {
 }
 """File suffix → module, whose `read(path, process)` gives the `Reading`."""
 
+STATE_LENGTHS: Final = (".csv", ".toml")
+"""Sources whose form leaves no unit open."""
+
 PROCESS_SUFFIX: Final = ".process.toml"
 """A file of the source's name with this suffix, beside it, is its process file."""
 
@@ -45,10 +49,15 @@ UNKNOWN_KIND = Rule(
 )
 
 
-def read(path: str | FilePath, process: str | FilePath | None = None) -> Reading:
+def read(
+    path: str | FilePath,
+    process: str | FilePath | None = None,
+    unit: str | None = None,
+) -> Reading:
     """The pseudo-program of a drawing, table or list of targets.
 
     process: a process file; without one, the file beside the source that is named like it.
+    unit: the short name of the unit that a drawing is in, instead of what the process file says.
     Raises Unreadable or Refused.
     """
     source = FilePath(path)
@@ -57,8 +66,13 @@ def read(path: str | FilePath, process: str | FilePath | None = None) -> Reading
         raise Unreadable(UNKNOWN_KIND(path=str(path), name=source.name, kinds=" ".join(READERS)))
     reader = cast(Reader, importlib.import_module(module).read)
     chosen = process_of(source, process)
+    findings = chosen.findings
+    if unit is not None:
+        chosen = replace(chosen, unit=known_unit(unit))
+        if source.suffix.lower() in STATE_LENGTHS:
+            findings += (unit_stated(path, unit),)
     reading = reader(source, chosen)
-    return replace(reading, findings=(*chosen.findings, *reading.findings))
+    return replace(reading, findings=(*findings, *reading.findings))
 
 
 def process_of(source: FilePath, process: str | FilePath | None = None) -> Process:

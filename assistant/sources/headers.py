@@ -35,6 +35,7 @@ from typing import Any, Final
 
 from assistant.program.diagnostics import Rule, Severity
 from assistant.program.path import CONFIGURATION_COLUMNS
+from assistant.sources.lengths import UNITS
 
 ERROR: Final = Severity.ERROR
 UNKNOWN_COLUMN = Rule("TB101", ERROR, "there is no column called {name}", "{cure}")
@@ -60,7 +61,7 @@ NEEDS_NAMES = Rule(
     "TB108", ERROR, "the column {name} needs named rows", "add a `name` column, or leave it out"
 )
 
-LENGTHS: Final = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
+LENGTHS: Final = {unit: UNITS[unit][1] for unit in ("mm", "cm", "m", "in")}
 ANGLES: Final = {"deg": 1.0, "rad": math.degrees(1.0)}
 ORIENTATIONS: Final = ("quaternion", "euler_zyx", "euler_xyz", "euler_zyz", "rotvec")
 MOST_JOINTS: Final = 8

@@ -57,7 +57,7 @@ METRES = Rule(
     "TB208",
     Severity.WARNING,
     "all {count} positions lie within {most:g} mm of the frame; are they metres?",
-    'give millimetres, or say `unit = "m"` where the file can',
+    'give millimetres, or say `unit = "m"` in the file or its process file',
 )
 
 LARGEST_POSITION: Final = 1e6

@@ -68,6 +68,7 @@ class Process:
 
     layers: by layer name, compared without case. tags: attribute tag by meaning (`name`,
     `x_rotation`, …), for locations in drawings. tolerance: mm for chaining and fitting.
+    unit: short name of the unit of drawings, whatever they say, and of arrays that say none.
     findings: warnings about the process file itself.
     """
 
@@ -78,6 +79,7 @@ class Process:
     layers: Mapping[str, Layer] = field(default_factory=dict)
     tags: Mapping[str, str] = field(default_factory=dict)
     tolerance: float = 0.05
+    unit: str | None = None
     findings: tuple[Diagnostic, ...] = ()
 
 

@@ -4,6 +4,7 @@ Every part may be left out. Lengths are mm, speeds mm/s, times seconds, angles d
 masses kg; names are letters, digits and `_`, a letter first.
 
     tolerance = 0.05              # mm for joining ends and fitting curves
+    unit = "mm"                   # of a drawing, whatever it says itself
 
     [motion]                      # where the source itself does not say how to move
     kind = "linear"               # or "joint"
@@ -161,10 +162,13 @@ def parse_process(source: SourceText) -> Process:
 
 
 def process_in(top: Table, beside: Sequence[str] = ()) -> Process:
-    """The process file's tables of a document that may hold other keys beside them."""
+    """The process file's tables of a document that may hold other keys beside them.
+
+    Such a document states lengths itself, in mm, and has no `unit`.
+    """
     page = top.page
-    keys = dict.fromkeys((*TOP, *beside), _as_it_is)
-    found = top.read(keys | {"tolerance": values.tolerance})
+    keys = dict.fromkeys((*TOP, *beside), _as_it_is) | {"tolerance": values.tolerance}
+    found = top.read(keys if beside else keys | {"unit": values.unit})
     tools = {n: _tool(n, t) for n, t in top.table("tools").named()}
     frames = {n: _frame(n, t) for n, t in top.table("frames").named()}
     signals = {n: _signal(n, t) for n, t in top.table("signals").named()}
@@ -179,7 +183,8 @@ def process_in(top: Table, beside: Sequence[str] = ()) -> Process:
     findings = tuple(sorted(page.findings, key=lambda f: f.line or 0))
     if has_errors(findings):
         raise Refused(*findings)
-    return Process(defaults, tools, frames, signals, layers, tags, tolerance, findings)
+    unit = found.get("unit")
+    return Process(defaults, tools, frames, signals, layers, tags, tolerance, unit, findings)
 
 
 def read_toml(source: SourceText) -> Table:

@@ -12,6 +12,7 @@ from assistant.program import rotations
 from assistant.program.geometry import Quaternion, Vector
 from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.program import IDENTIFIER, identifier
+from assistant.sources.lengths import UNITS
 
 Read = Callable[[Any], Any]
 """What TOML gave → the value; raises Wrong."""
@@ -183,6 +184,10 @@ def blend(value: Any) -> Blend:
 def tolerance(value: Any) -> float:
     result: float = number("mm", above=0.0, most=MOST_TOLERANCE)(value)
     return result
+
+
+unit: Final = choice(*UNITS)
+"""The short name of a unit of length."""
 
 
 def switches(value: Any) -> dict[str, float]:

@@ -32,7 +32,8 @@ from assistant.program.program import Program, identifier
 from assistant.program.text import decode, read_bytes
 from assistant.sources import Reading, rows
 from assistant.sources.arrays import read_npy, read_npz
-from assistant.sources.headers import LENGTHS, shown
+from assistant.sources.headers import shown
+from assistant.sources.lengths import UNITS
 from assistant.sources.poses import like_metres, of_matrices, position_findings, unit_quaternions
 from assistant.sources.process import NO_PROCESS, Process
 
@@ -314,14 +315,15 @@ def _path_of(
     else:
         positions = array[:, :3]
         quaternions, findings = unit_quaternions(array[:, 3:], locate)
+    measured = unit or process.unit
     with np.errstate(over="ignore"):  # what overflows is refused as not finite
-        positions = positions * LENGTHS[unit or "mm"]
+        positions = positions * UNITS[measured or "mm"][1]
     if array.ndim == 2 or not has_errors(findings):
         findings += position_findings(positions, locate)
     findings += rows.default_findings(process, path)
     if has_errors(findings):
         raise Refused(*findings)
-    if unit is None:
+    if measured is None:
         findings += like_metres(positions, where)
     kind = rows.default_kind(process)
     motions = rows.default_motions(len(array), process)

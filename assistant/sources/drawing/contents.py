@@ -55,7 +55,7 @@ def read_contents(path: FilePath, process: Process) -> Contents:
     _check_defaults(process, name)
     tags = Tags.of(process.tags, name)
     document, opened = open_drawing(path)
-    unit, factor, units = unit_of(document, name)
+    unit, factor, units = unit_of(document, name, process.unit)
     tally = Tally()
     traversal = Traversal(document, name, tags, tally)
     locations = Locations(document, name, tags, process, tally)

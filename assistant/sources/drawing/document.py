@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 BINARY_SENTINEL: Final = b"AutoCAD Binary DXF\r\n\x1a\x00"
 DWG_SIGNATURE: Final = re.compile(rb"AC10\d\d\x00|AC1\.\d\d")
 SECTION: Final = re.compile(rb"(?:^|[\r\n])[ \t]*0[ \t]*\r?[\r\n][ \t]*SECTION[ \t]*\r?[\r\n]")
+VARIABLE: Final = re.compile(rb"[\r\n][ \t]*9[ \t]*\r?[\r\n][ \t]*\$[A-Z]")
+BINARY_VARIABLE: Final = re.compile(rb"\x09\x00?\$[A-Z]")
+"""The name of a variable of the header."""
 END: Final = re.compile(rb"[\r\n][ \t]*0[ \t]*\r?[\r\n][ \t]*EOF[ \t]*(?:[\r\n]|$)")
 TAIL: Final = 1 << 16
 """Bytes at the end of a file in which the end mark has to stand."""
@@ -82,7 +85,18 @@ def open_drawing(path: FilePath) -> tuple[Drawing, tuple[Diagnostic, ...]]:
     notes: list[str] = []
     with _heard(notes):
         document, repairs = _load(path, binary)
+    if (BINARY_VARIABLE if binary else VARIABLE).search(data) is None:
+        _forget_header(document)
     return document, (*repairs, *_told(notes, str(path)))
+
+
+def _forget_header(document: Drawing) -> None:
+    """Takes away the variables that ezdxf makes up for a file without a header.
+
+    Among them is a unit, metres, which the drawing never named.
+    """
+    for name in [*document.header.varnames()]:
+        del document.header[name]
 
 
 def _told(notes: list[str], path: str) -> list[Diagnostic]:

@@ -42,16 +42,26 @@ NO_UNITS = Rule(
     "DX101",
     W,
     "the drawing names no unit ($INSUNITS is {state}); millimetres are assumed{hint}",
-    "set the drawing's insertion unit",
+    'state it: `unit = "mm"` in the process file, or --unit mm',
 )
 UNKNOWN_UNITS = Rule(
-    "DX102", E, "unit code {code} of $INSUNITS is not defined", "set the drawing's insertion unit"
+    "DX102",
+    E,
+    "unit code {code} of $INSUNITS is not defined",
+    'state the unit: `unit = "mm"` in the process file, or --unit mm',
 )
 OTHER_UCS = Rule(
     "DX103",
     I,
     "a user coordinate system is current; coordinates are those of the world system",
     "give the frame that the world system stands in as the default frame of the process file",
+)
+
+OTHER_UNIT = Rule(
+    "DX104",
+    I,
+    "the drawing names {said}, but is read in {given}, as was stated",
+    "leave `unit` out to take the drawing's own",
 )
 
 # Entities and inserts.

@@ -5,32 +5,34 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.sources.drawing.findings import NO_UNITS, UNKNOWN_UNITS
+from assistant.sources.drawing.findings import NO_UNITS, OTHER_UNIT, UNKNOWN_UNITS
+from assistant.sources.lengths import UNITS
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
 
-FOOT: Final = 304.8
 SURVEY_FOOT: Final = 1_200_000.0 / 3937.0
 """mm; 1200/3937 m by its definition of 1893."""
-METRE: Final = 1000.0
+INCH: Final = UNITS["in"][1]
+FOOT: Final = UNITS["ft"][1]
+METRE: Final = UNITS["m"][1]
 ASTRONOMICAL_UNIT: Final = 149_597_870_700.0 * METRE
 
 MILLIMETRES: Final[dict[int, tuple[str, float]]] = {
-    1: ("inches", FOOT / 12),
-    2: ("feet", FOOT),
+    1: UNITS["in"],
+    2: UNITS["ft"],
     3: ("miles", FOOT * 5280),
-    4: ("millimetres", 1.0),
-    5: ("centimetres", 10.0),
-    6: ("metres", METRE),
+    4: UNITS["mm"],
+    5: UNITS["cm"],
+    6: UNITS["m"],
     7: ("kilometres", METRE * 1e3),
-    8: ("microinches", FOOT / 12 * 1e-6),
-    9: ("mils", FOOT / 12 * 1e-3),
-    10: ("yards", FOOT * 3),
+    8: ("microinches", INCH * 1e-6),
+    9: UNITS["mil"],
+    10: UNITS["yd"],
     11: ("ångströms", 1e-7),
     12: ("nanometres", 1e-6),
-    13: ("micrometres", 1e-3),
-    14: ("decimetres", 100.0),
+    13: UNITS["um"],
+    14: UNITS["dm"],
     15: ("decametres", METRE * 10),
     16: ("hectometres", METRE * 100),
     17: ("gigametres", METRE * 1e9),
@@ -45,13 +47,20 @@ MILLIMETRES: Final[dict[int, tuple[str, float]]] = {
 """Code of $INSUNITS (DXF reference, header section) → name, millimetres."""
 
 
-def unit_of(document: Drawing, path: str) -> tuple[str, float, tuple[Diagnostic, ...]]:
+def unit_of(
+    document: Drawing, path: str, given: str | None = None
+) -> tuple[str, float, tuple[Diagnostic, ...]]:
     """Name of the drawing's unit, mm a unit, findings; raises Refused for unknown codes.
 
-    The units of blocks do not matter: a CAD system puts them into the scale of the insert
-    when it is made.
+    given: short name of the unit that holds whatever the drawing says. The units of blocks do
+    not matter: a CAD system puts them into the scale of the insert when it is made.
     """
     code = document.header.get("$INSUNITS", None)
+    if given is not None:
+        name, factor = UNITS[given]
+        said, _ = MILLIMETRES.get(code or 0, (name, factor))
+        told = (OTHER_UNIT(path=path, place="header", said=said, given=name),)
+        return name, factor, told if said != name else ()
     if code is None or code == 0:
         state = "missing" if code is None else "0"
         english = document.header.get("$MEASUREMENT", 1) == 0

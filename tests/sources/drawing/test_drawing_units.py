@@ -6,10 +6,15 @@ from collections.abc import Callable
 from pathlib import Path
 
 import ezdxf
+import numpy as np
 import pytest
 from ezdxf.document import Drawing
+from typer.testing import CliRunner
 
+from assistant import sources
+from assistant.cli.app import app
 from assistant.program.diagnostics import Refused, Severity
+from assistant.program.statements import Follow
 from assistant.sources.curves import Arc
 from assistant.sources.drawing import read, read_contents
 from assistant.sources.process import NO_PROCESS
@@ -60,6 +65,109 @@ def test_unknown_code(save: Save, drawing: Drawing, code: int) -> None:
         read(save(drawing), NO_PROCESS)
     assert [f.code for f in caught.value.findings] == ["DX102"]
     assert caught.value.exit_status == 1
+
+
+LINE = "0\nSECTION\n2\nENTITIES\n0\nLINE\n8\nCUT\n10\n0\n20\n0\n11\n100\n21\n0\n0\nENDSEC\n0\nEOF\n"
+HEADER = "0\nSECTION\n2\nHEADER\n{}0\nENDSEC\n"
+BLOCK = (
+    "0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n8\n0\n2\nHEADER\n70\n0\n10\n0\n20\n0\n3\nHEADER\n"
+    "0\nENDBLK\n8\n0\n0\nENDSEC\n"
+)
+
+
+@pytest.mark.parametrize(
+    "before",
+    ["", HEADER.format(""), HEADER.format("9\n$ACADVER\n1\nAC1009\n"), BLOCK],
+    ids=["no header", "empty header", "no unit", "a block of that name"],
+)
+@pytest.mark.parametrize("newline", ["\n", "\r\n"])
+def test_a_file_that_states_no_unit_is_in_millimetres(
+    tmp_path: Path, before: str, newline: str
+) -> None:
+    path = tmp_path / "part.dxf"
+    path.write_bytes((before + LINE).replace("\n", newline).encode())
+    contents = read_contents(path, NO_PROCESS)
+    assert contents.curves[0].end == (100.0, 0.0, 0.0)
+    assert contents.unit == "millimetres"
+    (finding,) = [f for f in contents.findings if f.code == "DX101"]
+    assert "$INSUNITS is missing" in finding.message
+    assert "English" not in finding.message
+    assert "--unit" in finding.cure
+
+
+def test_a_binary_file_keeps_its_unit(save: Save, drawing: Drawing) -> None:
+    drawing.header["$INSUNITS"] = 1
+    drawing.modelspace().add_line((0, 0), (1, 0))
+    (line,) = read_contents(save(drawing, fmt="bin"), NO_PROCESS).curves
+    assert line.end == (25.4, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("code", "said"), [(None, None), (0, None), (25, None), (4, "millimetres"), (1, None)]
+)
+def test_a_stated_unit_holds(
+    save: Save, drawing: Drawing, code: int | None, said: str | None
+) -> None:
+    drawing.modelspace().add_line((0, 0), (2, 0))
+    drawing.header["$INSUNITS"] = code or 0
+    if code is None:
+        del drawing.header["$INSUNITS"]
+    path = save(drawing)
+    path.with_suffix(".process.toml").write_text('unit = "in"\n')
+    reading = sources.read(path)
+    (line,) = read_contents(path, sources.process_of(path)).curves
+    assert line.end == (50.8, 0.0, 0.0)
+    assert reading.program.comments == ("drawing part.dxf, in inches",)
+    told = [f for f in reading.findings if f.code.startswith("DX10")]
+    assert [f.code for f in told] == (["DX104"] if said else [])
+    assert said is None or said in told[0].message
+    metres = sources.read(path, unit="m").program
+    assert metres.comments == ("drawing part.dxf, in metres",)  # nearer than the process file
+
+
+def test_the_unit_on_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("part.dxf").write_text(LINE)
+    done = CliRunner().invoke(app, ["show", "part.dxf", "--unit", "cm"])
+    assert "linear [1000, 0, 0]" in done.stdout
+    command = ["compile", "part.dxf", "-l", "rapid", "-o", "-", "--unit", "cm"]
+    assert "[[1000,0,0]" in CliRunner().invoke(app, command).stdout
+    for unit, status in (("mm", 0), (None, 1), ("furlong", 2)):
+        stated = ["--unit", unit] if unit else []
+        assert CliRunner().invoke(app, ["check", "part.dxf", *stated]).exit_code == status
+
+
+def test_a_unit_that_is_none(tmp_path: Path) -> None:
+    with pytest.raises(Refused) as caught:
+        sources.read(tmp_path / "part.csv", unit="furlong")
+    assert [f.code for f in caught.value.findings] == ["SR002"]
+    process = tmp_path / "part.process.toml"
+    process.write_text('unit = "furlong"\n')
+    with pytest.raises(Refused) as caught:
+        sources.process_of(tmp_path / "part.dxf")
+    assert [f.code for f in caught.value.findings] == ["CT303"]
+
+
+def test_the_unit_of_arrays(tmp_path: Path) -> None:
+    rows = [[0.1, 0, 0, 1, 0, 0, 0], [0.2, 0, 0, 1, 0, 0, 0]]
+    np.save(tmp_path / "way.npy", np.array(rows))
+    reading = sources.read(tmp_path / "way.npy", unit="m")
+    assert not [f for f in reading.findings if f.code == "TB208"]
+    path = next(s.path for s in reading.program.procedures[0].body if isinstance(s, Follow))
+    assert path.positions[-1].tolist() == [200.0, 0.0, 0.0]
+
+
+def test_where_the_file_states_its_lengths_a_unit_changes_nothing(tmp_path: Path) -> None:
+    table = tmp_path / "way.csv"
+    table.write_text("x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z\n1,0,0,1,0,0,0\n2,0,0,1,0,0,0\n")
+    stated = sources.read(table, unit="m")
+    assert [f.code for f in stated.findings if f.code[:2] == "SR"] == ["SR003"]
+    assert stated.program == sources.read(table).program
+    taught = tmp_path / "taught.toml"
+    taught.write_text('unit = "m"\n[[targets]]\nname="a"\nposition=[1,2,3]\n')
+    with pytest.raises(Refused) as caught:
+        sources.read(taught)
+    assert "CT302" in [f.code for f in caught.value.findings]
 
 
 def test_current_ucs_is_mentioned(save: Save, drawing: Drawing) -> None:

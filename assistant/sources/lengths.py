@@ -1,0 +1,43 @@
+"""Units of length by the short names that process files and `--unit` take."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity
+
+UNITS: Final[Mapping[str, tuple[str, float]]] = {
+    "mm": ("millimetres", 1.0),
+    "cm": ("centimetres", 10.0),
+    "dm": ("decimetres", 100.0),
+    "m": ("metres", 1000.0),
+    "um": ("micrometres", 1e-3),
+    "mil": ("mils", 0.0254),
+    "in": ("inches", 25.4),
+    "ft": ("feet", 304.8),
+    "yd": ("yards", 914.4),
+}
+"""Short name → name for people, millimetres."""
+
+UNKNOWN_UNIT = Rule(
+    "SR002", Severity.ERROR, "there is no unit of length `{name}`", "choose one of {names}"
+)
+UNIT_STATED = Rule(
+    "SR003",
+    Severity.INFO,
+    "the unit `{unit}` changes nothing here: the file states its own lengths",
+    "leave `unit` out, or correct the lengths in the file",
+)
+
+
+def unit_stated(path: object, unit: str) -> Diagnostic:
+    """That a file states its own lengths; raises Refused as `known_unit` does."""
+    return UNIT_STATED(path=str(path), unit=known_unit(unit))
+
+
+def known_unit(name: str) -> str:
+    """The name itself; raises Refused, exit status 2, if there is no such unit."""
+    if name not in UNITS:
+        raise Refused(UNKNOWN_UNIT(name=name[:40], names=", ".join(UNITS)), exit_status=2)
+    return name
