@@ -1,0 +1,67 @@
+"""Calls of the program's own routines: their parameters, data and results."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from assistant.languages.rapid import syntax as s
+from assistant.virtual.rapid.ends import Fault, Jump, NotSimulated, Returned
+from assistant.virtual.rapid.expressions import declare
+from assistant.virtual.rapid.machine import MOST_CALLS, Machine
+from assistant.virtual.rapid.parameters import parameters
+from assistant.virtual.rapid.rows import targets
+from assistant.virtual.rapid.scopes import Cell, Frame, Known
+from assistant.virtual.rapid.statements import execute
+from assistant.virtual.rapid.values import Shape, Value, copied, is_like
+
+
+def call(machine: Machine, known: Known, arguments: Sequence[s.Argument]) -> Value | None:
+    """Runs a routine; the value of a function, None of a procedure."""
+    if len(machine.frames) >= MOST_CALLS:
+        raise NotSimulated(f"more than {MOST_CALLS} routines inside of one another")
+    frame = Frame(known.unit, known.node, parameters(machine, known.node, arguments))
+    at = machine.at
+    machine.frames.append(frame)
+    try:
+        value = _run(machine, known.node)
+    except Fault as fault:
+        if any(handler.kind == "ERROR" for handler in known.node.handlers):
+            raise NotSimulated(f"the error handler of `{known.node.name}` ({fault})") from None
+        raise
+    finally:
+        machine.frames.pop()
+    machine.at = at
+    return value
+
+
+def _run(machine: Machine, routine: s.Routine) -> Value | None:
+    for node in routine.body:
+        for datum in targets(node) if isinstance(node, s.TargetRunNode) else (node,):
+            if isinstance(datum, s.Data):
+                _local(machine, datum)
+    try:
+        execute(machine, routine.body)
+    except Returned as returned:
+        return _result(machine, routine, returned.value)
+    except Jump as jump:
+        raise Fault(f"there is no label `{jump.label}` that can be jumped to") from None
+    if routine.kind == "FUNC":
+        raise Fault(f"`{routine.name}` ends without RETURN")
+    return None
+
+
+def _local(machine: Machine, node: s.Data) -> None:
+    if node.storage == "PERS":
+        raise Fault(f"the persistent `{node.name}` inside of a routine")
+    cell = Cell(Shape("num"), "CONST" if node.storage == "CONST" else "VAR")
+    declare(machine, cell, node)
+    machine.frame.names[node.name.lower()] = cell
+
+
+def _result(machine: Machine, routine: s.Routine, value: Value | None) -> Value | None:
+    if routine.kind != "FUNC":
+        return None
+    wanted = Shape(machine.types.name(routine.type))
+    if value is None or not is_like(value, wanted):
+        raise Fault(f"`{routine.name}` does not give {routine.type}")
+    return copied(value)

@@ -1,0 +1,224 @@
+"""What an expression is worth, and where a variable is stored."""
+
+from __future__ import annotations
+
+from assistant.languages.rapid import predefined
+from assistant.languages.rapid import syntax as s
+from assistant.virtual.rapid.ends import Fault, NotSimulated
+from assistant.virtual.rapid.machine import Machine
+from assistant.virtual.rapid.operators import infix, prefix, whole
+from assistant.virtual.rapid.poses import number, truth
+from assistant.virtual.rapid.scopes import Absent, Cell, Known, Place, Signal
+from assistant.virtual.rapid.values import Array, Record, Shape, Value, copied
+
+PREFIXES = {"0x": 16, "0o": 8, "0b": 2, "0d": 10}
+
+
+def evaluate(machine: Machine, node: s.Expression | s.Whole, wanted: Shape | None = None) -> Value:
+    """The value of an expression, not yet apart from where it may be stored.
+
+    wanted: what it is for, which gives an aggregate its type.
+    """
+    match node:
+        case s.NumberLiteral(text):
+            return literal(text)
+        case s.StringLiteral(value):
+            return value
+        case s.BoolLiteral(value):
+            return value
+        case s.Group(inner):
+            return evaluate(machine, inner, wanted)
+        case s.Prefix(sign, operand):
+            return prefix(sign, evaluate(machine, operand))
+        case s.Infix():
+            return _infix(machine, node)
+        case s.AggregateNode():
+            return _aggregate(machine, node, wanted)
+        case s.FunctionCall():
+            return _call(machine, node)
+        case s.NameRef(name):
+            meaning = machine.meaning(name)
+            if isinstance(meaning, Signal):
+                return machine.signals.read(meaning.name)
+            if meaning is None and _is_signal(machine, name):
+                return machine.signals.read(name.lower())
+    if isinstance(node, s.NameRef | s.Component | s.Element):
+        return place(machine, node).get()
+    raise NotSimulated(f"{type(node).__name__} in an expression")
+
+
+def condition(machine: Machine, node: s.Expression) -> bool:
+    return truth(evaluate(machine, node))
+
+
+def numeric(machine: Machine, node: s.Expression | s.Whole) -> float:
+    return number(evaluate(machine, node))
+
+
+def literal(text: str) -> float:
+    """A number as it is written, `9E9` or `0x1F`."""
+    base = PREFIXES.get(text[:2].lower())
+    return float(text) if base is None else float(int(text[2:], base))
+
+
+def place(machine: Machine, node: s.Expression | s.Whole) -> Place:
+    """Where a variable or a part of one is stored; raises Fault where there is none."""
+    match node:
+        case s.NameRef(name):
+            return _named(machine, name)
+        case s.Component(value, name):
+            whole_of = place(machine, value)
+            shape = machine.types.component(whole_of.shape.type, name.lower())
+            record = whole_of.get()
+            if shape is None or whole_of.shape.sizes or not isinstance(record, Record):
+                raise Fault(f"{whole_of.shape.type} has no component `{name}`")
+            return Place(record, name.lower(), shape, whole_of.storage)
+        case s.Element(value, indices):
+            return _element(machine, place(machine, value), indices)
+        case s.Group(inner):
+            return place(machine, inner)
+    raise Fault("a value where data is wanted")
+
+
+def signal(machine: Machine, node: s.Expression) -> str:
+    """The signal that a name stands for, in lower case."""
+    if not isinstance(node, s.NameRef):
+        raise NotSimulated("a signal that is worked out")
+    meaning = machine.meaning(node.name)
+    if isinstance(meaning, Signal):
+        return meaning.name
+    if meaning is not None:
+        raise NotSimulated(f"`{node.name}` as a signal")
+    return node.name.lower()
+
+
+def settled(machine: Machine, cell: Cell) -> Cell:
+    """The cell with its first value, worked out now if nobody asked for it before."""
+    pending = cell.pending
+    if pending is None:
+        return cell
+    cell.pending = None
+    node, unit = pending.node, pending.unit
+    with machine.outside(unit):
+        declare(machine, cell, node)
+    return cell
+
+
+def declare(machine: Machine, cell: Cell, node: s.Data) -> None:
+    """Gives a cell the shape and first value of its declaration."""
+    shape = shape_of(machine, node)
+    cell.shape = shape
+    value = machine.types.first(shape)
+    cell.value = value
+    if node.value is not None:
+        first = evaluate(machine, node.value, shape)
+        Place(cell, "", shape, "VAR").set(first)
+
+
+def shape_of(machine: Machine, node: s.Data) -> Shape:
+    sizes = [whole(numeric(machine, size), "the size of an array") for size in node.dimensions]
+    return Shape(machine.types.name(node.type), tuple(sizes))
+
+
+def _named(machine: Machine, name: str) -> Place:
+    match machine.meaning(name):
+        case Cell() as cell:
+            settled(machine, cell)
+            return Place(cell, "", cell.shape, cell.storage)
+        case Place() as reference:
+            return reference
+        case Absent():
+            raise Fault(f"the optional parameter `{name}` is read, which was not given")
+        case Signal() | Known():
+            raise Fault(f"`{name}` is no data")
+    if name.lower() in predefined.data():
+        raise NotSimulated(f"the predefined `{name}`")
+    raise Fault(f"there is no data `{name}`")
+
+
+def _is_signal(machine: Machine, name: str) -> bool:
+    return name.lower() not in predefined.data() and machine.signals.knows(name.lower())
+
+
+def _element(machine: Machine, array: Place, indices: tuple[s.Expression | s.Whole, ...]) -> Place:
+    if len(indices) != len(array.shape.sizes):
+        raise Fault(f"{len(indices)} indices of an array of {len(array.shape.sizes)} dimensions")
+    values: list[int | None] = []
+    for index in indices:
+        if isinstance(index, s.Whole):
+            values.append(None)
+        else:
+            values.append(whole(numeric(machine, index), "an index"))
+    found = array
+    while values and values[0] is not None:
+        found = _item(found, values.pop(0) or 0)
+    if any(value is not None for value in values):
+        raise NotSimulated("a column of an array")
+    return found
+
+
+def _item(array: Place, index: int) -> Place:
+    items = array.get()
+    assert isinstance(items, Array)
+    if not 1 <= index <= len(items.items):
+        raise Fault(f"the index {index} of an array of {len(items.items)} elements")
+    return Place(items, index - 1, array.shape.element, array.storage)
+
+
+def _infix(machine: Machine, node: s.Infix) -> Value:
+    """Two operands, the left one first; an aggregate is of the type of the other."""
+    if isinstance(_bare(node.left), s.AggregateNode):
+        right = evaluate(machine, node.right)
+        return infix(node.operator, evaluate(machine, node.left, _shape(right)), right)
+    left = evaluate(machine, node.left)
+    if isinstance(left, Record):  # a function may change what is stored
+        left = copied(left)
+    return infix(node.operator, left, evaluate(machine, node.right, _shape(left)))
+
+
+def _bare(node: s.Expression) -> s.Expression:
+    while isinstance(node, s.Group):
+        node = node.inner
+    return node
+
+
+def _shape(value: Value) -> Shape | None:
+    return Shape(value.type) if isinstance(value, Record) else None
+
+
+def _aggregate(machine: Machine, node: s.AggregateNode, wanted: Shape | None) -> Value:
+    if wanted is None:
+        raise NotSimulated("an aggregate of a type that is not stated")
+    if wanted.sizes:
+        if wanted.sizes[0] not in (-1, len(node.items)):
+            raise Fault(f"{len(node.items)} elements for an array of {wanted.sizes[0]}")
+        element = wanted.element
+        array = Array([machine.types.first(element) for _ in node.items])
+        for i, item in enumerate(node.items):
+            Place(array, i, element, "VAR").set(evaluate(machine, item, element))
+        return array
+    parts = machine.types.components(wanted.type)
+    if parts is None:
+        raise Fault(f"an aggregate where {wanted.type} is wanted")
+    if len(parts) != len(node.items):
+        raise Fault(f"{len(node.items)} parts of {wanted.type}, which has {len(parts)}")
+    record = machine.types.first(wanted)
+    assert isinstance(record, Record)
+    for (name, of), item in zip(parts.items(), node.items, strict=True):
+        shape = Shape(machine.types.name(of))
+        Place(record, name, shape, "VAR").set(evaluate(machine, item, shape))
+    return record
+
+
+def _call(machine: Machine, node: s.FunctionCall) -> Value:
+    meaning = machine.meaning(node.name)
+    if isinstance(meaning, Known):
+        value = machine.abilities.call(machine, meaning, node.arguments)
+    else:
+        function = machine.abilities.functions.get(node.name.lower())
+        if function is None:
+            raise NotSimulated(f"the function `{node.name}`")
+        value = function(machine, node.arguments)
+    if value is None:
+        raise Fault(f"`{node.name}` gives no value")
+    return value

@@ -1,0 +1,18 @@
+"""The functions of every controller that are simulated, by name in lower case."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+from assistant.virtual.rapid.functions import bits, data, numbers, places, positions, texts
+from assistant.virtual.rapid.machine import Function
+
+FUNCTIONS: Final[Mapping[str, Function]] = {
+    **numbers.TABLE,
+    **bits.TABLE,
+    **texts.TABLE,
+    **places.TABLE,
+    **positions.TABLE,
+    **data.TABLE,
+}

@@ -1,0 +1,53 @@
+"""Functions that ask about data, parameters, signals and clocks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+from assistant.virtual.rapid.ends import Fault
+from assistant.virtual.rapid.given import Given, is_present, takes
+from assistant.virtual.rapid.instructions.others import clock
+from assistant.virtual.rapid.machine import Function
+from assistant.virtual.rapid.operators import whole
+
+
+def _present(given: Given) -> bool:
+    return is_present(given.machine, given.required[0])
+
+
+def _size(given: Given) -> float:
+    sizes = given.place(0).shape.sizes
+    dimension = whole(given.number(1), "a dimension")
+    if not 1 <= dimension <= len(sizes):
+        raise Fault(f"there is no dimension {dimension} (ERR_ILLDIM)")
+    return float(sizes[dimension - 1])
+
+
+def _signal(given: Given) -> float:
+    return given.machine.signals.read(given.signal(0))
+
+
+def _test(given: Given) -> bool:
+    return _signal(given) != 0.0
+
+
+def _clock(given: Given) -> float:
+    one = clock(given)
+    return one.total + (0.0 if one.since is None else given.machine.time - one.since)
+
+
+READS: Final = (
+    *("DInput", "DOutput", "GInput", "GOutput", "AInput", "AOutput"),
+    *("GInputDnum", "GOutputDnum"),
+)
+
+TABLE: Final[Mapping[str, Function]] = dict(
+    (
+        takes("Present", 1, _present),
+        takes("Dim", 2, _size),
+        takes("TestDI", 1, _test),
+        *(takes(name, 1, _signal) for name in READS),
+        takes("ClkRead", 1, _clock, "highres"),
+    )
+)

@@ -1,0 +1,11 @@
+"""The instructions of every controller that are simulated, by name in lower case."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+from assistant.virtual.rapid.instructions import motions, others, signals
+from assistant.virtual.rapid.machine import Function
+
+INSTRUCTIONS: Final[Mapping[str, Function]] = {**motions.TABLE, **signals.TABLE, **others.TABLE}

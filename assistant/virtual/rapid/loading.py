@@ -1,0 +1,89 @@
+"""Modules put together: what their names stand for, and which signals there are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Final
+
+from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.walk import nodes
+from assistant.virtual.rapid.ends import Fault
+from assistant.virtual.rapid.rows import targets
+from assistant.virtual.rapid.scopes import Cell, Known, Meaning, Pending, Storage, Unit
+from assistant.virtual.rapid.types import Types
+from assistant.virtual.rapid.values import Shape
+
+STORAGE: Final[dict[str, Storage]] = {"VAR": "VAR", "PERS": "PERS", "CONST": "CONST"}
+SETS: Final = frozenset(
+    (
+        *("set", "reset", "setdo", "setgo", "setao", "invertdo", "pulsedo"),
+        *("waitdo", "waitgo", "waitao", "doutput", "goutput", "aoutput", "goutputdnum"),
+    )
+)
+"""Instructions and functions whose first argument is an output."""
+READS: Final = frozenset(
+    ("waitdi", "waitgi", "waitai", "testdi", "dinput", "ginput", "ainput", "ginputdnum")
+)
+"""The same of an input."""
+CORNER: Final = {"movejdo": 4, "moveldo": 4, "movecdo": 5}
+"""Motions that set an output, and which argument it is."""
+
+
+def load(files: Sequence[s.File], types: Types) -> tuple[dict[str, Meaning], list[Cell]]:
+    """What all modules know, by name in lower case, and every datum of a module.
+
+    Raises Fault where two mean the same name.
+    """
+    named: dict[str, Meaning] = {}
+    cells: list[Cell] = []
+    for file in files:
+        for module in file.modules:
+            unit = Unit(file.source)
+            for item in module.items:
+                if isinstance(item, s.Record | s.Alias):
+                    types.declare(item)
+            for local, name, meaning in _meanings(module, unit):
+                names = unit.names if local else named
+                if name.lower() in names:
+                    raise Fault(f"two meanings of the name `{name}`")
+                names[name.lower()] = meaning
+                if isinstance(meaning, Cell):
+                    cells.append(meaning)
+    return named, cells
+
+
+def _meanings(module: s.Module, unit: Unit) -> Iterator[tuple[bool, str, Meaning]]:
+    for item in module.items:
+        match item:
+            case s.Routine(local=local, name=name):
+                yield local, name, Known(item, unit)
+            case s.Data():
+                yield _datum(item, unit)
+            case s.TargetRunNode():
+                yield from (_datum(datum, unit) for datum in targets(item))
+            case s.Placeholder(text):
+                raise Fault(f"the placeholder `{text}`")
+
+
+def _datum(node: s.Data, unit: Unit) -> tuple[bool, str, Meaning]:
+    cell = Cell(Shape(""), STORAGE[node.storage], pending=Pending(node, unit))
+    return node.scope == "LOCAL", node.name, cell
+
+
+def signals(files: Iterable[s.File]) -> tuple[frozenset[str], frozenset[str]]:
+    """Names of outputs, and of all signals, that the modules use as such, in lower case."""
+    outputs: set[str] = set()
+    known: set[str] = set()
+    for node in nodes(tuple(file.parts for file in files)):
+        if not isinstance(node, s.ProcedureCall | s.FunctionCall) or not isinstance(node.name, str):
+            continue
+        name = node.name.lower()
+        given = [a.value for a in node.arguments if isinstance(a, s.Positional)]
+        place = CORNER.get(name, 0)
+        if name in SETS | READS | CORNER.keys() and len(given) > place:
+            signal = given[place]
+            if isinstance(signal, s.NameRef):
+                known.add(signal.name.lower())
+                if name not in READS:
+                    outputs.add(signal.name.lower())
+    return frozenset(outputs), frozenset(known)

@@ -1,0 +1,113 @@
+"""Motions: where each ends, how fast, and how wide its corner may be cut."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import numpy as np
+
+from assistant.program.geometry import Pose
+from assistant.virtual.events import Moved
+from assistant.virtual.rapid.arm import carried
+from assistant.virtual.rapid.ends import Fault
+from assistant.virtual.rapid.expressions import evaluate
+from assistant.virtual.rapid.given import Given
+from assistant.virtual.rapid.machine import Machine
+from assistant.virtual.rapid.poses import joints_of, number, pose_of, record, truth
+from assistant.virtual.rapid.predefined import wobj0
+from assistant.virtual.rapid.scopes import Place
+from assistant.virtual.rapid.values import Record, Shape, copied
+
+OPTIONS = "conc id v t z inpos wobj tload noeoffs"
+"""What a move may say beside its target, speed, zone and tool, and is simulated here."""
+
+
+def joint(given: Given) -> None:
+    _to_target(given, "joint", 0)
+
+
+def linear(given: Given) -> None:
+    _to_target(given, "linear", 0)
+
+
+def circular(given: Given) -> None:
+    via = given.record(0, "robtarget")
+    _to_target(given, "circular", 1, via)
+
+
+def absolute(given: Given) -> None:
+    """MoveAbsJ: no displacement and no work object changes where the joints go."""
+    arm, target = given.machine.arm, given.record(0, "jointtarget")
+    tool, frame = _tool(given, 3), _frame(given)
+    arm.joints = joints_of(target)
+    arm.flange = flange_of(given.machine, arm.joints)
+    arm.tool, arm.frame = tool, frame
+    arm.configuration, arm.external = None, record(copied(target.parts["extax"]), "extjoint")
+    speed, blend = _speed(given, 1), _blend(given, 2)
+    given.machine.events.append(
+        Moved("joint", arm.flange, carried(tool), joints=arm.joints, speed=speed, blend=blend)
+    )
+
+
+def flange_of(machine: Machine, joints: tuple[float, ...]) -> Pose | None:
+    """Where the flange is at joints in degrees, None without a robot."""
+    if machine.robot is None:
+        return None
+    p, q = machine.robot.fk(np.array([machine.robot.own_joints(joints)]))
+    return Pose.of(p[0], q[0])
+
+
+def _to_target(
+    given: Given,
+    kind: Literal["joint", "linear", "circular"],
+    first: int,
+    via: Record | None = None,
+) -> None:
+    arm, target = given.machine.arm, given.record(first, "robtarget")
+    tool, frame = _tool(given, first + 3), _frame(given)
+    flange = arm.flange_at(pose_of(target), tool, frame)
+    between = None if via is None else arm.flange_at(pose_of(via), tool, frame)
+    arm.flange, arm.joints, arm.tool, arm.frame = flange, None, tool, frame
+    arm.configuration = record(copied(target.parts["robconf"]), "confdata")
+    arm.external = record(copied(target.parts["extax"]), "extjoint")
+    speed, blend = _speed(given, first + 1), _blend(given, first + 2)
+    given.machine.events.append(
+        Moved(kind, flange, carried(tool), via=between, speed=speed, blend=blend)
+    )
+
+
+def _tool(given: Given, index: int) -> Record:
+    return _persistent(given.place(index), "tooldata")
+
+
+def _frame(given: Given) -> Record:
+    node = given.options.get("wobj")
+    if node is None:
+        return wobj0()
+    return record(copied(evaluate(given.machine, node, Shape("wobjdata"))), "wobjdata")
+
+
+def _persistent(place: Place, type: str) -> Record:
+    if place.storage == "VAR":
+        raise Fault(f"a VAR as {type}, which has to be persistent")
+    return record(copied(place.get()), type)
+
+
+def _speed(given: Given, index: int) -> float | None:
+    r"""Of the tool in mm/s; None where the motion states its time, or the fastest there is."""
+    stated = number(given.record(index, "speeddata").parts["v_tcp"])
+    if given.has("t"):
+        return None
+    own = given.optional_number("v")
+    arm = given.machine.arm
+    speed = min((stated if own is None else own) * arm.override / 100.0, arm.most)
+    return None if math.isinf(speed) else speed
+
+
+def _blend(given: Given, index: int) -> float:
+    zone = given.record(index, "zonedata")
+    own = given.optional_number("z")
+    if truth(zone.parts["finep"]) or given.has("inpos"):
+        return 0.0
+    return number(zone.parts["pzone_tcp"]) if own is None else own

@@ -1,0 +1,150 @@
+"""What the operators of RAPID do with values."""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable, Mapping
+from typing import Final
+
+import numpy as np
+
+from assistant.program import rotations
+from assistant.virtual.rapid.ends import Fault
+from assistant.virtual.rapid.poses import orient, pos, quaternion_of, truth, vector_of
+from assistant.virtual.rapid.values import Record, Value, equal, kind_of
+
+LONGEST_TEXT: Final = 80
+
+
+def infix(sign: str, left: Value, right: Value) -> Value:
+    """The value of two operands; raises Fault where a controller stops or refuses them."""
+    if sign in TRUTHS:
+        return TRUTHS[sign](truth(left), truth(right))
+    if sign in ("=", "<>"):
+        try:
+            return equal(left, right) is (sign == "=")
+        except ValueError as error:
+            raise Fault(str(error)) from None
+    if _are_numbers(left, right):
+        if sign in ORDERS:
+            return ORDERS[sign](left, right)
+        return _finite(NUMBERS[sign](_float(left), _float(right)))
+    if sign == "+" and isinstance(left, str) and isinstance(right, str):
+        return joined(left + right)
+    found = _vectors(sign, left, right)
+    if found is None:
+        raise Fault(f"`{sign}` cannot join {kind_of(left)} and {kind_of(right)}")
+    return found
+
+
+def prefix(sign: str, value: Value) -> Value:
+    if sign == "NOT":
+        return not truth(value)
+    factor = -1.0 if sign == "-" else 1.0
+    if isinstance(value, float) and not isinstance(value, bool):
+        return factor * value
+    if isinstance(value, Record) and value.type == "pos":
+        x, y, z = vector_of(value)
+        return pos((factor * x, factor * y, factor * z))
+    raise Fault(f"`{sign}` cannot stand before {kind_of(value)}")
+
+
+def joined(text: str) -> str:
+    """A text that was put together; raises Fault where it is too long for a string."""
+    if len(text) > LONGEST_TEXT:
+        raise Fault(f"a string of {len(text)} characters")
+    return text
+
+
+def whole(value: float, what: str) -> int:
+    if not value.is_integer():
+        raise Fault(f"{what} is {value:g}, no whole number")
+    return int(value)
+
+
+def _divide(left: float, right: float) -> float:
+    if right == 0.0:
+        raise Fault("division by zero")
+    return left / right
+
+
+def _quotient(left: float, right: float) -> float:
+    """-14 DIV 4 is -3: towards zero, as the table of operations of the kernel manual has it."""
+    a, b = whole(left, "an operand of DIV"), whole(right, "an operand of DIV")
+    return float(math.trunc(_divide(a, b)))
+
+
+def _remainder(left: float, right: float) -> float:
+    """-14 MOD 4 is -2: with the sign of what is divided."""
+    a, b = whole(left, "an operand of MOD"), whole(right, "an operand of MOD")
+    if b == 0:
+        raise Fault("division by zero")
+    return math.fmod(a, b) + 0.0
+
+
+def _vectors(sign: str, left: Value, right: Value) -> Value | None:
+    """Operators of pos and orient; None for what there is not."""
+    if _is(left, "pos") and _is(right, "pos") and sign in ("+", "-", "*"):
+        return _pos(VECTORS[sign](vector_of(left), vector_of(right)))
+    if _is(left, "pos") and _are_numbers(right) and sign in ("*", "/"):
+        factor = _float(right) if sign == "*" else _divide(1.0, _float(right))
+        return _pos(np.multiply(vector_of(left), factor))
+    if _are_numbers(left) and _is(right, "pos") and sign == "*":
+        return _pos(np.multiply(vector_of(right), _float(left)))
+    if _is(left, "orient") and _is(right, "orient") and sign == "*":
+        q = rotations.canonical(rotations.multiply(quaternion_of(left), quaternion_of(right)))
+        w, x, y, z = (float(part) for part in q)
+        return orient((w, x, y, z))
+    return None
+
+
+def _pos(values: rotations.Floats) -> Record:
+    x, y, z = (float(part) for part in values)
+    return pos((x, y, z))
+
+
+def _is(value: Value, type: str) -> bool:
+    return isinstance(value, Record) and value.type == type
+
+
+def _are_numbers(*values: Value) -> bool:
+    return all(isinstance(v, float) and not isinstance(v, bool) for v in values)
+
+
+def _float(value: Value) -> float:
+    assert isinstance(value, float)
+    return value
+
+
+def _finite(value: float) -> float:
+    if math.isnan(value):
+        raise Fault("a number that is none")
+    return value
+
+
+TRUTHS: Final[Mapping[str, Callable[[bool, bool], bool]]] = {
+    "AND": operator.and_,
+    "OR": operator.or_,
+    "XOR": operator.xor,
+}
+"""Both sides are worked out: that the second may be left out is not documented."""
+ORDERS: Final[Mapping[str, Callable[..., bool]]] = {
+    "<": operator.lt,
+    "<=": operator.le,
+    ">": operator.gt,
+    ">=": operator.ge,
+}
+NUMBERS: Final[Mapping[str, Callable[[float, float], float]]] = {
+    "+": operator.add,
+    "-": operator.sub,
+    "*": operator.mul,
+    "/": _divide,
+    "DIV": _quotient,
+    "MOD": _remainder,
+}
+VECTORS: Final[Mapping[str, Callable[..., rotations.Floats]]] = {
+    "+": np.add,
+    "-": np.subtract,
+    "*": np.cross,
+}

@@ -1,0 +1,88 @@
+"""What the parameters of a routine mean in a call: copies of values, or references to data."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Final
+
+from assistant.languages.rapid import syntax as s
+from assistant.virtual.rapid.ends import Fault
+from assistant.virtual.rapid.expressions import evaluate, place, signal
+from assistant.virtual.rapid.given import is_present
+from assistant.virtual.rapid.machine import Machine
+from assistant.virtual.rapid.scopes import Absent, Cell, Meaning, Place, Signal, Storage
+from assistant.virtual.rapid.values import Shape, copied, is_like, kind_of, sizes
+
+REFERS_TO: Final[Mapping[str, tuple[Storage, ...]]] = {
+    "VAR": ("VAR", "IN"),
+    "PERS": ("PERS",),
+    "INOUT": ("VAR", "IN", "PERS"),
+}
+"""What data a parameter of each mode may refer to."""
+
+
+def parameters(
+    machine: Machine, routine: s.Routine, arguments: Sequence[s.Argument]
+) -> dict[str, Meaning]:
+    """What the names of the parameters mean during a call; arguments are worked out in order."""
+    found: dict[str, Meaning] = {}
+    required = iter(_of(routine, optional=False))
+    optional = {one.name.lower(): one for one in _of(routine, optional=True)}
+    for argument in arguments:
+        if isinstance(argument, s.Positional):
+            one, value = next(required, None), argument.value
+            if one is None:
+                raise Fault(f"`{routine.name}` is given too many arguments")
+            found[one.name.lower()] = _bound(machine, one, value)
+        elif isinstance(argument, s.Option):
+            one = _option(routine, optional, argument.name)
+            found[one.name.lower()] = _bound(machine, one, argument.value)
+        elif is_present(machine, argument.variable):
+            one = _option(routine, optional, argument.name)
+            found[one.name.lower()] = _bound(machine, one, argument.variable)
+    missing = next(required, None)
+    if missing is not None:
+        raise Fault(f"`{routine.name}` is not given `{missing.name}`")
+    return {**dict.fromkeys(optional, Absent()), **found}
+
+
+def _of(routine: s.Routine, optional: bool) -> Iterator[s.ParameterNode]:
+    for group in routine.parameters:
+        if group.optional is optional:
+            for one in group.alternatives:
+                if isinstance(one, s.Placeholder):
+                    raise Fault("a parameter that was never filled in")
+                yield one
+
+
+def _option(routine: s.Routine, optional: dict[str, s.ParameterNode], name: str) -> s.ParameterNode:
+    parameter = optional.get(name.lower())
+    if parameter is None:
+        raise Fault(f"`{routine.name}` has no optional parameter `{name}`")
+    return parameter
+
+
+def _bound(machine: Machine, one: s.ParameterNode, value: s.Expression | None) -> Meaning:
+    """What one parameter means."""
+    shape = Shape(machine.types.name(one.type), (-1,) * max(one.dimensions, 0))
+    if shape.type == "switch":
+        return Cell(shape, "CONST", True)
+    if value is None:
+        raise Fault(f"the parameter `{one.name}` is given no value")
+    if shape.type.startswith("signal"):
+        return Signal(signal(machine, value))
+    if one.mode in REFERS_TO:
+        return _reference(machine, one, value, shape)
+    found = copied(evaluate(machine, value, shape))
+    if not is_like(found, shape):
+        raise Fault(f"{kind_of(found)} for the parameter `{one.name}`")
+    return Cell(Shape(shape.type, sizes(found)), "IN", found)
+
+
+def _reference(machine: Machine, one: s.ParameterNode, value: s.Expression, wanted: Shape) -> Place:
+    found = place(machine, value)
+    if found.storage not in REFERS_TO[one.mode]:
+        raise Fault(f"the parameter `{one.name}` refers to what cannot be changed so")
+    if found.shape.type != wanted.type or len(found.shape.sizes) != len(wanted.sizes):
+        raise Fault(f"{found.shape.type} for the parameter `{one.name}`")
+    return found

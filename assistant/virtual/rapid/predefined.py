@@ -1,0 +1,108 @@
+"""Data that every controller knows, with its values.
+
+Sources: RobotWare's own records as RobotComponents and abb_motion_program_exec list them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Final
+
+from assistant.program.geometry import IDENTITY
+from assistant.robots import Robot
+from assistant.virtual.rapid.poses import orient, pos, pose
+from assistant.virtual.rapid.scopes import Cell, Storage
+from assistant.virtual.rapid.values import Clock, Record, Shape, Value
+
+SPEEDS: Final = (
+    *(5, 10, 20, 30, 40, 50, 60, 80, 100, 150, 200, 300, 400, 500, 600, 800),
+    *(1000, 1500, 2000, 2500, 3000, 4000, 5000, 6000, 7000),
+)
+ZONES: Final = {
+    "z0": (0.3, 0.3, 0.3, 0.03, 0.3, 0.03),
+    "z1": (1, 1, 1, 0.1, 1, 0.1),
+    "z5": (5, 8, 8, 0.8, 8, 0.8),
+    "z10": (10, 15, 15, 1.5, 15, 1.5),
+    "z15": (15, 23, 23, 2.3, 23, 2.3),
+    "z20": (20, 30, 30, 3, 30, 3),
+    "z30": (30, 45, 45, 4.5, 45, 4.5),
+    "z40": (40, 60, 60, 6, 60, 6),
+    "z50": (50, 75, 75, 7.5, 75, 7.5),
+    "z60": (60, 90, 90, 9, 90, 9),
+    "z80": (80, 120, 120, 12, 120, 12),
+    "z100": (100, 150, 150, 15, 150, 15),
+    "z150": (150, 225, 225, 23, 225, 23),
+    "z200": (200, 300, 300, 30, 300, 30),
+    "fine": (0, 0, 0, 0, 0, 0),
+}
+ZONE_PARTS: Final = (
+    *("pzone_tcp", "pzone_ori", "pzone_eax"),
+    *("zone_ori", "zone_leax", "zone_reax"),
+)
+NUMBERS: Final = {"pi": 3.141592654, "low": 0.0, "high": 1.0, "edge": 2.0, "wait_max": 99999.0}
+TEXTS: Final = {"stempty": "", "diskhome": "HOME:", "disktemp": "TEMP:", "diskram": "RAMDISK:"}
+
+
+def predefined(robot: Robot | None) -> Mapping[str, Cell]:
+    """Fresh cells by name in lower case. robot: whose fastest tool is that of `vmax`."""
+    fastest = math.inf if robot is None or robot.tcp_speed is None else float(robot.tcp_speed)
+    cells = {f"v{v}": _cell(_speed(float(v))) for v in SPEEDS}
+    cells["vmax"] = _cell(_speed(fastest))
+    cells |= {name: _cell(_zone(name, sizes)) for name, sizes in ZONES.items()}
+    cells |= {name: _cell(value) for name, value in NUMBERS.items()}
+    cells |= {name: _cell(text) for name, text in TEXTS.items()}
+    cells |= {f"reg{i}": _cell(0.0, "VAR") for i in range(1, 6)}
+    cells["clock1"] = Cell(Shape("clock"), "VAR", Clock())
+    cells["load0"] = _cell(load(), "CONST")
+    cells["tool0"] = _cell(tool0(), "CONST")
+    cells["wobj0"] = _cell(wobj0(), "CONST")
+    return cells
+
+
+def load() -> Record:
+    return Record(
+        "loaddata",
+        {
+            "mass": 0.001,
+            "cog": pos((0.0, 0.0, 0.001)),
+            "aom": orient((1.0, 0.0, 0.0, 0.0)),
+            **dict.fromkeys(("ix", "iy", "iz"), 0.0),
+        },
+    )
+
+
+def tool0() -> Record:
+    return Record("tooldata", {"robhold": True, "tframe": pose(IDENTITY), "tload": load()})
+
+
+def wobj0() -> Record:
+    return Record(
+        "wobjdata",
+        {
+            "robhold": False,
+            "ufprog": True,
+            "ufmec": "",
+            "uframe": pose(IDENTITY),
+            "oframe": pose(IDENTITY),
+        },
+    )
+
+
+def _speed(tcp: float) -> Record:
+    rest = {"v_ori": 500.0, "v_leax": 5000.0, "v_reax": 1000.0}
+    return Record("speeddata", {"v_tcp": tcp, **rest})
+
+
+def _zone(name: str, sizes: tuple[float, ...]) -> Record:
+    parts = zip(ZONE_PARTS, map(float, sizes), strict=True)
+    return Record("zonedata", {"finep": name == "fine", **dict(parts)})
+
+
+def _cell(value: Value, storage: Storage = "CONST") -> Cell:
+    match value:
+        case str():
+            return Cell(Shape("string"), storage, value)
+        case Record(type):
+            return Cell(Shape(type), storage, value)
+    return Cell(Shape("num"), storage, value)

@@ -1,0 +1,52 @@
+"""Long runs of declarations and moves, whose tree is columns, as plain nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+
+from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.runs import MoveRun, TargetRun
+
+MOVES: Final = ("MoveJ", "MoveL", "MoveC")
+CIRCULAR: Final = 2
+PARTS: Final = ((0, 3), (3, 7), (7, 11), (11, 17))
+
+
+def targets(node: s.TargetRunNode) -> Iterator[s.Data]:
+    run: TargetRun = node.run
+    for row in range(len(run)):
+        name = run.names.name(row)
+        yield s.Data(node.scope, "CONST", "robtarget", name, (), _target(run.values[row]))
+
+
+def moves(run: MoveRun) -> Iterator[s.ProcedureCall]:
+    vias = 0
+    for row in range(len(run)):
+        kind, how = int(run.kinds[row]), run.motions[int(run.motion[row])]
+        arguments: list[s.Argument] = []
+        if kind == CIRCULAR:
+            arguments.append(s.Positional(s.NameRef(run.vias.name(vias))))
+            vias += 1
+        to = s.NameRef(run.names.name(row)) if run.values is None else _target(run.values[row])
+        arguments.append(s.Positional(to))
+        arguments += [s.Positional(s.NameRef(n)) for n in (how.speed, how.zone, how.tool)]
+        if how.frame:
+            arguments.append(s.Option("WObj", s.NameRef(how.frame)))
+        yield s.ProcedureCall(MOVES[kind], tuple(arguments))
+
+
+def _target(values: np.ndarray[tuple[int], np.dtype[np.float64]]) -> s.AggregateNode:
+    return s.AggregateNode(
+        tuple(
+            s.AggregateNode(tuple(_number(float(value)) for value in values[start:stop]))
+            for start, stop in PARTS
+        )
+    )
+
+
+def _number(value: float) -> s.Expression:
+    literal = s.NumberLiteral(repr(abs(value)))
+    return s.Prefix("-", literal) if value < 0 else literal

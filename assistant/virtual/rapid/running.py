@@ -1,0 +1,96 @@
+"""A cycle of a RAPID program, told as events."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+from assistant.languages.rapid import syntax as s
+from assistant.program.diagnostics import has_errors
+from assistant.program.geometry import Pose
+from assistant.robots import Robot
+from assistant.virtual.events import Event, Run
+from assistant.virtual.rapid.arm import Arm
+from assistant.virtual.rapid.calls import call
+from assistant.virtual.rapid.ends import Fault, NotSimulated, Over
+from assistant.virtual.rapid.expressions import settled
+from assistant.virtual.rapid.functions import FUNCTIONS
+from assistant.virtual.rapid.instructions import INSTRUCTIONS
+from assistant.virtual.rapid.loading import load, signals
+from assistant.virtual.rapid.machine import Abilities, Machine
+from assistant.virtual.rapid.predefined import predefined
+from assistant.virtual.rapid.scopes import Cell, Frame, Known, Unit
+from assistant.virtual.rapid.signals import Inputs, Signals
+from assistant.virtual.rapid.types import Types
+
+ABILITIES: Final = Abilities(FUNCTIONS, INSTRUCTIONS, call)
+MOST_STEPS: Final = 100_000
+
+
+def run(
+    modules: s.File | Sequence[s.File],
+    inputs: Inputs | None = None,
+    robot: Robot | None = None,
+    entry: str = "main",
+    most_steps: int = MOST_STEPS,
+    start: Pose | None = None,
+) -> Run:
+    """Runs one cycle of a program, from the call of its first routine to the end of that.
+
+    modules: parsed, of one task. inputs: what each input reads, by name in lower case; of a
+    table those that are not 0. They stay as they are: a wait for another value ends the run as
+    `stopped`. robot: the arm, without which a motion to joints ends nowhere that is known.
+    start: the flange in the base before the first motion, None where it is not known.
+    Motions take no time, and outputs are 0 before they are set.
+    """
+    files = (modules,) if isinstance(modules, s.File) else tuple(modules)
+    events: list[Event] = []
+    types = Types()
+    outputs, known = signals(files)
+    machine = Machine(
+        ABILITIES,
+        types,
+        Signals({} if inputs is None else inputs, outputs, known, events),
+        Arm(start),
+        most_steps,
+        robot,
+        predefined=predefined(robot),
+        events=events,
+    )
+    try:
+        if any(has_errors(file.findings) for file in files):
+            raise Fault("the text of a module has errors")
+        machine.named, cells = load(files, types)
+        _begin(machine, cells, entry)
+    except Fault as fault:
+        return Run(tuple(events), "error", _told(machine, str(fault)))
+    except NotSimulated as unknown:
+        return Run(tuple(events), "unknown", _told(machine, str(unknown)))
+    except RecursionError:
+        return Run(tuple(events), "unknown", _told(machine, "statements nested so deep"))
+    except Over as over:
+        return Run(tuple(events), over.ended, _told(machine, str(over)) if str(over) else "")
+    return Run(tuple(events))
+
+
+def _begin(machine: Machine, cells: Sequence[Cell], entry: str) -> None:
+    """Every datum of a module has its value before the first statement."""
+    unit = Unit(None)
+    machine.frames.append(Frame(unit, None))
+    for cell in cells:
+        settled(machine, cell)
+    first = machine.meaning(entry)
+    if not isinstance(first, Known):
+        raise Fault(f"there is no routine `{entry}` to begin with")
+    machine.abilities.call(machine, first, ())
+
+
+def _told(machine: Machine, message: str) -> str:
+    """The message with the place of the statement at hand."""
+    if machine.at is None:
+        return message
+    unit, span = machine.at
+    if unit.source is None or span is None:
+        return message
+    line = unit.source.text.count("\n", 0, span.start) + 1
+    return f"{unit.source.path or ''}:{line}: {message}".lstrip(":")

@@ -1,0 +1,73 @@
+"""The types of a program: those of every controller, its own records and aliases."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from assistant.languages.rapid import predefined
+from assistant.languages.rapid import syntax as s
+from assistant.virtual.rapid.ends import NotSimulated
+from assistant.virtual.rapid.values import Array, Clock, Record, Shape, Value
+
+PLAIN: Mapping[str, Value] = {"num": 0.0, "dnum": 0.0, "bool": False, "string": "", "switch": True}
+"""First values of the types without components."""
+
+
+@dataclass(slots=True)
+class Types:
+    """Records by name in lower case, each its components' types; aliases of types.
+
+    A LOCAL record and one of another module must not share a name here.
+    """
+
+    records: dict[str, dict[str, str]] = field(default_factory=dict)
+    aliases: dict[str, str] = field(default_factory=dict)
+
+    def declare(self, item: s.Record | s.Alias) -> None:
+        name = item.name.lower()
+        if name in self.records or name in self.aliases:
+            raise NotSimulated(f"two types of the name `{item.name}`")
+        if isinstance(item, s.Alias):
+            self.aliases[name] = item.type.lower()
+        else:
+            self.records[name] = {of.lower(): type.lower() for type, of in item.components}
+
+    def name(self, type: str) -> str:
+        """The type that a name stands for, aliases undone, in lower case."""
+        name = type.lower()
+        if name in self.aliases:
+            return self.name(self.aliases[name])
+        known = predefined.types().get(name)
+        if name not in self.records and known is not None and known.kind == "ALIAS":
+            return known.of.lower()
+        return name
+
+    def components(self, type: str) -> Mapping[str, str] | None:
+        """Types of a record's components by name, None for any other type."""
+        if type in self.records:
+            return self.records[type]
+        known = predefined.types().get(type)
+        if known is None or known.components is None:
+            return None
+        return {of.lower(): kind.lower() for of, kind in known.components.items()}
+
+    def component(self, type: str, name: str) -> Shape | None:
+        parts = self.components(type)
+        of = None if parts is None else parts.get(name)
+        return None if of is None else Shape(self.name(of))
+
+    def first(self, shape: Shape) -> Value:
+        """The value of data without a first value; raises NotSimulated for types without one."""
+        if shape.sizes:
+            return Array([self.first(shape.element) for _ in range(max(shape.sizes[0], 0))])
+        if shape.type in PLAIN:
+            return PLAIN[shape.type]
+        if shape.type == "clock":
+            return Clock()
+        parts = self.components(shape.type)
+        if parts is None:
+            raise NotSimulated(f"data of type {shape.type}")
+        return Record(
+            shape.type, {name: self.first(Shape(self.name(of))) for name, of in parts.items()}
+        )

@@ -1,0 +1,161 @@
+"""Values while a program runs: numbers, texts, truths, records, arrays and clocks.
+
+A num is held as a double: what the single precision of a controller rounds away is not simulated.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(slots=True, eq=False)
+class Record:
+    """type: in lower case. parts: by name in lower case, in their order."""
+
+    type: str
+    parts: dict[str, Value]
+
+
+@dataclass(slots=True, eq=False)
+class Array:
+    """Elements in their order; of several dimensions arrays of arrays."""
+
+    items: list[Value]
+
+
+@dataclass(slots=True, eq=False)
+class Clock:
+    """total: seconds that it counted. since: when it was started, None while it stands."""
+
+    total: float = 0.0
+    since: float | None = None
+
+
+Value = float | bool | str | Record | Array | Clock
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """What may be stored: the type in lower case, aliases undone, and the size of an array.
+
+    sizes: of each dimension, -1 for any.
+    """
+
+    type: str
+    sizes: tuple[int, ...] = ()
+
+    @property
+    def element(self) -> Shape:
+        return Shape(self.type, self.sizes[1:])
+
+
+NUMBER = Shape("num")
+TRUTH = Shape("bool")
+TEXT = Shape("string")
+NUMBERS = ("num", "dnum")
+
+
+def copied(value: Value) -> Value:
+    """The value apart from where it is stored."""
+    match value:
+        case Record(type, parts):
+            return Record(type, {name: copied(part) for name, part in parts.items()})
+        case Array(items):
+            return Array([copied(item) for item in items])
+    return value
+
+
+def sizes(value: Value) -> tuple[int, ...]:
+    """Of each dimension of an array; none of any other value."""
+    if not isinstance(value, Array):
+        return ()
+    return (len(value.items), *(sizes(value.items[0]) if value.items else ()))
+
+
+def overwrite(old: Value, new: Value) -> bool:
+    """Stores into a record or array in place, so that references into it stay; False for others.
+
+    Raises ValueError if they are not of one type and size.
+    """
+    match old, new:
+        case Record(), Record():
+            if old.type != new.type:
+                raise ValueError(f"{new.type} where {old.type} is stored")
+            fresh = copied(new)
+            assert isinstance(fresh, Record)
+            for name, part in fresh.parts.items():
+                if not overwrite(old.parts[name], part):
+                    old.parts[name] = part
+            return True
+        case Array(), Array():
+            if len(old.items) != len(new.items):
+                raise ValueError(f"{len(new.items)} elements where {len(old.items)} are stored")
+            for i, item in enumerate([copied(item) for item in new.items]):
+                if not overwrite(old.items[i], item):
+                    old.items[i] = item
+            return True
+    return False
+
+
+def is_like(value: Value, shape: Shape) -> bool:
+    """Whether a value may stand where one of that shape is wanted."""
+    if shape.sizes:
+        return isinstance(value, Array) and shape.sizes[0] in (-1, len(value.items))
+    match value:
+        case bool():
+            return shape.type in ("bool", "switch")
+        case float():
+            return shape.type in NUMBERS
+        case str():
+            return shape.type == "string"
+        case Record(type):
+            return type == shape.type
+        case Clock():
+            return shape.type == "clock"
+    return False
+
+
+def equal(left: Value, right: Value) -> bool:
+    """`=` of two values; raises ValueError if they cannot be compared."""
+    match left, right:
+        case bool(), bool():
+            return left == right
+        case bool(), _:
+            pass
+        case (float(), float()) | (str(), str()):
+            return left == right
+        case Record(), Record() if left.type == right.type:
+            return all(equal(part, right.parts[name]) for name, part in left.parts.items())
+    raise ValueError(f"{kind_of(left)} and {kind_of(right)} cannot be compared")
+
+
+def kind_of(value: Value) -> str:
+    """What a value is, as a message says it."""
+    match value:
+        case bool():
+            return "bool"
+        case float():
+            return "num"
+        case str():
+            return "string"
+        case Record(type):
+            return type
+        case Array():
+            return "array"
+    return "clock"
+
+
+def text_of(value: Value) -> str:
+    """A value as ValToStr writes it: six significant digits."""
+    match value:
+        case bool():
+            return "TRUE" if value else "FALSE"
+        case float():
+            return f"{value:.6G}"
+        case str():
+            return f'"{value}"'
+        case Record(parts=parts):
+            return "[" + ",".join(map(text_of, parts.values())) + "]"
+        case Array(items):
+            return "[" + ",".join(map(text_of, items)) + "]"
+    raise ValueError("a clock has no value")
