@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import fields, is_dataclass
 from difflib import SequenceMatcher
 from typing import Any, Final
@@ -32,19 +32,23 @@ def common_ends(old: Sequence[Any], new: Sequence[Any]) -> tuple[int, int]:
     return head, tail
 
 
-def aligned(old: Sequence[Any], new: Sequence[Any]) -> list[int | None]:
+def aligned(
+    old: Sequence[Any], new: Sequence[Any], says: Callable[[Any], object] | None = None
+) -> list[int | None]:
     """For each new node the index of the old one that it came from, None for one that is new.
 
     Indices rise. The same object comes first, then an equal one, then one that is alike; what
     is left over takes the place of what is left over, whatever it is.
+    says: what has to be equal of two nodes that are, the whole node if not given; hashable.
     """
     partner: list[int | None] = [None] * len(new)
     places = {id(node): at for at, node in enumerate(old)}
     for j, i in _rising([(j, places[id(n)]) for j, n in enumerate(new) if id(n) in places]):
         partner[j] = i
-    for step in (_equal, _alike, _in_order):
+    mine, theirs = (nodes if says is None else list(map(says, nodes)) for nodes in (old, new))
+    for step, before, after in ((_equal, mine, theirs), (_alike, old, new), (_in_order, old, new)):
         for (i1, i2), (j1, j2) in list(_stretches(partner, len(old))):
-            for i, j in step(old[i1:i2], new[j1:j2]):
+            for i, j in step(before[i1:i2], after[j1:j2]):
                 partner[j1 + j] = i1 + i
     return partner
 

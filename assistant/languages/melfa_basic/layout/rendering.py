@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from difflib import SequenceMatcher
 
-from assistant.languages.alignment import MOST_COMPARED, aligned, same
+from assistant.languages.alignment import aligned, same
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MoveRows, PositionRows
 from assistant.languages.melfa_basic.dialects import DIALECTS
@@ -139,22 +138,9 @@ def _partners(old: Sequence[s.Item], new: Sequence[s.Item]) -> list[int | None]:
     Lines that say the same are the same whatever their step numbers; what is left over between
     such is taken for what it is like.
     """
-    mine, theirs = list(map(_said, old)), list(map(_said, new))
-    most = min(len(old), len(new))
-    head = next((at for at in range(most) if mine[at] != theirs[at]), most)
-    most -= head
-    tail = next((at for at in range(most) if mine[-1 - at] != theirs[-1 - at]), most)
-    partner: list[int | None] = [*range(head), *[None] * (len(new) - head - tail)]
-    partner += range(len(old) - tail, len(old))
-    at, to = head, head
-    for first, start, size in _blocks(mine[head : len(old) - tail], theirs[head : len(new) - tail]):
-        before = aligned(old[at : head + first], new[to : head + start])
-        partner[to : head + start] = [None if k is None else at + k for k in before]
-        at, to = head + first + size, head + start + size
-        partner[head + start : to] = range(head + first, at)
     return [
         k if k is not None and type(old[k]) is type(item) else None
-        for k, item in zip(partner, new, strict=True)
+        for k, item in zip(aligned(old, new, _said), new, strict=True)
     ]
 
 
@@ -166,10 +152,3 @@ def _said(item: s.Item) -> object:
         case MoveRows(stem=stem, kinds=kinds, start=start, via=via, end=end):
             return stem, *(column.tobytes() for column in (kinds, start, via, end))
     return item
-
-
-def _blocks(mine: Sequence[object], theirs: Sequence[object]) -> Sequence[tuple[int, int, int]]:
-    """Stretches that are the same; the last one is empty and stands at the end."""
-    if len(mine) * len(theirs) > MOST_COMPARED:
-        return [(len(mine), len(theirs), 0)]
-    return SequenceMatcher(None, mine, theirs, autojunk=False).get_matching_blocks()
