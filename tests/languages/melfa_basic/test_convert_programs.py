@@ -104,6 +104,12 @@ def test_the_first_dialect_comes_back(tree: s.File) -> None:
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @example(languages.get(V).parse("1 If M1=1 Then\n2 Close\n3 EndIf\n"))
 @example(languages.get(V).parse("1 If M1=1 Then\n2 GoTo *X\n3 Else\n4 XRun 2\n5 EndIf\n"))
+@example(
+    languages.get(V).parse(
+        "1 Select M1\n2 Case M1\n3 Close\n4 Default\n"
+        "5 Select 0\n6 Case Is =0\n7 End Select\n8 End Select\n"
+    )
+)
 @given(files(5))
 def test_a_lower_dialect_says_the_same_or_says_why_not(tree: s.File) -> None:
     tree = sayable(parsed(tree), IV)

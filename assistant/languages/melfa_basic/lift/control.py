@@ -165,7 +165,7 @@ class Control:
                 raise Unliftable  # a Default before other cases
             else:
                 otherwise = inside
-        if all(isinstance(i, s.CaseRange) and i.last is None for c, _ in cases for i in c.items):
+        if all(_single(item) is not None for case, _ in cases for item in case.items):
             made = tuple(p.Case(self._singles(case), inside) for case, inside in cases)
             return p.Switch(value, made, otherwise)
         if not _repeatable(value):
@@ -174,9 +174,8 @@ class Control:
         return p.If(branches, otherwise)
 
     def _singles(self, case: s.Case) -> tuple[e.Expression, ...]:
-        return tuple(
-            self.expressions.plain(i.first) for i in case.items if isinstance(i, s.CaseRange)
-        )
+        values = map(_single, case.items)
+        return tuple(self.expressions.plain(value) for value in values if value is not None)
 
     def _test(self, value: e.Expression, case: s.Case) -> e.Expression:
         """Whether a value is what a case asks for."""
@@ -261,6 +260,13 @@ class _Block:
     def __init__(self, kind: str, places: set[int]) -> None:
         self.kind, self.places = kind, places
         self.label: str | None = None
+
+
+def _single(item: s.CaseRange | s.CaseIs) -> s.Expression | None:
+    """The one value that a case asks for, None if there are others."""
+    if isinstance(item, s.CaseIs):
+        return item.value if item.operator == "=" else None
+    return item.first if item.last is None else None
 
 
 def _repeatable(value: e.Expression) -> bool:
