@@ -16,6 +16,11 @@ BIN := .venv/bin
 	$(BIN)/python -m pip install --quiet --editable '.[test]'
 	touch $@ .venv/demo
 
+.venv/lint: pyproject.toml
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --editable '.[lint]'
+	touch $@ .venv/test .venv/demo
+
 .venv/bench: pyproject.toml
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --editable '.[bench]'
@@ -24,21 +29,23 @@ BIN := .venv/bin
 demo: .venv/demo
 	$(BIN)/robot-assistant demo
 
-test: lint
+test: .venv/test
 	$(BIN)/python -m pytest --numprocesses 2
 
+# Also the property tests of `make test`, with cases that are drawn anew.
 test-slow: .venv/test
-	$(BIN)/python -m pytest --numprocesses 2 --dist worksteal -m slow
+	$(BIN)/python -m pytest --numprocesses 2 --dist worksteal --hypothesis-profile=fresh \
+	  -m "slow or hypothesis"
 
 bench: .venv/bench
 	$(BIN)/python -m benchmarks
 
-lint: .venv/test
+lint: .venv/lint
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-format: .venv/test
+format: .venv/lint
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
