@@ -16,7 +16,7 @@ from assistant.virtual.events import Run
 from assistant.virtual.melfa.arm import Arm
 from assistant.virtual.melfa.code import code_of
 from assistant.virtual.melfa.machine import Machine
-from assistant.virtual.melfa.stops import Failed, OutOfSteps, Unknown
+from assistant.virtual.melfa.stops import Failed, OutOfSteps, Unknown, Waiting
 from assistant.virtual.melfa.world import Inputs, World, inputs_of
 
 if TYPE_CHECKING:
@@ -41,8 +41,9 @@ def run(
     names: of the programs, in the order of the trees, where they call each other. most_steps:
     statements after which the run is over.
 
-    What the controller would refuse ends the run with `error` and its number; what nothing tells,
-    or what is not simulated, with `unknown`.
+    A wait for an input that does not come ends the run as `stopped`. What the controller would
+    refuse it with `error` and its number; what nothing tells, or what is not simulated, with
+    `unknown`.
     """
     files = [trees] if isinstance(trees, s.File) else list(trees)
     world = World(Arm(robot, start), inputs_of(inputs), most_steps)
@@ -56,6 +57,8 @@ def run(
         return Run(tuple(world.events), "error", str(failed))
     except Unknown as unknown:
         return Run(tuple(world.events), "unknown", str(unknown))
+    except Waiting:
+        return Run(tuple(world.events), "stopped", "a wait for what never comes")
     except OutOfSteps:
         return Run(tuple(world.events), "steps", f"more than {most_steps} statements")
     return Run(tuple(world.events))

@@ -10,7 +10,8 @@ from assistant.languages.melfa_basic import syntax as s
 from assistant.virtual.events import Stopped, Switched, Waited
 from assistant.virtual.melfa import blocks, expressions, pallets, poses
 from assistant.virtual.melfa.arm import FULL, OPTIMUM
-from assistant.virtual.melfa.stops import Ended, Failed, Unknown, out_of_range
+from assistant.virtual.melfa.code import nodes
+from assistant.virtual.melfa.stops import Ended, Failed, Unknown, Waiting, out_of_range
 from assistant.virtual.melfa.values import Position, holds, position
 
 if TYPE_CHECKING:
@@ -148,6 +149,8 @@ def _delay(m: Machine, node: s.Expression) -> None:
 def _wait(m: Machine, node: s.Expression) -> None:
     """Inputs stay as they are, so that only a timer can end a wait that has begun."""
     while not holds(expressions.value(m, node)):
+        if not any(isinstance(part, s.Variable) and part.key == "M_TIMER" for part in nodes(node)):
+            raise Waiting
         m.world.tick()
 
 

@@ -19,6 +19,10 @@ class OutOfSteps(Exception):
     """More statements were run than the run may take."""
 
 
+class Waiting(Exception):
+    """A wait for what will never come."""
+
+
 class Ended(Exception):
     """`End` of the program that runs."""
 

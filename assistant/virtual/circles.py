@@ -16,18 +16,30 @@ FLAT: Final = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Circle:
-    """centre (3,) mm, normal (3,): the way round is positive about it."""
+    """centre (3,) mm, normal (3,): the way round is positive about it. radius: mm."""
 
     centre: Floats
     normal: Floats
+    radius: float
 
     def middle(self, start: Floats, end: Floats) -> Floats:
         """The place halfway from one place to another, the positive way round."""
         u = start - self.centre
         v = np.cross(self.normal, u)
-        w = end - self.centre
-        angle = np.arctan2(w @ v, w @ u) % (2.0 * np.pi) / 2.0
+        angle = self.angle(start, end) / 2.0
         return np.asarray(self.centre + np.cos(angle) * u + np.sin(angle) * v)
+
+    def angle(self, start: Floats, end: Floats) -> float:
+        """Radian from one place to another the positive way round, from 0 to a whole turn."""
+        u, w = start - self.centre, end - self.centre
+        return float(np.arctan2(w @ np.cross(self.normal, u), w @ u) % (2.0 * np.pi))
+
+    def distance(self, place: Floats) -> float:
+        """Mm from a place to the circle."""
+        w = place - self.centre
+        out = float(w @ self.normal)
+        away = float(np.linalg.norm(w - out * self.normal)) - self.radius
+        return float(np.hypot(out, away))
 
 
 def circle_through(a: Floats, b: Floats, c: Floats) -> Circle | None:
@@ -38,7 +50,7 @@ def circle_through(a: Floats, b: Floats, c: Floats) -> Circle | None:
     if size <= FLAT * float(np.linalg.norm(p)) * float(np.linalg.norm(q)):
         return None
     to = (p @ p * np.cross(q, normal) + q @ q * np.cross(normal, p)) / (2.0 * size**2)
-    return Circle(a + to, normal / size)
+    return Circle(a + to, normal / size, float(np.linalg.norm(to)))
 
 
 def circle_about(a: Floats, b: Floats, centre: Floats) -> Circle | None:
@@ -48,4 +60,4 @@ def circle_about(a: Floats, b: Floats, centre: Floats) -> Circle | None:
     size = float(np.linalg.norm(normal))
     if size <= FLAT * float(np.linalg.norm(p)) * float(np.linalg.norm(q)):
         return None
-    return Circle(centre, normal / size)
+    return Circle(centre, normal / size, float(np.linalg.norm(p)))

@@ -1,0 +1,507 @@
+"""Random programs of MELFA-BASIC IV, V and VI that a controller would run to their end.
+
+The same seed gives the same program everywhere. Every variable has a value before it is read,
+every loop ends, and nothing is used that the manuals leave open.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from random import Random
+from typing import Final
+
+NUMBERS: Final = ("M1", "M2", "M3")
+WHOLE: Final = ("MK1", "MK2")
+POSITIONS: Final = ("P1", "P2", "P3", "P4", "P5")
+"""Taught; never set by the program."""
+WORKING: Final = ("P7", "P8", "P9")
+"""Set at the head, and changed by the program."""
+TOOLS: Final = ("PT1", "PT2")
+BASES: Final = ("PB1", "PB2")
+SHIFTS: Final = ("PS1", "PS2")
+DATA: Final = """
+P1=(+400.00,+0.00,+450.00,+180.00,+0.00,+180.00)(7,0)
+P2=(+380.00,+60.00,+430.00,+180.00,+0.00,+180.00)(7,0)
+P3=(+400.00,+120.00,+450.00,+180.00,+0.00,+180.00)(7,0)
+P4=(+360.00,-80.00,+440.00,+180.00,+0.00,+150.00)(7,0)
+P5=(+390.00,-40.00,+420.00,+175.00,+5.00,+180.00)(7,0)
+PQ1=(+350.00,-60.00,+400.00,+180.00,+0.00,+180.00)(7,0)
+PQ2=(+410.00,-60.00,+400.00,+180.00,+0.00,+180.00)(7,0)
+PQ3=(+350.00,+20.00,+400.00,+180.00,+0.00,+180.00)(7,0)
+PT1=(+0.00,+0.00,+100.00,+0.00,+0.00,+0.00)(0,0)
+PT2=(+10.00,-5.00,+60.00,+0.00,+0.00,+30.00)(0,0)
+PB1=(+20.00,+10.00,-30.00,+0.00,+0.00,+0.00)(0,0)
+PB2=(-15.00,+25.00,+10.00,+0.00,+0.00,+10.00)(0,0)
+PS1=(+5.00,-8.00,+12.00,+0.00,+0.00,+20.00)(0,0)
+PS2=(+0.00,+0.00,-25.00,+0.00,+10.00,+0.00)(0,0)
+JA=(+10.00,+5.00,+85.00,+10.00,+80.00,-15.00)
+JB=(-20.00,+15.00,+80.00,+0.00,+75.00,+30.00)
+"""
+SUBROUTINES: Final = ("SA", "SB", "SC")
+FUNCTIONS: Final = ("FA", "FB")
+DEEPEST: Final = 3
+
+
+def program(level: int, seed: int, arms: bool = False) -> str:
+    """The text of a program of MELFA-BASIC IV, V or VI (level 4, 5 or 6).
+
+    arms: with moves to joints and by joints, whose speed only an arm tells.
+    """
+    rng = Random(f"{level} {seed} {arms}")
+    return _Writer(rng, level, arms).program()
+
+
+@dataclass
+class _Writer:
+    """callable: subroutines that the lines at hand may call. sub: whether they are one."""
+
+    rng: Random
+    level: int
+    arms: bool
+    lines: list[str] = field(default_factory=list)
+    callable: tuple[str, ...] = ()
+    functions: tuple[str, ...] = ()
+    sub: bool = False
+    count: int = 0
+    numbers: tuple[str, ...] = NUMBERS
+    wild: float = 0.0
+    """How often something is used that has no plain word in other languages."""
+
+    # ------------------------------------------------------------------------- the whole
+
+    def program(self) -> str:
+        rng = self.rng
+        self.wild = rng.choice((0.0, 0.0, 0.05, 0.3))
+        functions = self.level == 6 and rng.random() < 0.5
+        subroutines = SUBROUTINES[: rng.randrange(0, 4)]
+        if functions:
+            self._with_functions()
+        else:
+            self.head()
+            self.callable = subroutines
+            self.body(rng.randrange(5, 12))
+            for name in subroutines:
+                if f"GoSub *{name}" not in self.lines:
+                    self.add(f"GoSub *{name}")
+            self.add("End")
+            for at, name in enumerate(subroutines):
+                self.sub, self.callable = True, subroutines[at + 1 :]
+                self.add(f"*{name}")
+                self.body(rng.randrange(2, 6))
+                self.add("Return")
+        return self._numbered() + DATA
+
+    def _with_functions(self) -> None:
+        """Two functions, and what the program does in `Main`."""
+        rng = self.rng
+        self.add("Def Float " + ",".join(NUMBERS))
+        self.add("Def Inte " + ",".join(WHOLE))
+        self.add("Def Char C1$,C2$")
+        self.add("Def Pos " + ",".join(WORKING))
+        self.add("Dim MA(4),PA(3)")
+        for at, name in enumerate(FUNCTIONS):
+            self.numbers, self.functions = (*NUMBERS, "MX", "MY"), FUNCTIONS[:at]
+            by = rng.choice(("ByRef", "ByVal"))
+            if name == "FA":
+                self.add(f"Function M {name}({by} MX,ByVal MY)")
+            else:
+                self.add(f"Function V {name}({by} MX,ByRef MY)")
+            self.body(rng.randrange(1, 4))
+            self.add(f"MX=MX+{rng.randrange(1, 5)}")
+            if name == "FA":
+                if rng.random() < 0.5:
+                    self.add(f"FA={self.number(1)}")
+                    self.add(f"If {self.condition()} Then Exit Function")
+                self.add(f"FA={self.number(1)}")
+            else:
+                self.add(f"MY=MY-{rng.randrange(1, 5)}")
+            self.add("FEnd")
+        self.numbers, self.functions = NUMBERS, FUNCTIONS
+        self.add("Function Main")
+        self.first_values()
+        self.body(rng.randrange(5, 12))
+        self.add("FEnd")
+
+    def head(self) -> None:
+        self.add("Def Inte " + ",".join(WHOLE))
+        self.add("Dim MA(4),PA(3)")
+        self.first_values()
+
+    def first_values(self) -> None:
+        rng = self.rng
+        for name in NUMBERS:
+            self.add(f"{name}={rng.choice((0, 1, 2, 3.3, 7.6, -2, 12))}")
+        for name in WHOLE:
+            self.add(f"{name}={rng.choice((0, 1, 2, 5, 12))}")
+        self.add('C1$="ab"')
+        self.add('C2$="c"')
+        for name in WORKING:
+            self.add(f"{name}={rng.choice(POSITIONS)}")
+        if rng.random() < 0.5:
+            for at in range(1, 5):
+                self.add(f"MA({at})={at * rng.choice((1, 3, 0.7))}")
+        else:
+            self.add("For MZ=1 To 4")
+            self.add(f"MA(MZ)=MZ*{rng.choice((1, 2.3, 5))}")
+            self.add("Next MZ")
+        for at in range(1, 4):
+            self.add(f"PA({at})={rng.choice(POSITIONS)}")
+        if rng.random() < 0.3:
+            self.add(f"Def Plt 1,PQ1,PQ2,PQ3,,3,2,{rng.choice((1, 2))}")
+            self.count += 1000
+        self.add(f"Spd {rng.choice((50, 100, 250))}")
+        self.add(f"Mvs {rng.choice(POSITIONS)}")
+
+    def add(self, text: str) -> None:
+        self.lines.append(text)
+
+    def _numbered(self) -> str:
+        step = 10 if self.level == 4 else 1
+        made = []
+        for at, line in enumerate(self.lines, 1):
+            text = line.upper() if self.level == 4 else line
+            made.append(f"{at * step} {text}\n")
+        return "".join(made).rstrip("\n")
+
+    def fresh(self) -> int:
+        """A number that no other loop or label has."""
+        self.count += 1
+        return self.count % 1000
+
+    # ------------------------------------------------------------------------ statements
+
+    def body(self, most: int, depth: int = 0) -> None:
+        for _ in range(most):
+            kinds = [*PLAIN] * 3 if depth >= DEEPEST else [*PLAIN, *PLAIN, *BLOCKS]
+            self.rng.choice(kinds)(self, depth)
+
+    def move(self, depth: int) -> None:
+        rng = self.rng
+        word = "Mov" if self.arms and rng.random() < 0.4 else "Mvs"
+        if self.arms and rng.random() < 0.1:
+            self.add(f"Mov {rng.choice(('JA', 'JB'))}")
+            return
+        target = self.place()
+        if rng.random() < 0.2:
+            target += f",{rng.choice((-20, -35, 10))}"
+        self.add(f"{word} {target}")
+
+    def arc(self, depth: int) -> None:
+        if self.rng.random() < 0.3:
+            self.add("Mvs P1")
+            self.add("Mvr P1,P2,P3")
+
+    def tool(self, depth: int) -> None:
+        if self.settles(depth):
+            self.add(f"Tool {self.rng.choice((*TOOLS, 'P_NTool'))}")
+
+    def base(self, depth: int) -> None:
+        if self.settles(depth):
+            self.add(f"Base {self.rng.choice((*BASES, 'P_NBase'))}")
+
+    def speed(self, depth: int) -> None:
+        rng = self.rng
+        if not self.settles(depth):
+            return
+        choices = [
+            f"Spd {rng.choice((20, 80, 300))}",
+            f"Cnt {rng.choice(('0', '1,10,10', '1,5,5'))}",
+        ]
+        if self.arms:
+            choices.append(f"JOvrd {rng.choice((20, 50, 100))}")
+        self.add(rng.choice(choices))
+
+    def override(self, depth: int) -> None:
+        if self.settles(depth):
+            self.add(self.rng.choice(("Ovrd 50", "Ovrd 100", "Accel 50,50", "Accel 100,100")))
+
+    def settles(self, depth: int) -> bool:
+        """Whether a setting is changed: in branches and subroutines less often."""
+        return self.rng.random() < (0.5 if depth == 0 and not self.sub else 0.15)
+
+    def here(self, depth: int) -> None:
+        """Where the arm stands between two tools or bases."""
+        rng = self.rng
+        name = rng.choice(WORKING)
+        if rng.random() < 0.5:
+            self.add(f"{name}=P_Curr")
+            if rng.random() < 0.5:
+                self.tool(depth)
+            self.add(f"{name}.Z={name}.Z+{rng.choice((5, 10))}")
+            self.add(f"Mvs {name}")
+
+    def assign(self, depth: int) -> None:
+        rng = self.rng
+        kind = rng.randrange(4)
+        if kind == 0:
+            self.add(f"{rng.choice(self.numbers)}={self.number(2)}")
+        elif kind == 1:
+            self.add(f"{rng.choice(WHOLE)}={self.natural()} Mod 100")
+        elif kind == 2:
+            self.add(f"MA({self.subscript(4)})={self.number(1)}")
+        else:
+            self.add(f"PA({self.subscript(3)})={self.place()}")
+
+    def set_position(self, depth: int) -> None:
+        rng = self.rng
+        name, kind = rng.choice(WORKING), rng.random()
+        if kind < 0.35:
+            component = rng.choice("XYZ")
+            self.add(f"{name}={rng.choice(POSITIONS)}")
+            self.add(f"{name}.{component}={name}.{component}+{self.small()}")
+        elif kind < 0.6:
+            self.add(f"{name}={rng.choice(POSITIONS)}*{rng.choice(SHIFTS)}")
+        elif kind < 0.8:
+            self.add(f"{name}={rng.choice(POSITIONS)}+(0,{rng.choice((5, -12))},8,0,0,0)")
+        elif rng.random() < self.wild:
+            self.add(
+                rng.choice(
+                    (
+                        f"{name}=Inv(PB1)*{rng.choice(POSITIONS)}",
+                        f"{name}=(P1+P2)/2",
+                        f"{name}={rng.choice(POSITIONS)}+PS1",
+                        f"{name}=P1\n{name}.C={name}.C+Rad(10)",
+                    )
+                ).replace("\n", "\0")
+            )
+            if "\0" in self.lines[-1]:
+                self.lines[-1:] = self.lines[-1].split("\0")
+
+    def output(self, depth: int) -> None:
+        rng = self.rng
+        kind = rng.random()
+        if kind < 0.4:
+            self.add(f"M_Out({rng.randrange(1, 8)})={rng.randrange(2)}")
+        elif kind < 0.7:
+            self.add(f"M_Outb(16)={self.natural()} Mod 256")
+        elif kind < 0.8:
+            self.add(f"M_Out({rng.randrange(8, 12)})=M_In({rng.randrange(1, 5)})")
+        elif kind < 0.9:
+            self.add(rng.choice(("HOpen 1", "HClose 1")))
+        else:
+            self.add(f"Dly {rng.choice((0.1, 0.5))}")
+
+    def text(self, depth: int) -> None:
+        rng = self.rng
+        if rng.random() < 0.3:
+            self.add(rng.choice(('C1$=C2$+"x"', 'C2$="y"', "C1$=C1$+C2$")))
+            self.add(
+                f'If C1$="{rng.choice(("cx", "yx", "abc"))}" Then M_Out(12)=1 Else M_Out(12)=0'
+            )
+
+    def call(self, depth: int) -> None:
+        rng = self.rng
+        if self.callable and depth < DEEPEST:
+            self.add(f"GoSub *{rng.choice(self.callable)}")
+        elif self.functions:
+            name = rng.choice(self.functions)
+            first, second = (
+                rng.choice(self.numbers),
+                rng.choice(("M2", f"MA({rng.randrange(1, 5)})")),
+            )
+            if first == second:
+                second = "M3" if first != "M3" else "M1"
+            if name == "FA":
+                self.add(f"M1=FA({rng.choice(('M2', 'M3'))},{self.number(1)})")
+            else:
+                self.add(f"FB({first},{second})")
+
+    def pallet(self, depth: int) -> None:
+        if self.count >= 1000:
+            self.add(f"Mvs (Plt 1,{self.subscript(6)})")
+
+    # ---------------------------------------------------------------------------- blocks
+
+    def branch(self, depth: int) -> None:
+        rng, condition = self.rng, self.condition()
+        if self.sub and rng.random() < 0.25:
+            self.add(f"If {condition} Then Return")
+        elif self.level == 4 or rng.random() < 0.3:
+            self.add(
+                f"If {condition} Then {self.short()}"
+                + (f" Else {self.short()}" if rng.random() < 0.5 else "")
+            )
+        else:
+            self.add(f"If {condition} Then")
+            self.body(rng.randrange(1, 3), depth + 1)
+            if rng.random() < 0.3:
+                self.add(f"ElseIf {self.condition()} Then")
+                self.body(rng.randrange(1, 3), depth + 1)
+            if rng.random() < 0.5:
+                self.add("Else")
+                self.body(rng.randrange(1, 3), depth + 1)
+            self.add("EndIf")
+
+    def short(self) -> str:
+        rng = self.rng
+        return rng.choice(
+            (
+                f"{rng.choice(self.numbers)}={self.number(1)}",
+                f"M_Out({rng.randrange(1, 8)})=1",
+                f"MK1={rng.randrange(9)}",
+                f"Dly {rng.choice((0.1, 0.2))}",
+            )
+        )
+
+    def for_(self, depth: int) -> None:
+        """Bounds are numbers, or worked out before the loop and left alone in it."""
+        rng, name = self.rng, f"ML{self.fresh()}"
+        first, last, step = rng.choice(
+            (("1", "3", ""), ("3", "1", "-1"), ("0", "1", "0.5"), ("2", "1", ""), ("1", "5", "2"))
+        )
+        if rng.random() < 0.5:
+            low, high = f"MB{self.fresh()}", f"ME{self.fresh()}"
+            self.add(f"{low}={self.natural()} Mod 3")
+            self.add(f"{high}={self.natural()} Mod 4")
+            first, last = low, high
+            if rng.random() < 0.4:
+                step = f"MS{self.fresh()}"
+                self.add(f"{step}={rng.choice((1, -1, 2, 0.5))}")
+        self.add(f"For {name}={first} To {last}" + (f" Step {step}" if step else ""))
+        self.body(rng.randrange(1, 3), depth + 1)
+        if rng.random() < 0.5:
+            self.add(f"MA(1)=MA(1)+{name}")
+        self.add(f"Next {name}")
+
+    def while_(self, depth: int) -> None:
+        name = f"MW{self.fresh()}"
+        self.add(f"{name}=0")
+        self.add(f"While {name}<{self.rng.randrange(1, 4)}")
+        self.add(f"{name}={name}+1")
+        self.body(self.rng.randrange(1, 3), depth + 1)
+        self.add("WEnd")
+
+    def again(self, depth: int) -> None:
+        """A loop by a jump back."""
+        number = self.fresh()
+        name, label = f"MG{number}", f"L{number}"
+        self.add(f"{name}=0")
+        self.add(f"*{label}")
+        self.add(f"{name}={name}+1")
+        self.body(self.rng.randrange(1, 3), depth + 1)
+        self.add(
+            f"If {name}<{self.rng.randrange(1, 4)} Then {self.rng.choice(('', 'GoTo '))}*{label}"
+        )
+
+    def select(self, depth: int) -> None:
+        rng = self.rng
+        if self.level == 4 and depth:
+            return
+        self.add(f"Select {self.natural()} Mod 5")
+        for case in ("0", rng.choice(("1", "3", "1 To 2", "Is >3")), "2"):
+            self.add(f"Case {case}")
+            self.inner(depth)
+            if rng.random() < 0.5:
+                self.add("Break")
+        if rng.random() < 0.5:
+            self.add("Default")
+            self.inner(depth)
+        self.add("End Select")
+
+    def inner(self, depth: int) -> None:
+        """The lines of a case: in IV without a Select of their own."""
+        self.body(self.rng.randrange(1, 3), max(depth + 1, DEEPEST if self.level == 4 else 0))
+
+    # ----------------------------------------------------------------------- expressions
+
+    def number(self, depth: int) -> str:
+        """Any number."""
+        rng = self.rng
+        kind = rng.randrange(9) if depth else rng.randrange(3)
+        if kind == 0:
+            return str(rng.choice((1, 2, 5, 0.3, 7.6, -4)))
+        if kind == 1:
+            return rng.choice(self.numbers)
+        if kind == 2:
+            return rng.choice((*WHOLE, f"MA({rng.randrange(1, 5)})"))
+        if kind == 3:
+            return self.natural()
+        if kind == 4:
+            return (
+                rng.choice(("Abs", "CInt", "Fix", "Int" if rng.random() < self.wild else "Abs"))
+                + f"({self.number(depth - 1)})"
+            )
+        if kind == 5:
+            return (
+                f"{rng.choice(('Max', 'Min'))}({self.number(depth - 1)},{self.number(depth - 1)})"
+            )
+        if kind == 6:
+            return f"({self.number(depth - 1)})/{rng.choice((2, 3, 4.4))}"
+        return f"({self.number(depth - 1)}{rng.choice('+-')}{self.number(depth - 1)})"
+
+    def natural(self) -> str:
+        """A number that is not negative; the operand of `Mod` is rounded where it is not whole."""
+        rng = self.rng
+        kind = rng.randrange(6)
+        if kind == 0:
+            return f"(Abs({self.number(0)})+1)\\{rng.choice((2, 3, 2.7))}"
+        if kind == 1:
+            return f"(Abs({rng.choice(WHOLE)}) And {rng.choice(('7', '&HF', '&B101'))})"
+        if kind == 2:
+            return f"M_Inb({rng.choice((8, 24))})"
+        if kind == 3:
+            return f"Abs({self.number(0)}+0.2)"
+        if kind == 4 and rng.random() < self.wild:
+            return f"(Abs({rng.choice(WHOLE)}) {rng.choice(('Or', 'Xor'))} 5)"
+        return f"Abs({self.number(0)})"
+
+    def subscript(self, most: int) -> str:
+        """From 1 to the most, by a number that may not be whole."""
+        rng = self.rng
+        kind = rng.randrange(4)
+        if kind == 0:
+            return str(rng.randrange(1, most + 1))
+        if kind == 1:
+            return f"({self.natural()} Mod {most})+1"
+        if kind == 2:
+            return str(rng.choice((1.2, 1.8)))
+        return f"Min(Abs({self.number(0)})+1,{most})"
+
+    def small(self) -> str:
+        return f"({self.natural()} Mod {self.rng.choice((10, 20))})"
+
+    def place(self) -> str:
+        """A position that the arm can go to."""
+        rng = self.rng
+        kind = rng.random()
+        if kind < 0.4:
+            return rng.choice(POSITIONS)
+        if kind < 0.6:
+            return rng.choice(WORKING)
+        if kind < 0.75:
+            return f"PA({self.subscript(3)})"
+        if kind < 0.9:
+            return f"{rng.choice(POSITIONS)}*(0,0,{rng.choice((-10, 15))},0,0,0)"
+        return f"{rng.choice(POSITIONS)}+({rng.choice((-10, 15))},0,5,0,0,0)"
+
+    def condition(self) -> str:
+        rng = self.rng
+        kind = rng.randrange(7)
+        if kind == 0:
+            return f"M_In({rng.randrange(1, 5)})=1"
+        if kind == 1:
+            return f"M_Inb(8)>{rng.choice((0, 3, 9))}"
+        if kind == 2:
+            return f"({rng.choice(WHOLE)} And {rng.choice((1, 2, 3))})={rng.choice((0, 1, 2))}"
+        if kind == 3:
+            sign = rng.choice(("And", "Or"))
+            return (
+                f"M_In({rng.randrange(1, 5)})=0 {sign} {rng.choice(self.numbers)}<{self.number(0)}"
+            )
+        if kind == 4 and rng.random() < self.wild:
+            return rng.choice(
+                ("M_In(2)", f"Not ({rng.choice(WHOLE)}=1)", "M_In(1) And M_In(2)", "MK1")
+            )
+        return f"{self.number(1)}{rng.choice(('>', '<', '>=', '<>'))}{self.number(0)}"
+
+
+PLAIN: Final[tuple[Callable[[_Writer, int], None], ...]] = (
+    _Writer.move, _Writer.move, _Writer.arc, _Writer.tool, _Writer.base, _Writer.speed,
+    _Writer.override, _Writer.here, _Writer.assign, _Writer.assign, _Writer.set_position,
+    _Writer.output, _Writer.output, _Writer.text, _Writer.call, _Writer.call, _Writer.pallet,
+)  # fmt: skip
+BLOCKS: Final[tuple[Callable[[_Writer, int], None], ...]] = (
+    _Writer.branch, _Writer.branch, _Writer.branch, _Writer.for_, _Writer.for_, _Writer.while_,
+    _Writer.again, _Writer.select,
+)  # fmt: skip
