@@ -29,6 +29,7 @@ from assistant.program.statements import (
 from assistant.sources.contours import chain
 from assistant.sources.curves import Arc, Curve, Line
 from assistant.sources.moves import WIDEST, Moves, moves
+from assistant.sources.nesting import holders
 from assistant.sources.ordering import ordered
 from assistant.sources.orientation import along, facing, level
 from assistant.sources.process import Layer, Process
@@ -69,7 +70,7 @@ FITTED = Rule(
 TRAVEL = Rule(
     "CT206",
     Severity.INFO,
-    "travel between the {count} contours of layer {layer!r} is {after:.0f} mm; "
+    "travel between the {count} contours of layer {layer!r} is {after:.0f} mm{inside}; "
     "it was {before:.0f} mm in the order of drawing",
     "",
 )
@@ -170,10 +171,18 @@ def _procedure(
         return [], [*findings, placed]
     if not contours:
         return [], findings
-    order = ordered(contours)
+    around = holders(contours, layer.direction, process.tolerance) if layer.inside_first else []
+    order = ordered(contours, around)
     if len(contours) > 1:
+        inside = ", with those inside others first" if any(i >= 0 for i in around) else ""
         findings.append(
-            TRAVEL(layer=shown(name), count=len(contours), before=order.before, after=order.after)
+            TRAVEL(
+                layer=shown(name),
+                count=len(contours),
+                before=order.before,
+                after=order.after,
+                inside=inside,
+            )
         )
     if named != name:
         findings.append(MANGLED(place=f"layer {shown(name)}", given=name, name=named))

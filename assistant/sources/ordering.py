@@ -5,6 +5,9 @@ A tour goes to the nearest contour left, and is then improved, contour by contou
 by choosing where closed contours start, as long as there is gain and effort left. Only near
 neighbours are tried, so the work grows little faster than the number of contours. The
 result depends on the contours alone, and is never longer than the order they came in.
+
+Where contours have holders, each comes before its own, and only changes that keep it so are
+made: what lies inside others is done first, as a part that is cut out falls.
 """
 
 from __future__ import annotations
@@ -31,6 +34,8 @@ MOST_ENTRIES: Final = 24
 """Vertices of a closed contour that are tried as its start."""
 LONGEST_MOVED: Final = 3
 LEAST_GAIN: Final = 1e-6
+FREE: Final = -1
+"""Holder of a contour that none holds."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,17 +47,23 @@ class Ordering:
     after: float
 
 
-def ordered(contours: Sequence[Contour]) -> Ordering:
-    """The contours in an order of short travel: turned, started elsewhere, none left out."""
+def ordered(contours: Sequence[Contour], holders: Sequence[int] = ()) -> Ordering:
+    """The contours in an order of short travel: turned, started elsewhere, none left out.
+
+    holders: for each contour the one that it has to come before, or -1; none: no such rule. It
+    may make the travel longer than in the order of drawing.
+    """
     given = tuple(contours)
     before = travel(given)
     if len(given) < 2:
         return Ordering(given, before, before)
-    tour = _Tour([_Stop.of(c) for c in given])
+    tour = _Tour([_Stop.of(c) for c in given], list(holders) or [FREE] * len(given))
     tour.improve()
     made = tuple(tour.stops[c].contour() for c in tour.order)
     after = travel(made)
-    return Ordering(made, before, after) if after < before else Ordering(given, before, before)
+    allowed = all(holder == FREE or i < holder for i, holder in enumerate(tour.holders))
+    keeps = allowed and before <= after
+    return Ordering(given, before, before) if keeps else Ordering(made, before, after)
 
 
 def travel(contours: Sequence[Contour]) -> float:
@@ -112,10 +123,18 @@ class _Stop:
 
 
 class _Tour:
-    """order: the stop at each place. place: the place of each stop."""
+    """order: the stop at each place. place: the place of each stop.
 
-    def __init__(self, stops: list[_Stop]) -> None:
-        self.stops = stops
+    holders: of each stop the one that comes later, or -1. held: the stops that each holds.
+    """
+
+    def __init__(self, stops: list[_Stop], holders: list[int]) -> None:
+        self.stops, self.holders = stops, holders
+        self.held: list[list[int]] = [[] for _ in stops]
+        for stop, holder in enumerate(holders):
+            if holder != FREE:
+                self.held[holder].append(stop)
+        self.free = all(holder == FREE for holder in holders)
         ends = [s.ends() for s in stops]
         points = np.array([p for e in ends for p in e])
         owners = np.repeat(np.arange(len(stops)), [len(e) for e in ends])
@@ -128,21 +147,33 @@ class _Tour:
     def _nearest_first(self, curve: list[int]) -> list[int]:
         """From the first contour on to the nearest neighbour left.
 
-        Where all the neighbours are done, the next one on the curve follows.
+        Where all the neighbours are done, the next one on the curve follows. A holder waits
+        for what it holds, and is the next one then if no neighbour is left.
         """
         done = [False] * len(self.stops)
+        waits = [len(held) for held in self.held]
         rest = iter(curve)
+        freed: list[int] = []
         order: list[int] = []
-        stop: int | None = 0
+        stop: int | None = waits.index(0)
         while stop is not None:
             done[stop] = True
             order.append(stop)
             here = self.stops[stop].exit
-            open_ = [s for s in self.near[stop] if not done[s]]
+            open_ = [s for s in self.near[stop] if not done[s] and not waits[s]]
+            if (holder := self.holders[stop]) != FREE:
+                waits[holder] -= 1
+                if not waits[holder]:
+                    freed.append(holder)
+                    open_.append(holder)
+            while freed and done[freed[-1]]:
+                freed.pop()
             if open_:
                 stop = min(open_, key=lambda s: (self._enter_near(s, here), s))
+            elif freed:
+                stop = freed.pop()
             else:
-                stop = next((s for s in rest if not done[s]), None)
+                stop = next((s for s in rest if not done[s] and not waits[s]), None)
             if stop is not None:
                 self._enter_near(stop, here)
         return order
@@ -176,7 +207,7 @@ class _Tour:
         best = (LEAST_GAIN, 0, 0, -1, False)
         for change in self._changes(stop):
             gain = self._gain(*change)
-            if gain > best[0]:
+            if gain > best[0] and (self.free or self._keeps_holders(*change)):
                 best = (gain, *change)
         _, low, high, to, backwards = best
         if high == 0:
@@ -214,6 +245,19 @@ class _Tour:
                         if to not in (low, high):
                             yield low, high, to, False
                         yield low, high, to, True
+
+    def _keeps_holders(self, low: int, high: int, to: int, backwards: bool) -> bool:
+        """Whether after a change each stop still comes before its holder."""
+        place, holders = self.place, self.holders
+        moved = self.order[low:high]
+        later = [place[holders[s]] if holders[s] != FREE else math.inf for s in moved]
+        if backwards and any(low <= p < high for p in later):
+            return False
+        if to > high:
+            return not any(high <= p < to for p in later)
+        if 0 <= to < low:
+            return not any(to <= place[s] < low for stop in moved for s in self.held[stop])
+        return True
 
     def _gain(self, low: int, high: int, to: int, backwards: bool) -> float:
         """Mm by which a change shortens the tour."""

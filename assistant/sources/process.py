@@ -47,7 +47,8 @@ class Layer:
     approach, retract: mm along the tool axis above the first and last point.
     travel: speed of the moves between contours. direction: where the tool points, in the
     drawing's frame (0, 0, -1: down). tangential: the tool's x axis follows the contour.
-    delay: seconds after switching on.
+    delay: seconds after switching on. inside_first: contours that lie inside closed ones come
+    before them.
     """
 
     process: str
@@ -60,6 +61,7 @@ class Layer:
     direction: Vector = (0.0, 0.0, -1.0)
     tangential: bool = False
     delay: float = 0.0
+    inside_first: bool = True
 
 
 @dataclass(frozen=True, slots=True)

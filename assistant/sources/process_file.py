@@ -46,6 +46,7 @@ masses kg; names are letters, digits and `_`, a letter first.
     travel = 200                  # speed between contours
     direction = [0, 0, -1]        # where the tool points, in the frame
     tangential = false            # true: the tool's x axis follows the contour
+    inside_first = true           # contours inside others first; false: as travel is shortest
 
     [tags]                        # attribute tags of locations, by meaning
     name = "NAME"
@@ -145,6 +146,7 @@ LAYER: Final[Mapping[str, Read]] = {
     "travel": values.speed,
     "direction": values.direction,
     "tangential": values.truth,
+    "inside_first": values.truth,
 }
 
 
