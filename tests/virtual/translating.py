@@ -1,0 +1,109 @@
+"""Random programs translated, and both run: what becomes of them, counted."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path as FilePath
+
+import assistant
+from assistant import languages
+from assistant.compiler.loading import load_text
+from assistant.program.diagnostics import Severity
+from assistant.program.geometry import Pose
+from assistant.program.text import SourceText
+from assistant.virtual.comparing import Bits, difference
+from assistant.virtual.events import Run
+
+START = Pose((320.0, 10.0, 420.0), (0.0, 0.0, 1.0, 0.0))
+"""Where the flange is before both programs."""
+MOST_STEPS = 20_000
+MORE_STEPS = 400_000
+"""Of what is written: one statement may become several."""
+
+Inputs = Mapping[str, float]
+Running = Callable[[str, Inputs, int], Run]
+"""Runs a text with inputs by the names of the source, for at most some steps."""
+
+
+@dataclass(slots=True)
+class Tally:
+    """What became of programs. kept: a line on each that is different or crashed.
+
+    reasons: how often each code refused one.
+    """
+
+    counts: Counter[str] = field(default_factory=Counter)
+    reasons: Counter[str] = field(default_factory=Counter)
+    kept: list[str] = field(default_factory=list)
+
+    def __str__(self) -> str:
+        words = ("tried", "translated", "equal", "different", "not judged", "refused", "crashed")
+        return ", ".join(f"{self.counts[word]} {word}" for word in words)
+
+
+def judge(
+    tally: Tally,
+    name: str,
+    text: str,
+    scenarios: Sequence[Inputs],
+    *,
+    source: tuple[str, Running],
+    target: tuple[str, Running],
+    process: FilePath,
+    signals: Bits,
+) -> str:
+    """Translates a program and compares both; the word that it is counted under.
+
+    source, target: a language and what runs its texts. A program whose source comes to nothing
+    that its interpreter knows is `not judged`.
+    """
+    tally.counts["tried"] += 1
+    word, said = _judged(text, scenarios, source, target, process, signals, tally)
+    if word in ("equal", "different", "not judged"):
+        tally.counts["translated"] += 1
+    tally.counts[word] += 1
+    if word in ("different", "crashed"):
+        tally.kept.append(f"{name}: {word}: {said}")
+    return word
+
+
+def _judged(
+    text: str,
+    scenarios: Sequence[Inputs],
+    source: tuple[str, Running],
+    target: tuple[str, Running],
+    process: FilePath,
+    signals: Bits,
+    tally: Tally,
+) -> tuple[str, str]:
+    try:
+        loaded = load_text(SourceText(text), process=process, language=source[0])
+        translation = assistant.translate(loaded, to=target[0])
+    except Exception as error:  # noqa: BLE001 - a crash is what is looked for
+        return "crashed", repr(error)
+    errors = [f for f in translation.findings if f.severity is Severity.ERROR]
+    crashes = [f for f in errors if f.code in CRASHES]
+    if crashes:
+        return "crashed", f"{crashes[0].code} {crashes[0].message}"
+    if not translation.ok:
+        tally.reasons.update({f"{f.code} {f.message}" for f in errors})
+        return "refused", ""
+    (data,) = translation.files.values()
+    written = languages.get(target[0]).decode(data).text
+    judged = False
+    for inputs in scenarios:
+        one = source[1](text, inputs, MOST_STEPS)
+        if one.ended in ("unknown", "error"):
+            continue
+        two = target[1](written, inputs, MORE_STEPS)
+        found = difference(one, two, signals)
+        if found is not None:
+            return "different", found
+        judged = judged or two.ended != "unknown"
+    return ("equal", "") if judged else ("not judged", "")
+
+
+CRASHES = ("CL900", "CO102", "CO103")
+"""That the project itself failed, or wrote what it would refuse."""
