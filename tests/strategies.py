@@ -25,6 +25,7 @@ from assistant.program.expressions import (
     BinaryOperator,
     Elapsed,
     Expression,
+    Here,
     Index,
     JointValue,
     Member,
@@ -93,8 +94,8 @@ from assistant.program.statements import (
     While,
 )
 
-APPLIED = [name for name in FUNCTIONS if name != "elapsed"]
-"""Functions that `Apply` calls; a timer is read by `Elapsed`."""
+APPLIED = [name for name in FUNCTIONS if name not in ("elapsed", "here")]
+"""Functions that `Apply` calls; a timer is read by `Elapsed`, the position by `Here`."""
 LANGUAGES = ("rapid", "melfa-basic-4", "melfa-basic-5", "melfa-basic-6")
 ROBOTS = ("irb1200-7-0.7", "rv-2aj", "an unknown arm")
 TRICKY_NAMES = (
@@ -256,6 +257,7 @@ def expressions(most: int = 8) -> st.SearchStrategy[Expression]:
         numbers.map(Number),
         names().map(Name),
         names().map(Elapsed),
+        st.builds(Here, names(), names()),
         st.booleans().map(Truth),
         texts().map(Text),
         targets().map(TargetValue),

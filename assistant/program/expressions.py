@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final, Literal
 
 from assistant.program.geometry import JointTarget, Pose, Target
@@ -40,7 +40,7 @@ FUNCTIONS: Final[dict[str, str]] = {
     "relative": "target moved by x, y, z mm and turned by rx, ry, rz degrees in its tool frame",
     "distance": "mm between two targets",
     "inverse": "inverse of a pose",
-    "here": "present target of the tool in the frame",
+    "here": "present target: of the tool in the frame, both by name",
     "joints_here": "present joint target",
     "elapsed": "seconds since a timer was started",
 }
@@ -140,11 +140,35 @@ class Elapsed:
 
 
 @dataclass(frozen=True, slots=True)
+class Here:
+    """The present target: of the tool in the frame, both by name."""
+
+    tool: str
+    frame: str
+
+
+@dataclass(frozen=True, slots=True)
+class Reason:
+    """why: a clause on what keeps a statement from being said otherwise. cure: what to do.
+
+    serves: it stays for the sake of others that stay, and would not be there without them.
+    """
+
+    why: str
+    cure: str
+    serves: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class Verbatim:
-    """An expression that only one vendor language can say, as its text."""
+    """An expression that only one vendor language can say, as its text.
+
+    reason: why it is not said otherwise, None if that is not known; not part of what it says.
+    """
 
     language: str
     text: str
+    reason: Reason | None = field(default=None, compare=False, repr=False, kw_only=True)
 
 
 Expression = (
@@ -162,5 +186,6 @@ Expression = (
     | Binary
     | Apply
     | Elapsed
+    | Here
     | Verbatim
 )

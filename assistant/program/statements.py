@@ -7,6 +7,7 @@ from typing import Final, Literal
 
 from assistant.program.diagnostics import Span
 from assistant.program.expressions import Expression, Name, Number
+from assistant.program.expressions import Reason as Reason
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.motion import Blend, Speed
 from assistant.program.path import Path
@@ -235,18 +236,6 @@ class Message(Spanned):
     """Shows the parts, one after the other, on the teach pendant."""
 
     parts: tuple[Expression, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Reason:
-    """why: a clause on what keeps a statement from being said otherwise. cure: what to do.
-
-    serves: it stays for the sake of others that stay, and would not be there without them.
-    """
-
-    why: str
-    cure: str
-    serves: bool = False
 
 
 @dataclass(frozen=True, slots=True)

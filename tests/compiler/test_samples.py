@@ -62,7 +62,7 @@ def test_a_sample_of_rapid_in_melfa_basic_and_back(
         same_poses(wanted.tools[tool].tip, got.tools[tool].tip)
 
 
-CHANGES = {"MB204", "MB205", "MB206", "MB211", "MB217", "MB223", "MB224", "MB225", "MB226", "MB237"}
+CHANGES = {"MB204", "MB205", "MB206", "MB211", "MB217", "MB223", "MB224", "MB226", "MB237"}
 """What is said with a change: joint speeds, zones, loads, messages, parameters, computed places."""
 
 

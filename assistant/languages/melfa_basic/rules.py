@@ -221,10 +221,6 @@ RECURSIVE = Rule(
     "MB224", E, "`{name}` calls itself, but its parameters and variables exist only once",
     "write a loop instead",
 )  # fmt: skip
-PLACE_READ = Rule(
-    "MB225", W, "the position is read in the tool and frame of the move before, not in {given}",
-    "let a move with that tool and frame stand before it",
-)  # fmt: skip
 TEXT_CHANGED = Rule(
     "MB226", W, "the text {given} is written as {text}", "avoid quotes and control characters",
 )  # fmt: skip

@@ -52,7 +52,7 @@ def is_value(x: e.Expression, known: Kinds) -> bool:
             return is_value(value, known)
         case e.Member(_, field):
             return field in COMPONENTS
-        case e.Unary() | e.Elapsed():
+        case e.Unary() | e.Elapsed() | e.Here():
             return True
         case e.Binary("+", left, right):
             return is_value(left, known) and is_value(right, known)

@@ -23,7 +23,7 @@ _known: dict[tuple[str, str], tuple[Any, ...]] = {}
 def foreign(kept: Opaque | Verbatim | Declaration) -> dict[str, Any]:
     """What a finding says of the text of another language: fields of `rules.OTHER_LANGUAGE`."""
     text = kept.text if len(kept.text) <= _SHOWN else kept.text[:_SHOWN] + "…"
-    reason = kept.reason if isinstance(kept, Opaque) else None
+    reason = None if isinstance(kept, Declaration) else kept.reason
     if reason is None:
         cure = "write it in the pseudo-program or in RAPID"
         return {"language": kept.language, "text": text, "cure": cure}

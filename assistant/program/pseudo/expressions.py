@@ -15,6 +15,7 @@ from assistant.program.expressions import (
     BinaryOperator,
     Elapsed,
     Expression,
+    Here,
     Index,
     JointValue,
     Member,
@@ -28,7 +29,7 @@ from assistant.program.expressions import (
     UnaryOperator,
     Verbatim,
 )
-from assistant.program.pseudo.findings import MOST_DEEP, TOO_DEEP
+from assistant.program.pseudo.findings import MOST_DEEP, NO_PLACE, TOO_DEEP, Wrong
 from assistant.program.pseudo.values import (
     joints_text,
     pose_text,
@@ -132,6 +133,8 @@ def _text_and_priority(expression: Expression) -> tuple[str, int]:
             return f"{name_text(function)}({_list(arguments)})", ATOM
         case Elapsed(timer):
             return f"elapsed({name_text(timer)})", ATOM
+        case Here(tool, frame):
+            return f"here({name_text(tool)}, {name_text(frame)})", ATOM
         case Verbatim(language, text):
             return f"verbatim {word_text(language)} {quoted(text)}", ATOM
     assert_never(expression)
@@ -216,6 +219,10 @@ def _read_apply(tree: Node) -> Expression:
     match function, given:
         case "elapsed", (Name(timer),):
             return Elapsed(timer)
+        case "here", (Name(tool), Name(frame)):
+            return Here(tool, frame)
+        case "here", _:
+            raise Wrong(NO_PLACE, tree)
     return Apply(function, given)
 
 

@@ -96,6 +96,12 @@ NOT_ASSIGNABLE = Rule(
 QUADRANT = Rule(
     "PS306", _ERROR, "quadrant {number} is beyond -128 to 127", "write the true quadrant"
 )
+NO_PLACE = Rule(
+    "PS307",
+    _ERROR,
+    "`here` does not say which tool it is of, and in which frame",
+    "write both names, as `here(tool0, base)`",
+)
 
 INCOMPLETE_ROW = Rule(
     "PS401", _ERROR, "the first row of a path states no {what}", "state it, as `{example}`"

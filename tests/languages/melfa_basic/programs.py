@@ -154,7 +154,10 @@ simple = st.one_of(
     st.builds(p.SetOverride, st.just(e.Number(40))),
     st.builds(p.Assign, st.sampled_from([e.Name("count"), e.Name("limit")]), values),
     st.builds(p.Assign, elements, values),
-    st.sampled_from([e.Apply("here"), e.Name("home")]).map(lambda v: p.Assign(e.Name("place"), v)),
+    st.sampled_from([e.Here("tool0", "base"), e.Here("Gripper", "Base"), e.Name("home")]).map(
+        lambda v: p.Assign(e.Name("place"), v)
+    ),
+    st.just(p.Assign(e.Name("count"), e.Member(e.Here("gripper", "base"), "x"))),
     st.builds(lambda v: p.Call("show", (v, e.Name("count"))), values),
     st.builds(p.Comment, st.text(max_size=150)),
     st.builds(p.Message, st.just((e.Text("hello"),))),

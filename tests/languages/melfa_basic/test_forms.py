@@ -43,7 +43,7 @@ def test_an_arc_from_where_the_robot_stands_is_at_no_percentage(name: str) -> No
 
 @pytest.mark.parametrize("name", DIALECTS)
 def test_a_position_is_read_by_the_same_words_with_any_tool(name: str) -> None:
-    read = p.Assign(e.Name("place"), e.Apply("here"))
+    read = p.Assign(e.Name("place"), e.Here("tool0", "base"))
     torch = p.Motion(Speed(100.0, joint=10.0), FINE, "torch", BASE)
     adapted, back, _ = there_and_back(called_twice((read,), torch), name)
     assert differences(back, adapted) == []

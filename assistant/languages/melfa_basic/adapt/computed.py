@@ -21,7 +21,7 @@ from assistant.program import statements as p
 from assistant.program.geometry import Configuration, Pose, Target
 from assistant.program.path import configuration_of
 from assistant.program.program import Procedure, Program, Variable
-from assistant.program.rewriting import map_head, records
+from assistant.program.rewriting import head, map_head, records
 from assistant.robots.configurations import from_confdata
 
 AXES: Final = ("x", "y", "z")
@@ -61,9 +61,15 @@ class _Targets:
     def __call__(self, node: p.Statement) -> Taken:
         made = Taken(node)
         used = 0
+        elsewhere = _read_elsewhere(node)
 
         def visit(value: e.Expression) -> e.Expression:
             nonlocal used
+            if value in elsewhere:
+                used += 1
+                place = self.place("at", used)
+                made.before.append(p.Assign(place, value))
+                return place
             parts, shift = _parts(value), _shift(value)
             if parts is None and shift is None:
                 return value
@@ -80,7 +86,8 @@ class _Targets:
 
         match node:
             case p.Assign(e.Name() as place, value) if (parts := _parts(value)) is not None:
-                if not any(r == place for r in records(parts[1])) and not _inner(value):
+                changes = any(r == place for r in records(parts[1]))
+                if not changes and not elsewhere and not _inner(value):
                     made.after += _put_together(place, *parts)
                     made.statement = made.after.pop(0)
                     return made
@@ -104,6 +111,15 @@ class _Targets:
             self.known[key] = name
             self.variables[name] = Variable("position")
         return e.Name(self.known[key])
+
+
+def _read_elsewhere(node: p.Statement) -> set[e.Expression]:
+    """Present positions that a statement reads in a tool or frame that cannot hold for it."""
+    found = {r for r in records(head(node)) if isinstance(r, e.Here)}
+    if isinstance(node, p.Move | p.MoveCircular | p.MoveJoints):
+        own = node.motion.tool.lower(), node.motion.frame.lower()
+        return {r for r in found if (r.tool.lower(), r.frame.lower()) != own}
+    return set(found) if len(found) > 1 else set()
 
 
 def _shift(

@@ -40,6 +40,8 @@ def plain_expression(context: Context, value: e.Expression, deep: bool = True) -
             return opposite(operand)
         case e.Elapsed(timer):
             return e.Elapsed(context.timer(timer))
+        case e.Here(tool, frame):
+            return _here(context, e.Here(context.tool(tool), context.frame(frame)))
         case e.Binary(operator, e.Binary("*", e.Elapsed() as seconds, e.Number(1000)), e.Number(n)):
             return e.Binary(operator, seconds, _seconds(n)) if operator in RELATIONS else value
         case e.Binary(operator, e.Number(n), e.Binary("*", e.Elapsed() as seconds, e.Number(1000))):
@@ -63,6 +65,17 @@ def plain_expression(context: Context, value: e.Expression, deep: bool = True) -
     return value
 
 
+def _here(context: Context, value: e.Here) -> e.Here:
+    """The present position; an error in a frame that `Base` is not set to."""
+    if value.frame != BASE and (context.products or context.five_axis):
+        how = "five axes" if context.five_axis else "frames as products"
+        context.findings.append(rules.CANNOT_SAY(
+            what=f"the present position in `{value.frame}`, with {how}",
+            cure="read it in the base" if context.five_axis else "write frames as base",
+        ))  # fmt: skip
+    return value
+
+
 def _seconds(milliseconds: float) -> e.Number:
     seconds = milliseconds / MILLISECONDS
     return e.Number(int(seconds) if seconds.is_integer() else seconds)
@@ -73,17 +86,6 @@ def _function(context: Context, name: str, arguments: tuple[e.Expression, ...]) 
         case "relative" | "offset", _:
             while len(arguments) > 4 and arguments[-1] in (e.Number(0), e.Number(0.0)):
                 arguments = arguments[:-1]
-        case "here", (_, *_):
-            given = " and ".join(f"`{a.name}`" for a in arguments if isinstance(a, e.Name))
-            if context.products and len(arguments) > 1 and arguments[1] != e.Name(BASE):
-                context.findings.append(rules.CANNOT_SAY(
-                    what=f"the present position in {given}, with frames as products",
-                    cure="write frames as base",
-                ))  # fmt: skip
-            context.findings.append(rules.PLACE_READ(given=given))
-            arguments = ()
-        case "here", () if context.program.frames and not context.products:
-            context.findings.append(rules.PLACE_READ(given=f"`{BASE}`"))
         case "fixed", (value, e.Number(places)):
             return _rounded_text(context, value, int(places))
     return e.Apply(name, arguments)

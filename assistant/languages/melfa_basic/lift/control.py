@@ -28,7 +28,8 @@ Single = Callable[[s.Statement], list[p.Statement]]
 class Control:
     """Lifts what decides the order of the lines; raises Unliftable.
 
-    body: lifts a range of lines. single: lifts one statement, the branch of an `If`.
+    body: lifts a range of lines. single: lifts one statement, the branch of an `If`. enter: sets
+    what holds where a line begins.
     labels: those of the procedure that is read, upper case → name. refused: why blocks, by their
     first line, stay as their text.
     """
@@ -40,10 +41,11 @@ class Control:
         expressions: Expressions,
         body: Body,
         single: Single,
+        enter: Callable[[int], Any],
         asks_for_breaks: bool,
     ) -> None:
         self.code, self.structure, self.expressions = code, structure, expressions
-        self.body, self.single = body, single
+        self.body, self.single, self.enter = body, single, enter
         self.labels: dict[str, str] = {}
         self.refused: dict[int, p.Reason | None] = {}
         self.depth = 0
@@ -123,7 +125,7 @@ class Control:
             node = self.statement_at(place)
             inside = self.part if branches else lambda a, b: self.body(a + 1, b)
             if isinstance(node, s.If | s.ElseIf):
-                condition = self.expressions.condition(node.condition)
+                condition = self.condition_at(place, node)
                 branches.append(p.Branch(condition, inside(place, following)))
             else:
                 otherwise = inside(place, following)
@@ -137,10 +139,15 @@ class Control:
             node = self.statement_at(test)
             if not isinstance(node, s.If):
                 raise Unliftable
-            condition = self.expressions.condition(node.condition)
+            condition = self.condition_at(test, node)
             branches.append(p.Branch(condition, self.body(test + 2, jump)))
         otherwise = self.body(places[-2] + 1, places[-1])
         return p.If(tuple(branches), otherwise)
+
+    def condition_at(self, place: int, node: s.If | s.ElseIf) -> e.Expression:
+        """The condition of a line of an `If`, under what holds there."""
+        self.enter(place)
+        return self.expressions.condition(node.condition)
 
     def statement_at(self, place: int) -> s.Statement | None:
         item = self.code[place]

@@ -12,13 +12,13 @@ from assistant.languages.melfa_basic.lift.constants import INITIAL
 from assistant.languages.melfa_basic.lift.meanings import SIGNALS, Meanings, Unliftable
 from assistant.languages.melfa_basic.lift.pallets import declared
 from assistant.languages.melfa_basic.lift.positions import target_of
+from assistant.languages.melfa_basic.lift.reasons import WAYS
 from assistant.languages.melfa_basic.lift.shifts import amounts, shift
 from assistant.languages.melfa_basic.lift.timers import elapsed, timed
 from assistant.languages.melfa_basic.poses import JOINTS, is_angle, is_length
 from assistant.languages.melfa_basic.vocabulary import function, status
 from assistant.languages.melfa_basic.vocabulary.timers import MILLISECONDS
 from assistant.program import expressions as e
-from assistant.program.geometry import BASE, FLANGE
 from assistant.program.program import ValueType
 
 # PLAIN, OF_ANGLE and TO_ANGLE are read backwards here: one row adds a function both ways.
@@ -57,19 +57,19 @@ class Expressions:
         """Any value; what the pseudo-program cannot say stays as its text."""
         try:
             return self.plain(node)
-        except Unliftable:
-            return self.verbatim(node)
+        except Unliftable as found:
+            return self.verbatim(node, found.reason)
 
     def condition(self, node: s.Expression) -> e.Expression:
         """A value that counts as true or false."""
         try:
             return self.truth(node)
-        except Unliftable:
-            return self.verbatim(node)
+        except Unliftable as found:
+            return self.verbatim(node, found.reason)
 
-    def verbatim(self, node: s.Expression) -> e.Verbatim:
+    def verbatim(self, node: s.Expression, reason: e.Reason | None = None) -> e.Verbatim:
         upper = self.m.dialect.endswith("-4")
-        return e.Verbatim(self.m.dialect, printer.expression(node, upper))
+        return e.Verbatim(self.m.dialect, printer.expression(node, upper), reason=reason)
 
     def plain(self, node: s.Expression) -> e.Expression:
         match node:
@@ -246,11 +246,9 @@ class Expressions:
         if key == "J_CURR":
             return e.Apply("joints_here")
         tool, frame = self.m.placing
-        if self.m.own or (tool, frame) == (FLANGE, BASE):
-            return e.Apply("here")
         if not isinstance(tool, str) or not isinstance(frame, str):
-            raise Unliftable
-        return e.Apply("here", (e.Name(tool), e.Name(frame)))
+            raise Unliftable(WAYS)
+        return e.Here(tool, frame)
 
     def applied(self, node: s.Variable) -> e.Expression:
         """A call of a function of the user's own."""

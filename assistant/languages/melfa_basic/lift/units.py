@@ -199,8 +199,9 @@ class Unit:
             code, meanings, ways.contexts, listed, calls, self.is_main, kept, source, ways.single
         )
         reader.control = Control(
-            code, ways.structure, reader.expressions, reader.body, reader.branch, ways.breaks
-        )
+            code, ways.structure, reader.expressions, reader.body, reader.branch, reader.enter,
+            ways.breaks,
+        )  # fmt: skip
         reading = _Reading(meanings, ways.settings, reader, local)
         for node in _statements(code, s.DefIo):
             if (io := data.io_of(node, expressions)) is not None:

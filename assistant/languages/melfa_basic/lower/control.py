@@ -131,7 +131,7 @@ def _short(w: Writer, body: Body) -> s.Statement | s.Target | None:
         return None
     before = len(w.items)
     try:
-        w.write[type(body[0])](w, body[0])
+        w.statement(body[0])
     except Unsayable:
         return None  # found once more where the body is written by itself, at its own place
     finally:
@@ -184,6 +184,7 @@ def while_(w: Writer, node: p.While) -> None:
     w.add(s.Command("While", (w.expressions.of(node.condition),)))
     w.forget()
     w.body(node.body)
+    w.stand(node.condition)
     w.add(s.Command("WEnd"))
     w.forget()
 

@@ -129,6 +129,8 @@ class Expressions:
                 return s.Unary("-", self.of(operand))
             case e.Unary(operand=operand):  # any value that is not zero counts as true
                 return s.Binary("=", self.of(operand), s.Number(0))
+            case e.Here():  # the tool and frame that hold are those that it names, see Writer
+                return s.Variable(self.word("P_Curr"))
             case e.Elapsed(timer=timer):
                 return s.Binary("/", self.timer(timer), s.Number(MILLISECONDS))
             case e.Binary("*", e.Elapsed(timer), e.Number(1000)):
@@ -148,8 +150,8 @@ class Expressions:
                 return s.Binary(OPERATORS.get(operator, operator), *sides)
             case e.Apply(function=function, arguments=arguments):
                 return self.apply(function.lower(), arguments)
-            case e.Verbatim(language=language, text=text):
-                return self.verbatim(language, text)
+            case e.Verbatim(language=language, text=text, reason=reason):
+                return self.verbatim(language, text, reason)
         raise Unsayable(
             f"an expression of kind {type(value).__name__}", "write it with single values"
         )
@@ -166,19 +168,20 @@ class Expressions:
             raise Unsayable(f"a text of over {MOST_TEXT} characters", "shorten it")
         return s.String(text)
 
-    def verbatim(self, language: str, text: str) -> s.Expression:
+    def verbatim(self, language: str, text: str, reason: e.Reason | None = None) -> s.Expression:
         from assistant.languages.melfa_basic.reading.parser import statement
 
         line = statement("M0=" + text) if language.startswith("melfa-basic-") else None
         if line is None or line.comment or not isinstance(line.statement, s.Assign):
-            raise Unsayable(f"the {language} expression `{text}`", "write it in plain words")
+            what, cure = f"the {language} expression `{text}`", "write it in plain words"
+            if reason is not None:
+                what, cure = f"{what}: {reason.why}", reason.cure
+            raise Unsayable(what, cure)
         return line.statement.value
 
     def apply(self, function: str, arguments: tuple[e.Expression, ...]) -> s.Expression:
         if function in ("offset", "relative"):
             return self.moved(function, arguments)
-        if function == "here" and not arguments:
-            return s.Variable(self.word("P_Curr"))
         if function == "joints_here" and not arguments:
             return s.Variable(self.word("J_Curr"))
         callee = self.program.procedure(function)

@@ -37,28 +37,35 @@ def changes(
     dialect: Dialect,
 ) -> Iterator[s.Command]:
     """The commands that bring the state to what a move needs, and the state with them."""
-
-    def status(name: str) -> s.Variable:
-        return s.Variable(name.upper() if dialect.upper else name)
-
-    if state.tool != tool:
-        state.tool = tool
-        known = names.tools.get(tool.lower())
-        yield s.Command("Tool", (s.Variable(known) if known else status("P_NTool"),))
-    if state.frame != frame:
-        state.frame = frame
-        known = names.frames.get(frame.lower())
-        yield s.Command("Base", (s.Variable(known) if known else status("P_NBase"),))
+    yield from places(state, tool, frame, names, dialect)
     if speed.joint is not None and state.joint != speed.joint:
         state.joint = speed.joint
         yield s.Command("JOvrd", (numeric(speed.joint),))
     if state.tcp != speed.tcp:
         state.tcp = speed.tcp
         fastest = math.isinf(speed.tcp)
-        yield s.Command("Spd", (status("M_NSpd") if fastest else numeric(speed.tcp),))
+        yield s.Command("Spd", (_status("M_NSpd", dialect) if fastest else numeric(speed.tcp),))
     if state.blend != blend:
         state.blend = blend
         yield s.Command("Cnt", _corner(blend))
+
+
+def places(
+    state: Settings, tool: str, frame: str, names: Names, dialect: Dialect
+) -> Iterator[s.Command]:
+    """Those that bring it to the tool and the frame."""
+    if state.tool != tool:
+        state.tool = tool
+        known = names.tools.get(tool.lower())
+        yield s.Command("Tool", (s.Variable(known) if known else _status("P_NTool", dialect),))
+    if state.frame != frame:
+        state.frame = frame
+        known = names.frames.get(frame.lower())
+        yield s.Command("Base", (s.Variable(known) if known else _status("P_NBase", dialect),))
+
+
+def _status(name: str, dialect: Dialect) -> s.Variable:
+    return s.Variable(name.upper() if dialect.upper else name)
 
 
 def _corner(blend: Blend) -> tuple[s.Expression, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic import syntax as s
@@ -15,16 +15,22 @@ from assistant.languages.melfa_basic.lower.expressions import (
     Undeclared,
     Unsayable,
 )
-from assistant.languages.melfa_basic.lower.settings import Settings
+from assistant.languages.melfa_basic.lower.settings import Settings, places
 from assistant.languages.melfa_basic.names import Names
+from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, Findings, Span
+from assistant.program.geometry import BASE
 from assistant.program.path import Path
 from assistant.program.program import Procedure, Program
-from assistant.program.rewriting import records
+from assistant.program.rewriting import head, records
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
+
+
+MOVES: Final = (p.Move, p.MoveCircular, p.MoveJoints)
+"""Statements that say a tool and a frame of their own."""
 
 
 class Writer:
@@ -136,9 +142,25 @@ class Writer:
             self._note()
             self._at = statement.span or around
             with self.findings.at(statement.span), self.saying():
-                self.write[type(statement)](self, statement)
+                self.statement(statement)
             self._note()
             self._at = around
+
+    def statement(self, statement: p.Statement) -> None:
+        """Writes a statement; one that reads the position, under the tool and frame it names."""
+        if not isinstance(statement, MOVES):  # they hold under their own anyway, see `places`
+            self.stand(head(statement))
+        self.write[type(statement)](self, statement)
+
+    def stand(self, value: Any) -> None:
+        """Sets the tool and frame in which a value reads the position, if it does."""
+        for record in records(value):
+            if isinstance(record, e.Here):
+                frame = BASE if self.names.products else record.frame
+                self.items += (
+                    s.Line(statement=command)
+                    for command in places(self.state, record.tool, frame, self.names, self.dialect)
+                )
 
     def _note(self) -> None:
         """The lines since the last time are those of the statement at hand."""

@@ -8,7 +8,13 @@ from functools import partial
 from assistant.languages.rapid import verbatim
 from assistant.languages.rapid.adapt.data import sayable_joints, sayable_pose, sayable_target
 from assistant.languages.rapid.adapt.findings import Findings
-from assistant.languages.rapid.lift.expressions import aggregate, lift, negative
+from assistant.languages.rapid.lift.expressions import (
+    aggregate,
+    frame_name,
+    lift,
+    negative,
+    tool_name,
+)
 from assistant.languages.rapid.tables import UNUSED
 from assistant.program import expressions as e
 from assistant.program.diagnostics import Refused
@@ -34,16 +40,19 @@ def sayable_expression(x: e.Expression, findings: Findings) -> e.Expression:
             return e.PoseValue(sayable_pose(pose, findings))
         case e.Apply("relative", given) if 4 < len(given) < 7:
             return e.Apply("relative", given + (e.Number(0),) * (7 - len(given)))
-        case e.Verbatim(verbatim.LANGUAGE, text):
-            return _understood(text)
+        case e.Here(tool, frame):
+            return e.Here(tool_name(tool), frame_name(frame))
+        case e.Verbatim(verbatim.LANGUAGE):
+            return _understood(x)
     return x
 
 
-def _understood(text: str) -> e.Expression:
+def _understood(x: e.Verbatim) -> e.Expression:
     try:
-        return lift(verbatim.expression(text), str)
+        known = lift(verbatim.expression(x.text), str)
     except Refused:
-        return e.Verbatim(verbatim.LANGUAGE, text)  # a finding when it is built
+        return x  # a finding when it is built
+    return x if known == x else known
 
 
 def _unset(x: e.Expression) -> e.Expression:

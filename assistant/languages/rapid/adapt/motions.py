@@ -10,6 +10,7 @@ import numpy as np
 
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.adapt.findings import Findings
+from assistant.languages.rapid.lift.expressions import frame_name, tool_name
 from assistant.languages.rapid.motions import (
     BLENDS,
     SPEEDS,
@@ -25,7 +26,6 @@ from assistant.languages.rapid.tables import LONGEST_NAME, UNUSED
 from assistant.program import expressions as e
 from assistant.program import rotations
 from assistant.program import statements as p
-from assistant.program.geometry import BASE, FLANGE
 from assistant.program.motion import Blend, Speed
 from assistant.program.path import UNSTATED, Kind, Path
 from assistant.program.program import Program, identifier
@@ -41,7 +41,7 @@ class Motions:
 
     def motion(self, motion: p.Motion) -> p.Motion:
         speed, blend = self.speeds.said(motion.speed), self.blends.said(motion.blend)
-        return p.Motion(speed, blend, _tool(motion.tool), _frame(motion.frame))
+        return p.Motion(speed, blend, tool_name(motion.tool), frame_name(motion.frame))
 
     def path(self, path: Path) -> Path:
         via = path.kinds == Kind.VIA
@@ -82,8 +82,8 @@ class Motions:
             frame=path.frame[rows],
             speeds=tuple(self.speeds.said(v) for v in path.speeds),
             blends=tuple(self.blends.said(v) for v in path.blends),
-            tools=tuple(_tool(t) for t in path.tools),
-            frames=tuple(_frame(f) for f in path.frames),
+            tools=tuple(tool_name(t) for t in path.tools),
+            frames=tuple(frame_name(f) for f in path.frames),
         )
 
     def _speed(self, speed: Speed, place: str | None) -> Speed:
@@ -137,11 +137,3 @@ class Named(Generic[T]):
         name = identifier(f"{self._words.kind}_1", {*self._values})
         self._values[name] = said
         return e.Name(name)
-
-
-def _tool(name: str) -> str:
-    return FLANGE if name.lower() == FLANGE else name
-
-
-def _frame(name: str) -> str:
-    return BASE if name.lower() == BASE else name

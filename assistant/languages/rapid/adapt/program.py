@@ -18,6 +18,7 @@ from assistant.languages.rapid.adapt.motions import Motions
 from assistant.languages.rapid.adapt.splitting import split
 from assistant.languages.rapid.adapt.statements import StatementAdapter, sayable_comment
 from assistant.languages.rapid.lift.data import fixed_target
+from assistant.languages.rapid.lift.places import with_places
 from assistant.languages.rapid.loops import counted
 from assistant.languages.rapid.lower.program import build
 from assistant.languages.rapid.naming import naming, units
@@ -35,7 +36,7 @@ def adapt(program: Program, most_targets: int | None = None) -> Adapted:
     """most_targets: of one module, None for MOST_TARGETS."""
     findings = Findings()
     try:
-        adapted, loops = counted(_sayable(program, findings))
+        adapted, loops = counted(with_places(_sayable(program, findings)))
         findings += loops
         adapted = split(with_paths(adapted), most_targets or MOST_TARGETS, findings)
         _find_names(adapted, findings)

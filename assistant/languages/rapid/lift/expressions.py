@@ -13,7 +13,15 @@ from assistant.languages.rapid.tables import COMPONENTS, FUNCTIONS, UNUSED
 from assistant.languages.rapid.verbatim import LANGUAGE
 from assistant.program import expressions as e
 from assistant.program import rotations
-from assistant.program.geometry import UNUSED_AXIS, Configuration, JointTarget, Pose, Target
+from assistant.program.geometry import (
+    BASE,
+    FLANGE,
+    UNUSED_AXIS,
+    Configuration,
+    JointTarget,
+    Pose,
+    Target,
+)
 from assistant.program.path import configuration_of
 from assistant.robots.configurations import from_confdata
 
@@ -126,12 +134,8 @@ def _call(node: s.FunctionCall, original: Original) -> e.Expression:
         if set(turned) <= {"rx", "ry", "rz"}:
             turns = tuple(turned.get(k, e.Number(0)) for k in ("rx", "ry", "rz"))
             return e.Apply("relative", given + turns)
-    if name == "crobt" and not given and set(turned) in (set(), {"tool"}, {"tool", "wobj"}):
-        names = [turned[k] for k in ("tool", "wobj") if k in turned]
-        named = [n for n in names if isinstance(n, e.Name)]
-        if len(named) == len(names):
-            based = [e.Name("base") if n.name.lower() == "wobj0" else n for n in named]
-            return e.Apply("here", tuple(based))
+    if name == "crobt" and not given:
+        return here(node, original) or verbatim
     if turned:
         return verbatim
     if name == "cjointt" and not given:
@@ -153,6 +157,33 @@ def _call(node: s.FunctionCall, original: Original) -> e.Expression:
     if original(node.name) in e.FUNCTIONS:
         return verbatim
     return e.Apply(original(node.name), given)
+
+
+def here(
+    node: s.FunctionCall, original: Original, tool: str | None = None, frame: str | None = None
+) -> e.Here | None:
+    """What `CRobT` reads, None if it does not say so and it is not known.
+
+    tool, frame: those of the move before, which hold for an argument that is left out (RAPID
+    reference manual, CRobT).
+    """
+    known: dict[str, str | None] = {"tool": tool, "wobj": frame}
+    for argument in node.arguments:
+        match argument:
+            case s.Option(option, s.NameRef(name)) if option.lower() in known:
+                known[option.lower()] = original(name)
+            case _:
+                return None
+    tool, frame = known["tool"], known["wobj"]
+    return None if tool is None or frame is None else e.Here(tool_name(tool), frame_name(frame))
+
+
+def tool_name(name: str) -> str:
+    return FLANGE if name.lower() == FLANGE else name
+
+
+def frame_name(name: str) -> str:
+    return BASE if name.lower() in ("", "wobj0", BASE) else name
 
 
 def _whole_target(node: s.Expression, original: Original) -> e.Expression | None:

@@ -8,13 +8,12 @@ from typing import Any, Final
 
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.gather import literal_number
-from assistant.languages.rapid.lift.expressions import lift
+from assistant.languages.rapid.lift.expressions import frame_name, lift, tool_name
 from assistant.languages.rapid.motions import BLENDS, SPEEDS
 from assistant.languages.rapid.signals import gripper
 from assistant.languages.rapid.tables import SPEED_CAP
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.geometry import BASE, FLANGE
 from assistant.program.motion import Blend, Speed
 from assistant.program.program import Signal
 
@@ -48,8 +47,8 @@ class Meaning:
         return p.Motion(
             SPEEDS.meant(speed, self.speeds) or e.Name(self.original(speed)),
             BLENDS.meant(zone, self.blends) or e.Name(self.original(zone)),
-            FLANGE if tool.lower() == FLANGE else self.original(tool),
-            BASE if frame.lower() in ("", "wobj0") else self.original(frame),
+            tool_name(self.original(tool)),
+            frame_name(self.original(frame)),
         )
 
 

@@ -13,6 +13,7 @@ from assistant.languages.rapid.header import Header, opening
 from assistant.languages.rapid.lift.data import DataLift
 from assistant.languages.rapid.lift.instructions import Meaning
 from assistant.languages.rapid.lift.paths import PathLift
+from assistant.languages.rapid.lift.places import with_places
 from assistant.languages.rapid.lift.statements import StatementLift, opaque
 from assistant.languages.rapid.loops import apart
 from assistant.languages.rapid.messages import with_values
@@ -135,7 +136,7 @@ class _Lift:
         used = chain(self.meaning.used, uses(program.statements()))
         program = with_timers(program, self.clocks, self.original)
         program = apart(replace(program, signals=with_used(declared, used)))
-        return with_paths(with_values(program), self.original)
+        return with_paths(with_values(with_places(program, self.original)), self.original)
 
     def _hidden(self, module: s.Module) -> dict[str, str]:
         """New names for local routines of a module that have the name of one in another."""

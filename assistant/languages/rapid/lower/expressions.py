@@ -94,8 +94,15 @@ class Expressions:
             case e.Elapsed(timer):
                 clock = s.NameRef(self._names.get("timers", timer))
                 return s.FunctionCall("ClkRead", (s.Positional(clock),)), PRIMARY
-            case e.Verbatim(language, text_):
-                return self._verbatim(language, text_)
+            case e.Here(tool, frame):
+                options = {
+                    "Tool": self._names.get("tools", tool),
+                    "WObj": self._names.get("frames", frame) or "wobj0",
+                }
+                named = tuple(s.Option(key, s.NameRef(n)) for key, n in options.items())
+                return s.FunctionCall("CRobT", named), PRIMARY
+            case e.Verbatim():
+                return self._verbatim(x)
 
     def _variable(self, x: e.Expression) -> s.Variable:
         node = self.lower(x, PRIMARY)
@@ -123,12 +130,6 @@ class Expressions:
         if function == "distance" and len(given) == 2:
             points = (s.Component(self._variable(a), "trans") for a in given)
             return s.FunctionCall("Distance", tuple(s.Positional(p) for p in points))
-        if function == "here" and all(isinstance(a, e.Name) for a in given) and len(given) < 3:
-            names = [a.name for a in given if isinstance(a, e.Name)]
-            options = [s.Option("Tool", s.NameRef(self._names.get("tools", n))) for n in names[:1]]
-            frames = [self._names.get("frames", n) or "wobj0" for n in names[1:]]
-            options += [s.Option("WObj", s.NameRef(n)) for n in frames]
-            return s.FunctionCall("CRobT", tuple(options))
         if function == "joints_here" and not given:
             return s.FunctionCall("CJointT")
         if function in e.FUNCTIONS:
@@ -139,10 +140,10 @@ class Expressions:
             )
         return self._call(self._names.get("procedures", function), given)
 
-    def _verbatim(self, language: str, given: str) -> tuple[s.Expression, int]:
-        if language != verbatim.LANGUAGE:
-            raise refuse(rules.OTHER_LANGUAGE, **verbatim.foreign(e.Verbatim(language, given)))
-        node = verbatim.expression(given)
+    def _verbatim(self, x: e.Verbatim) -> tuple[s.Expression, int]:
+        if x.language != verbatim.LANGUAGE:
+            raise refuse(rules.OTHER_LANGUAGE, **verbatim.foreign(x))
+        node = verbatim.expression(x.text)
         return node, OR if isinstance(node, s.Prefix | s.Infix) else PRIMARY
 
 
