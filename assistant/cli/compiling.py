@@ -155,7 +155,7 @@ def load_given(
     from_language: str | None,
 ) -> Loaded:
     """The program of a file, or of standard input if the source says so."""
-    from assistant.compiler.compiling import robot_of
+    from assistant.compiler.arms import robot_of
     from assistant.compiler.loading import load
 
     given = _input(source, from_language, robot, process)
@@ -167,7 +167,7 @@ def _input(
     source: str, language: str | None, robot: str | None, process: Path | None
 ) -> Loaded | None:
     """The program on standard input if the source says so, or a file of a named language."""
-    from assistant.compiler.compiling import robot_of
+    from assistant.compiler.arms import robot_of
     from assistant.compiler.loading import load, load_text
 
     if source != STANDARD:

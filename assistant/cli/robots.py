@@ -22,7 +22,7 @@ def run_list(format: Format) -> int:
 
 def run_show(name: str, draw: Path | None, format: Format) -> int:
     """draw: the picture that is written before anything is said; None for none."""
-    from assistant.compiler.compiling import robot_of
+    from assistant.compiler.arms import robot_of
     from assistant.report import robots as report
 
     robot = robot_of(name)

@@ -83,7 +83,8 @@ def run_simulate(source: str, options: Options, outputs: Sequence[str], format: 
 
 def _solved(source: str, options: Options) -> tuple[Journey, list[Diagnostic]]:
     from assistant import robots
-    from assistant.compiler.compiling import for_another_arm, known_robot, robot_of
+    from assistant.compiler.arms import Arms, known_robot, robot_of, taught_on
+    from assistant.compiler.crossing import for_arm
 
     written_for, arm = robot_of(options.from_robot), robot_of(options.robot)
     reader = options.from_robot or options.robot
@@ -93,11 +94,9 @@ def _solved(source: str, options: Options) -> tuple[Journey, list[Diagnostic]]:
     arm = arm or known_robot(program.robot)
     if arm is None:
         raise Refused(NO_ROBOT(path=source), exit_status=2)
-    if program.robot not in (None, arm.name):
-        written_for = known_robot(program.robot)
-        program = replace(program, robot=None)
-    journey = robots.journey(for_another_arm(program, written_for, arm), arm)
-    found = fold(f.within(source) for f in (*loaded.findings, *journey.findings))
+    program, changed = for_arm(program, taught_on(program, Arms(arm, written_for)), arm)
+    journey = robots.journey(replace(program, robot=arm.name), arm)
+    found = fold(f.within(source) for f in (*loaded.findings, *changed, *journey.findings))
     return journey, list(found)
 
 

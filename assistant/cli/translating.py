@@ -127,7 +127,7 @@ def _translated(name: str, options: Options) -> Translated:
 
 
 def _standard_input(options: Options) -> Loaded:
-    from assistant.compiler.compiling import robot_of
+    from assistant.compiler.arms import robot_of
     from assistant.compiler.loading import load_text
 
     text, spoken = standard_input(options.from_language)

@@ -33,7 +33,7 @@ def run_irc5(folder: Path, port: int, user: str) -> None:
 
 
 def run_cr(robot: str, port: int, log: bool) -> None:
-    from assistant.compiler.compiling import robot_of
+    from assistant.compiler.arms import robot_of
     from assistant.languages import get
     from assistant.virtual.cr import VirtualCr
 

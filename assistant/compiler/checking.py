@@ -9,7 +9,8 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant import checks, languages, sources
-from assistant.compiler.compiling import known_robot, robot_of
+from assistant.compiler.arms import Arms, known_robot, robot_of, taught_on
+from assistant.compiler.crossing import for_arm
 from assistant.compiler.loading import (
     files_in,
     language_of,
@@ -270,5 +271,8 @@ def _check_meaning(program: Program, arm: Robot | None) -> tuple[Diagnostic, ...
     arm = arm or known_robot(program.robot)
     if arm is None:
         return found
+    if program.origin is None:  # a controller takes the numbers of its own text as they stand
+        program, changed = for_arm(program, taught_on(program, Arms(arm)), arm)
+        found += changed
     journey = robots.journey(program, arm)
     return (*found, *journey.findings, *checks.with_robot(journey))

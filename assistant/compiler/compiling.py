@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
-import numpy as np
-
 from assistant.checks import check, with_robot
+from assistant.compiler.arms import Arms, known_robot, robot_of, taught_on
+from assistant.compiler.crossing import for_arm, unsaid
 from assistant.compiler.loading import language_of, load
 from assistant.compiler.places import Places
 from assistant.compiler.proof import SAYS_OTHERWISE, Proof, prove
@@ -22,22 +22,14 @@ from assistant.program.diagnostics import (
     has_errors,
 )
 from assistant.program.expressions import Verbatim
-from assistant.program.geometry import Target
-from assistant.program.path import Path, configuration_row
 from assistant.program.program import Origin, Program
-from assistant.program.rewriting import head, records, rewrite
+from assistant.program.rewriting import head, records
 
 if TYPE_CHECKING:
     from assistant.languages import Language
     from assistant.languages.language import Conversion, Frames
     from assistant.robots import Robot
 
-UNKNOWN_ROBOT = Rule(
-    "CO002",
-    Severity.ERROR,
-    "there is no robot `{name}`",
-    "choose one of {names}, or name a robot file (TOML or URDF)",
-)
 OTHER_MAKER = Rule(
     "CO003",
     Severity.WARNING,
@@ -56,8 +48,6 @@ KEPT_TEXT = Rule(
     "`{text}` keeps its text, but would be read back as something else where it is written",
     "say it in statements with plain conditions and numbers",
 )
-ROBOT_FILES: Final = (".toml", ".urdf")
-"""How the file of a user's own robot ends."""
 LEAST_TARGETS: Final = 10
 """A unit must hold an arc with its start, and be worth a file."""
 
@@ -120,38 +110,33 @@ def compile(
         program, findings = loaded.program, list(loaded.findings)
         findings = [f.within(str(source)) for f in findings]
     places = Places(program)
-    arm = robot_of(robot)
-    opened = for_another_arm(places.program, robot_of(from_robot), arm)
-    compiled = compile_program(opened, places, target, arm, most_targets)
+    arms = Arms(robot_of(robot), robot_of(from_robot))
+    compiled = compile_program(places.program, places, target, arms, most_targets)
     return replace(compiled, found=(*findings, *compiled.found))
-
-
-def for_another_arm(program: Program, written_for: Robot | None, arm: Robot | None) -> Program:
-    """A program that names no arm, without the branches of the one that it was written for."""
-    if program.robot is None and written_for and arm and written_for.name != arm.name:
-        return _without_configurations(program)
-    return program
 
 
 def compile_program(
     source: Program,
     places: Places,
     target: Language[Any],
-    robot: Robot | None = None,
+    arms: Arms,
     most_targets: int | None = None,
 ) -> Compiled:
     """A program, with the spans of its places, in the target language."""
     program = source
     findings = list(check(program))
-    arm = robot or known_robot(program.robot)
+    arm = arms.robot or known_robot(program.robot)
+    taught = taught_on(program, arms)
+    findings += unsaid(program, target, taught, arms.robot)
+    if arm is not None:
+        program, changed = for_arm(program, taught, arm)
+        findings += changed
     conversion = target.convert(program, arm) if most_targets is None else None
     if conversion is not None:
-        return _converted(conversion, source, places, target, arm)
+        return _converted(conversion, findings, source, places, target, arm)
     if source.origin is not None:
         findings += language_of(source.origin.language).assumed(source, target.name)
     if arm is not None:
-        if program.robot not in (None, arm.name):
-            program = _without_configurations(program)
         program = replace(program, robot=arm.name)
         if target.name not in arm.languages:
             findings.append(_other_maker(arm, target))
@@ -180,13 +165,14 @@ def compile_program(
 
 def _converted(
     conversion: Conversion[Any],
+    found: Sequence[Diagnostic],
     source: Program,
     places: Places,
     target: Language[Any],
     arm: Robot | None,
 ) -> Compiled:
     """A program of a sister dialect, whose trees were converted."""
-    findings = [*check(source), *(places.spanned(f) for f in conversion.findings)]
+    findings = [*found, *(places.spanned(f) for f in conversion.findings)]
     if arm is not None:
         if target.name not in arm.languages:
             findings.append(_other_maker(arm, target))
@@ -212,26 +198,6 @@ def _other_maker(arm: Robot, target: Language[Any]) -> Diagnostic:
     return OTHER_MAKER(robot=arm.name, language=target.name, languages=languages)
 
 
-def robot_of(robot: str | Robot | None) -> Robot | None:
-    """A robot by its name in the catalogue, or by its own file; raises Unreadable or Refused."""
-    if isinstance(robot, str) and FilePath(robot).suffix.lower() in ROBOT_FILES:
-        from assistant import robots
-
-        return robots.load(robot)
-    return known_robot(robot) if isinstance(robot, str) else robot
-
-
-def known_robot(name: str | None) -> Robot | None:
-    """The robot that a program names, by which no file is opened; raises Refused if unknown."""
-    from assistant import robots
-
-    try:
-        return None if name is None else robots.get(name)
-    except KeyError:
-        finding = UNKNOWN_ROBOT(name=name, names=", ".join(robots.names()))
-        raise Refused(finding, exit_status=2) from None
-
-
 def _own_faults(written: Origin | None) -> tuple[Diagnostic, ...]:
     """Errors that the source had before it was compiled: they tell why it cannot be proven."""
     if written is None:
@@ -253,17 +219,3 @@ def _explained(found: Sequence[Diagnostic], program: Program) -> Iterator[Diagno
         same = finding.code == SAYS_OTHERWISE.code and finding.line is None
         text = kept.get(finding.span) if same and finding.span else None
         yield finding if text is None else KEPT_TEXT(text=text, span=finding.span)
-
-
-def _without_configurations(program: Program) -> Program:
-    """Branches that were meant for another arm are left open, to be chosen anew."""
-
-    def opened(part: Any) -> Any:
-        if isinstance(part, Target) and part.configuration is not None:
-            return replace(part, configuration=None)
-        if isinstance(part, Path):
-            unstated = np.broadcast_to(np.array(configuration_row(None), np.int8), (len(part), 6))
-            return replace(part, configurations=unstated)
-        return part
-
-    return rewrite(program, opened)

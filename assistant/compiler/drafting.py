@@ -12,6 +12,7 @@ from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any, Final
 
+from assistant.compiler.arms import Arms
 from assistant.compiler.compiling import Compiled, compile_program
 from assistant.compiler.places import Places, Trace
 from assistant.languages.language import Language
@@ -37,13 +38,15 @@ QUOTED: Final = "| "
 """Before each line of source text in a comment: it can be mistaken for nothing else there."""
 MOST_ROUNDS: Final = 8
 """What is left out may be missed elsewhere (a label, a variable), but not for ever."""
+PLACES: Final = ("position", "pose", "joints")
+"""Types of variables that say where something is."""
 TABLES: Final = ("variables", "targets", "joint_targets", "tools", "frames", "signals")
 
 
 def draft(
     compiled: Compiled,
     target: Language[Any],
-    robot: Any = None,
+    arms: Arms,
     most_targets: int | None = None,
 ) -> tuple[Compiled, tuple[Diagnostic, ...]]:
     """The program without what it cannot say there, and what only then is found of the source.
@@ -62,7 +65,7 @@ def draft(
             break
         out |= spans
         program = shorter
-        compiled = compile_program(program, places, target, robot, most_targets)
+        compiled = compile_program(program, places, target, arms, most_targets)
         missing = declared - _declared_names(program)
         errors = (f for f in compiled.found if f.severity is Severity.ERROR and f.line is None)
         later += [_for_want(finding, missing) for finding in errors]
@@ -155,12 +158,15 @@ def _stands_in(declared: Any, spans: Collection[Span]) -> bool:
 
 
 def _fewer(given: Mapping[str, Any], gone: Collection[str]) -> dict[str, Any]:
-    """A table without some of it; of a variable its first value goes before itself does."""
+    """A table without some of it; of a variable its first value goes before itself does.
+
+    Not of one that a move may lead to: without its value it is another place.
+    """
     kept = {}
     for name, value in given.items():
         if name not in gone:
             kept[name] = value
-        elif isinstance(value, Variable) and value.initial is not None:
+        elif isinstance(value, Variable) and value.initial and value.type not in PLACES:
             kept[name] = replace(value, initial=None)
     return kept
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final, Literal
 
-from assistant.compiler.compiling import Compiled, compile_program, for_another_arm, robot_of
+from assistant.compiler.arms import Arms, robot_of
+from assistant.compiler.compiling import Compiled, compile_program
 from assistant.compiler.drafting import draft as drafted
 from assistant.compiler.loading import Loaded, language_of, load
 from assistant.compiler.places import Place, Places, Trace
@@ -109,18 +110,17 @@ def translate(
     files also if some statements cannot be said: each stands as a comment behind a stop.
     Raises Unreadable or Refused for what cannot be read at all.
     """
-    target, arm = language_of(to).with_frames(frames), robot_of(robot)
+    target, arms = language_of(to).with_frames(frames), Arms(robot_of(robot), robot_of(from_robot))
     loaded = source
     if not isinstance(loaded, Loaded):
-        loaded = load(loaded, process=process, robot=robot_of(from_robot), language=language)
+        loaded = load(loaded, process=process, robot=arms.written_for, language=language)
     if loaded.language is None or loaded.program.origin is None:
         raise Refused(NO_PROGRAM(name=source), exit_status=2)
     places = Places(loaded.program)
-    program = for_another_arm(places.program, robot_of(from_robot), arm)
-    compiled = compile_program(program, places, target, arm, most_targets)
+    compiled = compile_program(places.program, places, target, arms, most_targets)
     written, later = compiled, tuple[Diagnostic, ...]()
     if not compiled.ok:
-        drawn, later = drafted(compiled, target, arm, most_targets)
+        drawn, later = drafted(compiled, target, arms, most_targets)
         written = drawn if draft else compiled
     rows, whole = _report(compiled, written, later)
     return Translation(

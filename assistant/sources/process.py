@@ -71,6 +71,7 @@ class Process:
     layers: by layer name, compared without case. tags: attribute tag by meaning (`name`,
     `x_rotation`, …), for locations in drawings. tolerance: mm for chaining and fitting.
     unit: short name of the unit of drawings, whatever they say, and of arrays that say none.
+    robot: name of the arm that joints were taught on and that runs the program, None if not said.
     findings: warnings about the process file itself.
     """
 
@@ -82,6 +83,7 @@ class Process:
     tags: Mapping[str, str] = field(default_factory=dict)
     tolerance: float = 0.05
     unit: str | None = None
+    robot: str | None = None
     findings: tuple[Diagnostic, ...] = ()
 
 

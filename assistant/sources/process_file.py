@@ -3,6 +3,7 @@
 Every part may be left out. Lengths are mm, speeds mm/s, times seconds, angles degrees,
 masses kg; names are letters, digits and `_`, a letter first.
 
+    robot = "irb1200-7-0.7"       # the arm that the targets were taught on, or will be run by
     tolerance = 0.05              # mm for joining ends and fitting curves
     unit = "mm"                   # of a drawing, whatever it says itself
 
@@ -108,7 +109,7 @@ AT: Final = re.compile(r"\s*\(at (?:line (\d+), column (\d+)|end of document)\)$
 MOST_NUMBER: Final = 65535
 """Highest signal number of a CR controller (network inputs and outputs included)."""
 
-TOP: Final = ("tolerance", "motion", "tools", "frames", "signals", "layers", "tags")
+TOP: Final = ("robot", "tolerance", "motion", "tools", "frames", "signals", "layers", "tags")
 
 ORIENTATION: Final[Mapping[str, Read]] = {
     "quaternion": values.quaternion,
@@ -169,7 +170,8 @@ def process_in(top: Table, beside: Sequence[str] = ()) -> Process:
     Such a document states lengths itself, in mm, and has no `unit`.
     """
     page = top.page
-    keys = dict.fromkeys((*TOP, *beside), _as_it_is) | {"tolerance": values.tolerance}
+    keys = dict.fromkeys((*TOP, *beside), _as_it_is)
+    keys |= {"robot": values.text, "tolerance": values.tolerance}
     found = top.read(keys if beside else keys | {"unit": values.unit})
     tools = {n: _tool(n, t) for n, t in top.table("tools").named()}
     frames = {n: _frame(n, t) for n, t in top.table("frames").named()}
@@ -185,8 +187,8 @@ def process_in(top: Table, beside: Sequence[str] = ()) -> Process:
     findings = tuple(sorted(page.findings, key=lambda f: f.line or 0))
     if has_errors(findings):
         raise Refused(*findings)
-    unit = found.get("unit")
-    return Process(defaults, tools, frames, signals, layers, tags, tolerance, unit, findings)
+    said = tolerance, found.get("unit"), found.get("robot")
+    return Process(defaults, tools, frames, signals, layers, tags, *said, findings)
 
 
 def read_toml(source: SourceText) -> Table:

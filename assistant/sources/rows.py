@@ -283,10 +283,11 @@ def program_of(
     joint_targets: Mapping[str, JointTarget] | None = None,
     comments: tuple[str, ...] = (),
 ) -> Program:
-    """A program with one procedure `main` and the process file's tools, frames and signals."""
+    """A program with one procedure `main` and the process file's robot, tools, frames, signals."""
     return Program(
         name,
         (Procedure("main", tuple(body)),),
+        robot=process.robot,
         comments=comments,
         tools=dict(process.tools),
         frames=dict(process.frames),

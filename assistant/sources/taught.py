@@ -1,5 +1,7 @@
 """Taught targets as TOML, and a move to each in the order of the file.
 
+    robot = "irb1200-7-0.7"         # the arm that it was taught on: joints mean it alone
+
     [motion]                        # as in a process file, and so are [tools], [frames],
     speed = 100                     # [signals]; a process file may hold them as well
 
@@ -125,6 +127,7 @@ def _joined(top: Table, own: Process, process: Process) -> Process:
                 top.table(kind).say(TWO_TABLES, name, name=marked(name))
     return replace(
         process,
+        robot=own.robot or process.robot,
         defaults=own.defaults if "motion" in top.content else process.defaults,
         tools={**process.tools, **own.tools},
         frames={**process.frames, **own.frames},

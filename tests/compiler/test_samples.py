@@ -45,7 +45,7 @@ def test_a_sample_of_rapid_in_melfa_basic_and_back(
     name: str, language: str, tmp_path: Path
 ) -> None:
     sample = SAMPLES / "rapid" / f"{name}.mod"
-    there = translate(sample, to=language, robot=MITSUBISHI, process=CELL)
+    there = translate(sample, to=language, robot=MITSUBISHI, from_robot=IRB, process=CELL)
     assert there.ok, there.findings
     assert there.totals["not"] == 0
     assert {f.code for row in there.rows for f in row.reasons} <= CHANGES
@@ -62,8 +62,9 @@ def test_a_sample_of_rapid_in_melfa_basic_and_back(
         same_poses(wanted.tools[tool].tip, got.tools[tool].tip)
 
 
-CHANGES = {"MB204", "MB205", "MB206", "MB211", "MB217", "MB223", "MB224", "MB226", "MB237"}
-"""What is said with a change: joint speeds, zones, loads, messages, parameters, computed places."""
+CHANGES = set("CO501 MB204 MB205 MB206 MB211 MB217 MB223 MB224 MB226 MB237".split())
+"""What is said with a change: joint targets and speeds, zones, loads, messages, parameters,
+computed places."""
 
 
 def test_the_server_of_poses_is_reported_statement_by_statement() -> None:
@@ -125,7 +126,7 @@ def same_targets(wanted: Program, got: Program) -> None:
         same_poses(target.pose, got.targets[name].pose)
         assert got.targets[name].configuration == target.configuration, name
     for name, joints in wanted.joint_targets.items():
-        assert np.allclose(joints.joints, got.joint_targets[name].joints, atol=0.0051)
+        assert np.allclose(joints.joints, got.joint_targets[name].joints, atol=0.05)
 
 
 def same_poses(one: object, two: object) -> None:

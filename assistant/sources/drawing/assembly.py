@@ -55,6 +55,7 @@ def assemble(contents: Contents, path: FilePath, process: Process) -> Reading:
         title,
         (Procedure(MAIN, tuple(Call(p.name) for p in procedures)), *procedures),
         entry=MAIN,
+        robot=process.robot,
         comments=(f"drawing {shown(path.name)}, in {contents.unit}",),
         frames=dict(process.frames),
         tools=dict(process.tools),

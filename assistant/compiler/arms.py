@@ -1,0 +1,63 @@
+"""The arms of a compilation: which robots their names and files are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Final
+
+from assistant.program.diagnostics import Refused, Rule, Severity
+from assistant.program.program import Program
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+
+UNKNOWN_ROBOT = Rule(
+    "CO002",
+    Severity.ERROR,
+    "there is no robot `{name}`",
+    "choose one of {names}, or name a robot file (TOML or URDF)",
+)
+ROBOT_FILES: Final = (".toml", ".urdf")
+"""How the file of a user's own robot ends."""
+
+
+@dataclass(frozen=True, slots=True)
+class Arms:
+    """robot: the arm that was named to run a program. written_for: where the program does not
+    say it, the one that it was written for; each None if nobody has named it.
+    """
+
+    robot: Robot | None = None
+    written_for: Robot | None = None
+
+
+def robot_of(robot: str | Robot | None) -> Robot | None:
+    """A robot by its name in the catalogue, or by its own file; raises Unreadable or Refused."""
+    if isinstance(robot, str) and FilePath(robot).suffix.lower() in ROBOT_FILES:
+        from assistant import robots
+
+        return robots.load(robot)
+    return known_robot(robot) if isinstance(robot, str) else robot
+
+
+def known_robot(name: str | None) -> Robot | None:
+    """The robot that a program names, by which no file is opened; raises Refused if unknown."""
+    from assistant import robots
+
+    try:
+        return None if name is None else robots.get(name)
+    except KeyError:
+        finding = UNKNOWN_ROBOT(name=name, names=", ".join(robots.names()))
+        raise Refused(finding, exit_status=2) from None
+
+
+def taught_on(program: Program, arms: Arms) -> Robot | None:
+    """The arm of a program's joint angles and branches: its own, else the one it was written for.
+
+    Raises Refused if nobody knows the one that it names.
+    """
+    if program.robot is None:
+        return arms.written_for
+    given = (arm for arm in (arms.robot, arms.written_for) if arm and arm.name == program.robot)
+    return next(given, None) or known_robot(program.robot)

@@ -1,0 +1,255 @@
+"""Crossing: a program that was taught on one arm, for the arm that will run it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.diagnostics import Diagnostic, Rule, Severity, Span
+from assistant.program.geometry import JointTarget, Target
+from assistant.program.path import Path, configuration_row
+from assistant.program.program import Declaration, Program, Variable, walk
+from assistant.program.rewriting import head, records, rewrite
+
+if TYPE_CHECKING:
+    from assistant.languages import Language
+    from assistant.robots import Robot
+
+CROSSED = Rule(
+    "CO501",
+    Severity.WARNING,
+    "{name} has joint angles of {source}, with its flange at ({there}) mm; on {arm} it becomes "
+    "({joints}), with the flange at ({here}) mm",
+    "look at the way there: between such targets each arm moves in its own way",
+)
+NOT_THERE = Rule(
+    "CO502",
+    Severity.ERROR,
+    "{name} has joint angles of {source}, with its flange at ({there}) mm, which {arm} cannot take",
+    "teach it on {arm}, or move to a pose that both reach",
+)
+WHOSE = Rule(
+    "CO503",
+    Severity.ERROR,
+    "{name} has joint angles, which mean another place on another arm, and whose is not said",
+    "name the arm that they were taught on: `--from-robot`, or `robot` in the file",
+)
+NOT_DRIVEN = Rule(
+    "CO504",
+    Severity.ERROR,
+    "{name} has joint angles of {source}, whose controller does not run {language}",
+    "name the arm that will run the program: `--robot`",
+)
+WORKED_OUT = Rule(
+    "CO505",
+    Severity.ERROR,
+    "{name} works with joint angles of {source}, which mean nothing on {arm}",
+    "say it with poses, or with whole joint targets",
+)
+KEPT = Rule(
+    "CO506",
+    Severity.WARNING,
+    "`{text}` keeps its text; joint angles in it would be those of {source}",
+    "see that it speaks of none, or write it anew for {arm}",
+)
+
+JOINT: Final = re.compile(r"j\d+")
+"""Components of joint targets."""
+
+
+def for_arm(
+    program: Program, source: Robot | None, arm: Robot
+) -> tuple[Program, tuple[Diagnostic, ...]]:
+    """A program that was taught on one arm, or on nobody knows which, for another one.
+
+    Arm branches are left open, to be chosen anew. Joint targets cross as where they put the
+    flange, with a finding each, an error for what the arm cannot take.
+    """
+    if source is None or source.name == arm.name:
+        return program, ()
+    stated = list(_stated(program))
+    said: dict[str, Any] = {"source": source.name, "arm": arm.name}
+    taken = _taken([s.target for s in stated], source, arm)
+    findings = []
+    uses = _uses(program)
+    for one in stated:
+        crossing = taken[one.target]
+        given = {"name": one.called, **said, **crossing.said}
+        if crossing.target is None:
+            findings += [NOT_THERE(**given, **where) for where in one.wherever(uses)]
+        else:
+            findings.append(CROSSED(**given, **one.where))
+    findings += [WORKED_OUT(name=name, **said, span=span) for name, span in _worked_out(program)]
+
+    def visit(part: Any) -> Any:
+        if isinstance(part, JointTarget):
+            return taken[part].target or part
+        return _opened(part)
+
+    return rewrite(program, visit), tuple(findings)
+
+
+def unsaid(
+    program: Program,
+    language: Language[Any],
+    source: Robot | None,
+    arm: Robot | None,
+) -> Iterator[Diagnostic]:
+    """Errors for joint angles of which nobody can say what they are in a language on an arm.
+
+    arm: that was named to run it. In a language of its own family a program for no named arm
+    stays one for the arm that it has.
+    """
+    from assistant.compiler.loading import language_of
+
+    uses = _uses(program)
+    origin = program.origin
+    own = origin is not None and language_of(origin.language).family == language.family
+    if source is not None:
+        if arm is None and not own and language.name not in source.languages:
+            said: dict[str, Any] = {"source": source.name, "language": language.name}
+            for one in _stated(program):
+                for where in one.wherever(uses):
+                    yield NOT_DRIVEN(name=one.called, **said, **where)
+        elif arm is not None and arm.name != source.name:
+            for part in records((program.procedures, program.declarations, program.variables)):
+                if isinstance(part, p.Opaque | e.Verbatim | Declaration):
+                    if language_of(part.language).family == language.family:
+                        span = getattr(part, "span", None)
+                        text = " ".join(part.text.split())
+                        yield KEPT(text=text, source=source.name, arm=arm.name, span=span)
+    elif arm is not None or not own:
+        for one in _stated(program):
+            for where in one.wherever(uses):
+                yield WHOSE(name=one.called, **where)
+        for name, span in _worked_out(program):
+            yield WHOSE(name=name, span=span)
+
+
+Uses = Mapping[tuple[str, str], tuple[Span, ...]]
+"""Procedure and name in lower case → statements of the procedure that name it."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Stated:
+    """A joint target in a program.
+
+    called: as a finding calls it. where: of the finding. name: its own in lower case, or that of
+    the variable that holds it, empty for none; seen: in the procedures of these names.
+    """
+
+    called: str
+    target: JointTarget
+    where: Mapping[str, Any]
+    name: str = ""
+    seen: frozenset[str] = frozenset()
+
+    def wherever(self, uses: Uses) -> Iterator[Mapping[str, Any]]:
+        """Where it stands, and every statement that names it."""
+        yield self.where
+        for procedure in sorted(self.seen) if self.name else ():
+            yield from ({"span": span} for span in uses.get((procedure, self.name), ()))
+
+
+def _uses(program: Program) -> Uses:
+    uses: dict[tuple[str, str], tuple[Span, ...]] = {}
+    for procedure in program.procedures:
+        for statement in walk(procedure.body):
+            names = {x.name.lower() for x in records(head(statement)) if isinstance(x, e.Name)}
+            if statement.span is not None:
+                for name in names:
+                    key = procedure.name.lower(), name
+                    uses[key] = (*uses.get(key, ()), statement.span)
+    return uses
+
+
+def _stated(program: Program) -> Iterator[_Stated]:
+    own = {q.name.lower(): {n.lower() for n in q.variables} for q in program.procedures}
+    for name, target in program.joint_targets.items():
+        seen = frozenset(q for q, names in own.items() if name.lower() not in names)
+        yield _Stated(f"`{name}`", target, {"place": name}, name.lower(), seen)
+    for name, variable in program.variables.items():
+        seen = frozenset(q for q, names in own.items() if name.lower() not in names)
+        yield from _held(name, variable, f"variable {name}", seen)
+    for procedure in program.procedures:
+        alone = frozenset({procedure.name.lower()})
+        for name, variable in procedure.variables.items():
+            place = f"procedure {procedure.name} variable {name}"
+            yield from _held(name, variable, place, alone)
+        for statement in walk(procedure.body):
+            where: dict[str, Any] = {"place": f"procedure {procedure.name}"}
+            where = where if statement.span is None else {"span": statement.span}
+            for part in records(head(statement)):
+                if isinstance(part, JointTarget):
+                    yield _Stated("the move", part, where)
+
+
+def _held(name: str, variable: Variable, place: str, seen: frozenset[str]) -> Iterator[_Stated]:
+    """The joint targets in the first value of a variable."""
+    for part in records(variable.initial):
+        if isinstance(part, JointTarget):
+            where = {"place": place, "span": variable.span}
+            yield _Stated(f"`{name}`", part, where, name.lower(), seen)
+
+
+def _worked_out(program: Program) -> Iterator[tuple[str, Any]]:
+    """What is called by a finding, and the span, of each statement that works with the angles."""
+    for statement in program.statements():
+        for part in records(head(statement)):
+            if isinstance(part, e.Member) and JOINT.fullmatch(part.field.lower()):
+                value = part.value
+                name = f"`{value.name}.{part.field}`" if isinstance(value, e.Name) else "it"
+                yield name, statement.span
+                break
+
+
+@dataclass(frozen=True, slots=True)
+class _Crossing:
+    """A joint target on the other arm, None where it cannot take it, and how that is said."""
+
+    target: JointTarget | None
+    said: Mapping[str, str]
+
+
+def _taken(targets: list[JointTarget], source: Robot, arm: Robot) -> dict[JointTarget, _Crossing]:
+    """Where the targets of one arm put its flange, and the joints that another one takes there."""
+    from assistant.robots.crossing import crossed
+
+    own = {target: source.own_joints(target.joints) for target in targets}
+    whole = [t for t, j in own.items() if len(j) == len(source.axes) and np.isfinite(j).all()]
+    out = {t: _Crossing(None, {"there": "not known"}) for t in own}
+    if not whole:
+        return out
+    given = np.array([own[target] for target in whole])
+    there, _ = source.fk(given)
+    joints = crossed(given, source, arm)
+    here, _ = arm.fk(np.nan_to_num(joints))
+    for row, target in enumerate(whole):
+        said = {"there": _listed(there[row])}
+        if not np.isfinite(joints[row]).all():
+            out[target] = _Crossing(None, said)
+            continue
+        said |= {"here": _listed(here[row]), "joints": _listed(joints[row])}
+        angles = tuple(float(v) + 0.0 for v in np.round(joints[row], 9))
+        out[target] = _Crossing(replace(target, joints=angles), said)
+    return out
+
+
+def _listed(values: Any) -> str:
+    return ", ".join(f"{v:g}" for v in np.round(np.asarray(values, dtype=np.float64), 2) + 0.0)
+
+
+def _opened(part: Any) -> Any:
+    """A target or path that states no branch."""
+    if isinstance(part, Target) and part.configuration is not None:
+        return replace(part, configuration=None)
+    if isinstance(part, Path):
+        unstated = np.broadcast_to(np.array(configuration_row(None), np.int8), (len(part), 6))
+        return replace(part, configurations=unstated)
+    return part
