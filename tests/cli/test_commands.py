@@ -68,7 +68,7 @@ def test_findings_in_json_name_code_and_place(capsys, tmp_path):
     answer = json.loads(out)
     assert (status, answer["ok"], answer["written"]) == (1, False, [])
     errors = [f for f in answer["findings"] if f["severity"] == "error"]
-    assert {f["code"] for f in errors} == {"RB102"}
+    assert {f["code"] for f in errors} == {"CO502", "RB102"}
     assert all(f["cure"] and f["path"] == str(source) for f in errors)
     assert os.listdir(tmp_path) == []
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Final, Generic, TypeVar
 
 from assistant.languages.rapid import tables
-from assistant.languages.rapid.tables import LARGEST_ZONE, usual_sizes
+from assistant.languages.rapid.tables import usual_sizes
 from assistant.program.motion import Blend, Speed
 
 T = TypeVar("T")
@@ -17,6 +17,13 @@ _SPEED_NAMES: Final = {speed: name for name, speed in tables.SPEEDS.items()}
 _ZONE_NAMES: Final = {blend: name for name, blend in tables.ZONES.items()}
 PLACES: Final = 3
 FASTEST: Final = max(s.tcp for s in tables.SPEEDS.values() if math.isfinite(s.tcp))
+
+WIDEST_CHOSEN: Final = 10.0
+"""mm of a corner without a size, at most: where it is known to lead along, somebody says so."""
+LEAST_CHOSEN: Final = 0.3
+"""mm of one at a crawl: z0."""
+BRAKING: Final = 5000.0
+"""mm/s², as much as arms brake by along a line: with less the way that it takes were longer."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +113,19 @@ def sayable_speed(speed: Speed) -> tuple[Speed, str | None]:
     return speed_of(rounded), changed
 
 
+def corner_of(speed: Speed) -> float:
+    """Radius in mm of a corner that the controller is to choose, for a move of that speed.
+
+    A controller that chooses leaves the path where braking begins: v² / 2a, by BRAKING. The largest
+    predefined size below that, so that the corner is never wider, and at most WIDEST_CHOSEN.
+    """
+    if not math.isfinite(speed.tcp):
+        return WIDEST_CHOSEN
+    braking = speed.tcp**2 / (2.0 * BRAKING)
+    sizes = (b.radius for b in tables.ZONES.values() if b.radius and b.radius <= WIDEST_CHOSEN)
+    return max((radius for radius in sizes if radius <= braking), default=LEAST_CHOSEN)
+
+
 def sayable_blend(blend: Blend) -> tuple[Blend, str | None]:
     """The blend as RAPID has it, and what was changed."""
     if blend.radius is None:
@@ -115,7 +135,7 @@ def sayable_blend(blend: Blend) -> tuple[Blend, str | None]:
     if blend.exit is not None and blend.exit != blend.radius:
         changed, radius, details = "a corner of two sizes", min(radius, blend.exit), None
     if math.isinf(radius):
-        changed, radius, details = "a corner without size", LARGEST_ZONE, None
+        changed, radius, details = "a corner without size", LEAST_CHOSEN, None
     radius = round(radius, PLACES)
     if details is not None:
         a, b, c, d, e = (round(v, PLACES) for v in details)

@@ -107,8 +107,6 @@ ZONES: Final[Mapping[str, Blend]] = {
 }
 """Every predefined zonedata; its further sizes are `usual_sizes` of its radius."""
 
-LARGEST_ZONE: Final = 200.0
-
 
 def usual_sizes(radius: float) -> tuple[float, float, float, float, float]:
     """Sizes of a zone that go with its radius: as predefined, else in the same proportion.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Generic
@@ -16,6 +17,7 @@ from assistant.languages.rapid.motions import (
     SPEEDS,
     T,
     Words,
+    corner_of,
     sayable_blend,
     sayable_speed,
     speed_name,
@@ -35,15 +37,17 @@ class Motions:
     """The motions of a program. speeds, blends: what moves call them, filled as they are met."""
 
     def __init__(self, program: Program, findings: Findings) -> None:
-        self._findings = findings
+        self._findings, self._given = findings, program
         self.speeds = Named(SPEEDS, program.speeds, self._speed)
         self.blends = Named(BLENDS, program.blends, self._blend)
 
     def motion(self, motion: p.Motion) -> p.Motion:
-        speed, blend = self.speeds.said(motion.speed), self.blends.said(motion.blend)
+        blend = self._sized(motion.blend, motion.speed)
+        speed, blend = self.speeds.said(motion.speed), self.blends.said(blend)
         return p.Motion(speed, blend, tool_name(motion.tool), frame_name(motion.frame))
 
     def path(self, path: Path) -> Path:
+        path = self._with_sizes(path)
         via = path.kinds == Kind.VIA
         if (via[:-1] != (path.kinds[1:] == Kind.END)).any() or (
             len(path) and (via[-1] or path.kinds[0] == Kind.END)
@@ -85,6 +89,38 @@ class Motions:
             tools=tuple(tool_name(t) for t in path.tools),
             frames=tuple(frame_name(f) for f in path.frames),
         )
+
+    def _sized(self, blend: Blend | e.Name, speed: Speed | e.Name) -> Blend | e.Name:
+        """A corner that the controller is to choose, in the size that it has at a speed."""
+        meant = _meant(blend, self._given.blends)
+        if not isinstance(meant, Blend) or meant.radius is None or math.isfinite(meant.radius):
+            return blend
+        fast = _meant(speed, self._given.speeds)
+        if not isinstance(fast, Speed) or not math.isinf(meant.radius):
+            return blend
+        radius = min(corner_of(fast), math.inf if meant.exit is None else meant.exit)
+        said = Blend(radius)
+        cure = "state one radius in mm"
+        self._findings.changed("a corner without size", zone_name(said), cure)
+        return said
+
+    def _with_sizes(self, path: Path) -> Path:
+        """A path whose corners without a size have that of their row's speed."""
+        open_ = [
+            isinstance(b, Blend) and b.radius is not None and math.isinf(b.radius)
+            for b in (_meant(b, self._given.blends) for b in path.blends)
+        ]
+        rows = np.flatnonzero(np.array(open_, dtype=bool)[path.blend]) if any(open_) else ()
+        if not len(rows):
+            return path
+        pairs, at = np.unique(
+            np.stack([path.blend[rows], path.speed[rows]], axis=1), axis=0, return_inverse=True
+        )
+        more = tuple(self._sized(path.blends[b], path.speeds[s]) for b, s in pairs)
+        blend = path.blend.copy()
+        blend[rows] = len(path.blends) + at.reshape(-1)
+        kept = (more[0] if o else b for o, b in zip(open_, path.blends, strict=True))
+        return replace(path, blend=blend, blends=(*kept, *more))
 
     def _speed(self, speed: Speed, place: str | None) -> Speed:
         said, changed = sayable_speed(speed)
@@ -137,3 +173,10 @@ class Named(Generic[T]):
         name = identifier(f"{self._words.kind}_1", {*self._values})
         self._values[name] = said
         return e.Name(name)
+
+
+def _meant(value: T | e.Name, given: Mapping[str, T]) -> T | e.Name:
+    """A value, or what its name stands for."""
+    if not isinstance(value, e.Name):
+        return value
+    return next((v for n, v in given.items() if n.lower() == value.name.lower()), value)
