@@ -69,6 +69,15 @@ def angle_between(left: ArrayLike, right: ArrayLike) -> Floats:
     return np.asarray(np.degrees(2.0 * np.arctan2(sine, np.abs(difference[..., 0]))))
 
 
+def turns(first: ArrayLike, last: ArrayLike) -> Floats:
+    """Radians about each axis (..., 3) of the shorter turns from unit quaternions to others."""
+    turn = multiply(last, conjugate(first))
+    turn = np.where(turn[..., :1] < 0.0, -turn, turn)
+    sine = np.linalg.norm(turn[..., 1:], axis=-1, keepdims=True)
+    angle = 2.0 * np.arctan2(sine, turn[..., :1])
+    return np.asarray(turn[..., 1:] * np.where(sine > 1e-12, angle / np.maximum(sine, 1e-12), 2.0))
+
+
 def between(first: ArrayLike, last: ArrayLike, part: ArrayLike) -> Floats:
     """Unit quaternions on the shorter turns from unit quaternions (..., 4) to others (..., 4).
 

@@ -15,7 +15,7 @@ NO_NUMBER: Final = Rule(
 OUT_OF_REACH: Final = Rule(
     "RB102",
     Severity.ERROR,
-    "out of reach of {robot}; at worst the wrist is {worst:.1f} mm {side} ({where})",
+    "out of reach of {robot}; at worst the wrist is {worst} mm {side} ({where})",
     "{cure}",
 )
 OUTSIDE_LIMITS: Final = Rule(

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from assistant.program import rotations
 from assistant.program.geometry import Pose
 from assistant.robots.arms.five_axis import from_ab, to_ab
+from assistant.robots.least_squares import refined
 
 if TYPE_CHECKING:
     from assistant.robots.robot import Robot
@@ -29,9 +30,6 @@ STARTS: Final = (4000, 8)
 """Joint angles that are tried as further starts, the same for every pose, and how many are kept."""
 RINGS: Final = (100, 30)
 """Directions, the same for every pose, and distances in which the wanted orientation is tried."""
-STEP: Final = 1e-4
-"""degrees of an axis over which the change of a pose is taken."""
-
 
 GRIDS: Final = (0.0, 0.01, 0.05, 0.2)
 """mm about the rounded position in which one is looked for that is not just out of reach."""
@@ -136,11 +134,7 @@ class _Search:
         p, q = self.robot.fk(joints)
         p = p + rotations.rotate(q, np.array(self.tip.position))
         q = rotations.multiply(q, np.array(self.tip.quaternion))
-        turn = rotations.multiply(np.array(self.wanted.quaternion), rotations.conjugate(q))
-        turn = np.where(turn[:, :1] < 0.0, -turn, turn)
-        sine = np.linalg.norm(turn[:, 1:], axis=1, keepdims=True)
-        angle = 2.0 * np.arctan2(sine, turn[:, :1])
-        about = turn[:, 1:] * np.where(sine > 1e-12, angle / np.maximum(sine, 1e-12), 2.0)
+        about = rotations.turns(q, np.array(self.wanted.quaternion))
         return np.hstack([np.array(self.wanted.position) - p, self.lever * about])
 
     def best(self, joints: Floats) -> Floats:
@@ -176,30 +170,9 @@ def _cost(missing: Floats) -> Floats:
 
 def _refined(search: _Search, joints: Floats, rounds: int) -> Floats:
     """Each of some joints (k, a) nearer to the wanted pose, step by step, side by side."""
-    low, high = search.robot.limits.T
-    k, count = joints.shape
-    own = np.arange(count)
-    here = search.missing(joints)
-    damping, done = np.full(k, 1e-3), np.zeros(k, dtype=bool)
-    for _ in range(rounds):
-        moved = (joints[:, None] + STEP * np.eye(count)).reshape(-1, count)
-        slope = (search.missing(moved).reshape(k, count, -1) - here[:, None]) / STEP
-        pull = -np.einsum("kai,ki->ka", slope, here)
-        fixed = ((joints <= low) & (pull < 0.0)) | ((joints >= high) & (pull > 0.0))
-        slope[fixed] = 0.0
-        pull[fixed] = 0.0
-        normal = slope @ slope.transpose(0, 2, 1)
-        diagonal = normal[:, own, own]
-        normal[:, own, own] += np.where(fixed, 1.0, damping[:, None] * (diagonal + 1e-12))
-        step = np.linalg.solve(normal, pull[..., None])[..., 0]
-        tried = np.clip(joints + step, low, high)
-        there = search.missing(tried)
-        gain = _cost(here) - _cost(there)
-        better = (gain > 0.0) & ~done
-        done |= better & (gain < 1e-6 * _cost(here)) | (damping > 1e9) | fixed.all(axis=1)
-        joints = np.where(better[:, None], tried, joints)
-        here = np.where(better[:, None], there, here)
-        damping = np.where(better, np.maximum(damping / 4.0, 1e-9), damping * 8.0)
-        if done.all():
-            break
-    return joints
+    low, high = (np.broadcast_to(limit, joints.shape) for limit in search.robot.limits.T)
+
+    def missing(tried: Floats, _: NDArray[np.intp]) -> Floats:
+        return search.missing(tried.reshape(-1, joints.shape[1])).reshape(*tried.shape[:2], -1)
+
+    return refined(missing, joints, low, high, rounds)[0]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Final, Literal
@@ -20,6 +20,8 @@ from assistant.robots.arms.placed import Placed
 from assistant.robots.arms.serial import Serial
 from assistant.robots.arms.six_axis import SixAxis
 from assistant.robots.configurations import BACK, QUADRANTS, TURNING_AXES
+from assistant.robots.rounding import roundings
+from assistant.robots.settling import Wanted, settled
 
 if TYPE_CHECKING:
     from roboticstoolbox import DHRobot
@@ -215,8 +217,9 @@ class Robot:
         """Flange poses (n, 3), (n, 4) and configurations (n, 6) → joints (n, a) deg.
 
         A row is NaN where the pose is out of reach, a joint outside its limits, or the
-        quadrants (for `turns`, the turns) are not those that the branch has there. An
-        unstated configuration gives the branch nearest to home.
+        quadrants (for `turns`, the turns) are not those that the branch has there, and the
+        rounding of the pose does not explain it (see `settling`). An unstated configuration
+        gives the branch nearest to home.
         """
         p, q = _poses(positions, quaternions)
         c = np.asarray(configurations, dtype=np.int64).reshape(-1, 6)
@@ -235,24 +238,51 @@ class Robot:
     ) -> tuple[Floats, NDArray[np.bool_]]:
         """Joints (n, a) deg, their axes 1, 4 and 6 turned to what configurations (n, 6) say.
 
-        With it (n, 3): whether each lies in the stated quadrant (or turn). Where axes 4
-        and 6 are in line only their sum counts, and any quadrant of theirs fits.
+        With it (n, 3): whether each lies in the stated quadrant (or turn) or beside it by the
+        rounding of a target. Where the turn that lies best is outside the limits, that is the
+        one at the other end of the quadrant (or turn).
         """
         out = joints.copy()
         fits = np.ones((len(joints), 3), dtype=bool)
+        for column, axis, least, most in self._stated(configurations):
+            low, high = self.limits[axis]
+            centre, half = (least + most) / 2.0, (most - least) / 2.0
+            turned = out[:, axis] + 360.0 * np.round((centre - out[:, axis]) / 360.0)
+            beyond = np.where(turned > high + LIMIT_TOLERANCE, -360.0, 0.0)
+            beyond[turned < low - LIMIT_TOLERANCE] = 360.0
+            other = turned + beyond
+            near = np.abs(other - centre) - half <= QUADRANT_TOLERANCE
+            inside = (other >= low - LIMIT_TOLERANCE) & (other <= high + LIMIT_TOLERANCE)
+            out[:, axis] = np.where(near & inside, other, turned)
+            off = np.abs(out[:, axis] - centre) - half
+            fits[:, column - QUADRANTS.start] = off <= QUADRANT_TOLERANCE
+        return out, fits
+
+    def ranges(self, configurations: NDArray[np.integer]) -> tuple[Floats, Floats]:
+        """(n, a) each: the limits, of axes 1, 4 and 6 within what configurations (n, 6) say.
+
+        Where both exclude each other the lower one is the higher.
+        """
+        low, high = (np.tile(limit, (len(configurations), 1)) for limit in self.limits.T)
+        for _, axis, least, most in self._stated(configurations):
+            low[:, axis] = np.maximum(low[:, axis], least)
+            high[:, axis] = np.minimum(high[:, axis], most)
+        return low, high
+
+    def _stated(
+        self, configurations: NDArray[np.integer]
+    ) -> Iterator[tuple[int, int, Floats, Floats]]:
+        """Columns of configurations (n, 6) with their axes, and between which degrees (n,) each
+        a joint is in the stated quadrant (or turn).
+        """
         for column, axis in self.turning():
             q = configurations[:, column].astype(np.float64)
             if self.counts == "quadrants":
-                centre, half = 90.0 * q + 45.0, 45.0
+                yield column, axis, 90.0 * q, 90.0 * q + 90.0
             else:
                 # Both ends of turn 0 are the same angle: 180 belongs to it, -180 does not.
-                centre, half = 360.0 * np.floor((q + 2.0) / 4.0) + BOUNDARY, 180.0
-            out[:, axis] += 360.0 * np.round((centre - out[:, axis]) / 360.0)
-            off = np.abs(out[:, axis] - centre) - half
-            fits[:, column - QUADRANTS.start] = off <= QUADRANT_TOLERANCE
-        if self.arm.spherical:
-            fits[np.abs(joints[:, 4]) < IN_LINE, 1:] = True
-        return out, fits
+                centre = 360.0 * np.floor((q + 2.0) / 4.0) + BOUNDARY
+                yield column, axis, centre - 180.0, centre + 180.0
 
     def turning(self) -> tuple[tuple[int, int], ...]:
         """(configuration column, joint index) of the axes whose turns a configuration names."""
@@ -339,6 +369,14 @@ class Robot:
         turned, fits = self.turned(plain, c)
         joints = np.where(stated[:, None], turned, plain)
         good = self.closes(joints, p, q) & self.inside(joints) & (fits.all(axis=1) | ~stated)
+        left = np.flatnonzero(~good & np.isfinite(p).all(axis=1) & np.isfinite(q).all(axis=1))
+        if len(left) and self.arm.named:
+            low, high = self.ranges(c[left])
+            low[~stated[left]], high[~stated[left]] = self.limits.T
+            rounding = roundings(self, p[left], q[left])
+            wanted = Wanted(p[left], q[left], np.zeros((len(left), 3)), rounding)
+            given = wanted, branch[left], joints[left], (low, high)
+            joints[left], good[left] = settled(self, *given)
         joints[~good] = np.nan
         return joints
 

@@ -62,6 +62,19 @@ class Mounting:
         tool, frame = self.tools[self.tool[row]], self.frames[self.frame[row]]
         return tool.tip if tool.held and not frame.held else Pose()
 
+    def arms(self, positions: Floats, quaternions: Floats, rows: Rows) -> Floats:
+        """(m, 3) mm in the base from flanges at poses (m, 3), (m, 4) to where they meet the tip."""
+        out = np.empty_like(positions)
+        tool, frame = self.tool[rows], self.frame[rows]
+        for t, f in np.unique(np.stack([tool, frame], axis=1), axis=0):
+            here = (tool == t) & (frame == f)
+            tip = self.tools[t].tip.position
+            if self.frames[f].held or not self.tools[t].held:
+                out[here] = tip - positions[here]
+            else:
+                out[here] = rotations.rotate(quaternions[here], np.array(tip))
+        return out
+
     def unchanged(self) -> NDArray[np.bool_]:
         """(n,) whether a row has the tool and frame of the row before."""
         same = np.zeros(len(self.tool), dtype=bool)

@@ -19,10 +19,11 @@ from assistant.robots.arms.arm import CLOSING
 from assistant.robots.between import ways
 from assistant.robots.choosing import Choice, Choices, chain_starts, choices, continued
 from assistant.robots.configurations import BACK, QUADRANTS
-from assistant.robots.robot import CHUNK, LIMIT_TOLERANCE, Robot
+from assistant.robots.robot import CHUNK, IN_LINE, LIMIT_TOLERANCE, Robot
 from assistant.robots.run import Run
+from assistant.robots.settling import split
+from assistant.robots.slack import Slack, straighten
 from assistant.robots.survey import Cures, finite_poses, survey_of
-from assistant.robots.travel import STRAIGHT
 from assistant.robots.turns import FREE, filled, turn
 
 Floats = NDArray[np.float64]
@@ -53,16 +54,17 @@ def solve(run: Run, robot: Robot, cures: Cures) -> Solved:
     of branch is a warning only: their controller may have been told to allow it.
     """
     stated = np.asarray(run.configurations[:, BACK] != UNSTATED) & robot.arm.named
-    survey, every = survey_of(run, robot)
     own = np.where(stated, robot.branch_of(run.configurations), -1)
+    survey, every = survey_of(run, robot, own)
     kept = stated & survey.allowed[own, np.arange(len(run))]
     plan = choices(run, robot, survey, every, np.where(kept, own, -1))
-    first = plan.best()
+    first, slack = plan.best(), survey.slack
     others = plan if len(run) <= LOOKED_AT else None
     del every, plan  # of long runs the largest columns
     report = survey.findings(run, robot, cures)
     said = np.where(kept[:, None], run.configurations, UNSTATED)
-    done = _best(run, robot, first, others, said, look=not report)
+    given = _Given(said, slack, look=not report)
+    done = _best(run, robot, first, others, given)
     report += done.findings
     joints, broken = done.joints, done.choice.broken
     found = robot.configuration(np.nan_to_num(joints))
@@ -104,52 +106,50 @@ class _Tried:
     findings: tuple[Diagnostic, ...]
 
 
-def _best(
-    run: Run,
-    robot: Robot,
-    choice: Choice,
-    others: Choices | None,
-    said: NDArray[np.integer],
-    *,
-    look: bool,
-) -> _Tried:
+@dataclass(frozen=True, slots=True)
+class _Given:
+    """What every choice of branches is tried with.
+
+    said: (n, 6) configurations that rows state and can have, else UNSTATED. slack: see `Survey`.
+    look: whether to look at what is between the rows.
+    """
+
+    said: NDArray[np.integer]
+    slack: Slack
+    look: bool
+
+
+def _best(run: Run, robot: Robot, choice: Choice, others: Choices | None, given: _Given) -> _Tried:
     """The choice with the fewest rows to which there is no way, the cheapest of these.
 
     A choice knows the rows, not what is between them: what turns out to be no way is ruled out
-    and the next choice out of others tried. look: whether to look at what is between the rows.
+    and the next choice out of others tried.
     """
-    best = last = _tried(run, robot, choice, said, look=look)
+    best = last = _tried(run, robot, choice, given)
     for _ in range(robot.branches):
         if others is None or not len(last.bad) or len(last.choice.broken):
             break
         if not others.bar(last.choice, last.bad):
             break
-        last = _tried(run, robot, others.best(), said, look=look)
+        last = _tried(run, robot, others.best(), given)
         if len(last.bad) < len(best.bad) and not len(last.choice.broken):
             best = last
     return best
 
 
-def _tried(
-    run: Run,
-    robot: Robot,
-    choice: Choice,
-    said: NDArray[np.integer],
-    *,
-    look: bool,
-) -> _Tried:
+def _tried(run: Run, robot: Robot, choice: Choice, given: _Given) -> _Tried:
     findings: list[Diagnostic] = []
-    joints = _joints(run, robot, choice.branches)
+    joints, straight = _joints(run, robot, choice.branches, given.slack)
     lost = np.flatnonzero((choice.branches >= 0) & np.isnan(joints).any(axis=1))
     if len(lost):
         where = run.label(int(lost[0]))
         findings.append(rules.NOT_CLOSED(place=run.what(lost), robot=robot.title, where=where))
     winding, bad = None, np.empty(0, np.intp)
-    if look and not findings and not len(choice.broken):
+    if given.look and not findings and not len(choice.broken):
         way = ways(run, robot, joints, choice.branches)
         winding, bad = way.winding, way.rows
         findings += way.findings
-    joints, unmet, off = _turned(run, robot, joints, chain_starts(run), said, winding)
+    joints, unmet, off = _turned(run, robot, joints, straight, given.said, winding)
     wound = []
     for axis, rows in unmet:
         if continued(run) and abs(joints[0, axis] - run.before[axis]) > 180.0:
@@ -159,9 +159,12 @@ def _tried(
     return _Tried(choice, joints, wound, off, bad, tuple(findings))
 
 
-def _joints(run: Run, robot: Robot, branch: Rows) -> Floats:
-    """(n, a) deg of the chosen branch, each axis nearest to the middle of its range."""
+def _joints(run: Run, robot: Robot, branch: Rows, slack: Slack) -> tuple[Floats, Truths]:
+    """(n, a) deg of the chosen branch, each axis nearest to the middle of its range, but for rows
+    that are settled otherwise; and in which rows (n,) the wrist is straight.
+    """
     out = np.full((len(run), len(robot.axes)), np.nan)
+    line = np.zeros(len(run), dtype=bool)
     for start in range(0, len(run), CHUNK):
         rows = slice(start, min(start + CHUNK, len(run)))
         p, q, _ = finite_poses(run, rows)
@@ -174,15 +177,18 @@ def _joints(run: Run, robot: Robot, branch: Rows) -> Floats:
         at = np.searchsorted(needed, np.where(solved, chosen, needed[0]))
         joints = np.ascontiguousarray(found[:, at, np.arange(len(p))].T)
         joints[~(solved & robot.closes(joints, p, q))] = np.nan
+        if robot.arm.spherical:
+            line[rows] = straighten(run, robot, joints.T[:, None], start)[0]
         out[rows] = joints
-    return out
+    slack.put(out, branch)
+    return out, line
 
 
 def _turned(
     run: Run,
     robot: Robot,
     joints: Floats,
-    starts: Rows,
+    straight: Truths,
     said: NDArray[np.integer],
     winding: NDArray[np.int64] | None,
 ) -> tuple[Floats, list[tuple[int, Rows]], Rows]:
@@ -193,13 +199,15 @@ def _turned(
     """
     stated = said[:, BACK] != UNSTATED
     out = joints.copy()
-    if robot.arm.spherical:
-        _straighten(out, float(run.before[3]), float(robot.limits[5].mean()))
+    if straight.any():
+        _hold(out, straight, float(run.before[3]), robot, np.where(stated[:, None], said, UNSTATED))
     off = np.empty(0, np.intp)
     wanted: Floats | None = None
     free = ~stated
     if stated.any():
         wanted, fits = robot.turned(out, said)
+        if robot.arm.spherical:  # their sum counts, which any quadrants of both may have
+            fits[np.abs(out[:, 4]) < IN_LINE, 1:] = True
         kept = stated & fits.all(axis=1) & robot.inside(wanted)
         off = np.flatnonzero(stated & ~kept & np.isfinite(out).all(axis=1) & run.exact_rows)
         free = ~kept
@@ -214,25 +222,33 @@ def _turned(
         low, high = (float(limit) for limit in robot.limits[axis])
         on_the_way = None if winding is None else winding[:, axis]
         near = float(run.before[axis])
-        result = turn(angles, (low, high), starts, near, turns, on_the_way)
+        result = turn(angles, (low, high), chain_starts(run), near, turns, on_the_way)
         out[:, axis] = result.angles
         wound.append((axis, result.broken))
     return out, wound, off
 
 
-def _straighten(joints: Floats, before: float, middle: float) -> None:
-    """Axes 4 and 6 in line: leaves axis 4 where it was and lets axis 6 do the turn, nearest to
-    the middle of its range.
+def _hold(
+    joints: Floats, straight: Truths, before: float, robot: Robot, said: NDArray[np.integer]
+) -> None:
+    """Axes 4 and 6 in line: leaves axis 4 where it was, as far as limits and what is said allow,
+    and lets axis 6 do the turn, nearest to the middle of its range.
     """
-    straight = np.abs(joints[:, 4]) < STRAIGHT
-    if not straight.any():
-        return
     four = np.where(straight, np.nan, joints[:, 3])
-    held = filled(four) if np.isfinite(four).any() else np.full(len(four), before)
-    moved = held - joints[:, 3]
-    joints[straight, 3] = held[straight]
-    six = joints[straight, 5] - moved[straight]
-    joints[straight, 5] = six - 360.0 * np.round((six - middle) / 360.0)
+    rows = np.flatnonzero(straight)
+    held = filled(four)[rows] if np.isfinite(four).any() else np.full(len(rows), before)
+    stated = said[rows, BACK] != UNSTATED
+    low, high = (np.tile(limit, (len(rows), 1)) for limit in robot.limits.T)
+    if stated.any():
+        low[stated], high[stated] = robot.ranges(said[rows[stated]])
+    roll = joints[rows, 3] + robot.arm.rolls * joints[rows, 5]
+    new = joints[rows].copy()
+    new[:, 3], new[:, 5] = split(roll, held, (low, high), robot.arm.rolls)
+    inside = ((new >= low - LIMIT_TOLERANCE) & (new <= high + LIMIT_TOLERANCE))[:, 3::2].all(axis=1)
+    for axis in (3, 5):
+        middle = float(robot.limits[axis].mean())
+        new[:, axis] -= 360.0 * np.round((new[:, axis] - middle) / 360.0)
+    joints[rows[inside]] = new[inside]
 
 
 def _branch_change(

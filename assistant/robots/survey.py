@@ -15,6 +15,7 @@ from assistant.robots import findings as rules
 from assistant.robots.arms.arm import CLOSING, MISS_TOLERANCE
 from assistant.robots.robot import CHUNK, LIMIT_TOLERANCE, Robot
 from assistant.robots.run import Run
+from assistant.robots.slack import SHORT, Slack, straighten, take
 from assistant.robots.wrist import PAIRS, directions
 
 Floats = NDArray[np.float64]
@@ -80,11 +81,12 @@ class Survey:
     """What a first look at every row says.
 
     allowed: (b, n) branches inside reach and limits. bends: see `wrist.directions`; None for
-    a run that needs none.
+    a run that needs none. slack: the joints of what is allowed by rounding alone.
     """
 
     allowed: Truths
     bends: NDArray[np.float32] | None = None
+    slack: Slack = field(default_factory=Slack)
     no_number: list[Rows] = field(default_factory=list)
     reach: _Worst = field(default_factory=_Worst)
     plane: _Worst = field(default_factory=_Worst)
@@ -112,7 +114,7 @@ class Survey:
                 rules.OUT_OF_REACH(
                     place=run.what(self.reach.all()),
                     robot=robot.title,
-                    worst=self.reach.value,
+                    worst=_told(self.reach.value),
                     side="too far out" if far else "too near to the arm",
                     where=run.label(self.reach.row),
                     cure=(cure if far else "move the work piece away from the arm")
@@ -146,8 +148,11 @@ class Survey:
         return out
 
 
-def survey_of(run: Run, robot: Robot) -> tuple[Survey, NDArray[np.float32]]:
-    """A survey, and the joints (a, b, n) of every branch; of one not allowed they mean nothing."""
+def survey_of(run: Run, robot: Robot, own: Rows) -> tuple[Survey, NDArray[np.float32]]:
+    """A survey, and the joints (a, b, n) of every branch; of one not allowed they mean nothing.
+
+    own: (n,) the branch that a row states, or -1.
+    """
     shape = (robot.branches, len(run))
     every = np.empty((len(robot.axes), *shape), dtype=np.float32)
     survey = Survey(np.zeros(shape, dtype=bool))
@@ -158,12 +163,17 @@ def survey_of(run: Run, robot: Robot) -> tuple[Survey, NDArray[np.float32]]:
         rows = slice(start, min(start + CHUNK, len(run)))
         p, q, finite = finite_poses(run, rows)
         joints, excess = robot.solve(p, q)
+        if robot.arm.spherical:
+            straighten(run, robot, joints, start)
         beyond = low - joints
         np.maximum(beyond, joints - high, out=beyond)
         reached = excess < CLOSING / 2.0
         allowed = reached & (beyond <= LIMIT_TOLERANCE).all(axis=0) & finite
         missed = robot.arm.miss(robot.chained(joints[:, 0].T), q)
         allowed &= missed <= MISS_TOLERANCE
+        if robot.arm.named:
+            able = (excess < SHORT) & finite & (missed <= MISS_TOLERANCE)
+            take(run, robot, survey.slack, own[rows], start, (p, q, joints), able, allowed)
         survey.allowed[:, rows] = allowed
         every[:, :, rows] = joints
         if survey.bends is not None:
@@ -196,6 +206,11 @@ def survey_of(run: Run, robot: Robot) -> tuple[Survey, NDArray[np.float32]]:
             angle=joints[axis, branch, stuck],
         )
     return survey, every
+
+
+def _told(millimetres: float) -> str:
+    """A distance that is not 0, in as many decimals as show it."""
+    return f"{millimetres:.1f}" if millimetres >= 0.1 else f"{millimetres:.2g}"
 
 
 def finite_poses(run: Run, rows: slice | Rows) -> tuple[Floats, Floats, Truths]:

@@ -254,7 +254,7 @@ def _unwound(
         if sheet is not None:
             part[:] = np.take_along_axis(part, sheet[None][:, :, rows], axis=1)
         if robot.arm.spherical:
-            _straighten(part, last)
+            _straighten(part, last, np.float32(robot.arm.rolls))
         starting = begins[rows]
         here = np.arange(len(starting))
         base = np.maximum.accumulate(np.where(starting, here, -1))
@@ -274,7 +274,7 @@ def _unwound(
     return steps
 
 
-def _straighten(joints: Singles, before: Singles) -> None:
+def _straighten(joints: Singles, before: Singles, rolls: np.float32) -> None:
     """Axes 4 and 6 in line: leaves axis 4 where it was and lets axis 6 do the turn.
 
     joints: (6, b, m). before: (6, b, 1), the row before these.
@@ -285,7 +285,7 @@ def _straighten(joints: Singles, before: Singles) -> None:
         last = np.maximum.accumulate(np.where(rows, -1, np.arange(len(rows))))[rows]
         four, six = joints[3, branch], joints[5, branch]
         held = np.where(last < 0, before[3, branch], four[last])
-        six[rows] -= held - four[rows]
+        six[rows] -= rolls * (held - four[rows])
         four[rows] = held
 
 

@@ -50,6 +50,7 @@ class Arm(ABC):
     the wrist of the stretched arm. angle: degrees within which a pose must be met.
     flags: the bits of Mitsubishi's FLG1 that say something of such an arm.
     spherical: whether axes 4, 5 and 6 meet, so that the wrist has its one singularity.
+    rolls: 1 where axes 4 and 6 in line turn the flange to the same side, -1 where they do not.
     named: whether makers have names for its branches, so that a configuration says one.
     compared: joints by which two branches differ, one that means nothing in line left out.
     """
@@ -58,6 +59,7 @@ class Arm(ABC):
     angle: ClassVar[float] = CLOSING
     flags: ClassVar[int] = 7
     spherical: ClassVar[bool] = False
+    rolls: float = 1.0
     named: ClassVar[bool] = True
 
     @property

@@ -58,6 +58,10 @@ class Placed(Arm):
         joints *= senses[:, None, None]
         return joints, excess
 
+    @property
+    def rolls(self) -> float:  # type: ignore[override]
+        return float(self.senses[3] * self.senses[5])
+
     def shape(self, joints: Floats) -> NDArray[np.int8]:
         """Limits of a file need not keep elbow and wrist within half a turn, as makers do."""
         inner = self._inner(joints)

@@ -22,6 +22,8 @@ Floats = NDArray[np.float64]
 
 BRANCHES: Final = 8
 """Branch 4·back + 2·lower + flip; lower: the forearm is bent backwards from the upper arm."""
+IN_LINE: Final = 1e-8
+"""Sine of axis 5 below which arithmetic gives axes 4 and 6 more error each than it gives axis 5."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,7 +157,7 @@ def ik(
             across = zu * c - zz * s
             along = zu * s + zz * c
             sine = np.hypot(across, zv)
-            in_line = sine < 1e-9
+            in_line = sine < IN_LINE
             j4 = np.where(in_line, 0.0, np.arctan2(zv, across))
             j5 = np.arctan2(sine, along)
             turn = np.arctan2(yu * s + yz * c, -(xu * s + xz * c))
