@@ -1,13 +1,15 @@
-"""Arrays: `Dim` gives no values, so the elements are given theirs one by one."""
+"""Arrays: `Dim` gives no values, so the elements are given theirs, one by one or by loops."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
 from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.adapt.procedures import NOTHING
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Findings
@@ -16,6 +18,8 @@ from assistant.program.program import Procedure, Program, Variable, identifier
 MOST_DIMENSIONS: Final = 3
 MOST_ELEMENTS: Final = 999
 """Of one dimension (COSIMIR help, Dim)."""
+MOST_ALIKE: Final = 4
+"""Elements that are given the same value one by one: a loop takes no more steps."""
 
 
 def with_filled_arrays(program: Program, findings: Findings) -> Program:
@@ -24,14 +28,15 @@ def with_filled_arrays(program: Program, findings: Findings) -> Program:
     Those of the program stand at the head of its entry, which one without is given; those of a
     procedure at its own.
     """
-    variables, first = _filled(program.variables, findings)
+    taken = {q.name for q in program.procedures} | _names(program)
+    counters = [identifier(name, taken) for name in "ijk"]
+    variables, first = _filled(program.variables, counters, findings)
     if first and program.entry is None:
-        taken = {q.name for q in program.procedures} | set(program.variables)
         entry = Procedure(identifier("main", taken), ())
         program = replace(program, procedures=(entry, *program.procedures), entry=entry.name)
     procedures = []
     for procedure in program.procedures:
-        own, filling = _filled(procedure.variables, findings)
+        own, filling = _filled(procedure.variables, counters, findings)
         if procedure.name == program.entry and procedure.unit is None:
             filling = [*first, *filling]
         if filling:
@@ -71,14 +76,22 @@ def _with(procedure: Procedure, variables: dict[str, Variable]) -> Procedure:
     return replace(procedure, variables=variables)
 
 
+def _names(program: Program) -> set[str]:
+    """Every name that a counter may not have."""
+    names = {*program.variables, *program.targets, *program.joint_targets, *program.signals}
+    for procedure in program.procedures:
+        names |= {*procedure.variables, *(q.name for q in procedure.parameters)}
+    return names | {r.variable for r in program.statements() if isinstance(r, p.For)}
+
+
 def _filled(
-    variables: Mapping[str, Variable], findings: Findings
+    variables: Mapping[str, Variable], counters: Sequence[str], findings: Findings
 ) -> tuple[dict[str, Variable], list[p.Statement]]:
     made: dict[str, Variable] = {}
     first: list[p.Statement] = []
     for name, variable in variables.items():
+        made[name] = variable
         if not variable.size:
-            made[name] = variable
             continue
         if len(variable.size) > MOST_DIMENSIONS or max(variable.size) > MOST_ELEMENTS:
             extents = " x ".join(map(str, variable.size))
@@ -87,7 +100,8 @@ def _filled(
                 cure=f"use at most {MOST_DIMENSIONS} dimensions of {MOST_ELEMENTS} elements",
                 place=name,
             ))  # fmt: skip
-        values = list(_elements(name, variable))
+            continue
+        values = list(_elements(name, variable, counters))
         if variable.initial is not None and not values:
             findings.append(rules.CANNOT_SAY(
                 what=f"the first values of the array `{name}`",
@@ -101,8 +115,11 @@ def _filled(
     return made, first
 
 
-def _elements(name: str, variable: Variable) -> Iterator[p.Statement]:
+def _elements(name: str, variable: Variable, counters: Sequence[str]) -> Iterator[p.Statement]:
     """The assignments, none if the first value is no list for each dimension."""
+    if variable.initial is not None and variable.initial == NOTHING[variable.type]:
+        yield from _alike(name, variable, variable.initial, counters)
+        return
     places = list(itertools.product(*(range(1, n + 1) for n in variable.size)))
     values = []
     for place in places:
@@ -116,3 +133,21 @@ def _elements(name: str, variable: Variable) -> Iterator[p.Statement]:
         if value is not None and value != e.NEVER_GIVEN:
             indices = tuple(e.Number(i) for i in place)
             yield p.Assign(e.Index(e.Name(name), indices), value, span=variable.span)
+
+
+def _alike(
+    name: str, variable: Variable, value: e.Expression, counters: Sequence[str]
+) -> Iterator[p.Statement]:
+    """Every element given the same value, by loops where there are many."""
+    element: tuple[e.Expression, ...]
+    if math.prod(variable.size) <= MOST_ALIKE:
+        for place in itertools.product(*(range(1, n + 1) for n in variable.size)):
+            element = tuple(map(e.Number, place))
+            yield p.Assign(e.Index(e.Name(name), element), value, span=variable.span)
+        return
+    used = counters[: len(variable.size)]
+    element = tuple(map(e.Name, used))
+    inner: p.Statement = p.Assign(e.Index(e.Name(name), element), value, span=variable.span)
+    for counter, extent in reversed(list(zip(used, variable.size, strict=True))):
+        inner = p.For(counter, e.Number(1), e.Number(extent), (inner,), span=variable.span)
+    yield inner

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import itertools
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -12,19 +13,25 @@ from assistant.program import statements as p
 from assistant.program.program import Procedure, Program, bodies
 from assistant.program.rewriting import Body, head, records
 
-State = frozenset[str] | None
-"""Names (lower case) that have a value on every way to a place; None where no way leads to."""
+Element = tuple[str, tuple[int, ...]]
+Known = frozenset[str | Element]
+State = Known | None
+"""What has a value on every way to a place: names in lower case; None where no way leads to.
+
+Of arrays single elements too, and the array once all of them have one.
+"""
 
 
 @dataclass(slots=True)
 class Run:
     """Names in lower case.
 
-    read: perhaps read before a value is given. given: have one on every way back.
-    ends: whether any way comes back.
+    read: perhaps read before a value is given. own: those of its own variables.
+    given: have one on every way back. ends: whether any way comes back.
     """
 
     read: set[str] = field(default_factory=set)
+    own: set[str] = field(default_factory=set)
     given: State = None
 
     @property
@@ -33,10 +40,14 @@ class Run:
 
 
 class Assigning:
-    """The procedures of a program. written: names that anything in it may change."""
+    """The procedures of a program.
+
+    written: names that anything in it may change. sizes: of its arrays, by lower-case name.
+    """
 
     def __init__(self, program: Program) -> None:
         self.program = program
+        self.sizes = {n.lower(): v.size for n, v in program.variables.items() if v.size}
         self.written = {name for q in program.procedures for name in self._written(q)}
         self._runs: dict[str, Run] = {}
         self._running: list[str] = []
@@ -48,9 +59,10 @@ class Assigning:
         """
         key = procedure.name.lower()
         if self._running and key == self._running[-1]:
-            return Run(set(), frozenset())
+            return Run(given=frozenset())
         if key in self._running:
-            return Run(set().union(*map(_named, self.program.procedures)), frozenset())
+            read = set().union(*map(_named, self.program.procedures))
+            return Run(read, given=frozenset())
         if key not in self._runs:
             self._running.append(key)
             self._runs[key] = _Reading(self, procedure).run
@@ -75,14 +87,23 @@ class Assigning:
 
 
 class _Reading:
-    """One procedure, read once from its top: a label may be come to with nothing given."""
+    """One procedure, read once from its top.
+
+    A label may be come to with nothing given but what stands before the first label or jump.
+    """
 
     def __init__(self, assigning: Assigning, procedure: Procedure) -> None:
         self.assigning, self.run = assigning, Run()
         self.own = {q.name.lower() for q in procedure.parameters}
         self.own |= {name.lower() for name in procedure.variables}
+        self.sizes = {name: n for name, n in assigning.sizes.items() if name not in self.own}
+        self.sizes |= {n.lower(): v.size for n, v in procedure.variables.items() if v.size}
         self.labels = any(isinstance(r, p.Goto) for r in records(procedure.body))
-        self.leave(self.body(procedure.body, frozenset()))
+        jumps = (any(isinstance(r, p.Label | p.Goto) for r in records(x)) for x in procedure.body)
+        first = next((at for at, found in enumerate(jumps) if found), len(procedure.body))
+        state = self.body(procedure.body[:first], frozenset())
+        self.at_label: State = state or frozenset()
+        self.leave(self.body(procedure.body[first:], state))
 
     def body(self, body: Body, state: State) -> State:
         for node in body:
@@ -91,7 +112,7 @@ class _Reading:
 
     def statement(self, node: p.Statement, state: State) -> State:
         if isinstance(node, p.Label):
-            return frozenset() if self.labels else state
+            return self.at_label if self.labels else state
         if state is None:
             # what stands behind is run by nobody, but a label in it may be
             _ = [self.body(inner, None) for inner in bodies(node)]
@@ -99,6 +120,10 @@ class _Reading:
         match node:
             case p.Assign(e.Name(name), value):
                 return self.reads(value, state) | {name.lower()}
+            case p.Assign(e.Index() | e.Member() as target, value):
+                return self.reads((_indices(target), value), state) | self.element(target, state)
+            case p.For() if name := filled(node, self.sizes):
+                return self.reads(head(node), state) | {name}
             case p.For(variable, first, last, body, step):
                 begun = self.reads((first, last, step), state) | {variable.lower()}
                 self.body(body, begun)
@@ -128,32 +153,71 @@ class _Reading:
                 return self.called(name, self.reads(node, state))
         return self.reads(head(node), state)
 
-    def reads(self, value: Any, state: frozenset[str]) -> frozenset[str]:
+    def element(self, target: e.Expression, state: State) -> set[str | Element]:
+        """What has a value behind an assignment to an element: that, and its array if all have."""
+        place = element(target, self.sizes)
+        if place is None or state is None:
+            return set()
+        name, _ = place
+        every = itertools.product(*(range(1, n + 1) for n in self.sizes[name]))
+        return {place} if {(name, at) for at in every} - state - {place} else {place, name}
+
+    def reads(self, value: Any, state: Known) -> Known:
         """What an expression or a plain statement reads, and its calls of functions."""
         for record in records(value):
             match record:
                 case e.Name(name):
-                    self.read({name.lower()} - state)
+                    self.read({name.lower()}, state)
                 case p.Opaque(_, text) | e.Verbatim(_, text):
-                    self.read(set(words(text)) - state)
+                    self.read(set(words(text)), state)
                 case e.Apply(name):
                     self.called(name, state)
         return state
 
-    def called(self, name: str, state: frozenset[str]) -> State:
+    def called(self, name: str, state: Known) -> State:
         callee = self.assigning.program.procedure(name)
         if callee is None:
             return state
         run = self.assigning.run(callee)
-        self.read(run.read - state)
+        self.read(run.read, state)
         return None if run.given is None else state | run.given
 
-    def read(self, names: set[str]) -> None:
-        self.run.read |= names - self.own
+    def read(self, names: set[str], state: Known) -> None:
+        self.run.read |= names - self.own - state
+        self.run.own |= (names & self.own) - state
 
     def leave(self, state: State) -> None:
         if state is not None:
-            self.run.given = _met(self.run.given, state - self.own)
+            left = (x for x in state if (x if isinstance(x, str) else x[0]) not in self.own)
+            self.run.given = _met(self.run.given, frozenset(left))
+
+
+def element(target: e.Expression, sizes: Mapping[str, tuple[int, ...]]) -> Element | None:
+    """The element that an assignment changes: its array in lower case, and its known indices."""
+    match target:
+        case e.Index(e.Name(name), indices) if name.lower() in sizes:
+            known = tuple(int(x.value) for x in indices if isinstance(x, e.Number))
+            return (name.lower(), known) if len(known) == len(indices) else None
+    return None
+
+
+def filled(node: p.Statement, sizes: Mapping[str, tuple[int, ...]]) -> str:
+    """The array (lower case) all of whose elements loops give one value; empty for none."""
+    counters: list[str] = []
+    extents: list[float] = []
+    while isinstance(node, p.For) and (node.first, node.step) == (p.ONE, p.ONE):
+        if not isinstance(node.last, e.Number) or len(node.body) != 1:
+            return ""
+        counters.append(node.variable.lower())
+        extents.append(node.last.value)
+        node = node.body[0]
+    match node:
+        case p.Assign(e.Index(e.Name(name), indices), e.Number() | e.Text() | e.TargetValue()
+                      | e.PoseValue() | e.JointValue()):  # fmt: skip
+            counted = [x.name.lower() for x in indices if isinstance(x, e.Name)]
+            if counted == counters and sizes.get(name.lower()) == tuple(extents):
+                return name.lower()
+    return ""
 
 
 def _met(*ways: State) -> State:
@@ -177,6 +241,16 @@ def _first(target: e.Expression) -> list[str]:
         case e.Member(value) | e.Index(value):
             return _first(value)
     return []
+
+
+def _indices(target: e.Expression) -> tuple[e.Expression, ...]:
+    """What an assignment to a part of a variable reads to find that part."""
+    match target:
+        case e.Member(value):
+            return _indices(value)
+        case e.Index(value, indices):
+            return (*_indices(value), *indices)
+    return ()
 
 
 def _named(procedure: Procedure) -> set[str]:

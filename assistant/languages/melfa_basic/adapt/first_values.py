@@ -35,8 +35,7 @@ def with_first_values(program: Program, findings: Findings) -> Program:
         if variable.storage == "constant" or key not in run.read or is_external(name, variable):
             continue
         if variable.storage == "variable" and variable.initial is None and not kept:
-            if not variable.size:
-                variable = replace(variable, initial=NOTHING.get(variable.type))
+            variable = replace(variable, initial=NOTHING[variable.type])
             variables[name] = variable
         if variable.initial is not None:
             changes = key in assigning.written and run.ends

@@ -15,11 +15,8 @@ from assistant.languages.melfa_basic.adapt.context import Context
 from assistant.languages.melfa_basic.adapt.data import with_plain_data
 from assistant.languages.melfa_basic.adapt.first_values import with_first_values
 from assistant.languages.melfa_basic.adapt.five_axes import in_base
-from assistant.languages.melfa_basic.adapt.procedures import (
-    recursive,
-    with_fresh_variables,
-    without_parameters,
-)
+from assistant.languages.melfa_basic.adapt.parameters import without_parameters
+from assistant.languages.melfa_basic.adapt.procedures import recursive, with_fresh_variables
 from assistant.languages.melfa_basic.adapt.splitting import MOST_TARGETS, split
 from assistant.languages.melfa_basic.adapt.statements import comment_lines, plain_procedure
 from assistant.languages.melfa_basic.adapt.vendor_text import check_names
@@ -71,9 +68,8 @@ def _with_plain_procedures(program: Program, dialect: Dialect, findings: Finding
     """With variables, parameters and computed targets as the dialect has them."""
     program = with_first_values(program, findings)
     program = with_array_parameters(program, dialect.functions, findings)
+    program = with_fresh_variables(program)
     program = with_filled_arrays(program, findings)
-    fresh = map(with_fresh_variables, program.procedures)
-    program = replace(program, procedures=tuple(fresh))
     if not dialect.functions:
         for procedure in recursive(program):
             with findings.at(procedure.span):

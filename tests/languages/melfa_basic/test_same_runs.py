@@ -1,0 +1,154 @@
+"""Routines that were translated from RAPID do what they did there: both are run, and compared."""
+
+from __future__ import annotations
+
+import pytest
+
+import assistant
+from assistant import languages
+from assistant.compiler.loading import load_text
+from assistant.program.text import SourceText
+from assistant.virtual import melfa, rapid
+from assistant.virtual.comparing import difference
+from assistant.virtual.events import Moved
+
+MELFA = ["melfa-basic-4", "melfa-basic-5", "melfa-basic-6"]
+MODULE = """\
+MODULE Cell
+    PERS tooldata tG:=[TRUE,[[0,0,100],[1,0,0,0]],[1,[0,0,50],[1,0,0,0],0,0,0]];
+    CONST robtarget p10:=[[350,20,250],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+    VAR num n:=4;
+    VAR num m:=2;
+    PERS num z:=4;
+    VAR bool b;
+    VAR num k{3}:=[1,2,3];
+    VAR robtarget pt:=[[340,20,250],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+    DATA
+    PROC main()
+        MAIN
+    ENDPROC
+    PROC at(num x,num y)
+        MoveL Offs(p10,x,y,0),v100,fine,tG;
+    ENDPROC
+    PROC shown()
+        at n,m;
+    ENDPROC
+    MORE
+ENDMODULE
+"""
+
+ALIASES: dict[str, tuple[str, str]] = {
+    "a number": ("s n;", "PROC s(INOUT num q) q:=q+30; at n,q; n:=n+1; at n,q; ENDPROC"),
+    "a position": (
+        "s pt; MoveL pt,v100,fine,tG;",
+        "PROC s(VAR robtarget q) q.trans.z:=q.trans.z+40; MoveL pt,v100,fine,tG; ENDPROC",
+    ),
+    "an element": ("s k{2}; at k{2},0;", "PROC s(INOUT num q) q:=q+10; at k{2},q; ENDPROC"),
+    "an element whose index changes": (
+        "s k{m}; at k{2},k{3};", "PROC s(INOUT num q) m:=3; q:=q+10; at k{2},k{m}; ENDPROC"
+    ),
+    "a copied element whose index changes": (
+        "s k{m}; at k{2},k{3};", "PROC s(INOUT num q) m:=3; q:=q+10; ENDPROC"
+    ),
+    "a truth": (
+        "s b;", "PROC s(INOUT bool q) q:=TRUE; IF b THEN at 1,0; ELSE at 2,0; ENDIF ENDPROC"
+    ),
+    "a persistent": ("s z;", "PROC s(PERS num q) q:=q+10; at z,q; ENDPROC"),
+    "a routine inside": ("s n;", "PROC s(INOUT num q) q:=q+10; shown; ENDPROC"),
+    "handed on": (
+        "s n; shown;",
+        "PROC s(INOUT num q) t q; at n,q; ENDPROC PROC t(INOUT num q) q:=q+9; ENDPROC",
+    ),
+    "handed on to one that reads": (
+        "s n; shown;",
+        "PROC s(INOUT num q) t q; ENDPROC PROC t(INOUT num q) q:=q+9; at n,q; ENDPROC",
+    ),
+    "a function": (
+        "m:=f(n); at m,n;", "FUNC num f(INOUT num q) q:=q+10; RETURN n+q; ENDFUNC"
+    ),
+    "a function in a condition": (
+        "WHILE f(n)<9 DO shown; ENDWHILE", "FUNC num f(INOUT num q) q:=q+2; RETURN n; ENDFUNC"
+    ),
+    "one variable twice": (
+        "s n,n; s n,m; shown;", "PROC s(INOUT num x,INOUT num y) x:=x+1; y:=y*2; at x,y; ENDPROC"
+    ),
+    "one of its own twice": (
+        "own;",
+        "PROC own() VAR num w:=3; s w,w; at w,0; ENDPROC "
+        "PROC s(INOUT num x,INOUT num y) x:=x+1; y:=y*2; at x,y; ENDPROC",
+    ),
+    "two elements that may be one": (
+        "FOR i FROM 1 TO 3 DO s k{i},k{2}; ENDFOR at k{1}+k{3},k{2};",
+        "PROC s(INOUT num x,INOUT num y) x:=x+1; y:=y*2; at x,y; ENDPROC",
+    ),
+    "a component and the whole": (
+        "s pt,pt.trans.x;",
+        "PROC s(INOUT robtarget q,INOUT num x) x:=x+5; MoveL q,v100,fine,tG; ENDPROC",
+    ),
+    "a name that is hidden": (
+        "s n; shown;", "PROC s(INOUT num q) VAR num n:=7; q:=q+n; n:=1; at n,q; shown; ENDPROC"
+    ),
+    "a result inside another": (
+        "at f(1)+g(2),0;",
+        "FUNC num f(num x) RETURN x*2; ENDFUNC FUNC num g(num x) RETURN f(x)+1; ENDFUNC",
+    ),
+}  # fmt: skip
+ARRAYS: dict[str, tuple[str, str]] = {
+    "of a routine": ("s; s;", "PROC s() VAR num q{2}; q{1}:=q{1}+10; at q{1},0; ENDPROC"),
+    "of a routine, long": (
+        "s; s;", "PROC s() VAR num q{30}; q{29}:=q{29}+10; at q{29},q{30}; ENDPROC"
+    ),
+    "of a routine, two dimensions": (
+        "s; s;", "PROC s() VAR num q{3,4}; q{3,4}:=q{3,4}+10; at q{3,4},q{1,2}; ENDPROC"
+    ),
+    "of a routine with parameters": (
+        "s 1; s 2;", "PROC s(num x) VAR num q{6}; q{1}:=q{1}+x; at q{1},0; ENDPROC"
+    ),
+    "of truths": (
+        "s; s;", "PROC s() VAR bool q{5}; IF q{5} at 1,0; q{5}:=TRUE; at 2,0; ENDPROC"
+    ),
+    "of targets": (
+        "s; s;",
+        "PROC s() VAR robtarget q{2}; q{1}.trans.x:=q{1}.trans.x+5; at q{1}.trans.x,0; ENDPROC",
+    ),
+    "of the module": (
+        "w{2}:=w{2}+1; at w{2},w{7}; IF v{1} at 1,1;", "VAR num w{7}; VAR bool v{2};"
+    ),
+    "a scalar that a jump leaves out": (
+        "s 1; s 2;",
+        "PROC s(num x) VAR num w; IF x>1 GOTO over; w:=5; over: w:=w+1; at w,0; ENDPROC",
+    ),
+}  # fmt: skip
+
+
+def as_its_source(main: str, more: str, to: str) -> None:
+    data = more if more.startswith("VAR") else ""
+    text = MODULE.replace("MORE", "" if data else more).replace("MAIN", main).replace("DATA", data)
+    source = languages.get("rapid").parse(text)
+    translation = assistant.translate(load_text(SourceText(text), language="rapid"), to=to)
+    assert translation.ok, translation.findings
+    (written,) = translation.files.values()
+    target = languages.get(to)
+    first = rapid.run(source)
+    assert any(isinstance(event, Moved) for event in first.events) and first.ended == "end"
+    assert difference(first, melfa.run(target.parse(target.decode(written)))) is None
+
+
+@pytest.mark.parametrize("to", MELFA)
+@pytest.mark.parametrize("what", ALIASES)
+def test_a_variable_by_two_names_is_one(what: str, to: str) -> None:
+    as_its_source(*ALIASES[what], to)
+
+
+@pytest.mark.parametrize("to", MELFA)
+@pytest.mark.parametrize("what", ARRAYS)
+def test_an_array_begins_with_nothing(what: str, to: str) -> None:
+    as_its_source(*ARRAYS[what], to)
+
+
+def test_an_array_that_keeps_its_values_over_cycles_is_told_of() -> None:
+    data, body = "VAR num q{2};\nVAR num w{2};\n", "q{1}:=q{1}+1;\nw{1}:=1;\n"
+    text = f"MODULE m\n{data}PROC main()\n{body}ENDPROC\nENDMODULE\n"
+    program = languages.get("rapid").lift(languages.get("rapid").parse(text))
+    found = languages.get("melfa-basic-5").adapt(program).findings
+    assert [(f.code, f.place) for f in found] == [("MB237", "q")]
