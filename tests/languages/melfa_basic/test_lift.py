@@ -124,6 +124,14 @@ def test_on_goto_and_gosub() -> None:
     assert (a, stop, b) == (p.Label("A"), p.Stop(), p.Label("B"))
 
 
+def test_a_jump_by_number_into_subroutines_comes_back() -> None:
+    text = "On M1 GoSub *A,*B\nGoSub *A\nEnd\n*A\nHlt\nReturn\n*B\nHlt\nReturn\n"
+    chosen, call = lifted(text).procedures[0].body
+    assert isinstance(chosen, p.Switch)
+    assert [case.body for case in chosen.cases] == [(p.Call("A"),), (p.Call("B"),)]
+    assert call == p.Call("A")
+
+
 def test_a_number_to_jump_by_is_rounded() -> None:
     main = body("On M1 GoTo *A,*A\nOn M2% GoTo *A,*A\n*A\nHlt\n")
     subjects = [node.subject for node in main if isinstance(node, p.Switch)]

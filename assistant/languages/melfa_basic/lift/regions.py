@@ -193,7 +193,7 @@ def jumps(code: Code, low: int, high: int) -> Iterator[str]:
                 targets = (to,)
             case s.OnCom(target=to):
                 targets = (to,)
-            case s.OnJump(targets=several):
+            case s.OnJump(keyword="GoTo", targets=several):
                 targets = several
             case s.If(then=then, otherwise=otherwise):
                 targets = (then, otherwise)
