@@ -32,9 +32,10 @@ def difference(first: Run, second: Run, signals: Bits | None = None) -> str | No
 
     signals: where a name of one run is a number of the other. A signal that is set to what it is
     anyway does nothing; nor do texts, and delays of no time. A corner of the second may be
-    narrower. Speeds of joint motions are not compared: they are percentages of an arm's own.
-    A run of the first that waits for ever, or ends for good, may be one without end in the second.
-    Of a run that was broken off only what was told is compared.
+    narrower. Joints are compared where nothing tells which flange they give: two arms that stand
+    alike have other ones. Speeds of joint motions are not compared: they are percentages of an
+    arm's own. A run of the first that waits for ever, or ends for good, may be one without end in
+    the second. Of a run that was broken off only what was told is compared.
     """
     ours = list(_doings(first, signals or {}))
     others = list(_doings(second, signals or {}))
@@ -108,9 +109,9 @@ def _unlike(one: Event, two: Event) -> str | None:
 def _other_motion(one: Moved, two: Moved) -> str | None:
     if one.kind != two.kind:
         return "another kind of motion"
-    if (one.joints is None) != (two.joints is None):
-        return "joints, and a position"
-    if one.joints is not None and two.joints is not None:
+    if one.flange is None or two.flange is None:
+        if one.joints is None or two.joints is None:
+            return "joints, and a position"
         if not _near(one.joints, two.joints, JOINT):
             return "other joints"
     for what, a, b in (("flange", one.flange, two.flange), ("place on the way", one.via, two.via)):

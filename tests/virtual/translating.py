@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 
 import assistant
-from assistant import languages
+from assistant import languages, robots
 from assistant.compiler.loading import load_text
 from assistant.program.diagnostics import Severity
 from assistant.program.geometry import Pose
@@ -23,6 +23,7 @@ MORE_STEPS = 400_000
 """Of what is written: one statement may become several."""
 
 Inputs = Mapping[str, float]
+Arms = tuple[str, str]
 Running = Callable[[str, Inputs, int], Run]
 """Runs a text with inputs by the names of the source, for at most some steps."""
 
@@ -51,16 +52,18 @@ def judge(
     *,
     source: tuple[str, Running],
     target: tuple[str, Running],
-    process: FilePath,
     signals: Bits,
+    process: FilePath | None = None,
+    arms: Arms | None = None,
 ) -> str:
     """Translates a program and compares both; the word that it is counted under.
 
-    source, target: a language and what runs its texts. A program whose source comes to nothing
+    source, target: a language and what runs its texts. arms: for which robot it is written, and for
+    which it is to be. A program whose source comes to nothing
     that its interpreter knows is `not judged`.
     """
     tally.counts["tried"] += 1
-    word, said = _judged(text, scenarios, source, target, process, signals, tally)
+    word, said = _judged(text, scenarios, source, target, process, signals, arms, tally)
     if word in ("equal", "different", "not judged"):
         tally.counts["translated"] += 1
     tally.counts[word] += 1
@@ -74,13 +77,15 @@ def _judged(
     scenarios: Sequence[Inputs],
     source: tuple[str, Running],
     target: tuple[str, Running],
-    process: FilePath,
+    process: FilePath | None,
     signals: Bits,
+    arms: Arms | None,
     tally: Tally,
 ) -> tuple[str, str]:
     try:
-        loaded = load_text(SourceText(text), process=process, language=source[0])
-        translation = assistant.translate(loaded, to=target[0])
+        first, second = (None, None) if arms is None else (robots.get(name) for name in arms)
+        loaded = load_text(SourceText(text), process=process, robot=first, language=source[0])
+        translation = assistant.translate(loaded, to=target[0], robot=second, from_robot=first)
     except Exception as error:  # noqa: BLE001 - a crash is what is looked for
         return "crashed", repr(error)
     errors = [f for f in translation.findings if f.severity is Severity.ERROR]

@@ -9,10 +9,10 @@ import numpy as np
 
 from assistant.languages.melfa_basic import syntax as s
 from assistant.program.geometry import Pose, Vector
-from assistant.virtual.circles import Floats, circle_about, circle_through
 from assistant.virtual.events import Moved
 from assistant.virtual.melfa import expressions, poses
 from assistant.virtual.melfa.arm import OPTIMUM
+from assistant.virtual.melfa.circles import Floats, circle_about, circle_through
 from assistant.virtual.melfa.stops import Failed, Unknown
 from assistant.virtual.melfa.values import Bare, Joints, Position, Value, holds, position
 

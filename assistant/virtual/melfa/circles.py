@@ -16,11 +16,10 @@ FLAT: Final = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Circle:
-    """centre (3,) mm, normal (3,): the way round is positive about it. radius: mm."""
+    """centre (3,) mm, normal (3,): the way round is positive about it."""
 
     centre: Floats
     normal: Floats
-    radius: float
 
     def middle(self, start: Floats, end: Floats) -> Floats:
         """The place halfway from one place to another, the positive way round."""
@@ -34,13 +33,6 @@ class Circle:
         u, w = start - self.centre, end - self.centre
         return float(np.arctan2(w @ np.cross(self.normal, u), w @ u) % (2.0 * np.pi))
 
-    def distance(self, place: Floats) -> float:
-        """Mm from a place to the circle."""
-        w = place - self.centre
-        out = float(w @ self.normal)
-        away = float(np.linalg.norm(w - out * self.normal)) - self.radius
-        return float(np.hypot(out, away))
-
 
 def circle_through(a: Floats, b: Floats, c: Floats) -> Circle | None:
     """The circle from a through b to c; None where they lie on a line or fall together."""
@@ -50,7 +42,7 @@ def circle_through(a: Floats, b: Floats, c: Floats) -> Circle | None:
     if size <= FLAT * float(np.linalg.norm(p)) * float(np.linalg.norm(q)):
         return None
     to = (p @ p * np.cross(q, normal) + q @ q * np.cross(normal, p)) / (2.0 * size**2)
-    return Circle(a + to, normal / size, float(np.linalg.norm(to)))
+    return Circle(a + to, normal / size)
 
 
 def circle_about(a: Floats, b: Floats, centre: Floats) -> Circle | None:
@@ -60,4 +52,4 @@ def circle_about(a: Floats, b: Floats, centre: Floats) -> Circle | None:
     size = float(np.linalg.norm(normal))
     if size <= FLAT * float(np.linalg.norm(p)) * float(np.linalg.norm(q)):
         return None
-    return Circle(centre, normal / size, float(np.linalg.norm(p)))
+    return Circle(centre, normal / size)
