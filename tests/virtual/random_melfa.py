@@ -11,33 +11,19 @@ from dataclasses import dataclass, field
 from random import Random
 from typing import Final
 
-NUMBERS: Final = ("M1", "M2", "M3")
-WHOLE: Final = ("MK1", "MK2")
-POSITIONS: Final = ("P1", "P2", "P3", "P4", "P5")
-"""Taught; never set by the program."""
-WORKING: Final = ("P7", "P8", "P9")
-"""Set at the head, and changed by the program."""
-TOOLS: Final = ("PT1", "PT2")
-BASES: Final = ("PB1", "PB2")
-SHIFTS: Final = ("PS1", "PS2")
-DATA: Final = """
-P1=(+400.00,+0.00,+450.00,+180.00,+0.00,+180.00)(7,0)
-P2=(+380.00,+60.00,+430.00,+180.00,+0.00,+180.00)(7,0)
-P3=(+400.00,+120.00,+450.00,+180.00,+0.00,+180.00)(7,0)
-P4=(+360.00,-80.00,+440.00,+180.00,+0.00,+150.00)(7,0)
-P5=(+390.00,-40.00,+420.00,+175.00,+5.00,+180.00)(7,0)
-PQ1=(+350.00,-60.00,+400.00,+180.00,+0.00,+180.00)(7,0)
-PQ2=(+410.00,-60.00,+400.00,+180.00,+0.00,+180.00)(7,0)
-PQ3=(+350.00,+20.00,+400.00,+180.00,+0.00,+180.00)(7,0)
-PT1=(+0.00,+0.00,+100.00,+0.00,+0.00,+0.00)(0,0)
-PT2=(+10.00,-5.00,+60.00,+0.00,+0.00,+30.00)(0,0)
-PB1=(+20.00,+10.00,-30.00,+0.00,+0.00,+0.00)(0,0)
-PB2=(-15.00,+25.00,+10.00,+0.00,+0.00,+10.00)(0,0)
-PS1=(+5.00,-8.00,+12.00,+0.00,+0.00,+20.00)(0,0)
-PS2=(+0.00,+0.00,-25.00,+0.00,+10.00,+0.00)(0,0)
-JA=(+10.00,+5.00,+85.00,+10.00,+80.00,-15.00)
-JB=(-20.00,+15.00,+80.00,+0.00,+75.00,+30.00)
-"""
+from tests.virtual.random_melfa_values import (
+    BASES,
+    DATA,
+    NUMBERS,
+    POSITIONS,
+    RARE,
+    SHIFTS,
+    TOOLS,
+    WHOLE,
+    WORKING,
+    Values,
+)
+
 SUBROUTINES: Final = ("SA", "SB", "SC")
 FUNCTIONS: Final = ("FA", "FB")
 DEEPEST: Final = 3
@@ -49,30 +35,26 @@ def program(level: int, seed: int, arms: bool = False) -> str:
     arms: with moves to joints and by joints, whose speed only an arm tells.
     """
     rng = Random(f"{level} {seed} {arms}")
-    return _Writer(rng, level, arms).program()
+    return _Writer(rng, level=level, arms=arms).program()
 
 
 @dataclass
-class _Writer:
+class _Writer(Values):
     """callable: subroutines that the lines at hand may call. sub: whether they are one."""
 
-    rng: Random
-    level: int
-    arms: bool
+    level: int = 5
+    arms: bool = False
     lines: list[str] = field(default_factory=list)
     callable: tuple[str, ...] = ()
     functions: tuple[str, ...] = ()
     sub: bool = False
     count: int = 0
-    numbers: tuple[str, ...] = NUMBERS
-    wild: float = 0.0
-    """How often something is used that has no plain word in other languages."""
 
     # ------------------------------------------------------------------------- the whole
 
     def program(self) -> str:
         rng = self.rng
-        self.wild = rng.choice((0.0, 0.0, 0.05, 0.3))
+        self.rare = {one for one in RARE if rng.random() < 0.12}
         functions = self.level == 6 and rng.random() < 0.5
         subroutines = SUBROUTINES[: rng.randrange(0, 4)]
         if functions:
@@ -147,6 +129,9 @@ class _Writer:
             self.add("Next MZ")
         for at in range(1, 4):
             self.add(f"PA({at})={rng.choice(POSITIONS)}")
+        if rng.random() < 0.2 and not self.functions:
+            self.add("Def FNMSUM(MX)=MX*2+M1")
+            self.formulas = ("FNMSUM",)
         if rng.random() < 0.3:
             self.add(f"Def Plt 1,PQ1,PQ2,PQ3,,3,2,{rng.choice((1, 2))}")
             self.count += 1000
@@ -188,9 +173,10 @@ class _Writer:
         self.add(f"{word} {target}")
 
     def arc(self, depth: int) -> None:
-        if self.rng.random() < 0.3:
+        rng = self.rng
+        if rng.random() < 0.3:
             self.add("Mvs P1")
-            self.add("Mvr P1,P2,P3")
+            self.add(rng.choice(("Mvr P1,P2,P3", "Mvr P1,P2,P3", "Mvr2 P1,P3,P2", "Mvr3 P1,P3,P6")))
 
     def tool(self, depth: int) -> None:
         if self.settles(depth):
@@ -218,18 +204,22 @@ class _Writer:
 
     def settles(self, depth: int) -> bool:
         """Whether a setting is changed: in branches and subroutines less often."""
-        return self.rng.random() < (0.5 if depth == 0 and not self.sub else 0.15)
+        return self.rng.random() < (
+            0.5 if depth == 0 and not self.sub else 0.15 if "settings" in self.rare else 0.04
+        )
 
     def here(self, depth: int) -> None:
-        """Where the arm stands between two tools or bases."""
-        rng = self.rng
-        name = rng.choice(WORKING)
-        if rng.random() < 0.5:
-            self.add(f"{name}=P_Curr")
-            if rng.random() < 0.5:
-                self.tool(depth)
+        """Where the arm stands, read and gone to between changes of tool and base."""
+        rng, name = self.rng, self.rng.choice(WORKING)
+        free = depth == 0 and not self.sub
+        if free and rng.random() < 0.5:
+            self.add(self.setting())
+        self.add(f"{name}=P_Curr")
+        if free and rng.random() < 0.5:
+            self.add(self.setting())
+        if rng.random() < 0.7:
             self.add(f"{name}.Z={name}.Z+{rng.choice((5, 10))}")
-            self.add(f"Mvs {name}")
+        self.add(rng.choice((f"Mvs {name}", f"Mvs {name}", f"Mvs {name},-15", "Mvs ,-10")))
 
     def assign(self, depth: int) -> None:
         rng = self.rng
@@ -254,7 +244,7 @@ class _Writer:
             self.add(f"{name}={rng.choice(POSITIONS)}*{rng.choice(SHIFTS)}")
         elif kind < 0.8:
             self.add(f"{name}={rng.choice(POSITIONS)}+(0,{rng.choice((5, -12))},8,0,0,0)")
-        elif rng.random() < self.wild:
+        elif "positions" in self.rare:
             self.add(
                 rng.choice(
                     (
@@ -278,7 +268,7 @@ class _Writer:
         elif kind < 0.8:
             self.add(f"M_Out({rng.randrange(8, 12)})=M_In({rng.randrange(1, 5)})")
         elif kind < 0.9:
-            self.add(rng.choice(("HOpen 1", "HClose 1")))
+            self.add(rng.choice(("HOpen 1", "HClose 1", f"M_Out(20)=1 Dly {rng.choice((0.2, 1))}")))
         else:
             self.add(f"Dly {rng.choice((0.1, 0.5))}")
 
@@ -293,7 +283,11 @@ class _Writer:
     def call(self, depth: int) -> None:
         rng = self.rng
         if self.callable and depth < DEEPEST:
-            self.add(f"GoSub *{rng.choice(self.callable)}")
+            if rng.random() < 0.15:
+                listed = ",".join(f"*{name}" for name in self.callable)
+                self.add(f"On {self.natural()} Mod 3 GoSub {listed}")
+            else:
+                self.add(f"GoSub *{rng.choice(self.callable)}")
         elif self.functions:
             name = rng.choice(self.functions)
             first, second = (
@@ -332,17 +326,6 @@ class _Writer:
                 self.add("Else")
                 self.body(rng.randrange(1, 3), depth + 1)
             self.add("EndIf")
-
-    def short(self) -> str:
-        rng = self.rng
-        return rng.choice(
-            (
-                f"{rng.choice(self.numbers)}={self.number(1)}",
-                f"M_Out({rng.randrange(1, 8)})=1",
-                f"MK1={rng.randrange(9)}",
-                f"Dly {rng.choice((0.1, 0.2))}",
-            )
-        )
 
     def for_(self, depth: int) -> None:
         """Bounds are numbers, or worked out before the loop and left alone in it."""
@@ -402,98 +385,6 @@ class _Writer:
     def inner(self, depth: int) -> None:
         """The lines of a case: in IV without a Select of their own."""
         self.body(self.rng.randrange(1, 3), max(depth + 1, DEEPEST if self.level == 4 else 0))
-
-    # ----------------------------------------------------------------------- expressions
-
-    def number(self, depth: int) -> str:
-        """Any number."""
-        rng = self.rng
-        kind = rng.randrange(9) if depth else rng.randrange(3)
-        if kind == 0:
-            return str(rng.choice((1, 2, 5, 0.3, 7.6, -4)))
-        if kind == 1:
-            return rng.choice(self.numbers)
-        if kind == 2:
-            return rng.choice((*WHOLE, f"MA({rng.randrange(1, 5)})"))
-        if kind == 3:
-            return self.natural()
-        if kind == 4:
-            return (
-                rng.choice(("Abs", "CInt", "Fix", "Int" if rng.random() < self.wild else "Abs"))
-                + f"({self.number(depth - 1)})"
-            )
-        if kind == 5:
-            return (
-                f"{rng.choice(('Max', 'Min'))}({self.number(depth - 1)},{self.number(depth - 1)})"
-            )
-        if kind == 6:
-            return f"({self.number(depth - 1)})/{rng.choice((2, 3, 4.4))}"
-        return f"({self.number(depth - 1)}{rng.choice('+-')}{self.number(depth - 1)})"
-
-    def natural(self) -> str:
-        """A number that is not negative; the operand of `Mod` is rounded where it is not whole."""
-        rng = self.rng
-        kind = rng.randrange(6)
-        if kind == 0:
-            return f"(Abs({self.number(0)})+1)\\{rng.choice((2, 3, 2.7))}"
-        if kind == 1:
-            return f"(Abs({rng.choice(WHOLE)}) And {rng.choice(('7', '&HF', '&B101'))})"
-        if kind == 2:
-            return f"M_Inb({rng.choice((8, 24))})"
-        if kind == 3:
-            return f"Abs({self.number(0)}+0.2)"
-        if kind == 4 and rng.random() < self.wild:
-            return f"(Abs({rng.choice(WHOLE)}) {rng.choice(('Or', 'Xor'))} 5)"
-        return f"Abs({self.number(0)})"
-
-    def subscript(self, most: int) -> str:
-        """From 1 to the most, by a number that may not be whole."""
-        rng = self.rng
-        kind = rng.randrange(4)
-        if kind == 0:
-            return str(rng.randrange(1, most + 1))
-        if kind == 1:
-            return f"({self.natural()} Mod {most})+1"
-        if kind == 2:
-            return str(rng.choice((1.2, 1.8)))
-        return f"Min(Abs({self.number(0)})+1,{most})"
-
-    def small(self) -> str:
-        return f"({self.natural()} Mod {self.rng.choice((10, 20))})"
-
-    def place(self) -> str:
-        """A position that the arm can go to."""
-        rng = self.rng
-        kind = rng.random()
-        if kind < 0.4:
-            return rng.choice(POSITIONS)
-        if kind < 0.6:
-            return rng.choice(WORKING)
-        if kind < 0.75:
-            return f"PA({self.subscript(3)})"
-        if kind < 0.9:
-            return f"{rng.choice(POSITIONS)}*(0,0,{rng.choice((-10, 15))},0,0,0)"
-        return f"{rng.choice(POSITIONS)}+({rng.choice((-10, 15))},0,5,0,0,0)"
-
-    def condition(self) -> str:
-        rng = self.rng
-        kind = rng.randrange(7)
-        if kind == 0:
-            return f"M_In({rng.randrange(1, 5)})=1"
-        if kind == 1:
-            return f"M_Inb(8)>{rng.choice((0, 3, 9))}"
-        if kind == 2:
-            return f"({rng.choice(WHOLE)} And {rng.choice((1, 2, 3))})={rng.choice((0, 1, 2))}"
-        if kind == 3:
-            sign = rng.choice(("And", "Or"))
-            return (
-                f"M_In({rng.randrange(1, 5)})=0 {sign} {rng.choice(self.numbers)}<{self.number(0)}"
-            )
-        if kind == 4 and rng.random() < self.wild:
-            return rng.choice(
-                ("M_In(2)", f"Not ({rng.choice(WHOLE)}=1)", "M_In(1) And M_In(2)", "MK1")
-            )
-        return f"{self.number(1)}{rng.choice(('>', '<', '>=', '<>'))}{self.number(0)}"
 
 
 PLAIN: Final[tuple[Callable[[_Writer, int], None], ...]] = (
