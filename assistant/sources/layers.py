@@ -40,7 +40,7 @@ UNUSED = Rule(
     "CT201",
     Severity.WARNING,
     "not used on layer {layer!r}, which the process file does not have: {what}",
-    'add [layers."{layer}"] to the process file, or leave them out knowingly',
+    'add [layers."{layer}"] to the process file, or leave_out = ["{layer}"] at its top',
 )
 NO_CONTOURS = Rule(
     "CT202",
@@ -112,14 +112,16 @@ def contour_program(
     for curve in curves:
         layers.setdefault(curve.layer.casefold(), []).append(curve)
     known = {name.casefold(): layer for name, layer in process.layers.items()}
+    unwanted = {name.casefold() for name in process.leave_out}
     usual = None if known else Layer("contours", process.defaults.motion)
     procedures: list[Procedure] = []
     findings: list[Diagnostic] = []
     followed: list[tuple[str, Sequence[Curve], Layer]] = []
     for key, group in layers.items():
-        layer = known.get(key, usual)
+        layer = known.get(key, None if key in unwanted else usual)
         if layer is None:
-            findings.append(UNUSED(what=_count(group), layer=shown(group[0].layer)))
+            if key not in unwanted:
+                findings.append(UNUSED(what=_count(group), layer=shown(group[0].layer)))
             continue
         name = _name(group[0].layer, taken)
         taken.add(name)

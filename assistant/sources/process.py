@@ -72,6 +72,7 @@ class Process:
     `x_rotation`, …), for locations in drawings. tolerance: mm for chaining and fitting.
     unit: short name of the unit of drawings, whatever they say, and of arrays that say none.
     robot: name of the arm that joints were taught on and that runs the program, None if not said.
+    leave_out: layers whose contours nobody wants, compared without case.
     findings: warnings about the process file itself.
     """
 
@@ -84,6 +85,7 @@ class Process:
     tolerance: float = 0.05
     unit: str | None = None
     robot: str | None = None
+    leave_out: tuple[str, ...] = ()
     findings: tuple[Diagnostic, ...] = ()
 
 

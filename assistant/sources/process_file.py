@@ -6,6 +6,7 @@ masses kg; names are letters, digits and `_`, a letter first.
     robot = "irb1200-7-0.7"       # the arm that the targets were taught on, or will be run by
     tolerance = 0.05              # mm for joining ends and fitting curves
     unit = "mm"                   # of a drawing, whatever it says itself
+    leave_out = ["BORDER"]        # layers whose contours are not wanted
 
     [motion]                      # where the source itself does not say how to move
     kind = "linear"               # or "joint"
@@ -109,7 +110,13 @@ AT: Final = re.compile(r"\s*\(at (?:line (\d+), column (\d+)|end of document)\)$
 MOST_NUMBER: Final = 65535
 """Highest signal number of a CR controller (network inputs and outputs included)."""
 
-TOP: Final = ("robot", "tolerance", "motion", "tools", "frames", "signals", "layers", "tags")
+TOP: Final = ("motion", "tools", "frames", "signals", "layers", "tags")
+
+PLAIN: Final[Mapping[str, Read]] = {"robot": values.text, "tolerance": values.tolerance}
+"""Keys of the top that hold one value."""
+
+OF_DRAWINGS: Final[Mapping[str, Read]] = {"unit": values.unit, "leave_out": values.texts}
+"""Keys of the top that only a drawing needs."""
 
 ORIENTATION: Final[Mapping[str, Read]] = {
     "quaternion": values.quaternion,
@@ -167,12 +174,11 @@ def parse_process(source: SourceText) -> Process:
 def process_in(top: Table, beside: Sequence[str] = ()) -> Process:
     """The process file's tables of a document that may hold other keys beside them.
 
-    Such a document states lengths itself, in mm, and has no `unit`.
+    Such a document is no drawing: it states lengths in mm, and has no layers to leave out.
     """
     page = top.page
-    keys = dict.fromkeys((*TOP, *beside), _as_it_is)
-    keys |= {"robot": values.text, "tolerance": values.tolerance}
-    found = top.read(keys if beside else keys | {"unit": values.unit})
+    keys = {**dict.fromkeys((*TOP, *beside), _as_it_is), **PLAIN}
+    found = top.read(keys if beside else {**keys, **OF_DRAWINGS})
     tools = {n: _tool(n, t) for n, t in top.table("tools").named()}
     frames = {n: _frame(n, t) for n, t in top.table("frames").named()}
     signals = {n: _signal(n, t) for n, t in top.table("signals").named()}
@@ -183,12 +189,11 @@ def process_in(top: Table, beside: Sequence[str] = ()) -> Process:
         for layer, table in top.table("layers").named(identifiers=False)
     }
     tags = top.table("tags").read(_tag_keys(top))
-    tolerance = found.get("tolerance", Process().tolerance)
     findings = tuple(sorted(page.findings, key=lambda f: f.line or 0))
     if has_errors(findings):
         raise Refused(*findings)
-    said = tolerance, found.get("unit"), found.get("robot")
-    return Process(defaults, tools, frames, signals, layers, tags, *said, findings)
+    plain = {key: found[key] for key in (*PLAIN, *OF_DRAWINGS) if key in found}
+    return Process(defaults, tools, frames, signals, layers, tags, findings=findings, **plain)
 
 
 def read_toml(source: SourceText) -> Table:

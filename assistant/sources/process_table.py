@@ -110,5 +110,5 @@ class Table:
 def nearest(given: str, known: Mapping[str, Any] | list[str]) -> str | None:
     """The known name that is most like the given one, without case."""
     plain: Final = {name.casefold(): name for name in known}
-    close = get_close_matches(given.casefold(), plain, n=1, cutoff=0.5)
+    close = get_close_matches(given.casefold(), plain, n=1, cutoff=0.7)
     return plain[close[0]] if close else None

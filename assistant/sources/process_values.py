@@ -107,6 +107,12 @@ def text(value: Any) -> str:
     return value
 
 
+def texts(value: Any) -> tuple[str, ...]:
+    if not isinstance(value, list):
+        raise Wrong(f"is {kind_of(value)}", 'write texts in brackets: ["A", "B"]')
+    return tuple(map(text, value))
+
+
 def name(value: Any) -> str:
     """An identifier."""
     given = text(value)

@@ -56,7 +56,7 @@ NOT_ASCENDING = Rule(
     "MB108",
     E,
     "step {number} follows step {before}: steps are stored in ascending order",
-    "number the steps again",
+    "put the line where its number belongs, or give it one between those of its neighbours",
 )
 STEP_RANGE = Rule(
     "MB109",

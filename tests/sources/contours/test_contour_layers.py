@@ -1,6 +1,7 @@
 """Layers: one procedure each, which approaches, switches, follows and retracts."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -107,6 +108,20 @@ def test_curves_on_other_layers_are_counted():
     (finding,) = findings
     assert (finding.code, finding.severity, finding.path) == ("CT201", Severity.WARNING, "a.dxf")
     assert "4 lines, 1 arc" in finding.message
+
+
+def test_layers_that_are_to_be_left_out_are_left_out_without_a_word():
+    curves = [*square(), *square("notes"), *square("Border")]
+    said = replace(process(GLUE=GLUE), leave_out=("NOTES",))
+    procedures, findings = contour_program(curves, said, taken=set())
+    assert [p.name for p in procedures] == ["GLUE"]
+    assert [f.message for f in findings if f.code == "CT201"] == [
+        "not used on layer 'Border', which the process file does not have: 4 lines"
+    ]
+    every = Process(DEFAULTS, frames=FRAMES, leave_out=("notes", "BORDER"))
+    procedures, findings = contour_program(curves, every, taken=set())
+    assert [p.name for p in procedures] == ["GLUE"]
+    assert findings == ()
 
 
 def test_a_layer_that_was_misspelt_is_pointed_out():

@@ -64,8 +64,22 @@ def test_every_key_is_in_the_documentation():
         process_file.SIGNAL,
         process_file.LAYER,
     )
-    for key in {k for table in tables for k in table} | {"tolerance"}:
+    for key in {k for table in tables for k in table} | {"tolerance", *process_file.OF_DRAWINGS}:
         assert re.search(rf"\b{key} = ", doc), key
+
+
+def test_layers_to_leave_out_are_a_list_of_names():
+    assert parse('leave_out = ["BORDER", "Notes"]').leave_out == ("BORDER", "Notes")
+    for wrong in ('"BORDER"', "[1]", "true"):
+        (finding,) = refused(f"leave_out = {wrong}")
+        assert finding.line == 1
+        assert "text" in finding.cure
+
+
+@pytest.mark.parametrize("key", ["lead_in", "offset", "percent", "travel_blend"])
+def test_a_key_is_not_taken_for_one_of_another_meaning(key):
+    (finding,) = refused(f"[layers.GLUE]\n{key} = 1")
+    assert finding.cure.startswith("use one of ")
 
 
 def test_an_empty_table_of_everything_is_no_process():
