@@ -20,18 +20,20 @@ SLOW: Final = Speed(100.0)
 class Defaults:
     """How a source moves where it does not say so itself.
 
-    speed is deliberately slow: 100 mm/s.
+    speed is deliberately slow: 100 mm/s. blend: None for a stop at single targets, and on paths
+    for corners that are rounded within the tolerance.
     """
 
     kind: Literal["joint", "linear"] = "linear"
     speed: Speed | Name = SLOW
-    blend: Blend | Name = FINE
+    blend: Blend | Name | None = None
     tool: str = FLANGE
     frame: str = BASE
 
     @property
     def motion(self) -> Motion:
-        return Motion(self.speed, self.blend, self.tool, self.frame)
+        """Of single targets."""
+        return Motion(self.speed, self.blend or FINE, self.tool, self.frame)
 
 
 DEFAULTS: Final = Defaults()
@@ -69,7 +71,7 @@ class Process:
     """Everything a process file says.
 
     layers: by layer name, compared without case. tags: attribute tag by meaning (`name`,
-    `x_rotation`, …), for locations in drawings. tolerance: mm for chaining and fitting.
+    `x_rotation`, …), for locations in drawings. tolerance: mm for chaining, fitting, rounding.
     unit: short name of the unit of drawings, whatever they say, and of arrays that say none.
     robot: name of the arm that joints were taught on and that runs the program, None if not said.
     leave_out: layers whose contours nobody wants, compared without case.

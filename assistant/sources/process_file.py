@@ -4,14 +4,14 @@ Every part may be left out. Lengths are mm, speeds mm/s, times seconds, angles d
 masses kg; names are letters, digits and `_`, a letter first.
 
     robot = "irb1200-7-0.7"       # the arm that the targets were taught on, or will be run by
-    tolerance = 0.05              # mm for joining ends and fitting curves
+    tolerance = 0.05              # mm for joining ends, fitting curves, rounding corners of paths
     unit = "mm"                   # of a drawing, whatever it says itself
     leave_out = ["BORDER"]        # layers whose contours are not wanted
 
     [motion]                      # where the source itself does not say how to move
     kind = "linear"               # or "joint"
     speed = 100                   # mm/s
-    blend = "fine"                # or mm of corner rounding
+    blend = "fine"                # or mm; left out: paths round corners within the tolerance
     tool = "nozzle"               # a tool of this file, or tool0, the bare flange
     frame = "table"               # a frame of this file, or base, the robot's own
 
@@ -269,7 +269,7 @@ def _signal(name: str, table: Table) -> Signal:
 def _layer(name: str, table: Table, defaults: Defaults, names: _Names) -> Layer:
     found = names.motion(table, LAYER)
     parts = {key: found.pop(key) for key in MOTION if key in found}
-    usual = {key: getattr(defaults, key) for key in MOTION}
+    usual = {key: getattr(defaults.motion, key) for key in MOTION}
     switched: dict[str, Any] = {
         key: tuple(names.switched(table.table(key), found.pop(key)))
         for key in ("on", "off")

@@ -19,6 +19,7 @@ from assistant.program.program import MANGLED, Procedure, Program, Signal, ident
 from assistant.program.statements import Follow, Motion, Move, Statement
 from assistant.sources.headers import shown
 from assistant.sources.process import Process
+from assistant.sources.rounding import radii
 
 ERROR: Final = Severity.ERROR
 UNKNOWN_TOOL = Rule("TB301", ERROR, "there is no tool {name}{more}", "{cure}")
@@ -79,14 +80,17 @@ Place = Callable[[int], Mapping[str, Any]]
 
 @dataclass(frozen=True, slots=True)
 class Motions:
-    """Index columns (n,) into tables of speeds, blends, tools and frames, as in a `Path`."""
+    """Index columns (n,) into tables of speeds, blends, tools and frames, as in a `Path`.
+
+    A blend that is None is not stated.
+    """
 
     speed: NDArray[np.int32]
     blend: NDArray[np.int32]
     tool: NDArray[np.int32]
     frame: NDArray[np.int32]
     speeds: tuple[Speed | Name, ...]
-    blends: tuple[Blend | Name, ...]
+    blends: tuple[Blend | Name | None, ...]
     tools: tuple[str, ...]
     frames: tuple[str, ...]
 
@@ -94,14 +98,26 @@ class Motions:
         """The motion of one row, for named rows."""
         return Motion(
             self.speeds[self.speed[row]],
-            self.blends[self.blend[row]],
+            self.blends[self.blend[row]] or FINE,
             self.tools[self.tool[row]],
             self.frames[self.frame[row]],
         )
 
-    def columns(self) -> dict[str, Any]:
-        """The arguments of `Path.of`."""
-        return {name: getattr(self, name) for name in self.__slots__}
+    def rounded(
+        self, positions: NDArray[np.float64], kinds: NDArray[np.uint8], tolerance: float
+    ) -> dict[str, Any]:
+        """The arguments of `Path.of` for a way, with a blend where none is stated."""
+        columns = {name: getattr(self, name) for name in self.__slots__}
+        if None not in self.blends:
+            return columns
+        whole = (np.diff(self.tool) == 0) & (np.diff(self.frame) == 0)
+        stated = np.array([blend is not None for blend in self.blends])[self.blend]
+        sizes = np.where(stated, 0.0, radii(positions, kinds, whole, tolerance))
+        table, rows = np.unique(sizes, return_inverse=True)
+        blends = [blend or FINE for blend in self.blends]
+        index = np.where(stated, self.blend, rows + len(blends)).astype(np.int32)
+        blends += [Blend(size) if size > 0 else FINE for size in table.tolist()]
+        return columns | {"blend": index, "blends": tuple(blends)}
 
 
 def default_motions(n: int, process: Process) -> Motions:
@@ -109,6 +125,16 @@ def default_motions(n: int, process: Process) -> Motions:
     rows = np.broadcast_to(np.int32(0), (n,))
     d = process.defaults
     return Motions(rows, rows, rows, rows, (d.speed,), (d.blend,), (d.tool,), (d.frame,))
+
+
+def begun(kinds: NDArray[np.uint8], stated: bool = False) -> NDArray[np.uint8]:
+    """Kinds of rows that begin a program: no line leads from wherever the arm stands.
+
+    stated: the first row says itself how it is reached.
+    """
+    if stated or not len(kinds) or kinds[0] != Kind.LINEAR:
+        return kinds
+    return np.concatenate([[np.uint8(Kind.JOINT)], kinds[1:]])
 
 
 def default_kind(process: Process) -> Kind:
@@ -151,7 +177,7 @@ def _speed(tcp: float, rotation: float, joint: float, process: Process) -> Speed
 
 def blends_of(
     radius: NDArray[np.float64], process: Process
-) -> tuple[NDArray[np.int32], tuple[Blend | Name, ...]]:
+) -> tuple[NDArray[np.int32], tuple[Blend | Name | None, ...]]:
     """Blend index (n,) and table of radii in mm, 0 to stop, NaN for the default."""
     index, rows = combined([radius])
     values = [float(radius[r]) for r in rows]

@@ -228,7 +228,7 @@ def _kinds(
     default = rows.default_kind(process)
     column = _first(columns, "motion")
     if column is None:
-        return np.where(of_joints, Kind.JOINT, default).astype(np.uint8), []
+        return rows.begun(np.where(of_joints, Kind.JOINT, default).astype(np.uint8)), []
     index, table = cells.codes(column)
     words = {"": default, **rows.KINDS}
     kinds = np.array([words.get(t.strip().lower(), default) for t in table], np.uint8)[index]
@@ -249,7 +249,7 @@ def _kinds(
         findings.append(JOINTS_ONLY_JOINT(**cells.place(row, column), motion=motion))
     kinds = np.where(of_joints, np.uint8(Kind.JOINT), kinds)
     findings += rows.arc_findings(kinds, lambda row: cells.place(row, column))
-    return kinds, findings
+    return rows.begun(kinds, stated=bool(stated[:1].any())), findings
 
 
 def _configurations(

@@ -97,7 +97,7 @@ def _waypoints(name: str, table: Table, process: Process) -> Any:
         kinds=table.kinds,
         configurations=table.configurations,
         external=table.external,
-        **table.motions.columns(),
+        **table.motions.rounded(table.positions, table.kinds, process.tolerance),
     )
     return rows.paths_program(name, [path], process, comments)
 

@@ -239,7 +239,8 @@ class _Taught:
         line = table.page.source.line_column(span.start)[0] if span else None
         where = {"path": table.page.source.path, "line": line, "place": label}
         name = self.names.of(found.get("name", ""), where, label)
-        known = rows.KINDS.get(found.get("kind", ""), rows.default_kind(self.process))
+        usual = rows.default_kind(self.process) if self._all else Kind.JOINT
+        known = rows.KINDS.get(found.get("kind", ""), usual)
         one = _Found(name, table, found, known)
         if "joints" in table.content:
             one.kind = Kind.JOINT
@@ -310,7 +311,7 @@ class _Taught:
                 declared = getattr(self.process, kind + "s")
                 cure = rows.cure_for(kind, given, declared)
                 one.table.say(rule, kind, name=marked(given), more="", cure=cure)
-        speed, blend = found.get("speed", defaults.speed), found.get("blend", defaults.blend)
+        speed, blend = found.get("speed", defaults.speed), found.get("blend", defaults.motion.blend)
         return Motion(speed, blend, names["tool"], names["frame"])
 
     def _after(self, one: _Found) -> Iterator[Statement]:

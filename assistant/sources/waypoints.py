@@ -281,9 +281,10 @@ def _several(
     if not parts:
         raise Refused(NO_POSES(path=path))
     names, paths, findings = rows.Names(), [], list(notes)
+    first = next(iter(parts))
     for key, array in parts.items():
         path_name = names.of(key, {"path": path, "place": shown(key)}, shown(key)) if key else name
-        one, found = _path_of(path_name, array, process, unit, path, key)
+        one, found = _path_of(path_name, array, process, unit, path, key, first=key == first)
         paths.append(one)
         findings += found
     return _reading(name, paths, process, path, [*findings, *names.findings])
@@ -296,10 +297,12 @@ def _path_of(
     unit: Unit | None,
     path: str | None,
     place: str,
+    *,
+    first: bool = True,
 ) -> tuple[Path, list[Diagnostic]]:
     """A path in columns of an array (n, 7) or (n, 4, 4); place: what to call the array.
 
-    Raises Refused with everything that is wrong with its rows.
+    first: the program begins with it. Raises Refused with everything that is wrong with its rows.
     """
     where: dict[str, Any] = {"path": path, "place": place or None}
 
@@ -325,10 +328,11 @@ def _path_of(
         raise Refused(*findings)
     if measured is None:
         findings += like_metres(positions, where)
-    kind = rows.default_kind(process)
+    kinds = np.full(len(array), rows.default_kind(process), dtype=np.uint8)
     motions = rows.default_motions(len(array), process)
-    columns = motions.columns()
-    return Path.of(name, positions, quaternions, kinds=kind, **columns), findings
+    columns = motions.rounded(positions, kinds, process.tolerance)
+    kinds = rows.begun(kinds, stated=not first)
+    return Path.of(name, positions, quaternions, kinds=kinds, **columns), findings
 
 
 def _reading(

@@ -227,7 +227,7 @@ def test_the_demo_leaves_programs_plots_and_a_report(capsys, tmp_path):
         assert (tmp_path / name).read_bytes().startswith(b"\x89PNG")
     page = (tmp_path / "report.html").read_text("utf-8")
     assert page.count("<polyline") > 10
-    assert "MoveL positioning_1,v150,z100,GRIPPER" in page
+    assert "MoveJ positioning_1,v150,z100,GRIPPER" in page
     assert 'src="http' not in page
 
 

@@ -84,7 +84,9 @@ def test_the_experiment_of_the_paper_is_linear_moves_at_v150_with_z100():
         SAMPLES / "positioning.csv", language="rapid", robot="irb1200-7-0.7"
     )
     text = compiled.files["positioning.mod"].decode("ascii")
-    assert text.count(",v150,z100,GRIPPER;") == text.count("MoveL ") == 35
+    assert text.count(",v150,z100,GRIPPER;") == 35
+    assert text.count("MoveJ positioning_1,") == 1  # to the start, from wherever the arm stands
+    assert text.count("MoveL ") == 34
     assert text.count("\r\n") == text.count("\n")
 
 

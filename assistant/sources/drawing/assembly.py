@@ -50,7 +50,7 @@ def assemble(contents: Contents, path: FilePath, process: Process) -> Reading:
         findings.append(EMPTY(path=name))
     if has_errors(findings):
         raise Refused(*findings)
-    procedures = [*_visiting(contents.locations, named.names, order.rows), *contours]
+    procedures = [*_visiting(contents.locations, named.names, order.rows, process), *contours]
     program = Program(
         title,
         (Procedure(MAIN, tuple(Call(p.name) for p in procedures)), *procedures),
@@ -69,10 +69,20 @@ def assemble(contents: Contents, path: FilePath, process: Process) -> Reading:
 
 
 def _visiting(
-    locations: Sequence[Location], names: Sequence[str], rows: Sequence[int]
+    locations: Sequence[Location], names: Sequence[str], rows: Sequence[int], process: Process
 ) -> list[Procedure]:
-    """The procedure through the locations, or none if there are none."""
-    moves = [Move(locations[i].kind, Name(names[i]), locations[i].motion) for i in rows]
+    """The procedure through the locations, or none if there are none.
+
+    To the first one no line leads from wherever the arm stands, unless it says so.
+    """
+    moves = [
+        Move(
+            locations[i].kind or (process.defaults.kind if place else "joint"),
+            Name(names[i]),
+            locations[i].motion,
+        )
+        for place, i in enumerate(rows)
+    ]
     return [Procedure(LOCATIONS, tuple(moves))] if moves else []
 
 

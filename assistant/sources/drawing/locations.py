@@ -80,12 +80,15 @@ LEVEL: Final = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Location:
-    """given: name as drawn, blank if none; stem: for a name then. order: None if not stated."""
+    """given: name as drawn, blank if none; stem: for a name then.
+
+    kind, order: None if not stated.
+    """
 
     given: str
     stem: str
     pose: Pose
-    kind: Literal["joint", "linear"]
+    kind: Literal["joint", "linear"] | None
     motion: Motion
     order: float | None
     place: str
@@ -127,17 +130,16 @@ class Locations:
             self._ignored(placed)
         axes = ocs_axes(dxf.extrusion)
         pose = self._pose(placed, dxf.location, axes, None, placed.layer)
-        kind, motion = self._usual(placed.layer)
+        motion = self._usual(placed.layer)
         pose = self._into_frame(placed, pose, motion.frame)
-        return Location("", placed.layer, pose, kind, motion, None, placed.place)
+        return Location("", placed.layer, pose, None, motion, None, placed.place)
 
     def _of_insert(self, placed: Placed) -> Location | None:
         insert = cast("Insert", placed.entity)
         values = Values(self.tags, self.path, placed.place)
         values.take(texts_of(insert, self.document))
-        kind, motion = self._usual(placed.layer)
-        kind = values.kind() or kind
-        motion = self._motion(values, motion)
+        kind = values.kind()
+        motion = self._motion(values, self._usual(placed.layer))
         order = values.number("order")
         turn = self._turn(values)
         given, block = values.text("name"), insert.dxf.name
@@ -150,13 +152,12 @@ class Locations:
         self.findings += values.findings
         return Location(given, block, pose, kind, motion, order, placed.place)
 
-    def _usual(self, layer: str) -> tuple[Literal["joint", "linear"], Motion]:
-        """Type of motion and motion of a location that does not state them."""
-        defaults = self.process.defaults
+    def _usual(self, layer: str) -> Motion:
+        """Motion of a location that does not state it."""
         for name, process in self.process.layers.items():
             if name.casefold() == layer.casefold():
-                return defaults.kind, process.motion
-        return defaults.kind, defaults.motion
+                return process.motion
+        return self.process.defaults.motion
 
     def _motion(self, values: Values, usual: Motion) -> Motion:
         speed, blend = values.speed(), values.blend()

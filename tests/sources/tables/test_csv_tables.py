@@ -101,7 +101,7 @@ def test_one_row_without_a_name_is_a_move_not_a_path() -> None:
     program = read(POSE + "\n1,2,3,1,0,0,0\n").program
     assert program.targets == {"part_1": Target(Pose((1.0, 2.0, 3.0)))}
     assert program.procedures[0].body == (
-        Move("linear", Name("part_1"), NO_PROCESS.defaults.motion),
+        Move("joint", Name("part_1"), NO_PROCESS.defaults.motion),
     )
 
 
@@ -152,7 +152,7 @@ def test_signals_waits_and_comments_of_named_rows() -> None:
     )
     assert body == (
         Comment('now glue; "x"'),
-        Move("linear", Name("p"), CELL.defaults.motion),
+        Move("joint", Name("p"), CELL.defaults.motion),
         SetSignal("glue", Number(1)),
         Wait(Number(0.5)),
     )

@@ -102,7 +102,7 @@ def test_targets_moves_and_what_stands_around_them() -> None:
 
 def test_its_own_motion_table_comes_before_the_process_file() -> None:
     body = read('[motion]\nspeed = 20\n[[targets]]\nname = "p"\n' + POSE, CELL).program
-    assert body.procedures[0].body == (Move("linear", Name("p"), Motion(Speed(20.0), FINE)),)
+    assert body.procedures[0].body == (Move("joint", Name("p"), Motion(Speed(20.0), FINE)),)
 
 
 def test_arcs() -> None:

@@ -137,7 +137,7 @@ def test_motion_comes_from_the_process() -> None:
 def test_one_pose_is_a_move() -> None:
     program = waypoints.from_poses([[1, 2, 3, 1, 0, 0, 0]], name="p", unit="mm")
     assert program.targets == {"p_1": Target(Pose((1.0, 2.0, 3.0)))}
-    assert program.procedures[0].body == (Move("linear", Name("p_1"), NO_PROCESS.defaults.motion),)
+    assert program.procedures[0].body == (Move("joint", Name("p_1"), NO_PROCESS.defaults.motion),)
 
 
 def test_a_warning_if_millimetres_look_like_metres(read: Any) -> None:
