@@ -2,7 +2,7 @@
 
 Case of names, order of declarations, parentheses that priorities make needless, an IF in one
 line, spelling of numbers, decimals beyond the printed ones, attributes of modules, LOCAL before
-data of motion, and the
+data of motion, a signal that is read by a function or by its name, and the
 comments that this package itself writes into a module's head do not count. All the rest does.
 """
 
@@ -220,6 +220,14 @@ def _numbers(node: s.Expression) -> list[float] | None:
     return None if any(v is None for v in values) else [float(v) for v in values if v is not None]
 
 
+def _function(node: s.FunctionCall) -> Said:
+    match node:
+        case s.FunctionCall(name, (s.Positional(s.NameRef() as signal, None),)):
+            if name.lower() in ("dinput", "doutput", "ginput", "goutput", "ainput", "aoutput"):
+                return said(signal)
+    return "function", _call(node.name, node.arguments)
+
+
 def _prefix(node: s.Prefix) -> Said:
     number = _number(node)
     if number is not None:
@@ -294,7 +302,7 @@ SAID: Final[dict[type, Callable[[Any], Said]]] = {
     s.Element: lambda n: ("element", said(n.value), tuple(map(said, n.indices))),
     s.AggregateNode: _aggregate,
     s.Group: lambda n: said(n.inner),
-    s.FunctionCall: lambda n: ("function", _call(n.name, n.arguments)),
+    s.FunctionCall: lambda n: _function(n),
     s.Prefix: _prefix,
     s.Infix: lambda n: ("infix", n.operator, said(n.left), said(n.right)),
     s.Placeholder: lambda n: ("hole", n.text),

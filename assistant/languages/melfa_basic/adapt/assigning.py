@@ -179,8 +179,9 @@ class _Reading:
         if callee is None:
             return state
         run = self.assigning.run(callee)
-        self.read(run.read, state)
-        return None if run.given is None else state | run.given
+        # what the caller has of its own hides nothing from what it calls
+        self.run.read |= run.read - self.others(state)
+        return None if run.given is None else state | self.others(run.given)
 
     def read(self, names: set[str], state: Known) -> None:
         self.run.read |= names - self.own - state
@@ -188,8 +189,11 @@ class _Reading:
 
     def leave(self, state: State) -> None:
         if state is not None:
-            left = (x for x in state if (x if isinstance(x, str) else x[0]) not in self.own)
-            self.run.given = _met(self.run.given, frozenset(left))
+            self.run.given = _met(self.run.given, self.others(state))
+
+    def others(self, state: Known) -> Known:
+        """What has a value of data that is not the procedure's own."""
+        return frozenset(x for x in state if (x if isinstance(x, str) else x[0]) not in self.own)
 
 
 def element(target: e.Expression, sizes: Mapping[str, tuple[int, ...]]) -> Element | None:

@@ -39,6 +39,9 @@ ARITY: Final = {
 }
 """Arguments that a function must have to be the pseudo-program's own; 1 if not named."""
 
+READS: Final = frozenset(("dinput", "doutput", "ginput", "goutput", "ainput", "aoutput"))
+"""Functions that give what a signal's name says by itself (RAPID reference manual)."""
+
 Original = Callable[[str], str]
 
 
@@ -145,6 +148,8 @@ def _call(node: s.FunctionCall, original: Original) -> e.Expression:
         if all(p is not None for p in points):
             return e.Apply("distance", tuple(p for p in points if p is not None))
         return verbatim
+    if name in READS and len(given) == 1:
+        return given[0] if isinstance(given[0], e.Name) else verbatim
     if name == "testdi" and len(given) == 1:
         return e.Binary("=", given[0], e.Number(1))
     if name in _POWERS and len(given) == 2:

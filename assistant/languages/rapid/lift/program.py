@@ -9,6 +9,7 @@ from typing import Any
 
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid import verbatim
+from assistant.languages.rapid.constants import with_constants
 from assistant.languages.rapid.header import Header, opening
 from assistant.languages.rapid.lift.data import DataLift
 from assistant.languages.rapid.lift.instructions import Meaning
@@ -136,7 +137,8 @@ class _Lift:
         used = chain(self.meaning.used, uses(program.statements()))
         program = with_timers(program, self.clocks, self.original)
         program = apart(replace(program, signals=with_used(declared, used)))
-        return with_paths(with_values(with_places(program, self.original)), self.original)
+        program = with_values(with_places(with_constants(program), self.original))
+        return with_paths(program, self.original)
 
     def _hidden(self, module: s.Module) -> dict[str, str]:
         """New names for local routines of a module that have the name of one in another."""
