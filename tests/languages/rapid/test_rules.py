@@ -395,6 +395,17 @@ def test_duplicates_of_modules() -> None:
     )
 
 
+def test_programs_that_lie_together_are_not_one_set_of_names() -> None:
+    one = module("PROC main()\nTPErase;\nENDPROC", "one")
+    two = module("PROC main()\nTPErase;\nENDPROC", "two")
+    data = [
+        module("PERS tooldata t:=[TRUE,[[0,0,9],[1,0,0,0]],[1,[0,0,9],[1,0,0,0],0,0,0]];", n)
+        for n in ("data1", "data2")
+    ]
+    assert [code for code, _ in found(one, two, *data)] == ["RA212"]
+    assert [code for code, _ in found(one, *data)] == ["RA201"]
+
+
 def test_persistents_of_two_tasks_are_shared() -> None:
     text = "PERS num a:=1;\nVAR num b;"
     trees = [RAPID.parse(module(text, name)) for name in ("one", "two")]

@@ -100,6 +100,8 @@ class Case:
 CASES = [
     Case(rules.UNKNOWN_ROUTINE, "weld_seam a;", "grip 1,a;"),
     Case(rules.UNKNOWN_ROUTINE, "a:=thrice(2);", "a:=twice(2);"),
+    Case(rules.UNKNOWN_ROUTINE, "FCPressLBegin p1;", "FCPressLEnd p1;"),
+    Case(rules.UNKNOWN_ROUTINE, "FCPresL p1;", "FCPressL p1;"),
     Case(rules.UNKNOWN_ROUTINE, "CONNECT alarm WITH gone;", "CONNECT alarm WITH stopped;"),
     Case(rules.UNKNOWN_DATA, "CONNECT bell WITH stopped;", "CONNECT alarm WITH stopped;"),
     Case(rules.MISSPELT_ROUTINE, "WaitTiem 1;", "WaitTime 1;"),

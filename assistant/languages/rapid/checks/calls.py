@@ -70,7 +70,9 @@ def _unknown(node: s.ProcedureCall | s.FunctionCall, name: str, kind: str, scope
         return
     task = scope.look.task.shared.values()
     own = [one.name for several in task for one in several if one.kind == kind]
-    standard = [n for n, (line, _) in signatures.rows().items() if line.startswith(kind)]
+    # An option may have routines that are not listed: none of those is taken for a slip.
+    rows = signatures.rows().items()
+    standard = [n for n, (line, option) in rows if line.startswith(kind) and not option]
     near = misspelt(name, [*own, *standard])
     meant = _routine(near, scope) if near else None
     if meant is not None and _right(node, meant, scope):

@@ -39,12 +39,11 @@ def modules(look: Look) -> Found:
 def duplicates(look: Look) -> Found:
     """Names of a module that it declares again, or that another module declares as well.
 
-    Two modules that cannot be in one task, each with a `main` or both of one name, are not
-    compared: they are two programs, or two states of one. Of the others it is not sure.
+    Modules that cannot all be in one task, as two have a `main` or the same name, are not
+    compared: they are several programs, or states of one, and which belong together nobody says.
     """
     own: set[str] = set()
-    rivals = {id(other) for other in look.before if _rivals(look.task, other, look.module)}
-    earlier = {id(other) for other in look.before} - rivals
+    earlier = set() if look.task.mixed else {id(other) for other in look.before}
     for item in look.module.items:
         declared = declaration(item, look.module)
         if declared is None:
@@ -54,7 +53,7 @@ def duplicates(look: Look) -> Found:
         elsewhere = any(id(one.module) in earlier for one in shared)
         other = look.task.row(declared.name, look.module)
         here = name in own or (other is not None and other.module is look.module)
-        if here or elsewhere or (other is not None and id(other.module) not in rivals):
+        if here or elsewhere or (other is not None and not look.task.mixed):
             sure = here or look.compiled
             severity = Severity.ERROR if sure else Severity.WARNING
             yield look.finding(rules.DUPLICATE, item, severity=severity, name=declared.name)
@@ -80,12 +79,6 @@ def _inner(look: Look, items: Iterator[Any]) -> Found:
             seen.add(declared.name.lower())
 
 
-def _rivals(task: Task, one: s.Module, other: s.Module) -> bool:
-    if one.name.lower() == other.name.lower():
-        return True
-    return task.main(one) is not None and task.main(other) is not None
-
-
 def repeated_rows(task: Task) -> list[tuple[s.Module, s.TargetRunNode, int]]:
     """Rows of runs whose name an earlier row has: the first one of each run."""
     if not task.runs:
@@ -108,7 +101,7 @@ def repeated_rows(task: Task) -> list[tuple[s.Module, s.TargetRunNode, int]]:
     for one, other in zip(order[same], order[same + 1], strict=True):
         module, node = task.runs[int(owners[other])]
         before = task.runs[int(owners[one])][0]
-        if before is module or not _rivals(task, before, module):
+        if before is module or not task.mixed:
             found.setdefault(id(node), (module, node, int(rows[other])))
     return list(found.values())
 
