@@ -5,17 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from assistant import languages
 from assistant.compiler import Translation, translate
 from assistant.program.geometry import Pose
-from assistant.program.rotations import angle_between
 from assistant.virtual import melfa, rapid
-from assistant.virtual.events import Event, Moved, Run
+from assistant.virtual.comparing import difference
+from assistant.virtual.events import Moved, Run
 
-NEAR_MM, NEAR_DEGREES = 0.02, 0.02
-"""What printed decimals of targets, tools and frames may add up to."""
 MELFA = ("melfa-basic-4", "melfa-basic-5", "melfa-basic-6")
 
 
@@ -47,29 +43,6 @@ def moves_alike(folder: Path, text: str, to: str, moves: int, **options: Any) ->
     source = "rapid" if text.lstrip().startswith("MODULE") else "melfa-basic-5"
     first, second = ran(text, source, options.get("entry", "main")), ran(made, to)
     assert (first.ended, second.ended) == ("end", "end"), (first.message, second.message, made)
-    there, back = map(_motions, (first.events, second.events))
-    assert len(there) == moves
-    assert len(back) == moves, made
-    for number, (one, other) in enumerate(zip(there, back, strict=True)):
-        assert _same(one, other), (number, one, other, made)
+    assert len([x for x in first.events if isinstance(x, Moved)]) == moves
+    assert difference(first, second) is None, (difference(first, second), made)
     return made
-
-
-def _motions(events: tuple[Event, ...]) -> list[Event]:
-    """What moves; a move to where the arm stands already is none."""
-    return [event for event in events if isinstance(event, Moved)]
-
-
-def _same(one: Event, other: Event) -> bool:
-    assert isinstance(one, Moved)
-    assert isinstance(other, Moved)
-    assert one.flange is not None
-    assert other.flange is not None
-    poses = [(one.flange, other.flange), (one.tool, other.tool)]
-    return one.kind == other.kind and all(_near(a, b) for a, b in poses)
-
-
-def _near(a: Pose, b: Pose) -> bool:
-    apart = np.linalg.norm(np.subtract(a.position, b.position))
-    turned = angle_between(np.array(a.quaternion), np.array(b.quaternion))
-    return bool(apart < NEAR_MM and float(turned) < NEAR_DEGREES)

@@ -204,10 +204,6 @@ TOO_MANY_STEPS = Rule(
     "MB220", E, "the program `{name}` needs {count} steps, more than {most}",
     "split it into procedures in units of their own",
 )  # fmt: skip
-UPWARDS = Rule(
-    "MB222", W, "the loop over `{name}` counts upwards only, not down where its end is less",
-    "write a step of 1 or -1",
-)  # fmt: skip
 OVER_THE_BACK = Rule(
     "MB221", E, "`{name}` reaches over the arm's back with a tilted tool: A and B are uncertain",
     "turn the cell so that the arm reaches forward, or point the tool straight down",

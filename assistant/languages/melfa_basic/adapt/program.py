@@ -15,6 +15,7 @@ from assistant.languages.melfa_basic.adapt.context import Context
 from assistant.languages.melfa_basic.adapt.data import with_plain_data
 from assistant.languages.melfa_basic.adapt.first_values import with_first_values
 from assistant.languages.melfa_basic.adapt.five_axes import in_base
+from assistant.languages.melfa_basic.adapt.loops import with_settled_loops
 from assistant.languages.melfa_basic.adapt.parameters import without_parameters
 from assistant.languages.melfa_basic.adapt.procedures import recursive, with_fresh_variables
 from assistant.languages.melfa_basic.adapt.splitting import MOST_TARGETS, split
@@ -70,6 +71,7 @@ def _with_plain_procedures(program: Program, dialect: Dialect, findings: Finding
     program = with_array_parameters(program, dialect.functions, findings)
     program = with_fresh_variables(program)
     program = with_filled_arrays(program, findings)
+    program = with_settled_loops(program)
     if not dialect.functions:
         for procedure in recursive(program):
             with findings.at(procedure.span):

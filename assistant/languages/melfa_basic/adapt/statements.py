@@ -113,17 +113,7 @@ class _Plain:
     # ------------------------------------------------------------------------- control
 
     def for_(self, node: p.For) -> Iterator[p.Statement]:
-        if node.step is None:
-            node = replace(node, step=self.direction(node))
         yield map_bodies(replace(node, variable=self.context.spelled(node.variable)), self.body)
-
-    def direction(self, node: p.For) -> e.Number:
-        """The step of a loop that counts towards its end, which MELFA-BASIC must be told."""
-        first, last = node.first, node.last
-        if isinstance(first, e.Number) and isinstance(last, e.Number):
-            return e.Number(1 if first.value <= last.value else -1)
-        self.context.findings.append(rules.UPWARDS(name=node.variable))
-        return e.Number(1)
 
     def switch(self, node: p.Switch) -> Iterator[p.Statement]:
         nested = self.selects and not self.context.dialect.nested_select
