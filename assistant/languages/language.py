@@ -267,6 +267,7 @@ class Language(abc.ABC, Generic[T]):
         if program == lifted:
             unchanged: T = tree
             return unchanged
+        lifted = replace(lifted, origin=origin)
         before, after = self._built(lifted, robot), self._built(program, robot)
         return self.merge(tree, before, after, program)
 

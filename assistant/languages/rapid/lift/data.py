@@ -69,7 +69,7 @@ class DataLift:
     def _take(self, item: s.Data, constant: bool) -> bool:
         """Whether the pseudo-program has a place for the data."""
         type, name = item.type.lower(), self.original(item.name)
-        if item.scope == "TASK" or (item.dimensions and type not in VALUE_OF_TYPE):
+        if item.dimensions and type not in VALUE_OF_TYPE:
             return False
         value = numbers(item.value)
         if type == "tooldata" and (tool := _tool(value)) and name.lower() != FLANGE:
@@ -103,7 +103,7 @@ class DataLift:
     def variable(self, item: s.Data) -> Variable | None:
         """A variable, None if the pseudo-program has none of that kind."""
         type = VALUE_OF_TYPE.get(item.type.lower())
-        if type is None or item.scope == "TASK":
+        if type is None:
             return None
         size = [literal_number(d) for d in item.dimensions]
         if not all(isinstance(n, int) and n > 0 for n in size):

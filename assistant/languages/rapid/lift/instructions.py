@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.gather import literal_number
 from assistant.languages.rapid.lift.expressions import frame_name, lift, tool_name
-from assistant.languages.rapid.motions import BLENDS, SPEEDS
+from assistant.languages.rapid.motions import BLENDS, SPEEDS, speed_of, zone_of
 from assistant.languages.rapid.signals import gripper
 from assistant.languages.rapid.tables import SPEED_CAP
 from assistant.program import expressions as e
@@ -24,7 +24,8 @@ class Meaning:
 
     original: gives a shortened name back. speeds, blends: the declared ones by lower-case name.
     numbers: values of constants whose names mean nothing else anywhere, by lower-case name.
-    timers: lower-case names of the clocks that are timers.
+    timers: lower-case names of the clocks that are timers. alone: joint targets without external
+    axes, by lower-case names that mean nothing else anywhere.
     used: signals as instructions use them, filled as statements are lifted.
     """
 
@@ -33,6 +34,7 @@ class Meaning:
     blends: Mapping[str, Blend] = field(default_factory=dict)
     numbers: Mapping[str, e.Number] = field(default_factory=dict)
     timers: frozenset[str] = frozenset()
+    alone: frozenset[str] = frozenset()
     used: list[tuple[str, Signal]] = field(default_factory=list)
 
     def expression(self, node: s.Expression) -> e.Expression:
@@ -41,6 +43,15 @@ class Meaning:
     def known(self, value: e.Expression) -> e.Expression:
         """The number that a constant stands for; anything else as it is."""
         return self.numbers.get(value.name.lower(), value) if isinstance(value, e.Name) else value
+
+    def moves_axes(self, joints: e.Expression) -> bool:
+        """Whether a joint target may say where external axes go."""
+        match joints:
+            case e.JointValue(target):
+                return any(v == v for v in target.external)
+            case e.Name(name):
+                return name.lower() not in self.alone
+        return True
 
     def motion(self, speed: str, zone: str, tool: str, frame: str) -> p.Motion:
         """frame: empty for none."""
@@ -98,12 +109,47 @@ class Form:
 
 
 def _motion(m: Meaning, names: Given, options: Options) -> p.Motion | None:
-    frame = options.get("wobj")
-    words = [n.name for n in names if isinstance(n, s.NameRef)]
-    if len(words) != 3 or not (frame is None or isinstance(frame, s.NameRef)):
+    """A `TLoad` of load0 leaves the load to the tool (RAPID reference manual, MoveL)."""
+    speed, zone, tool = names
+    frame, load = options.get("wobj"), options.get("tload", NO_LOAD)
+    if not isinstance(tool, s.NameRef) or not isinstance(frame, s.NameRef | None):
         return None
-    speed, zone, tool = words
-    return m.motion(speed, zone, tool, frame.name if isinstance(frame, s.NameRef) else "")
+    if not isinstance(load, s.NameRef) or load.name.lower() != NO_LOAD.name:
+        return None
+    values = _speed(speed), _zone(zone)
+    named = [n.name if isinstance(n, s.NameRef) else "" for n in (speed, zone)]
+    if not all(name or value for name, value in zip(named, values, strict=True)):
+        return None
+    where = "" if frame is None else frame.name
+    motion = m.motion(named[0], named[1], tool.name, where)
+    stated = {k: v for k, v in zip(("speed", "blend"), values, strict=True) if v is not None}
+    return replace(motion, **stated)  # type: ignore[arg-type]
+
+
+NO_LOAD: Final = s.NameRef("load0")
+
+
+def _speed(node: s.Expression) -> Speed | None:
+    """A speed that is written out."""
+    values = _values(node)
+    return speed_of(values) if len(values) == 4 and not isinstance(node, s.NameRef) else None
+
+
+def _zone(node: s.Expression) -> Blend | None:
+    """A zone that is written out; a stop point has no sizes."""
+    match node:
+        case s.AggregateNode((s.BoolLiteral(fine), *sizes)):
+            values = _values(s.AggregateNode(tuple(sizes)))
+            zone = zone_of(fine, values) if len(values) == 6 else None
+            return None if zone is None or (zone.radius is None and any(values)) else zone
+    return None
+
+
+def _values(node: s.Expression) -> list[float]:
+    """The numbers in brackets, none if there is anything else in them."""
+    items = node.items if isinstance(node, s.AggregateNode) else ()
+    numbers = [literal_number(item) for item in items]
+    return [] if None in numbers else [float(n) for n in numbers if n is not None]
 
 
 def _move(kind: Any) -> Lifted:
@@ -122,8 +168,10 @@ def _circular(m: Meaning, given: Given, options: Options) -> p.Statement | None:
 
 
 def _joints(m: Meaning, given: Given, options: Options) -> p.Statement | None:
-    motion = _motion(m, given[1:], options)
-    return None if motion is None else p.MoveJoints(m.expression(given[0]), motion)
+    motion, joints = _motion(m, given[1:], options), m.expression(given[0])
+    if motion is None or ("noeoffs" in options and m.moves_axes(joints)):
+        return None
+    return p.MoveJoints(joints, motion)
 
 
 def _wait(m: Meaning, given: Given, _: Options) -> p.Statement | None:
@@ -234,10 +282,10 @@ def _message(m: Meaning, given: Given, options: Options) -> p.Statement | None:
 
 
 INSTRUCTIONS: Final[Mapping[str, Form]] = {
-    "movej": Form(4, _move("joint"), ("wobj",)),
-    "movel": Form(4, _move("linear"), ("wobj",)),
-    "movec": Form(5, _circular, ("wobj",)),
-    "moveabsj": Form(4, _joints, ("wobj",)),
+    "movej": Form(4, _move("joint"), ("wobj", "tload")),
+    "movel": Form(4, _move("linear"), ("wobj", "tload")),
+    "movec": Form(5, _circular, ("wobj", "tload")),
+    "moveabsj": Form(4, _joints, ("wobj", "tload", "noeoffs")),
     "waittime": Form(1, _wait),
     "waitdi": Form(2, _wait_signal("digital", "input"), ("maxtime",)),
     "waitdo": Form(2, _wait_signal("digital", "output"), ("maxtime",)),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import chain
-from typing import Any
+from typing import Any, TypeVar
 
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid import verbatim
@@ -25,6 +25,7 @@ from assistant.languages.rapid.timers import clocks, with_timers
 from assistant.languages.rapid.walk import nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.geometry import JointTarget
 from assistant.program.program import (
     Declaration,
     Parameter,
@@ -34,6 +35,8 @@ from assistant.program.program import (
     identifier,
 )
 from assistant.program.rewriting import map_spans, rewrite
+
+T = TypeVar("T")
 
 
 def lift(files: Sequence[s.File]) -> Program:
@@ -64,7 +67,12 @@ class _Lift:
         self.paths = PathLift(modules, self.data, self.original)
         self.clocks = clocks(modules)
         self.meaning = Meaning(
-            self.original, self.data.speeds, self.data.blends, self._constants(), self.clocks
+            self.original,
+            self.data.speeds,
+            self.data.blends,
+            self._plain(self._numbers()),
+            self.clocks,
+            frozenset(self._plain(self._alone())),
         )
         self.statements = StatementLift(self.meaning, self.paths, self.own)
         self.procedures: list[Procedure] = []
@@ -81,13 +89,21 @@ class _Lift:
     def original(self, name: str) -> str:
         return self.names.get(name.lower(), name)
 
-    def _constants(self) -> dict[str, e.Number]:
-        """Numbers of constants, by names that no routine declares or counts with."""
-        values = {
+    def _numbers(self) -> dict[str, e.Number]:
+        """Numbers of constants, by lower-case name."""
+        return {
             n.lower(): v.initial
             for n, v in self.data.variables.items()
             if v.storage == "constant" and isinstance(v.initial, e.Number)
         }
+
+    def _alone(self) -> dict[str, JointTarget]:
+        """Joint targets that say nothing of external axes, by lower-case name."""
+        known = self.data.joint_targets.items()
+        return {n.lower(): j for n, j in known if not any(v == v for v in j.external)}
+
+    def _plain(self, values: dict[str, T]) -> dict[str, T]:
+        """Those by names that no routine declares or counts with."""
         if not values:
             return values
         for node in nodes(tuple(i for m in self.modules for i in m.items)):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Final
 
 from assistant.languages.rapid import syntax as s
@@ -26,17 +27,36 @@ from assistant.languages.rapid.tables import (
     ZONES,
 )
 from assistant.languages.rapid.timers import TYPE as CLOCK
+from assistant.languages.rapid.verbatim import LANGUAGE
 from assistant.program.geometry import BASE, FLANGE, Frame, Load, Tool
 from assistant.program.motion import Blend, Speed
 from assistant.program.program import Program, Variable
 from assistant.program.timers import timers
 
+TASK: Final = "TASK"
 SIZES_PLACES: Final = 6
 """Decimals of masses, inertias, speeds and zone sizes."""
 
 
 def data(program: Program, names: Naming) -> Iterator[s.Data]:
-    """The data that a program declares; raises Refused for what RAPID cannot say."""
+    """The data that a program declares; raises Refused for what RAPID cannot say.
+
+    What was one task's own where it was read stays that: a pseudo-program is of one task.
+    """
+    own = _of_task(program)
+    for node in _data(program, names):
+        yield replace(node, scope=TASK) if node.name.lower() in own else node
+
+
+def _of_task(program: Program) -> set[str]:
+    """Lower-case names of the data that were read as `TASK`."""
+    origin = program.origin
+    files = origin.trees if origin is not None and origin.language == LANGUAGE else ()
+    items = (item for file in files for module in file.modules for item in module.items)
+    return {i.name.lower() for i in items if isinstance(i, s.Data) and i.scope == TASK}
+
+
+def _data(program: Program, names: Naming) -> Iterator[s.Data]:
     expressions = Expressions(names, names.value)
     for name, tool in program.tools.items():
         if name != FLANGE:
