@@ -31,7 +31,7 @@ from assistant.sources.curves import Arc, Curve, Line
 from assistant.sources.moves import WIDEST, Moves, moves
 from assistant.sources.nesting import holders
 from assistant.sources.ordering import ordered
-from assistant.sources.orientation import along, facing, level
+from assistant.sources.orientation import along, facing, level, turned
 from assistant.sources.process import Layer, Process
 from assistant.sources.process_table import nearest
 from assistant.sources.process_values import shown
@@ -91,6 +91,9 @@ UNKNOWN_FRAME = Rule(
 WIDEST_TURN: Final = 120.0
 """Degrees of an arc over which the tool turns with the contour: a controller turns it the
 shorter way from start to end, which has to stay the way of the arc."""
+
+HALF_TURN: Final = 180.0 + 1e-6
+"""Degrees that a tool is wound up by over which the way back is another one."""
 
 LONGEST_STEM: Final = 20
 """Letters of a layer's name that go into the names of its paths."""
@@ -192,6 +195,7 @@ def _procedure(
     body: list[Statement] = [Comment(_plain(f"{layer.process}: layer {name}"))]
     widest = WIDEST_TURN if layer.tangential else WIDEST
     deviation, fitted, count = 0.0, 0, 0
+    wound: float | None = None
     for contour in order.contours:
         rows = moves(contour, process.tolerance, widest=widest)
         handle = next((c.handle for c in contour.curves if c.handle), "")
@@ -203,8 +207,8 @@ def _procedure(
         else:
             count += 1
             deviation, fitted = max(deviation, rows.deviation), fitted + rows.fitted
-            kind: Literal["joint", "linear"] = "joint" if count == 1 else "linear"
-            body += _follow(f"{stem}_{count}", rows, layer, placed, kind)
+            made, wound = _follow(f"{stem}_{count}", rows, layer, placed, wound)
+            body += made
             taken.add(f"{stem}_{count}")
     if fitted:
         findings.append(FITTED(layer=shown(name), count=fitted, deviation=deviation))
@@ -275,11 +279,16 @@ class _Placed:
 
 
 def _follow(
-    name: str, drawn: Moves, layer: Layer, placed: _Placed, kind: Literal["joint", "linear"]
-) -> list[Statement]:
-    """Approach, switch on, follow, switch off, retract."""
+    name: str, drawn: Moves, layer: Layer, placed: _Placed, before: float | None
+) -> tuple[list[Statement], float]:
+    """Approach, switch on, follow, switch off, retract; and the degrees that the tool has turned.
+
+    before: the degrees of the contour before, None for the first one.
+    """
     moved = placed.rows(drawn)
     pose, path = _path(name, moved, layer, placed.direction)
+    wound = turned(np.concatenate([[pose.quaternion], path.quaternions]), placed.direction)
+    kind = _travels(before, layer)
     motion = layer.motion
     travel = replace(motion, speed=layer.travel, blend=FINE)
     plunge = replace(motion, speed=_slower(motion, layer.travel), blend=FINE)
@@ -297,7 +306,20 @@ def _follow(
     statements += [SetSignal(signal, _number(value)) for signal, value in layer.off]
     if layer.retract > 0.0:
         statements.append(Move("linear", _above(last, layer.retract), travel))
-    return statements
+    return statements, wound
+
+
+def _travels(wound: float | None, layer: Layer) -> Literal["joint", "linear"]:
+    """How the tool comes from one contour, along which it has turned by degrees, to the next.
+
+    A line turns it the shorter way, so that a tool that follows closed contours would wind up
+    with each of them; a joint move lets the wrist turn back. It is made above the work only.
+    """
+    if wound is None:
+        return "joint"
+    if not layer.tangential or not (layer.approach > 0.0 and layer.retract > 0.0):
+        return "linear"
+    return "joint" if abs(wound) > HALF_TURN else "linear"
 
 
 def _slower(motion: Motion, travel: Speed) -> Speed:

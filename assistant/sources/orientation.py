@@ -39,6 +39,18 @@ def facing(direction: Vector, x: Points) -> Points:
     return rotations.from_matrix(np.stack([x, np.cross(z, x), z], axis=-1))
 
 
+def turned(quaternions: Points, direction: Vector) -> float:
+    """Degrees about a direction that tools (n, 4) turn from the first to the last, in all.
+
+    From row to row they turn the shorter way; to the right about the direction counts up.
+    """
+    x = level(direction)
+    y = np.cross(np.asarray(direction, dtype=np.float64), x)
+    axes = rotations.rotate(quaternions, np.broadcast_to([1.0, 0.0, 0.0], (len(quaternions), 3)))
+    angles = np.unwrap(np.arctan2(axes @ y, axes @ x))
+    return float(np.degrees(angles[-1] - angles[0]))
+
+
 def along(moves: Moves, direction: Vector) -> tuple[Points, Points, NDArray[np.intp]]:
     """X axes that follow the contour: at its start (3,), at the rows, and where to turn.
 

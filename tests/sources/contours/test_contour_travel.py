@@ -1,0 +1,59 @@
+"""Travel between contours that a tool follows with its x axis: the wrist is not wound up."""
+
+import ezdxf
+import pytest
+
+import assistant
+from assistant import sources
+from assistant.program.statements import Move
+
+PROCESS = """
+[motion]
+frame = "table"
+tool = "knife"
+[tools.knife]
+tip = [0, 0, 150]
+[frames.table]
+position = [900, 0, 600]
+[layers."0"]
+tangential = true
+"""
+
+
+def drawn(folder, process=PROCESS, *, closed=True):
+    document = ezdxf.new("R2010", units=4)
+    model = document.modelspace()
+    for x in (0, 80, 160):
+        if closed:
+            model.add_lwpolyline([(x, 0), (x + 50, 0), (x + 50, 50), (x, 50)], close=True)
+        else:
+            model.add_lwpolyline([(x, 0), (x + 50, 0), (x + 50, 50)])
+    document.saveas(folder / "part.dxf")
+    (folder / "part.process.toml").write_text(process)
+    return folder / "part.dxf"
+
+
+def travels(path):
+    """The kinds of the moves that lead to each contour."""
+    body = sources.read(path).program.procedures[1].body
+    return [
+        s.kind for s in body if isinstance(s, Move) and s.motion.speed.tcp == 200
+    ]  # approaches and retracts
+
+
+@pytest.mark.parametrize("robot", ["irb4600-20-2.50", "irb4600-60-2.05"])
+@pytest.mark.parametrize("language", ["rapid", "melfa-basic-5"])
+def test_many_closed_contours_do_not_wind_the_wrist_up(tmp_path, robot, language):
+    compiled = assistant.compile(drawn(tmp_path), language=language, robot=robot)
+    assert not [f for f in compiled.findings if f.code in ("RB106", "RB113")]
+    assert compiled.ok, compiled.findings
+
+
+def test_the_tool_unwinds_above_the_work(tmp_path):
+    approach = ["joint", "linear"]  # the retract after it is a line
+    assert travels(drawn(tmp_path)) == approach * 3
+    assert travels(drawn(tmp_path, closed=False)) == [*approach, *["linear"] * 4]
+    low = PROCESS + "approach = 0\n"
+    assert travels(drawn(tmp_path, low)) == [*approach, *["linear"] * 4]  # no room above it
+    level = PROCESS.replace("tangential = true", "tangential = false")
+    assert travels(drawn(tmp_path, level)) == [*approach, *["linear"] * 4]
