@@ -14,6 +14,7 @@ from typing import Final
 from tests.virtual.random_melfa_values import (
     BASES,
     DATA,
+    JOINTS,
     NUMBERS,
     POSITIONS,
     RARE,
@@ -72,7 +73,7 @@ class _Writer(Values):
                 self.add(f"*{name}")
                 self.body(rng.randrange(2, 6))
                 self.add("Return")
-        return self._numbered() + DATA
+        return self._numbered() + DATA + (JOINTS if self.arms else "")
 
     def _with_functions(self) -> None:
         """Two functions, and what the program does in `Main`."""
@@ -103,6 +104,9 @@ class _Writer(Values):
         self.add("Function Main")
         self.first_values()
         self.body(rng.randrange(5, 12))
+        for name, call in (("FA", "M1=FA(M2,1)"), ("FB", "FB(M1,M2)")):
+            if sum(f"{name}(" in line for line in self.lines) == 1:  # its head
+                self.add(call)
         self.add("FEnd")
 
     def head(self) -> None:
