@@ -131,6 +131,24 @@ def test_conditions(condition: str, holds: bool) -> None:
     assert shown(done) == [(400, 0, 500) if holds else (450, 50, 500)]
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "M1=2\nFor M2=1 To 60\nM1=M1*M1\nNext M2",
+        "M1=9^999", "M1=Exp(1000)", "M1=Val(\"&HG\")", "M1=0^(-1)", "C1$=Str$(1.5)",
+    ],
+)  # fmt: skip
+def test_numbers_that_are_none_do_not_stop_the_interpreter(text: str) -> None:
+    assert run(f"{text}\nEnd").ended == "unknown"
+
+
+@pytest.mark.parametrize(
+    "text", ["C1$=Chr$(300)", "M1=Sin(1,2)", "Tool", "M1=Len(3)", "Cnt 2", "M1=Sqr(-1)"]
+)
+def test_arguments_that_a_controller_refuses(text: str) -> None:
+    assert run(f"{text}\nEnd").ended == "error"
+
+
 @pytest.mark.parametrize("text", ["M1=-7\\2", "M1=-7 Mod 3", "M1=1/0", "M1=Rnd(0)", "M1=M_Uar"])
 def test_what_nothing_tells_is_not_guessed(text: str) -> None:
     assert run(f"{text}\nEnd").ended == "unknown"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import operator
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Final
@@ -82,13 +83,21 @@ def _whole_value(m: Machine, node: s.Variable) -> Value:
         if key in m.code.signals:
             return io_value(m, m.code.signals[key])
         if node.arguments is not None and vocabulary.function(key) is not None:
-            given = tuple(None if a is None else value(m, a) for a in node.arguments)
-            return functions.call(key.removesuffix("$"), given, m.world.arm.robot)
+            return _applied(m, node, node.arguments)
         if is_status(key):
             index = tuple(value(m, a) for a in node.arguments or ())
             return status.read(m.world, key, index)
     place, index = reference(m, node)
     return place.get(index)
+
+
+def _applied(m: Machine, node: s.Variable, arguments: tuple[s.Expression | None, ...]) -> Value:
+    """What a function of the language gives."""
+    known, count = vocabulary.function(node.key), len(arguments)
+    if known and not known.least <= count <= (count if known.most is None else known.most):
+        raise Failed(3120, f"{node.name} with {count} arguments")
+    given = tuple(None if a is None else value(m, a) for a in arguments)
+    return functions.call(node.key.removesuffix("$"), given, m.world.arm.robot)
 
 
 def is_status(key: str) -> bool:
@@ -148,8 +157,7 @@ def binary(m: Machine, sign: str, left: Value, right: Value) -> Value:
             return bool(BITWISE[sign](left, right))
         return BITWISE[sign](whole(left, "an operand"), whole(right, "an operand"))
     if sign in ARITHMETIC:
-        made: int | float = ARITHMETIC[sign](number(left), number(right))
-        return made
+        return _kept(ARITHMETIC[sign](number(left), number(right)))
     raise Failed(4220, f"the operator {sign}")
 
 
@@ -159,15 +167,28 @@ def _divided(left: float, right: float) -> float:
     return left / right
 
 
+EXACT: Final = 1 << 53
+"""Whole numbers below it are exact in double precision."""
+
+
+def _kept(made: int | float) -> int | float:
+    """A result in double precision; raises Unknown where that has no number for it."""
+    if isinstance(made, int):
+        return made if abs(made) < EXACT else float(made)
+    if not math.isfinite(made):
+        raise Unknown("a number that is not finite")
+    return made
+
+
 def _power(left: float, right: float) -> int | float:
-    made: int | float | complex
+    made: float | complex
     try:
-        made = left**right
+        made = float(left) ** float(right)
     except (OverflowError, ZeroDivisionError):
         raise Unknown(f"{left} to the power of {right}") from None
     if isinstance(made, complex):
         raise Unknown("the power of a negative number to one that is not whole")
-    return made
+    return int(made) if made.is_integer() and abs(made) < EXACT else made
 
 
 def _quotient(left: float, right: float) -> int:

@@ -56,6 +56,16 @@ def _root(x: float) -> float:
     return math.sqrt(x)
 
 
+def _power_of_e(x: float) -> float:
+    if x > LARGEST_POWER:
+        raise Unknown(f"e to the power of {x}")
+    return math.exp(x)
+
+
+LARGEST_POWER: Final = 709.0
+"""Of e in double precision."""
+
+
 def _logarithm(of: Callable[[float], float]) -> Callable[[float], float]:
     def made(x: float) -> float:
         if x <= 0:
@@ -78,7 +88,7 @@ NUMERIC: Final[Mapping[str, Callable[..., int | float]]] = {
     "ABS": abs,
     "SGN": lambda x: (x > 0) - (x < 0),
     "SQR": _root,
-    "EXP": math.exp,
+    "EXP": _power_of_e,
     "LN": _logarithm(math.log),
     "LOG": _logarithm(math.log10),
     "FIX": math.trunc,
@@ -128,6 +138,12 @@ def _code(of: Value) -> int:
     return ord(text(of)[0])
 
 
+def _character(code: Value) -> str:
+    if not 0 <= whole(code) < 256:
+        raise out_of_range(f"the character {whole(code)}")
+    return chr(whole(code))
+
+
 def _found(of: Value, sought: Value) -> int:
     if not text(sought):
         raise out_of_range("an empty text that is looked for")
@@ -136,13 +152,15 @@ def _found(of: Value, sought: Value) -> int:
 
 def _number_in(of: Value) -> int | float:
     given = text(of).strip().upper()
-    for mark, base in (("&H", 16), ("&B", 2)):
-        if given.startswith(mark):
-            return int(given[2:], base)
     try:
+        for mark, base in (("&H", 16), ("&B", 2)):
+            if given.startswith(mark):
+                return int(given[2:], base)
         value = float(given)
     except ValueError:
         raise Unknown(f"the number in the text `{text(of)}`") from None
+    if not math.isfinite(value):
+        raise Unknown(f"the number in the text `{text(of)}`")
     return int(value) if value.is_integer() else value
 
 
@@ -177,7 +195,7 @@ PLAIN: Final[Mapping[str, Callable[..., Value]]] = {
     "RIGHT": lambda of, count: _end(of, count, left=False),
     "LEN": lambda of: len(text(of)),
     "ASC": _code,
-    "CHR": lambda code: chr(whole(code)),
+    "CHR": _character,
     "STRPOS": _found,
     "STRUPR": lambda of: text(of).upper(),
     "STRLWR": lambda of: text(of).lower(),

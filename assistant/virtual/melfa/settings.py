@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic import vocabulary
 from assistant.virtual.events import Stopped, Switched, Waited
 from assistant.virtual.melfa import blocks, expressions, pallets, poses
 from assistant.virtual.melfa.arm import FULL, OPTIMUM
@@ -24,6 +25,9 @@ def command(m: Machine, node: s.Command) -> None:
     if word in STRUCTURE:
         STRUCTURE[word](m, node)
     elif word in WORDS:
+        known, count = vocabulary.statement(word), len(node.arguments)
+        if known and not known.least <= count <= (count if known.most is None else known.most):
+            raise Failed(3120, f"{node.keyword} with {count} arguments")
         WORDS[word](m, *node.arguments)
     elif word not in QUIET:
         raise Unknown(f"the statement {node.keyword}")
