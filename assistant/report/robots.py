@@ -67,6 +67,8 @@ def record(robot: Robot) -> dict[str, Any]:
         "configuration": robot.counts,
         "tcp_speed_mm_s": robot.tcp_speed,
         "repeatability_mm": robot.repeatability,
+        "time_to_speed_s": robot.time_to_speed,
+        "time_to_speed_kg": robot.light,
         "coupling": robot.coupling,
         "lengths_mm": lengths(robot),
         "axes": [_axis(robot, i) for i in range(len(robot.axes))],
@@ -127,6 +129,9 @@ def _facts(robot: Robot) -> Iterator[tuple[str, str]]:
     yield "reach", f"{robot.reach:g} mm from axis 1 to the wrist{_doubt(robot, 'reach_mm')}"
     yield "TCP speed", _known(robot, robot.tcp_speed, "mm/s", "tcp_speed_mm_s")
     yield "repeatability", _known(robot, robot.repeatability, "mm", "repeatability_mm")
+    if robot.time_to_speed is not None:
+        doubt = _doubt(robot, "time_to_speed_s")
+        yield "time to speed", f"{robot.time_to_speed:g} s with {robot.light:g} kg{doubt}"
     if found := lengths(robot):
         named = ", ".join(f"{k} {v:g}{_doubt(robot, f'lengths_mm.{k}')}" for k, v in found.items())
         yield "lengths", f"{named} mm"

@@ -49,6 +49,7 @@ class Robot:
     limits: (a, 2). speeds: (a,) a second. home: (a,). tcp_speed: mm/s at most,
     None if not known. payload: kg, None if not known.
     accelerations: (a,) a second squared, None if no source tells. repeatability: mm, or None.
+    time_to_speed: seconds that an axis takes to its full speed with up to `light` kg, or None.
     reach: mm from axis 1 to the wrist centre of the stretched arm.
     counts: what a target's configuration says of axes 1, 4 and 6: `quadrants` (ABB) or
     only whole `turns` (Mitsubishi).
@@ -77,6 +78,8 @@ class Robot:
     unconfirmed: tuple[str, ...] = ()
     accelerations: Floats | None = None
     repeatability: float | None = None
+    time_to_speed: float | None = None
+    light: float = 0.0
     coupling: float = 0.0
     findings: tuple[Diagnostic, ...] = ()
 

@@ -122,6 +122,8 @@ class _Reader:
             self.wrong("payload_kg", "is missing")
         fastest = self.optional(self.table, "tcp_speed_mm_s", "tcp_speed_mm_s")
         repeatability = self.optional(self.table, "repeatability_mm", "repeatability_mm")
+        quick = self.optional(self.table, "time_to_speed_s", "time_to_speed_s")
+        light = self.optional(self.table, "time_to_speed_kg", "time_to_speed_kg")
         counts = self.text("configuration")
         if counts not in ("quadrants", "turns"):
             self.wrong("configuration", "is neither `quadrants` nor `turns`")
@@ -154,6 +156,8 @@ class _Reader:
             home=column["home"],
             tcp_speed=fastest,
             repeatability=repeatability,
+            time_to_speed=quick,
+            light=light or 0.0,
             coupling=coupling,
             payload=payload,
             reach=reach,
@@ -371,7 +375,7 @@ class _Reader:
 FIELDS: Final = (
     "name", "title", "maker", "controller", "languages", "arm", "configuration", "payload_kg",
     "reach_mm", "tcp_speed_mm_s", "repeatability_mm", "coupling", "source", "unconfirmed",
-    "lengths_mm", "axes_deg", "axes_mm", "links",
+    "lengths_mm", "axes_deg", "axes_mm", "links", "time_to_speed_s", "time_to_speed_kg",
 )  # fmt: skip
 NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
 """The name of a robot, as a comment in a program of any language carries it."""

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from assistant.program.diagnostics import Refused, has_errors
+from assistant.program.program import Program
 from assistant.robots.journey import Journey
 from assistant.robots.timing.drive import TIME_TO_SPEED, Drive, drive_of
 from assistant.robots.timing.samples import Samples
@@ -52,7 +53,7 @@ def simulate(
             raise Refused(NO_PERIOD(what=what, value=value), exit_status=2)
     robot, program = journey.robot, journey.program
     begin = np.array(robot.home if start is None else start, dtype=np.float64)
-    walker = Walker(journey, drive or drive_of(robot, acceleration))
+    walker = Walker(journey, drive or drive_of(robot, acceleration, _load(program)))
     place = tuple(begin.tolist())
     first = Way(places=(place,), known=walker.begin())
     entry = program.procedure(program.entry) if program.entry else None
@@ -72,3 +73,10 @@ def simulate(
         start=begin,
         wanted_period=period,
     )
+
+
+def _load(program: Program) -> float | None:
+    """Kg of the heaviest tool, None if the mass of one is not known."""
+    loads = [tool.load for tool in program.tools.values()]
+    known = [load.mass for load in loads if load is not None]
+    return max(known, default=0.0) if len(known) == len(loads) else None

@@ -75,8 +75,8 @@ def test_a_turn_on_the_spot_takes_the_speed_of_reorientation() -> None:
         "move joint o speed maximum blend fine",
         "move linear turned speed 1000 mm/s rotation 30 deg/s blend fine",
     )
-    # Only J6 turns, whose 600 deg/s take 0.1 s.
-    assert last(done) == pytest.approx(90 / 30 + 30 / 6000, abs=1e-6)
+    # Only J6 turns, whose 600 deg/s take 0.041 s.
+    assert last(done) == pytest.approx(90 / 30 + 30 / 600 * 0.041, abs=1e-6)
     assert done.moves.turn[-1] == pytest.approx(90)
     assert done.bound_by(done.moves.binds[-1]) == "reorientation"
 
@@ -102,8 +102,8 @@ def test_axes_arrive_together_at_their_percentage() -> None:
         "move absolute zero speed 100 mm/s joint 50 % blend fine",
         "move absolute there speed 100 mm/s joint 10 % blend fine",
     )
-    # J1: 90 degrees at 28.8 deg/s, accelerated by 2880 deg/s².
-    assert last(done) == pytest.approx(90 / 28.8 + 28.8 / 2880, abs=1e-6)
+    # J1: 90 degrees at 28.8 deg/s, accelerated to 288 deg/s within 0.041 s.
+    assert last(done) == pytest.approx(90 / 28.8 + 0.1 * 0.041, abs=1e-6)
     assert done.bound_by(done.moves.binds[-1]) == "percent"
     velocity = done.samples.joint_velocity[-150]
     assert velocity[0] == pytest.approx(28.8) and velocity[1] == pytest.approx(28.8 / 3)
