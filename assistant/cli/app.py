@@ -75,6 +75,10 @@ ProcessOption = Annotated[
     Path | None,
     typer.Option("--process", "-p", help="Process file; default NAME.process.toml beside it."),
 ]
+EntryOption = Annotated[
+    str | None,
+    typer.Option("--entry", help="Procedure that the program begins with; default its main."),
+]
 UnitOption = Annotated[
     str | None,
     typer.Option("--unit", help="Unit that a drawing is in, whatever it says: mm, in, m …",
@@ -127,6 +131,7 @@ def compile(
     frames: FramesOption = FramesAs.BASE,
     from_language: FromLanguage = None,
     from_robot: FromRobot = None,
+    entry: EntryOption = None,
     format: FindingFormatOption = FindingFormat.TEXT,
 ) -> None:
     """Write sources in a robot language, read back and compared before anything is written."""
@@ -144,6 +149,7 @@ def compile(
             frames=frames,
             from_language=from_language,
             from_robot=from_robot,
+            entry=entry,
             format=format,
         )
     )
@@ -172,6 +178,7 @@ def translate(
     ] = False,
     frames: FramesOption = FramesAs.BASE,
     from_language: FromLanguage = None,
+    entry: EntryOption = None,
     format: FindingFormatOption = FindingFormat.TEXT,
 ) -> None:
     """Write robot programs in another language; tell of every statement what becomes of it."""
@@ -185,6 +192,7 @@ def translate(
         frames=frames,
         from_language=from_language,
         draft=draft,
+        entry=entry,
     )
     raise typer.Exit(run_translate(programs, options, output=output, report=report, format=format))
 
@@ -196,6 +204,7 @@ def show(
     process: ProcessOption = None,
     unit: UnitOption = None,
     from_language: FromLanguage = None,
+    entry: EntryOption = None,
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", help="Write a .pseudo file, long paths in tables beside."),
@@ -204,7 +213,7 @@ def show(
     """Print the pseudo-program of any source or robot program."""
     from assistant.cli.compiling import run_show
 
-    raise typer.Exit(run_show(source, robot, process, unit, from_language, output))
+    raise typer.Exit(run_show(source, robot, process, unit, from_language, output, entry))
 
 
 @app.command()
@@ -296,12 +305,13 @@ def simulate(
     unit: UnitOption = None,
     from_language: FromLanguage = None,
     from_robot: FromRobot = None,
+    entry: EntryOption = None,
     format: FormatOption = Format.TEXT,
 ) -> None:
     """Tell how long a program takes on a robot, and write its motion over time. Nothing moves."""
     from assistant.cli.simulating import Options, run_simulate
 
-    options = Options(robot, process, unit, from_language, from_robot, acceleration, period)
+    options = Options(robot, process, unit, from_language, from_robot, acceleration, period, entry)
     raise typer.Exit(run_simulate(program, options, output or (), format))
 
 

@@ -6,6 +6,7 @@ import re
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -72,6 +73,7 @@ def run_compile(
     from_language: str | None,
     from_robot: str | None,
     format: FindingFormat,
+    entry: str | None = None,
 ) -> int:
     from assistant.compiler import compile
     from assistant.findings.settling import settle
@@ -91,6 +93,7 @@ def run_compile(
                 from_robot=from_robot,
                 most_targets=most_targets,
                 frames=frames.value,
+                entry=entry,
             )
         done.append((source, compiled))
     files, clash = _together(done)
@@ -128,10 +131,11 @@ def run_show(
     unit: str | None,
     from_language: str | None,
     output: Path | None,
+    entry: str | None = None,
 ) -> int:
     from assistant.program import pseudo
 
-    loaded = load_given(source, robot, process, unit, from_language)
+    loaded = load_given(source, robot, process, unit, from_language, entry)
     print_findings(fold(f.within(source) for f in loaded.findings))
     if output is None:
         sys.stdout.write(pseudo.print_program(loaded.program).text)
@@ -153,14 +157,21 @@ def load_given(
     process: Path | None,
     unit: str | None,
     from_language: str | None,
+    entry: str | None = None,
 ) -> Loaded:
-    """The program of a file, or of standard input if the source says so."""
+    """The program of a file, or of standard input if the source says so.
+
+    entry: the procedure that it begins with, None for its own.
+    """
     from assistant.compiler.arms import robot_of
+    from assistant.compiler.entering import entered
     from assistant.compiler.loading import load
 
-    given = _input(source, from_language, robot, process)
     arm = robot_of(robot)
-    return given or load(source, process=process, robot=arm, language=from_language, unit=unit)
+    given = _input(source, from_language, robot, process) or load(
+        source, process=process, robot=arm, language=from_language, unit=unit
+    )
+    return replace(given, program=entered(given.program, entry))
 
 
 def _input(

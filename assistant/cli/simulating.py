@@ -49,6 +49,7 @@ class Options:
     from_robot: str | None
     acceleration: float | None
     period: float | None
+    entry: str | None = None
 
 
 def run_simulate(source: str, options: Options, outputs: Sequence[str], format: Format) -> int:
@@ -88,7 +89,7 @@ def _solved(source: str, options: Options) -> tuple[Journey, list[Diagnostic]]:
 
     written_for, arm = robot_of(options.from_robot), robot_of(options.robot)
     reader = options.from_robot or options.robot
-    given = (options.process, options.unit, options.from_language)
+    given = (options.process, options.unit, options.from_language, options.entry)
     loaded = load_given(source, reader, *given)
     program: Program = loaded.program
     arm = arm or known_robot(program.robot)

@@ -45,6 +45,7 @@ class Options:
     frames: FramesAs
     from_language: str | None
     draft: bool
+    entry: str | None
 
 
 def run_translate(
@@ -122,6 +123,7 @@ def _translated(name: str, options: Options) -> Translated:
         frames=options.frames.value,
         language=options.from_language,
         draft=options.draft,
+        entry=options.entry,
     )
     return Translated("standard input" if name == STANDARD else name, translation)
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant.checks import check, with_robot
 from assistant.compiler.arms import Arms, known_robot, robot_of, taught_on
 from assistant.compiler.crossing import for_arm, unsaid
+from assistant.compiler.entering import entered
 from assistant.compiler.loading import language_of, load
 from assistant.compiler.places import Places
 from assistant.compiler.proof import SAYS_OTHERWISE, Proof, prove
@@ -89,6 +90,7 @@ def compile(
     from_robot: str | Robot | None = None,
     most_targets: int | None = None,
     frames: Frames = "base",
+    entry: str | None = None,
 ) -> Compiled:
     """The source as a program of the language, read back and compared before it is given out.
 
@@ -97,7 +99,8 @@ def compile(
     drawing is in, whatever it says itself. from_robot: the arm that a
     vendor program was written for. most_targets: of one unit, for controllers that take less.
     frames: how a language without work objects says them, see `Language.with_frames`.
-    Raises Unreadable or Refused for input that cannot be used at all.
+    entry: the procedure that the program begins with, where it is not the one that its source
+    says. Raises Unreadable or Refused for input that cannot be used at all.
     """
     target = language_of(language).with_frames(frames)
     if most_targets is not None and most_targets < LEAST_TARGETS:
@@ -109,7 +112,7 @@ def compile(
         loaded = load(source, process=process, robot=robot_of(from_robot), unit=unit)
         program, findings = loaded.program, list(loaded.findings)
         findings = [f.within(str(source)) for f in findings]
-    places = Places(program)
+    places = Places(entered(program, entry))
     arms = Arms(robot_of(robot), robot_of(from_robot))
     compiled = compile_program(places.program, places, target, arms, most_targets)
     return replace(compiled, found=(*findings, *compiled.found))

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final, Literal
 from assistant.compiler.arms import Arms, robot_of
 from assistant.compiler.compiling import Compiled, compile_program
 from assistant.compiler.drafting import draft as drafted
+from assistant.compiler.entering import entered
 from assistant.compiler.loading import Loaded, language_of, load
 from assistant.compiler.places import Place, Places, Trace
 from assistant.compiler.proof import Proof
@@ -101,6 +102,7 @@ def translate(
     most_targets: int | None = None,
     frames: Frames = "base",
     draft: bool = False,
+    entry: str | None = None,
 ) -> Translation:
     """A vendor program in another language, for another arm if one is named.
 
@@ -108,6 +110,7 @@ def translate(
     of the other cell. language: of the source, if neither suffix nor text tell.
     frames: how a language without work objects says them, see `Language.with_frames`. draft: gives
     files also if some statements cannot be said: each stands as a comment behind a stop.
+    entry: the procedure that the program begins with, where the source has no `main`.
     Raises Unreadable or Refused for what cannot be read at all.
     """
     target, arms = language_of(to).with_frames(frames), Arms(robot_of(robot), robot_of(from_robot))
@@ -116,7 +119,7 @@ def translate(
         loaded = load(loaded, process=process, robot=arms.written_for, language=language)
     if loaded.language is None or loaded.program.origin is None:
         raise Refused(NO_PROGRAM(name=source), exit_status=2)
-    places = Places(loaded.program)
+    places = Places(entered(loaded.program, entry))
     compiled = compile_program(places.program, places, target, arms, most_targets)
     written, later = compiled, tuple[Diagnostic, ...]()
     if not compiled.ok:

@@ -264,6 +264,10 @@ CARRIED = Rule(
     "it does not keep what the cycle before left in it",
     "let the cycle stand in a loop without end (`WHILE TRUE` in RAPID), or give it its value in it",
 )  # fmt: skip
+NO_ENTRY = Rule(
+    "MB245", E, "nothing says what `{name}` begins with: its first line would be its `End`",
+    "name the procedure with --entry, or call it `main` in the source",
+)  # fmt: skip
 ENDED = Rule(
     "MB236", I, "an end for good is written as `Hlt` in a loop: `End` would begin the next cycle",
     "none is needed; reset the program on the controller to start it from the top",

@@ -55,6 +55,8 @@ def adapt(
     for procedure in context.program.procedures:
         procedures += split(context, plain_procedure(context, procedure), most)
     adapted = replace(adapted, procedures=_grouped(procedures))
+    if adapted.procedures and adapted.entry is None:
+        context.findings.append(rules.NO_ENTRY(name=adapted.name))
     context.findings += _shared(adapted)
     context.findings += _long(adapted, dialect)
     context.findings += _written(context, adapted)

@@ -1,0 +1,37 @@
+"""The procedure that a program begins with, where it is named from outside."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from assistant.program.diagnostics import Refused, Rule, Severity
+from assistant.program.program import Procedure, Program
+
+NO_SUCH = Rule(
+    "CO011", Severity.ERROR, "there is no procedure `{name}` to begin with", "choose one of {names}"
+)
+NOT_BEGUN = Rule(
+    "CO012",
+    Severity.ERROR,
+    "nothing can begin with `{name}`, which has parameters, a result or a unit of its own",
+    "choose one of {names}, or write a procedure that calls it",
+)
+
+
+def entered(program: Program, entry: str | None) -> Program:
+    """The program beginning with that procedure, with its own beginning if none is named.
+
+    Raises Refused for one that there is not, or that nothing can begin with.
+    """
+    if entry is None:
+        return program
+    known = program.procedure(entry)
+    if known is not None and _begins(known):
+        return replace(program, entry=known.name)
+    names = ", ".join(q.name for q in program.procedures if _begins(q)) or "none that it has"
+    rule = NO_SUCH if known is None else NOT_BEGUN
+    raise Refused(rule(name=entry, names=names), exit_status=2)
+
+
+def _begins(procedure: Procedure) -> bool:
+    return not procedure.parameters and procedure.result is None and procedure.unit is None
