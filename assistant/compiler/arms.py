@@ -25,11 +25,13 @@ ROBOT_FILES: Final = (".toml", ".urdf")
 @dataclass(frozen=True, slots=True)
 class Arms:
     """robot: the arm that was named to run a program. written_for: where the program does not
-    say it, the one that it was written for; each None if nobody has named it.
+    say it, the one that it was written for; each None if nobody has named it. joint_speed: mm/s
+    of joint moves that state a percentage which nothing else makes a speed of, None for none.
     """
 
     robot: Robot | None = None
     written_for: Robot | None = None
+    joint_speed: float | None = None
 
 
 def robot_of(robot: str | Robot | None) -> Robot | None:

@@ -11,6 +11,7 @@ from assistant.checks import check, with_robot
 from assistant.compiler.arms import Arms, known_robot, robot_of, taught_on
 from assistant.compiler.crossing import for_arm, unsaid
 from assistant.compiler.entering import entered
+from assistant.compiler.joint_speeds import at_a_speed, at_the_pace
 from assistant.compiler.loading import language_of, load
 from assistant.compiler.places import Places
 from assistant.compiler.proof import SAYS_OTHERWISE, Proof, prove
@@ -106,14 +107,16 @@ def compile(
     if most_targets is not None and most_targets < LEAST_TARGETS:
         raise Refused(TOO_FEW(most=most_targets, least=LEAST_TARGETS), exit_status=2)
     findings: list[Diagnostic] = []
+    joint_speed = None
     if isinstance(source, Program):
         program = source
     else:
         loaded = load(source, process=process, robot=robot_of(from_robot), unit=unit)
         program, findings = loaded.program, list(loaded.findings)
+        joint_speed = loaded.joint_speed
         findings = [f.within(str(source)) for f in findings]
     places = Places(entered(program, entry))
-    arms = Arms(robot_of(robot), robot_of(from_robot))
+    arms = Arms(robot_of(robot), robot_of(from_robot), joint_speed)
     compiled = compile_program(places.program, places, target, arms, most_targets)
     return replace(compiled, found=(*findings, *compiled.found))
 
@@ -146,8 +149,11 @@ def compile_program(
         from assistant import robots
 
         journey = robots.journey(program, arm)
-        program = journey.program
-        findings += (*journey.findings, *with_robot(journey))
+        program, changed = at_the_pace(journey, source, taught, target.joint_percent)
+        findings += (*journey.findings, *with_robot(journey), *changed)
+    if arms.joint_speed is not None and not target.joint_percent:
+        program, changed = at_a_speed(program, arms.joint_speed)
+        findings += changed
     adapted = target.adapt(program, arm, most_targets=most_targets)
     findings += adapted.findings
     program = adapted.program

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path as FilePath
 from typing import TypeVar
 
 from assistant.program import expressions as e
@@ -23,21 +22,19 @@ NOT_USED = Rule(
 V = TypeVar("V")
 
 
-def equipped(program: Program, process: str | FilePath) -> tuple[Program, tuple[Diagnostic, ...]]:
+def equipped(
+    program: Program, stated: Process, path: str
+) -> tuple[Program, tuple[Diagnostic, ...]]:
     """The program with the tools, frames and signals of the same name in a process file.
 
-    Signals of other programs in the same cell may be in it as well.
-    Raises Unreadable or Refused for a process file that cannot be used.
+    Signals of other programs in the same cell may be in it as well. path: of the file.
     """
-    from assistant.sources.process_file import read_process
-
-    stated = read_process(process)
     findings = [*stated.findings]
     program = _with_read(program, stated.signals)
     for kind, given, there in _tables(program, stated):
         known = {name.lower() for name in there}
         findings += [
-            NOT_USED(kind=kind, name=name, place=f"{kind}s.{name}", path=str(process))
+            NOT_USED(kind=kind, name=name, place=f"{kind}s.{name}", path=path)
             for name in given
             if name.lower() not in known
         ]

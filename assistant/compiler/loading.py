@@ -27,11 +27,15 @@ UNKNOWN_LANGUAGE = Rule(
 
 @dataclass(frozen=True, slots=True)
 class Loaded:
-    """A pseudo-program, what it was written in (None: no robot language), and the findings."""
+    """A pseudo-program, what it was written in (None: no robot language), and the findings.
+
+    joint_speed: see `Process`.
+    """
 
     program: Program
     language: str | None = None
     findings: tuple[Diagnostic, ...] = ()
+    joint_speed: float | None = None
 
 
 def load(
@@ -82,9 +86,12 @@ def load_text(
 
 def _equipped(loaded: Loaded, process: str | FilePath) -> Loaded:
     from assistant.compiler.equipping import equipped
+    from assistant.sources.process_file import read_process
 
-    program, findings = equipped(loaded.program, process)
-    return replace(loaded, program=program, findings=(*loaded.findings, *findings))
+    stated = read_process(process)
+    program, findings = equipped(loaded.program, stated, str(process))
+    found = (*loaded.findings, *findings)
+    return replace(loaded, program=program, findings=found, joint_speed=stated.joint_speed)
 
 
 def read_pseudo(path: str | FilePath) -> SourceText:

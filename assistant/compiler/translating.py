@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final, Literal
 
@@ -120,6 +120,7 @@ def translate(
     if loaded.language is None or loaded.program.origin is None:
         raise Refused(NO_PROGRAM(name=source), exit_status=2)
     places = Places(entered(loaded.program, entry))
+    arms = replace(arms, joint_speed=loaded.joint_speed)
     compiled = compile_program(places.program, places, target, arms, most_targets)
     written, later = compiled, tuple[Diagnostic, ...]()
     if not compiled.ok:

@@ -117,6 +117,8 @@ class Language(abc.ABC, Generic[T]):
     counts_on: bool = False
     """Whether the spans of a lifted program count on from one tree's text to the next, by one
     more than its length; else those of each unit are in its own text."""
+    joint_percent: bool = False
+    """Whether joint moves state percents of the axes' speeds; else mm/s and degrees/s."""
     steps: bool = False
     """Whether its lines have step numbers."""
 

@@ -75,6 +75,7 @@ class Process:
     unit: short name of the unit of drawings, whatever they say, and of arrays that say none.
     robot: name of the arm that joints were taught on and that runs the program, None if not said.
     leave_out: layers whose contours nobody wants, compared without case.
+    joint_speed: mm/s of joint moves of a robot program whose percentage cannot be said in mm/s.
     findings: warnings about the process file itself.
     """
 
@@ -88,6 +89,7 @@ class Process:
     unit: str | None = None
     robot: str | None = None
     leave_out: tuple[str, ...] = ()
+    joint_speed: float | None = None
     findings: tuple[Diagnostic, ...] = ()
 
 

@@ -7,6 +7,7 @@ masses kg; names are letters, digits and `_`, a letter first.
     tolerance = 0.05              # mm for joining ends, fitting curves, rounding corners of paths
     unit = "mm"                   # of a drawing, whatever it says itself
     leave_out = ["BORDER"]        # layers whose contours are not wanted
+    joint_speed = 100             # mm/s of joint moves of a robot program that state a percentage
 
     [motion]                      # where the source itself does not say how to move
     kind = "linear"               # or "joint"
@@ -112,7 +113,11 @@ MOST_NUMBER: Final = 65535
 
 TOP: Final = ("motion", "tools", "frames", "signals", "layers", "tags")
 
-PLAIN: Final[Mapping[str, Read]] = {"robot": values.text, "tolerance": values.tolerance}
+PLAIN: Final[Mapping[str, Read]] = {
+    "robot": values.text,
+    "tolerance": values.tolerance,
+    "joint_speed": values.number("mm/s", above=0.0),
+}
 """Keys of the top that hold one value."""
 
 OF_DRAWINGS: Final[Mapping[str, Read]] = {"unit": values.unit, "leave_out": values.texts}

@@ -61,6 +61,7 @@ class MelfaBasic(Language[File]):
     fixed = ("MB0", "MB2", "MB5")
     restated = MappingProxyType({"CK101": "MB703", "CK102": "MB703"})
     steps = True
+    joint_percent = True
     frames: Frames = "base"
     table = "melfa-basic"
     settings = SETTINGS

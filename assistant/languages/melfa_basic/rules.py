@@ -259,6 +259,10 @@ NO_CORNER = Rule(
     "MB235", W, "a corner of 0 mm is written as a stop at the target",
     "write `Cnt 0`, or give both distances",
 )  # fmt: skip
+JOINT_OVERRIDE = Rule(
+    "MB245", W, "a percentage of joint speed for the moves below is said as the speed of each",
+    "see to their speeds",
+)  # fmt: skip
 CARRIED = Rule(
     "MB237", W, "`{name}` gets its first value in each cycle, not only at a start from the top: "
     "it does not keep what the cycle before left in it",

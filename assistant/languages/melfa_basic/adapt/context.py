@@ -92,7 +92,7 @@ class Context:
             found: Speed | None = _find(self.program.speeds, speed.name)
             if found is None:
                 self.findings.append(rules.UNKNOWN(what="the speed", name=speed.name))
-                return Speed(100.0, joint=1.0) if joint_move else Speed(100.0)
+                return Speed(math.inf, joint=1.0) if joint_move else Speed(100.0)
             self.named += 1
             speed = found
         speed, parts = plain_speed(speed)
@@ -103,8 +103,8 @@ class Context:
             percent = joint_percent(speed.tcp, self.robot)
             tcp = "the most" if math.isinf(speed.tcp) else f"{speed.tcp:g}"
             self.findings.append(rules.JOINT_PERCENT(tcp=tcp, percent=percent))
-            return replace(speed, joint=percent)
-        return replace(speed, joint=min(100.0, max(1.0, speed.joint)))
+            return Speed(math.inf, joint=percent)
+        return Speed(math.inf, joint=min(100.0, max(1.0, speed.joint)))
 
     def blend(self, blend: Blend | e.Name) -> Blend | e.Name:
         if isinstance(blend, e.Name):

@@ -35,6 +35,8 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
         for span, node in commands:
             if isinstance(node, s.Command) and node.keyword == "Cnt" and _cuts_nothing(node):
                 yield rules.NO_CORNER(span=span)
+            if isinstance(node, s.Command) and node.keyword == "JOvrd":
+                yield rules.JOINT_OVERRIDE(span=span)
 
 
 def _commands(trees: tuple[Any, ...]) -> Iterator[tuple[Span | None, s.Statement]]:

@@ -59,9 +59,8 @@ def sayable(values: Values, joint: bool) -> bool:
 
 
 def speed_of(values: Values, joint: bool) -> Speed:
-    """The speed of a move; a joint move does not depend on that of the tool."""
-    tcp = math.inf if values[TCP] is UNKNOWN else values[TCP]
-    return Speed(tcp, joint=values[JOINT] if joint else None)
+    """The speed of a move; that of the tool says nothing of a joint move."""
+    return Speed(math.inf, joint=values[JOINT]) if joint else Speed(values[TCP])
 
 
 class Runs:

@@ -41,7 +41,7 @@ def changes(
     if speed.joint is not None and state.joint != speed.joint:
         state.joint = speed.joint
         yield s.Command("JOvrd", (numeric(speed.joint),))
-    if state.tcp != speed.tcp:
+    if speed.joint is None and state.tcp != speed.tcp:  # `Mov` does not depend on it
         state.tcp = speed.tcp
         fastest = math.isinf(speed.tcp)
         yield s.Command("Spd", (_status("M_NSpd", dialect) if fastest else numeric(speed.tcp),))

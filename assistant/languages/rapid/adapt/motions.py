@@ -38,6 +38,8 @@ class Motions:
 
     def __init__(self, program: Program, findings: Findings) -> None:
         self._findings, self._given = findings, program
+        overrides = (s.percent for s in program.statements() if isinstance(s, p.SetOverride))
+        self._slowed = any(percent != e.Number(100) for percent in overrides)
         self.speeds = Named(SPEEDS, program.speeds, self._speed)
         self.blends = Named(BLENDS, program.blends, self._blend)
 
@@ -124,11 +126,23 @@ class Motions:
 
     def _speed(self, speed: Speed, place: str | None) -> Speed:
         said, changed = sayable_speed(speed)
-        if changed:
+        if self._only_percent(speed):
+            cure = "name both arms, or state `joint_speed` (mm/s) in the process file"
+            self._findings.cannot(f"a joint speed of {speed.joint:g} % alone", cure, place)
+        elif changed:
             self._findings.changed(changed, speed_name(said), "state a speed in mm/s", place)
         if not all(v > 0 for v in (said.tcp, said.rotation)) or said.tcp != said.tcp:
             self._findings.cannot(f"a speed of {said.tcp} mm/s", "state a speed above 0", place)
         return said
+
+    def _only_percent(self, speed: Speed) -> bool:
+        """Whether it is less than all that the axes can, which is no speed of RAPID.
+
+        Also by an override: that of RAPID lessens the speed of the tool alone.
+        """
+        if speed.joint is None or math.isfinite(speed.tcp):
+            return False
+        return speed.joint < 100.0 or self._slowed
 
     def _blend(self, blend: Blend, place: str | None) -> Blend:
         said, changed = sayable_blend(blend)

@@ -1,0 +1,99 @@
+"""Speeds of joint moves between a language that states percents and one that states mm/s."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from assistant.program.motion import Speed
+from assistant.program.path import Path
+from assistant.program.program import Program
+from assistant.program.rewriting import head, records, rewrite
+from assistant.program.statements import Follow
+
+if TYPE_CHECKING:
+    from assistant.robots import Journey, Robot
+    from assistant.robots.pace import Change
+
+IN_MM = Rule(
+    "CO507",
+    Severity.WARNING,
+    "a joint move at {percent:g} %, which takes {seconds:.2f} s, is written with {tcp:g} mm/s and "
+    "{rotation:g} degrees/s, and takes no less",
+    "try it at a low override first",
+)
+IN_PERCENT = Rule(
+    "CO508",
+    Severity.WARNING,
+    "a joint move at {tcp:g} mm/s, which takes {seconds:.2f} s, is written with {percent:g} %, and "
+    "takes no less",
+    "try it at a low override first",
+)
+AS_STATED = Rule(
+    "CO509",
+    Severity.WARNING,
+    "a joint speed of {percent:g} % is written as the {tcp:g} mm/s of the process file",
+    "see that the arm is not faster there than it was",
+)
+
+
+def at_the_pace(
+    journey: Journey, source: Program, taught: Robot | None, percent: bool
+) -> tuple[Program, tuple[Diagnostic, ...]]:
+    """A program that was solved for the arm that will run it, its joint moves not faster there.
+
+    source: the program before. taught: the arm that it was written for, None if nobody knows.
+    percent: whether they are to be percents.
+    """
+    from assistant import robots
+    from assistant.robots.pace import paced
+
+    before = journey if taught is not None and taught.name == journey.robot.name else None
+    if before is None and taught is not None:
+        before = robots.journey(replace(source, robot=taught.name), taught)
+    program, changes = paced(journey.program, journey, before, percent=percent)
+    return program, tuple(_told(changes, IN_PERCENT if percent else IN_MM))
+
+
+def _told(changes: tuple[Change, ...], rule: Rule) -> Iterator[Diagnostic]:
+    """A finding for the first change of each statement."""
+    seen: set[int] = set()
+    for change in changes:
+        if id(change.statement) not in seen:
+            seen.add(id(change.statement))
+            physical = change.before if rule is IN_PERCENT else change.after
+            stated = change.after if rule is IN_PERCENT else change.before
+            yield rule(
+                percent=stated.joint,
+                seconds=change.seconds,
+                tcp=physical.tcp,
+                rotation=physical.rotation,
+                span=change.statement.span,
+            )
+
+
+def at_a_speed(program: Program, tcp: float) -> tuple[Program, tuple[Diagnostic, ...]]:
+    """A program with that many mm/s where a joint move states a percentage alone."""
+
+    def changed(part: Any) -> Any:
+        if _percent_alone(part):
+            return replace(part, tcp=tcp, joint=None)
+        if isinstance(part, Path):
+            return replace(part, speeds=tuple(map(changed, part.speeds)))
+        return part
+
+    found = []
+    for statement in program.statements():
+        one = head(statement)
+        parts = one.path.speeds if isinstance(one, Follow) else records(one)
+        percent = next((x.joint for x in parts if isinstance(x, Speed) and _percent_alone(x)), None)
+        if percent is not None:
+            found.append(AS_STATED(percent=percent, tcp=tcp, span=statement.span))
+    return rewrite(program, changed), tuple(found)
+
+
+def _percent_alone(part: Any) -> bool:
+    return isinstance(part, Speed) and part.joint is not None and math.isinf(part.tcp)

@@ -1,0 +1,253 @@
+"""Joint moves whose speed one arm states in percent and another one in mm/s, or the other way.
+
+A move of the other arm is never the faster one, at no override: on both arms the override is a
+factor of the speed alone, so a move that takes as long at the full override does so at any.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.program import rotations
+from assistant.program.expressions import Name
+from assistant.program.geometry import Frame, Tool
+from assistant.program.motion import Speed
+from assistant.program.path import Kind
+from assistant.program.program import Program
+from assistant.program.rewriting import Body, map_bodies
+from assistant.program.statements import Follow, Motion, Move, MoveCircular, MoveJoints
+from assistant.robots.journey import Journey, Leg
+from assistant.robots.naming import Names
+from assistant.robots.robot import Robot
+from assistant.robots.run import from_flange
+from assistant.robots.timing.drive import drive_of
+
+Floats = NDArray[np.float64]
+Moving = Move | MoveCircular | MoveJoints | Follow
+
+STEPS: Final = 24
+"""Parts of a joint move between which its way is taken as straight."""
+DIRECT: Final = 0.5
+"""Share of its way that a move must lead on for its distance to say how long it takes."""
+LEAST: Final = 1.0
+"""mm/s and degrees/s below which a speed says too little of how long a move takes."""
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """A speed that was changed, of a statement; seconds that the move takes at least."""
+
+    statement: Moving
+    before: Speed
+    after: Speed
+    seconds: float
+
+
+def paced(
+    program: Program, journey: Journey, source: Journey | None, *, percent: bool
+) -> tuple[Program, tuple[Change, ...]]:
+    """A program whose joint moves state percents (`percent`) or mm/s, where their start is known.
+
+    journey: of the program on the arm that will run it. source: of the same statements on the
+    arm that it was written for, None if that is not known: then only mm/s become percents.
+    A move whose time is not known keeps its speed.
+    """
+    changes: list[Change] = []
+    speeds = {name.lower(): speed for name, speed in program.speeds.items()}
+    names = Names(program)
+    procedures = []
+    for procedure in program.procedures:
+        legs = journey.legs[procedure.name]
+        others = (None,) * len(legs) if source is None else source.legs[procedure.name]
+        names.enter(procedure)
+        made = [
+            _Joints(leg, other, journey.robot, source.robot if source else None, names, speeds)
+            .statement(percent, changes)
+            for leg, other in zip(legs, others, strict=True)
+        ]  # fmt: skip
+        same = all(new is leg.statement for new, leg in zip(made, legs, strict=True))
+        body = procedure.body if same else _with(procedure.body, iter(made))
+        procedures.append(replace(procedure, body=body))
+    return replace(program, procedures=tuple(procedures)), tuple(changes)
+
+
+def _with(body: Body, moving: Iterator[Moving]) -> Body:
+    """A body with its motion statements, in order of text, exchanged."""
+    return tuple(
+        next(moving)
+        if isinstance(one, Moving)
+        else map_bodies(one, lambda inner: _with(inner, moving))
+        for one in body
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Joints:
+    """The joint moves of a leg on the arm that will run them, and on the one they were made for."""
+
+    leg: Leg
+    other: Leg | None
+    arm: Robot
+    source: Robot | None
+    names: Names
+    speeds: dict[str, Speed]
+
+    def statement(self, percent: bool, changes: list[Change]) -> Moving:
+        """The statement of the leg, with its speeds changed; each is taken down."""
+        statement = self.leg.statement
+        if isinstance(statement, Follow):
+            path = statement.path
+            rows = np.flatnonzero(path.kinds == Kind.JOINT)
+            speed, table = path.speed.copy(), list(path.speeds)
+            for row in rows:
+                mount = path.tools[path.tool[row]], path.frames[path.frame[row]]
+                new = self._speed(int(row), path.speeds[path.speed[row]], mount, percent, changes)
+                if new is not None:
+                    table += [new] if new not in table else []
+                    speed[row] = table.index(new)
+            if len(table) == len(path.speeds):
+                return statement
+            return replace(statement, path=replace(path, speed=speed, speeds=tuple(table)))
+        if isinstance(statement, MoveCircular) or getattr(statement, "kind", "joint") != "joint":
+            return statement
+        motion: Motion = statement.motion
+        new = self._speed(0, motion.speed, (motion.tool, motion.frame), percent, changes)
+        return statement if new is None else replace(statement, motion=replace(motion, speed=new))
+
+    def _speed(
+        self,
+        row: int,
+        stated: Speed | Name,
+        mount: tuple[str, str],
+        percent: bool,
+        changes: list[Change],
+    ) -> Speed | None:
+        """The speed of a row, None for the one that it has."""
+        speed = self.speeds.get(stated.name.lower()) if isinstance(stated, Name) else stated
+        if speed is None or (speed.joint is None) != percent:
+            return None
+        ends = _ends(self.leg, row)
+        if ends is None or (not percent and math.isfinite(speed.tcp)):
+            return None
+        tool, frame = (self.names.tool(mount[0]), self.names.frame(mount[1]))
+        way = _Way.of(*ends, self.arm, tool or Tool(), frame or Frame())
+        theirs = None if self.other is None else _ends(self.other, row)
+        made = (
+            self._percent(speed, way, ends, theirs)
+            if percent
+            else self._physical(speed, way, theirs)
+        )
+        if made is None:
+            return None
+        changes.append(Change(self.leg.statement, speed, *made))
+        return made[0]
+
+    def _physical(self, speed: Speed, way: _Way, theirs: Ends | None) -> tuple[Speed, float] | None:
+        """From percent: as slow as the source is, from one stop to the next."""
+        if theirs is None or self.source is None or speed.joint is None:
+            return None
+        seconds = _seconds(*theirs, self.source, min(speed.joint, 100.0) / 100.0)
+        if seconds <= 0.0:
+            return None
+        return way.within(speed, seconds)
+
+    def _percent(
+        self, speed: Speed, way: _Way, ends: Ends, theirs: Ends | None
+    ) -> tuple[Speed, float] | None:
+        """From mm/s: rounded down to whole percents, at least one."""
+        seconds = max(way.steepest / speed.tcp, way.quickest / speed.rotation)
+        if theirs is not None and self.source is not None:
+            seconds = _seconds(*theirs, self.source, 1.0, seconds)
+        if not seconds > 0.0:
+            return None
+        least = float((np.abs(ends[1] - ends[0]) / self.arm.speeds).max())
+        whole = math.floor(min(100.0, max(1.0, 100.0 * least / seconds)) + 1e-9)
+        return replace(speed, joint=float(whole)), seconds
+
+
+Ends = tuple[Floats, Floats]
+"""Joints (a,) at the start and at the end of a move."""
+
+
+def _ends(leg: Leg, row: int) -> Ends | None:
+    """Where a row of a leg starts and ends, None if that is not known."""
+    if row >= len(leg.joints):
+        return None
+    start = leg.before if row == 0 else leg.joints[row - 1]
+    if start is None or not np.isfinite(start).all() or not np.isfinite(leg.joints[row]).all():
+        return None
+    return start, leg.joints[row]
+
+
+def _seconds(start: Floats, end: Floats, robot: Robot, share: float, least: float = 0.0) -> float:
+    """Seconds of a joint move from rest to rest with a share of the axes' speeds, all of them at
+    one pace, which grows and shrinks at a steady rate. least: that it takes without that.
+    """
+    drive = drive_of(robot)
+    far = np.abs(end - start)
+    if not far.any():
+        return least
+    with np.errstate(divide="ignore"):
+        most, rate = (share * drive.speeds / far).min(), (drive.accelerations / far).min()
+    most = min(most, 1.0 / least) if least > 0.0 else most
+    if most**2 >= rate:
+        return float(2.0 / np.sqrt(rate))
+    return float(1.0 / most + most / rate)
+
+
+@dataclass(frozen=True, slots=True)
+class _Way:
+    """The way of the tool in a joint move.
+
+    chord, length: mm between its ends, and along it. turn, turned: degrees of the same.
+    steepest, quickest: what mm and degrees came to, were all of it like its fastest part.
+    """
+
+    chord: float
+    length: float
+    turn: float
+    turned: float
+    steepest: float
+    quickest: float
+
+    @staticmethod
+    def of(start: Floats, end: Floats, robot: Robot, tool: Tool, frame: Frame) -> _Way:
+        part = np.linspace(0.0, 1.0, STEPS + 1)[:, None]
+        p, q = robot.fk(start + part * (end - start))
+        p, q = from_flange(p, q, tool, Frame(held=frame.held))
+        steps = np.linalg.norm(np.diff(p, axis=0), axis=1)
+        turns = rotations.angle_between(q[:-1], q[1:])
+        return _Way(
+            float(np.linalg.norm(p[-1] - p[0])),
+            float(steps.sum()),
+            float(rotations.angle_between(q[0], q[-1])),
+            float(np.sum(turns)),
+            float(STEPS * steps.max()),
+            float(STEPS * np.max(turns)),
+        )
+
+    def within(self, speed: Speed, seconds: float) -> tuple[Speed, float] | None:
+        """The largest speed at which the move takes so long, and that time; None if none does.
+
+        By the distance of its ends, which is the shorter one, where the way is not much longer;
+        else, as in a turn on the spot, by how far the tool is turned there.
+        """
+        tcp, rotation = self.chord / seconds, self.turn / seconds
+        if self.chord >= DIRECT * self.length and tcp >= LEAST:
+            return replace(speed, tcp=_down(tcp), joint=None), seconds
+        if self.turn >= DIRECT * self.turned and rotation >= LEAST:
+            most = _down(max(self.length / seconds, LEAST))
+            return replace(speed, tcp=most, rotation=_down(rotation), joint=None), seconds
+        return None
+
+
+def _down(value: float) -> float:
+    """Rounded down to three digits."""
+    digit = 10.0 ** (math.floor(math.log10(value)) - 2)
+    return round(math.floor(value / digit + 1e-9) * digit, 6)
