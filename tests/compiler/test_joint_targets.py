@@ -16,6 +16,7 @@ from assistant.program.geometry import JointTarget
 from assistant.program.rewriting import records
 from assistant.robots.crossing import crossed
 
+CELL = Path(__file__).parents[2] / "samples" / "melfa" / "cell.process.toml"
 ABB, MITSUBISHI = robots.get("irb1200-7-0.7"), robots.get("rv-4frl")
 SAMPLES = Path(__file__).parents[2] / "samples"
 SAME = 0.03
@@ -91,7 +92,9 @@ def test_the_flange_is_where_it_was(language: str, tmp_path: Path) -> None:
     assert "(231.29, 0, 687.99)" in told[0].message
     levels = {row.text[:22]: row.level for row in there.rows}
     assert levels["CONST jointtarget jSaf"] == "partial"
-    back = translate(file, to="rapid", robot=ABB, from_robot=MITSUBISHI, language=language)
+    back = translate(
+        file, to="rapid", robot=ABB, from_robot=MITSUBISHI, language=language, process=CELL
+    )
     assert back.ok, back.findings
     (tmp_path / "back").mkdir()
     assert same(flanges(source, ABB), flanges(kept(back, tmp_path / "back"), ABB))

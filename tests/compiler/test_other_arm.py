@@ -17,6 +17,7 @@ from assistant.program.program import Procedure, Program
 from assistant.program.statements import Motion, Move
 from assistant.robots import Robot
 
+CELL = Path(__file__).parents[2] / "samples" / "melfa" / "cell.process.toml"
 ABB, MITSUBISHI = robots.get("irb120-3-0.58"), robots.get("rv-4frl")
 MELFA = ("melfa-basic-4", "melfa-basic-5", "melfa-basic-6")
 TOOL = Tool(Pose((12.0, 0.0, 118.0), (0.9659258262890683, 0.0, 0.25881904510252074, 0.0)))
@@ -108,7 +109,9 @@ def test_configurations_are_right_on_either_arm(seed: int, language: str, tmp_pa
     assert there.ok, there.findings
     file = kept(there, tmp_path)
     holds(file, MITSUBISHI, language, len(targets))
-    back = translate(file, to="rapid", robot=ABB, from_robot=MITSUBISHI, language=language)
+    back = translate(
+        file, to="rapid", robot=ABB, from_robot=MITSUBISHI, language=language, process=CELL
+    )
     assert back.ok, back.findings
     holds(kept(back, tmp_path), ABB, "rapid", len(targets))
 

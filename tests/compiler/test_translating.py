@@ -458,8 +458,8 @@ def test_external_axes_that_cannot_be_said_are_told_of_where_they_stand(
         text = f"MODULE m\n{data}\nPROC main()\nMoveL {move},v100,fine,tool0;\nENDPROC\nENDMODULE\n"
         found = translated(tmp_path, text, "melfa-basic-5", draft=True)
         assert found.draft, found.written.findings
-        (line,) = (line for line, level in levels(found).items() if level == "not")
-        assert line == (2 if data else 4)
+        lines = [line for line, level in levels(found).items() if level == "not"]
+        assert lines == ([2, 4] if data else [4])  # without its value it is another place
 
 
 def test_names_that_nothing_declares_are_told_of_as_such(tmp_path: Path) -> None:

@@ -260,7 +260,7 @@ NO_CORNER = Rule(
     "write `Cnt 0`, or give both distances",
 )  # fmt: skip
 JOINT_OVERRIDE = Rule(
-    "MB245", W, "a percentage of joint speed for the moves below is said as the speed of each",
+    "MB249", W, "a percentage of joint speed for the moves below is said as the speed of each",
     "see to their speeds",
 )  # fmt: skip
 CARRIED = Rule(

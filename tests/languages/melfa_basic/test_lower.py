@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 
 from assistant import languages
+from assistant.compiler.joint_speeds import at_a_speed
 from assistant.compiler.proof import prove
 from assistant.languages.language import Frames
 from assistant.program.diagnostics import Severity
@@ -54,7 +55,7 @@ def written(given: Program, name: str, frames: Frames = "base") -> str:
     assert proof.holds, proof.findings
     assert language.adapt(adapted.program).program == adapted.program
     lifted = language.lift(tree)
-    back = RAPID.adapt(lifted)
+    back = RAPID.adapt(at_a_speed(lifted, 100.0)[0])
     assert not [f for f in back.findings if f.severity is Severity.ERROR], back.findings
     module = {"job.mod": RAPID.encode(RAPID.build(back.program))}
     again = prove(RAPID, back.program, module)

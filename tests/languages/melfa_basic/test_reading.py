@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -73,7 +75,7 @@ def test_written_program() -> None:
     servo, label, home, test, follow, count, again, fin, stop = main.body
     assert servo == p.Opaque("melfa-basic-5", "Servo On")
     assert label == p.Label("LOOP")
-    motion = p.Motion(Speed(100.0, joint=100.0), FINE, "PT")
+    motion = p.Motion(Speed(math.inf, joint=100.0), FINE, "PT")
     assert home == p.Move("joint", e.Name("PHOME"), motion)
     condition = e.Binary("=", e.Name("di_3"), e.Number(1))
     assert test == p.If((p.Branch(condition, (p.Call("PICK"),)),))

@@ -16,7 +16,8 @@ MOTION = p.Motion(Speed(100.0, joint=20.0), FINE)
 
 
 def program(*body: p.Statement, **more) -> Program:
-    return Program("part", (Procedure("main", body),), entry="main", **more)
+    procedures = (Procedure("main", body),)
+    return Program("part", procedures, entry="main", robot=ARM.name, **more)
 
 
 def written(source: Program) -> str:
