@@ -13,7 +13,7 @@ from assistant.robots.branches import Costs, choose
 from assistant.robots.robot import Robot
 from assistant.robots.run import Run
 from assistant.robots.survey import Survey
-from assistant.robots.travel import WOUND, Travel, travel_of
+from assistant.robots.travel import BARRED, Travel, travel_of
 from assistant.robots.wrist import clearances, crossings, sheets
 
 Floats = NDArray[np.float64]
@@ -75,7 +75,7 @@ class Choices:
     def _costs(self, starts: Rows) -> Costs:
         costs = self.travel.costs(starts)
         for way, row in self.barred:
-            costs.chains[way, np.searchsorted(starts, row, side="right") - 1] += WOUND
+            costs.chains[way, np.searchsorted(starts, row, side="right") - 1] += BARRED
         return costs
 
 

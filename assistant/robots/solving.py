@@ -16,7 +16,7 @@ from assistant.program.diagnostics import Diagnostic, Severity
 from assistant.program.path import UNSTATED
 from assistant.robots import findings as rules
 from assistant.robots.arms.arm import CLOSING
-from assistant.robots.between import ways
+from assistant.robots.between import Ways, ways
 from assistant.robots.choosing import Choice, Choices, chain_starts, choices, continued
 from assistant.robots.configurations import BACK, QUADRANTS
 from assistant.robots.robot import CHUNK, IN_LINE, LIMIT_TOLERANCE, Robot
@@ -144,12 +144,14 @@ def _tried(run: Run, robot: Robot, choice: Choice, given: _Given) -> _Tried:
     if len(lost):
         where = run.label(int(lost[0]))
         findings.append(rules.NOT_CLOSED(place=run.what(lost), robot=robot.title, where=where))
-    winding, bad = None, np.empty(0, np.intp)
+    way = None
     if given.look and not findings and not len(choice.broken):
         way = ways(run, robot, joints, choice.branches)
-        winding, bad = way.winding, way.rows
-        findings += way.findings
-    joints, unmet, off = _turned(run, robot, joints, straight, given.said, winding)
+    joints, unmet, off = _turned(run, robot, joints, straight, given.said, way)
+    bad = np.empty(0, np.intp)
+    if way is not None:
+        bad, faults = way.faults(run, robot, joints)
+        findings += faults
     wound = []
     for axis, rows in unmet:
         if continued(run) and abs(joints[0, axis] - run.before[axis]) > 180.0:
@@ -190,7 +192,7 @@ def _turned(
     joints: Floats,
     straight: Truths,
     said: NDArray[np.integer],
-    winding: NDArray[np.int64] | None,
+    way: Ways | None,
 ) -> tuple[Floats, list[tuple[int, Rows]], Rows]:
     """Joints with their whole turns.
 
@@ -220,9 +222,9 @@ def _turned(
             turns = np.where(free, 0.0, whole).astype(np.int64)
             turns[free] = FREE
         low, high = (float(limit) for limit in robot.limits[axis])
-        on_the_way = None if winding is None else winding[:, axis]
         near = float(run.before[axis])
-        result = turn(angles, (low, high), chain_starts(run), near, turns, on_the_way)
+        moving = way.of(axis, len(out)) if way is not None and len(way.rows) else None
+        result = turn(angles, (low, high), chain_starts(run), near, turns, moving)
         out[:, axis] = result.angles
         wound.append((axis, result.broken))
     return out, wound, off

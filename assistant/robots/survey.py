@@ -114,7 +114,7 @@ class Survey:
                 rules.OUT_OF_REACH(
                     place=run.what(self.reach.all()),
                     robot=robot.title,
-                    worst=_told(self.reach.value),
+                    worst=distance(self.reach.value),
                     side="too far out" if far else "too near to the arm",
                     where=run.label(self.reach.row),
                     cure=(cure if far else "move the work piece away from the arm")
@@ -208,7 +208,7 @@ def survey_of(run: Run, robot: Robot, own: Rows) -> tuple[Survey, NDArray[np.flo
     return survey, every
 
 
-def _told(millimetres: float) -> str:
+def distance(millimetres: float) -> str:
     """A distance that is not 0, in as many decimals as show it."""
     return f"{millimetres:.1f}" if millimetres >= 0.1 else f"{millimetres:.2g}"
 

@@ -33,6 +33,9 @@ THROUGH: Final = 1e3
 """Seconds instead of going straight through the wrist singularity, where a controller may stop."""
 WOUND: Final = 1e5
 """Seconds instead of winding an axis back within a linear or circular move, which is no way."""
+BARRED: Final = 10.0 * WOUND
+"""Seconds instead of a way that a closer look has ruled out: of what winds back by its ends alone
+the way may still be one."""
 STRAIGHT: Final = 1e-4
 """degrees of axis 5 below which axis 4 stays where it was before."""
 ROUNDING: Final = 1e-3

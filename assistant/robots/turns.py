@@ -27,40 +27,49 @@ class Turned:
     broken: Rows
 
 
+@dataclass(frozen=True, slots=True)
+class OnTheWay:
+    """What one axis does on the way to each of n rows; see `between.Ways`."""
+
+    winding: NDArray[np.int64]
+    below: Floats
+    above: Floats
+
+
 def turn(
     angles: Floats,
     limits: tuple[float, float],
     starts: Rows,
     near: float,
     stated: NDArray[np.int64] | None = None,
-    winding: NDArray[np.int64] | None = None,
+    way: OnTheWay | None = None,
 ) -> Turned:
     """Adds whole turns to angles (n,) deg, so that chains are unbroken and inside the limits.
 
     angles: nearest to the middle of the limits; NaN where there is no solution.
     starts: (c,) first rows of the chains, the first being 0. near: deg, where the axis is
     before the path. stated: (n,) turns that a row must have, FREE where it states none.
-    winding: (n,) turns that the axis makes on its way to a row beyond the shorter way.
+    way: the turns that the axis makes on its way to a row, and how far it goes there.
     """
     wrapped = _filled_by_chain(angles, starts)
     if not len(wrapped):
         return Turned(angles.copy(), np.empty(0, np.intp))
     step = np.zeros(len(wrapped), dtype=np.int64)
     step[1:] = -np.round(np.diff(wrapped) / 360.0)
-    if winding is not None:
-        step += winding
+    if way is not None:
+        step += way.winding
     turns = np.cumsum(step)
-    whole = _by_chain(angles, wrapped, turns, starts[:1], limits, stated)
+    whole = _by_chain(angles, wrapped, turns, starts[:1], limits, stated, way)
     first = round((near - wrapped[0]) / 360.0)
     if whole.patterns[0] and (whole.clear or len(starts) == 1):
         return Turned(angles + 360.0 * (whole.follow(first) + turns), np.empty(0, np.intp))
-    chains = _by_chain(angles, wrapped, turns, starts, limits, stated)
+    chains = _by_chain(angles, wrapped, turns, starts, limits, stated, way)
     failing = chains.patterns == 0
     broken = np.empty(0, np.intp)
     if failing.any():
         inside = np.repeat(failing, np.diff(np.append(starts, len(wrapped))))
         inside[starts] = True
-        chains = _by_chain(angles, wrapped, turns, np.flatnonzero(inside), limits, stated)
+        chains = _by_chain(angles, wrapped, turns, np.flatnonzero(inside), limits, stated, way)
     chosen = chains.follow(first)
     count = chosen[chains.of_row] + turns - turns[chains.starts][chains.of_row]
     out = angles + 360.0 * count
@@ -163,6 +172,7 @@ def _by_chain(
     starts: Rows,
     limits: tuple[float, float],
     stated: NDArray[np.int64] | None,
+    way: OnTheWay | None,
 ) -> _Chains:
     low, high = limits
     n, middle = len(wrapped), (low + high) / 2.0
@@ -172,9 +182,15 @@ def _by_chain(
     relative = turns - turns[starts][of_row]
     unwound = angles + 360.0 * relative
     lows, highs = np.fmin.reduceat(unwound, starts), np.fmax.reduceat(unwound, starts)
+    least_on_way, most_on_way = lows, highs
+    if way is not None:
+        inner = np.ones(n, dtype=bool)
+        inner[starts] = False  # what leads to a chain is no part of it
+        least_on_way = np.fmin.reduceat(unwound + np.where(inner, way.below, 0.0), starts)
+        most_on_way = np.fmax.reduceat(unwound + np.where(inner, way.above, 0.0), starts)
     lowest = int(np.ceil((low - middle - 180.0) / 360.0))
     width = int(np.floor((high - middle + 180.0) / 360.0)) - lowest + 1
-    patterns, clear = (np.zeros(len(starts), dtype=np.int64) for _ in range(2))
+    patterns, passing, clear = (np.zeros(len(starts), dtype=np.int64) for _ in range(3))
     if stated is not None:
         wanted = np.where(stated == FREE, 0, stated - relative)
         least = np.minimum.reduceat(np.where(stated == FREE, 1 << 40, wanted), starts)
@@ -183,10 +199,12 @@ def _by_chain(
         shift = 360.0 * (lowest + k)
         # `not outside` rather than `inside`: a chain without any solution allows everything.
         fits = ~((lows + shift < low - 1e-6) | (highs + shift > high + 1e-6))
-        close = (lows + shift < low + CLEARANCE) | (highs + shift > high - CLEARANCE)
+        over = (least_on_way + shift < low - 1e-6) | (most_on_way + shift > high + 1e-6)
+        close = (least_on_way + shift < low + CLEARANCE) | (most_on_way + shift > high - CLEARANCE)
         if stated is not None:
             fits &= (least >= lowest + k) & (most <= lowest + k)
         patterns |= fits.astype(np.int64) << k
+        passing |= (fits & ~over).astype(np.int64) << k
         clear |= (fits & ~close).astype(np.int64) << k
-    patterns = np.where(clear, clear, patterns)
+    patterns = np.where(clear, clear, np.where(passing, passing, patterns))
     return _Chains(starts, of_row, turns[starts], patterns, bool(clear.all()), lowest, width)

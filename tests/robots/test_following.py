@@ -1,0 +1,90 @@
+"""Long lines and arcs beside following every branch densely."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from assistant import languages, robots
+from assistant.program import rotations
+from assistant.program.diagnostics import Severity
+from assistant.program.path import Kind
+from tests.robots.following import followed, turning_point
+from tests.robots.printed import journey
+
+ARMS = [robots.get(name) for name in robots.names() if robots.get(name).arm.spherical]
+STRAIGHT = 0.1
+"""degrees of axis 5 up to which nothing is claimed."""
+BEYOND = 0.01
+"""degrees or mm by which a missed limit counts."""
+
+
+def errors(done) -> list[str]:
+    return [f.message for f in done.findings if f.severity is Severity.ERROR]
+
+
+def test_an_axis_that_turns_beyond_its_limit_between_targets_is_told_of() -> None:
+    melfa = languages.get("melfa-basic-5")
+    text = (
+        "1 Tool P_NTool\n2 Spd 100\n3 Mov P1\n4 Mvs P2\n5 End\n"
+        "P1=(225.71,315.49,1729.79,55.34,25.31,-156.04){}\n"
+        "P2=(-208.45,-488.30,1228.20,-8.96,17.02,177.96){}\n"
+    )
+    arm = robots.get("rv-13frl")
+    stated = melfa.lift(melfa.parse(text.format("(7,0)", "(7,4096)")))
+    (finding,) = robots.configure(stated, arm)[1]
+    assert finding.code == "RB113"
+    assert "J4 at 207.34 degrees, limit 200" in finding.message
+
+
+def test_a_branch_that_turns_far_but_goes_all_the_way_is_taken() -> None:
+    arm = robots.get("irb120-3-0.58")
+    p = np.array([[-13.89, -337.47, 48.93], [-379.92, -347.89, 205.39]])
+    q = np.array(
+        [[0.196839, 0.487352, -0.658452, -0.538687], [0.428712, 0.542288, -0.669360, 0.272191]]
+    )
+    q /= np.linalg.norm(q, axis=1, keepdims=True)
+    done = journey(arm, p, q, None, kinds=Kind.LINEAR)
+    assert not errors(done)
+    joints = done.stretches[0].joints
+    assert joints[1, 3] - joints[0, 3] == pytest.approx(-189.6, abs=0.1)
+
+
+def compared(arm, count: int, seed: int) -> dict[str, int]:
+    """How many long lines and arcs are told of and are quiet; none wrongly."""
+    rng = np.random.default_rng(seed)
+    low, high = arm.limits.T
+    seen = {"told": 0, "quiet": 0}
+    while sum(seen.values()) < count:
+        p, q = arm.fk(rng.uniform(low, high, (2, len(low))))
+        if np.linalg.norm(p[1] - p[0]) < 100.0:
+            continue
+        via, rows = None, (p, q, np.array([Kind.JOINT, Kind.LINEAR], dtype=np.uint8))
+        if rng.random() < 0.3:
+            via = p.mean(axis=0) + rng.normal(size=3) * 100.0
+            part = turning_point(p[0], via, p[1])
+            turned = rotations.between(q[0], q[1], np.array(part))
+            kinds = np.array([Kind.JOINT, Kind.VIA, Kind.END], dtype=np.uint8)
+            rows = (np.array([p[0], via, p[1]]), np.array([q[0], turned, q[1]]), kinds)
+        done = journey(arm, rows[0], rows[1], None, kinds=rows[2])
+        beyond, bend = followed(arm, (p[0], q[0]), (p[1], q[1]), via).T
+        if errors(done):
+            assert not ((beyond <= 0.0) & (bend > STRAIGHT)).any(), (p, q, via, errors(done))
+            seen["told"] += 1
+        else:
+            assert beyond.min() <= BEYOND, (p, q, via)
+            seen["quiet"] += 1
+    return seen
+
+
+@pytest.mark.parametrize("name", ["irb120-3-0.58", "rv-13frl"])
+def test_lines_and_arcs_are_told_of_where_no_branch_goes_all_the_way(name) -> None:
+    seen = compared(robots.get(name), 20, 1)
+    assert min(seen.values()) > 3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("arm", ARMS, ids=lambda arm: arm.name)
+def test_two_thousand_lines_and_arcs_beside_dense_following(arm) -> None:
+    seen = compared(arm, 2_000, 2)
+    assert min(seen.values()) > 200
