@@ -20,12 +20,11 @@ from assistant.program.path import Kind
 from assistant.robots import findings as rules
 from assistant.robots.arcs import Arcs, arcs_of, vias_of
 from assistant.robots.arms.arm import CLOSING
-from assistant.robots.choosing import continued
 from assistant.robots.robot import CHUNK, Robot
-from assistant.robots.run import Run
+from assistant.robots.run import Run, continued
 from assistant.robots.survey import distance
 from assistant.robots.turns import OnTheWay
-from assistant.robots.wrist import bends_to, swept
+from assistant.robots.wrist import EVEN, PAIRS, bends_to, swept, through
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -155,6 +154,31 @@ def ways(run: Run, robot: Robot, joints: Floats, branch: Rows) -> Ways:
 
 def _nothing(axes: int) -> tuple[NDArray[np.int64], Floats, Floats]:
     return np.empty((0, axes), np.int64), np.empty((0, axes)), np.empty((0, axes))
+
+
+def really_crossed(
+    run: Run, robot: Robot, bends: NDArray[np.float32], crossed: NDArray[np.bool_]
+) -> NDArray[np.bool_]:
+    """Which moves go through the singularity of the wrist (4, n), of those that do by their ends.
+
+    bends: see `wrist.directions`. Of ends far apart poses between them tell.
+    """
+    out = crossed.copy()
+    apart = np.hypot(*np.diff(bends, axis=2, prepend=bends[:, :, :1]).swapaxes(0, 1)) > EVEN
+    look = _Look(run, robot, np.empty((0, len(robot.axes))))
+    rows = np.flatnonzero((crossed & apart).any(axis=0) & look.same)
+    rows = rows[rows > 0]
+    part = np.arange(1, FINE) / FINE
+    for start in range(0, len(rows), max(CHUNK // FINE, 1)):
+        here = rows[start : start + max(CHUNK // FINE, 1)]
+        for pair in range(PAIRS):
+            every = np.broadcast_to(part, (len(here), len(part)))
+            found, _ = look.on_the_way(here, every, 2 * pair)
+            between = bends_to(found[..., 3], found[..., 4])  # (2, k, p)
+            first, last = bends[pair][:, here - 1, None], bends[pair][:, here, None]
+            goes = through(np.concatenate([first, between, last], axis=2)).any(axis=1)
+            out[pair, here] &= goes | ~apart[pair, here]
+    return out
 
 
 @dataclass(frozen=True, slots=True)

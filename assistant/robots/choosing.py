@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program.path import Kind
+from assistant.robots.between import really_crossed
 from assistant.robots.branches import Costs, choose
 from assistant.robots.robot import Robot
-from assistant.robots.run import Run
+from assistant.robots.run import Run, continued
 from assistant.robots.survey import Survey
 from assistant.robots.travel import BARRED, Travel, travel_of
 from assistant.robots.wrist import clearances, crossings, sheets
@@ -87,6 +88,7 @@ def choices(run: Run, robot: Robot, survey: Survey, every: Singles, own: Rows) -
     sheet = crossed = clear = None
     if survey.bends is not None:
         crossed, clear = crossings(survey.bends, run.kinds), clearances(survey.bends, run.kinds)
+        crossed = really_crossed(run, robot, survey.bends, crossed)
         survey.bends = None  # room for what comes
         if crossed.any():
             sheet = sheets(crossed)
@@ -100,11 +102,6 @@ def choices(run: Run, robot: Robot, survey: Survey, every: Singles, own: Rows) -
     solved = np.asarray(survey.allowed.any(axis=0))
     travel = travel_of(run, robot, every, solved, starts, sheet, clear, crossed)
     return Choices(starts, bound, same, travel, sheet, crossed)
-
-
-def continued(run: Run) -> bool:
-    """Whether the first move goes on without a joint move from where the arm is."""
-    return run.joined and bool(run.kinds[0] != Kind.JOINT)
 
 
 def chain_starts(run: Run) -> Rows:

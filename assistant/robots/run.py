@@ -13,6 +13,7 @@ from assistant.program import rotations
 from assistant.program.expressions import Name
 from assistant.program.geometry import Frame, Pose, Tool
 from assistant.program.motion import Blend, Speed
+from assistant.program.path import Kind
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -166,6 +167,11 @@ class Run:
                 break
         more = f" and {len(rows) - count} more" if len(rows) > count else ""
         return f"{self.names[part]}: {len(rows)} of {whole} targets ({', '.join(said)}{more})"
+
+
+def continued(run: Run) -> bool:
+    """Whether the first move goes on without a joint move from where the arm is."""
+    return run.joined and bool(run.kinds[0] != Kind.JOINT)
 
 
 def to_flange(

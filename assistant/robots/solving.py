@@ -17,10 +17,10 @@ from assistant.program.path import UNSTATED
 from assistant.robots import findings as rules
 from assistant.robots.arms.arm import CLOSING
 from assistant.robots.between import Ways, ways
-from assistant.robots.choosing import Choice, Choices, chain_starts, choices, continued
+from assistant.robots.choosing import Choice, Choices, chain_starts, choices
 from assistant.robots.configurations import BACK, QUADRANTS
 from assistant.robots.robot import CHUNK, IN_LINE, LIMIT_TOLERANCE, Robot
-from assistant.robots.run import Run
+from assistant.robots.run import Run, continued
 from assistant.robots.settling import split
 from assistant.robots.slack import Slack, straighten
 from assistant.robots.survey import Cures, finite_poses, survey_of

@@ -62,17 +62,22 @@ def crossings(bends: NDArray[np.float32], kinds: NDArray[np.uint8]) -> Truths:
     return out
 
 
+def through(bends: NDArray[np.float32]) -> Truths:
+    """(k, p - 1) where ways go through the singularity, of their bends (2, k, p)."""
+    first, last = bends[..., :-1], bends[..., 1:]
+    return _opposite(first, last) & _near(first, last)
+
+
 def swept(steps: Floats, bends: NDArray[np.float32]) -> Floats:
     """Steps (k, p - 1, 6) deg between poses on k ways, without what a singularity adds.
 
     bends: (2, k, p) of the poses. Straight through it axis 4 stays where it is, and with axes 4
     and 6 in line axis 6 does the turn of both, whatever the angles of the two branches are.
     """
-    first, last = bends[..., :-1], bends[..., 1:]
     out = steps.copy()
-    through = _opposite(first, last) & _near(first, last)
+    crossed = through(bends)
     for axis in (3, 5):
-        out[..., axis] -= np.where(through, 180.0 * np.round(steps[..., axis] / 180.0), 0.0)
+        out[..., axis] -= np.where(crossed, 180.0 * np.round(steps[..., axis] / 180.0), 0.0)
     bent = np.hypot(*bends) > IN_LINE
     in_line = ~(bent[..., :-1] & bent[..., 1:])
     both = steps[..., 3] + steps[..., 5]

@@ -50,6 +50,22 @@ def test_a_branch_that_turns_far_but_goes_all_the_way_is_taken() -> None:
     assert joints[1, 3] - joints[0, 3] == pytest.approx(-189.6, abs=0.1)
 
 
+def test_ends_that_bend_the_wrist_to_opposite_sides_are_no_way_through_its_singularity() -> None:
+    """On this line axis 5 keeps 23 degrees from straight and more in every branch."""
+    arm = robots.get("irb1200-7-0.7")
+    p = np.array(
+        [[43.41305976, -95.28176762, 855.44905347], [-275.18829848, 284.33098732, 62.66484943]]
+    )
+    q = np.array(
+        [
+            [0.17104763, -0.20473461, 0.94366609, -0.1957569],
+            [0.38078807, -0.68160697, 0.35504288, 0.51415653],
+        ]
+    )
+    done = journey(arm, p, q, None, kinds=np.array([Kind.JOINT, Kind.LINEAR], dtype=np.uint8))
+    assert [f.code for f in done.findings] == ["RB113"]
+
+
 def compared(arm, count: int, seed: int) -> dict[str, int]:
     """How many long lines and arcs are told of and are quiet; none wrongly."""
     rng = np.random.default_rng(seed)
@@ -72,7 +88,11 @@ def compared(arm, count: int, seed: int) -> dict[str, int]:
             assert not ((beyond <= 0.0) & (bend > STRAIGHT)).any(), (p, q, via, errors(done))
             seen["told"] += 1
         else:
-            assert beyond.min() <= BEYOND, (p, q, via)
+            assert (beyond[bend > STRAIGHT] <= BEYOND).any() or (bend <= STRAIGHT).any(), (
+                p,
+                q,
+                via,
+            )
             seen["quiet"] += 1
     return seen
 
