@@ -110,7 +110,7 @@ def test_predefined_names_only_where_they_fit() -> None:
 
 def test_what_rapid_has_not_is_changed_and_said() -> None:
     program = main(
-        p.Move("joint", e.Name("a"), p.Motion(replace(MAXIMUM_SPEED, joint=30.0), FULL_BLEND)),
+        p.Move("joint", e.Name("a"), p.Motion(replace(MAXIMUM_SPEED, joint=100.0), FULL_BLEND)),
         p.SetAcceleration(e.Number(50), e.Number(10)),
         p.Comment("über\nENDPROC"),
         targets={"a": Target(Pose())},
@@ -118,11 +118,17 @@ def test_what_rapid_has_not_is_changed_and_said() -> None:
     )
     assert sorted(set(codes(program))) == ["RA302", "RA303", "RA306"]
     shown = text(program)
-    assert "MoveJ a,vmax,z200,tool0;" in shown
+    assert "MoveJ a,vmax,z10,tool0;" in shown
     assert "AccSet 20,100;" in shown
     assert "! uber ENDPROC" in shown.replace("u?", "u") or "ENDPROC\r\n  ENDPROC" not in shown
     assert "[0.001,[0,0,0.001],[1,0,0,0],0,0,0]" in shown
     proved(program)
+
+
+def test_a_percentage_alone_is_no_speed() -> None:
+    motion = p.Motion(replace(MAXIMUM_SPEED, joint=30.0), FULL_BLEND)
+    program = main(p.Move("joint", e.Name("a"), motion), targets={"a": Target(Pose())})
+    assert "RA305" in codes(program)
 
 
 NASTY = ("MoveL", "fine", "v100", "if", "round", "tool0_", "a" * 40, "a" * 39 + "b", "main", "Cell")
