@@ -14,6 +14,7 @@ from assistant.program.diagnostics import Span
 from assistant.program.geometry import Pose
 from assistant.program.path import Path
 from assistant.program.program import Procedure, Program
+from assistant.program.pseudo.parts import part_text
 
 MOST_MISMATCHES: Final = 20
 """After so many the comparison stops: the first ones tell what is wrong."""
@@ -229,5 +230,5 @@ class _Walk:
 
 
 def _short(value: object) -> str:
-    text = repr(value)
+    text = part_text(value)
     return text if len(text) <= 120 else text[:117] + "…"

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from assistant.program import expressions as e
+from assistant.program import statements as p
 from assistant.program.comparison import Tolerance, compare
 from assistant.program.expressions import Name, Number
-from assistant.program.geometry import Configuration, Pose, Target
+from assistant.program.geometry import IDENTITY, Configuration, Pose, Target, Tool
 from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.path import Kind, Path
-from assistant.program.program import Procedure, Program, Signal
+from assistant.program.program import Procedure, Program, Signal, Variable
+from assistant.program.pseudo.parts import part_text
 from assistant.program.statements import Branch, Comment, Follow, If, Motion, Move, SetSignal, Wait
 
 PATH = Path.of(
@@ -125,3 +130,41 @@ def test_deviations_are_measured_and_the_worst_is_named():
 def test_a_quaternion_and_its_negative_are_the_same_rotation():
     negated = body(PROGRAM, 3, Follow(replace(PATH, quaternions=-PATH.quaternions)))
     assert compare(PROGRAM, negated, Tolerance(angle=1e-9)).same
+
+
+PARTS = (
+    e.Number(16),
+    e.Verbatim("rapid", "a(1)"),
+    e.TargetValue(Target(IDENTITY, Configuration())),
+    p.WaitSignal("gi1", e.Number(5)),
+    p.WaitUntil(e.Binary("=", e.Name("gi1"), e.Number(5))),
+    p.If((p.Branch(e.Truth(True), (p.Stop(),)),)),
+    p.For("i", e.Number(1), e.Number(2), ()),
+    p.Opaque("rapid", "two\nlines"),
+    Signal("group", "input", 3, 4),
+    Variable("number", e.Number(3), (2,)),
+    Tool(IDENTITY),
+    Procedure("job", ()),
+    Speed(100.0),
+    p.Branch(e.Truth(True), ()),
+    p.If(()),
+    (e.Number(1), p.Stop()),
+    None,
+    "a text",
+)
+
+
+@pytest.mark.parametrize("part", PARTS, ids=lambda part: type(part).__name__)
+def test_what_differs_is_told_in_words_of_the_text_form(part: Any) -> None:
+    text = part_text(part)
+    assert text and "\n" not in text
+    assert not re.search(r"[A-Za-z]+\([a-z]+=|<.* object|\bNone\b|\bTrue\b", text)
+
+
+def test_a_wait_that_became_another_is_told_in_words() -> None:
+    first = Procedure("main", (p.WaitSignal("gi1", e.Number(5)),))
+    second = Procedure("main", (p.WaitUntil(e.Binary("=", e.Name("gi1"), e.Number(5))),))
+    found = compare(Program("job", (first,)), Program("job", (second,)))
+    assert [m.message for m in found.mismatches] == [
+        "`wait for gi1 = 5` became `wait until gi1 = 5`"
+    ]

@@ -24,8 +24,8 @@ JAPANESE: Final = ("cp932", japanese.CODEC)
 WESTERN: Final = ("cp1252", "cp1250", "cp1254")
 READ: Final = ("ascii", "utf-8-sig", "utf-8", *JAPANESE, *WESTERN, "latin-1")
 """What the maker's tools write is in the code page of their Windows."""
-WRITTEN: Final = ("ascii", WESTERN[0], JAPANESE[0])
-"""New text: the first that has all its characters."""
+WRITTEN: Final = (WESTERN[0], JAPANESE[0], "utf-8")
+"""New text beyond ASCII: the first that has all its characters, and is read as what it is."""
 
 _MARK: Final = re.compile(r"' robot-assistant: melfa-basic-([456])")
 _LOOKED_AT: Final = 1 << 17
@@ -189,14 +189,14 @@ def _fits(data: bytes, encoding: str) -> bool:
 def write_text(text: str, source: SourceText | None) -> bytes:
     """The bytes of a text: in its source's encoding, else in one that controllers take.
 
-    Raises Refused where no encoding has all the characters, or that of the source has not.
+    Raises Refused where that of the source does not have all the characters.
     """
     if source is not None and source.encoding != "ascii":
         return encode(replace(source, text=text))
-    plain = replace(source or SourceText(""), text=text)
+    if text.isascii():
+        return text.encode("ascii")
     for encoding in WRITTEN:
-        try:
-            return text.encode(encoding)
-        except UnicodeEncodeError:
-            continue
-    return encode(replace(plain, encoding="cp1252"))
+        data = text.encode(encoding, errors="ignore")
+        if read_text(data, None).text == text:
+            return data
+    return encode(replace(source or SourceText(""), text=text, encoding="utf-8"))

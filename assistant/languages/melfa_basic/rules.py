@@ -272,6 +272,10 @@ NO_ENTRY = Rule(
     "MB245", E, "nothing says what `{name}` begins with: its first line would be its `End`",
     "name the procedure with --entry, or call it `main` in the source",
 )  # fmt: skip
+NO_FIT = Rule(
+    "MB240", E, "the {bits} of the signal `{name}` cannot be {value:g}",
+    "write a whole number from 0 to {most}, or state the right number of bits",
+)  # fmt: skip
 ENDED = Rule(
     "MB236", I, "an end for good is written as `Hlt` in a loop: `End` would begin the next cycle",
     "none is needed; reset the program on the controller to start it from the top",

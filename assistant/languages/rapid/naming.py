@@ -54,6 +54,7 @@ class Naming:
     changed: list[tuple[str, str]] = field(default_factory=list)
     _taken: set[str] = field(default_factory=lambda: set(PREDEFINED | RESERVED))
     _numbered: dict[str, list[int]] = field(default_factory=dict)
+    _meant: dict[str, str] = field(default_factory=dict)
 
     def get(self, kind: str, name: str) -> str:
         """The name of something of that kind; unknown ones keep theirs."""
@@ -113,7 +114,7 @@ class Naming:
         room = LONGEST_NAME - 1 - len(str(count))
         base = identifier(follow.path.name)[:room]
         stem, number = base, 2
-        while self._rows_taken(stem.lower(), count):
+        while self._rows_taken(stem.lower(), count) or self._means(stem, follow.path.name):
             end = f"_p{number}"
             stem, number = base[: room - len(end)] + end, number + 1
         self._numbered.setdefault(stem.lower(), []).extend((1, count))
@@ -122,6 +123,10 @@ class Naming:
 
     def _rows_taken(self, stem: str, count: int) -> bool:
         return any(number <= count for number in self._numbered.get(stem, ()))
+
+    def _means(self, stem: str, name: str) -> bool:
+        """Whether a stem would be read as the name of something else, which was changed to it."""
+        return self._meant.get(stem.lower(), name) != name
 
     def _free(self, name: str, own: set[str] | frozenset[str] = frozenset()) -> str:
         base = identifier(name)[:LONGEST_NAME]
@@ -134,6 +139,7 @@ class Naming:
     def _note(self, short: str, name: str) -> None:
         if short != name and (short, name) not in self.changed:
             self.changed.append((short, name))
+            self._meant.setdefault(short.lower(), name)
 
 
 _latest: list[tuple[ReferenceType[Program], Naming]] = []

@@ -61,7 +61,7 @@ def section_lines(program: Program) -> Iterator[list[str]]:
 
 
 def variable_lines(variables: Mapping[str, Variable]) -> list[str]:
-    return [_variable_text(name, variables[name]) for name in _ordered(variables)]
+    return [variable_text(variables[name], name_text(name)) for name in _ordered(variables)]
 
 
 def opaque_lines(language: str, text: str) -> list[str]:
@@ -78,18 +78,19 @@ def parameter_text(parameter: Parameter) -> str:
     return f"{name_text(parameter.name)} {mode}{parameter.type}{extents}"
 
 
-def _signal_text(signal: Signal) -> str:
+def signal_text(signal: Signal) -> str:
     parts: list[str] = [signal.kind, signal.direction]
     parts += [] if signal.number is None else [str(signal.number)]
     parts += [] if signal.bits == 1 else [f"bits {signal.bits}"]
     return " ".join(parts)
 
 
-def _variable_text(name: str, variable: Variable) -> str:
+def variable_text(variable: Variable, name: str = "") -> str:
     local = "local " if variable.local else ""
     size = "[" + ", ".join(map(str, variable.size)) + "]" if variable.size else ""
     value = "" if variable.initial is None else f" = {expression_text(variable.initial)}"
-    return f"{local}{variable.storage} {name_text(name)} {variable.type}{size}{value}"
+    named = f"{name} " if name else ""
+    return f"{local}{variable.storage} {named}{variable.type}{size}{value}"
 
 
 def _ordered(table: Mapping[str, object]) -> list[str]:
@@ -107,7 +108,7 @@ _SECTIONS: Final[tuple[tuple[str, str, Callable[[Any], str]], ...]] = (
     ("frame", "frames", frame_text),
     ("speed", "speeds", speed_text),
     ("blend", "blends", blend_text),
-    ("signal", "signals", _signal_text),
+    ("signal", "signals", signal_text),
     ("target", "targets", target_text),
     ("joints", "joint_targets", joints_text),
 )

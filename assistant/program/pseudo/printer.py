@@ -52,6 +52,11 @@ def print_program(program: Program, *, side_tables_above: int | None = None) -> 
     return Printed(text, printer.tables.tables)
 
 
+def block_text(statement: Statement) -> str:
+    """The first line of a statement that holds others."""
+    return next(_BLOCKS[type(statement)](_Printer("", None), statement))
+
+
 class _Printer:
     """What is the same all over one program."""
 
@@ -61,7 +66,7 @@ class _Printer:
         self._blocks = 0
 
     def procedure(self, procedure: Procedure) -> Iterator[str]:
-        yield _procedure_text(procedure)
+        yield procedure_text(procedure)
         yield from _indented(variable_lines(procedure.variables))
         yield from self._body(procedure.body)
         yield "end"
@@ -137,7 +142,7 @@ _BLOCKS: Final[dict[type, Callable[[_Printer, Any], Iterator[str]]]] = {
 }
 
 
-def _procedure_text(procedure: Procedure) -> str:
+def procedure_text(procedure: Procedure) -> str:
     parameters = ", ".join(map(parameter_text, procedure.parameters))
     parts = [f"procedure {name_text(procedure.name)}" + (f"({parameters})" if parameters else "")]
     parts += [] if procedure.result is None else [f"returns {procedure.result}"]

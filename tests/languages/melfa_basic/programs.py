@@ -62,6 +62,15 @@ places = st.sampled_from(
     [e.Number(1), e.Name("count"), e.Binary("+", e.Name("count"), e.Number(1))]
 )
 elements = st.builds(lambda at: e.Index(e.Name("row"), (at,)), places)
+
+
+def fitting(value: e.Expression) -> e.Expression:
+    """The value; a number that each group has the bits for."""
+    while isinstance(value, e.Unary) and value.operator == "-":
+        value = value.operand
+    return e.Number(abs(int(value.value)) % 256) if isinstance(value, e.Number) else value
+
+
 values = st.recursive(
     st.one_of(
         *(elements, numbers),
@@ -148,7 +157,8 @@ simple = st.one_of(
         st.sampled_from([e.Truth(True), e.Number(0)]),
         st.sampled_from([None, e.Number(0.25)]),
     ),
-    st.builds(p.SetSignal, st.sampled_from(["mode", "answer", "level"]), values),
+    st.builds(p.SetSignal, st.just("level"), values),
+    st.builds(p.SetSignal, st.sampled_from(["mode", "answer"]), values.map(fitting)),
     st.builds(p.Gripper, st.sampled_from(["open", "close"]), st.integers(1, 8)),
     st.builds(p.SetAcceleration, st.just(e.Number(50)), st.just(e.Number(80))),
     st.builds(p.SetOverride, st.just(e.Number(40))),

@@ -24,6 +24,7 @@ from assistant.program.program import (
 from assistant.program.pseudo import parse as parse_pseudo
 from assistant.program.pseudo import print_program
 
+from .programs import fitting
 from .test_lower import DIALECTS, program, written
 
 SUM = """\
@@ -153,7 +154,7 @@ simple = st.one_of(
     st.builds(lambda v: p.Call("show", (v, e.Name("m"))), values),
     st.builds(p.WaitUntil, conditions),
     st.builds(p.WaitUntil, conditions.filter(lambda c: "larger" not in repr(c)), seconds),
-    st.builds(p.SetSignal, st.just("answer"), values),
+    st.builds(p.SetSignal, st.just("answer"), values.map(fitting)),
     st.just(p.Return()),
 )
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 import assistant
 from assistant import languages
+from assistant.compiler import Translation
 from assistant.compiler.loading import load_text
 from assistant.program.text import SourceText
 from assistant.virtual import melfa, rapid
@@ -120,6 +123,9 @@ ARRAYS: dict[str, tuple[str, str]] = {
     ),
 }  # fmt: skip
 
+LABELS = "PROC s(num x) L1: n:=n+x; at n,0; IF n<9 GOTO L1; t x; ENDPROC "
+LABELS += "PROC t(num x) again: m:=m+x; L1: at m,0; m:=m+3; IF m<9 GOTO L1; ENDPROC"
+
 
 def as_its_source(main: str, more: str, to: str) -> None:
     data = more if more.startswith("VAR") else ""
@@ -146,9 +152,62 @@ def test_an_array_begins_with_nothing(what: str, to: str) -> None:
     as_its_source(*ARRAYS[what], to)
 
 
+@pytest.mark.parametrize("to", MELFA)
+def test_routines_with_parameters_have_labels_of_their_own(to: str) -> None:
+    as_its_source("s 2; at m,n;", LABELS, to)
+
+
 def test_an_array_that_keeps_its_values_over_cycles_is_told_of() -> None:
     data, body = "VAR num q{2};\nVAR num w{2};\n", "q{1}:=q{1}+1;\nw{1}:=1;\n"
     text = f"MODULE m\n{data}PROC main()\n{body}ENDPROC\nENDMODULE\n"
     program = languages.get("rapid").lift(languages.get("rapid").parse(text))
     found = languages.get("melfa-basic-5").adapt(program).findings
     assert [(f.code, f.place) for f in found] == [("MB237", "q")]
+
+
+CELL = """\
+[signals.go1]
+kind = "group"
+number = 32
+bits = 4
+[signals.do1]
+number = 4
+[signals.gi1]
+direction = "input"
+kind = "group"
+number = 16
+bits = 4
+"""
+
+
+def in_cell(folder: Path, main: str, to: str) -> Translation:
+    """A program with a cell's signals, translated."""
+    process = folder / "cell.toml"
+    process.write_text(CELL, encoding="utf-8")
+    text = f"MODULE m\nPROC main()\n{main}\nENDPROC\nENDMODULE\n"
+    loaded = load_text(SourceText(text), process=process, language="rapid")
+    return assistant.translate(loaded, to=to)
+
+
+@pytest.mark.parametrize("to", MELFA)
+@pytest.mark.parametrize("line", ["WaitGI gi1,5;", "WaitUntil gi1=5;"])
+def test_a_wait_for_some_bits_is_one(tmp_path: Path, line: str, to: str) -> None:
+    found = in_cell(tmp_path, line + "\nSetGO go1,15;\n", to)
+    assert found.ok, found.findings
+    (written,) = found.files.values()
+    language = languages.get(to)
+    tree = language.parse(language.decode(written))
+    for value, ended in ((5, "end"), (4, "stopped"), (21, "end")):
+        bits = {16 + bit: value >> bit & 1 for bit in range(5)}
+        assert melfa.run(tree, inputs=bits).ended in (ended, "steps" if ended != "end" else "")
+
+
+@pytest.mark.parametrize("to", MELFA)
+@pytest.mark.parametrize(
+    "line",
+    ["SetGO go1,16;", "SetGO go1,-1;", "SetGO go1,2.5;", "SetDO do1,3;", "WaitGI gi1,16;"],
+)
+def test_what_does_not_fit_a_signal_is_an_error_there(tmp_path: Path, line: str, to: str) -> None:
+    found = in_cell(tmp_path, "SetGO go1,15;\n" + line, to)
+    assert {(f.code, f.line) for f in found.findings} >= {("MB240", 4)} and not found.ok
+    assert not [f for f in found.findings if f.code.startswith("CO1")]

@@ -18,7 +18,7 @@ from assistant.program.diagnostics import Findings
 from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
 from assistant.program.motion import MAXIMUM_SPEED, Blend, Speed
 from assistant.program.path import configuration_of, configuration_row
-from assistant.program.program import Procedure, Program, walk
+from assistant.program.program import Procedure, Program, Signal, walk
 from assistant.program.timers import timers
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ class Context:
         self._spelled = {name.lower(): name for table in tables for name in table}
         self._procedures = {q.name.lower(): q.name for q in program.procedures}
         self._timers = {name.lower(): name for name in timers(program)}
-        self._signals = {name.lower() for name in program.signals}
+        self._signals = {name.lower(): signal for name, signal in program.signals.items()}
 
     def enter(self, procedure: Procedure) -> None:
         """Names mean from here on what they mean in the procedure."""
@@ -70,6 +70,9 @@ class Context:
 
     def is_signal(self, name: str) -> bool:
         return name.lower() in self._signals and name.lower() not in self._own
+
+    def signal(self, name: str) -> Signal | None:
+        return self._signals.get(name.lower()) if self.is_signal(name) else None
 
     def spelled(self, name: str) -> str:
         """The name as its declaration spells it."""

@@ -89,12 +89,14 @@ class _Plain:
         yield replace(node, timer=self.context.timer(node.timer))
 
     def set_signal(self, node: p.SetSignal) -> Iterator[p.Statement]:
+        self.fits(node.signal, node.value)
         yield replace(node, signal=self.context.spelled(node.signal))
 
     def wait_signal(self, node: p.WaitSignal) -> Iterator[p.Statement]:
         """One for another value than a number is a wait for a condition."""
         signal = self.context.spelled(node.signal)
         if isinstance(node.value, e.Number):
+            self.fits(signal, node.value)
             yield replace(node, signal=signal)
             return
         condition = e.Binary("=", e.Name(signal), node.value)
@@ -104,11 +106,24 @@ class _Plain:
         """One for a signal and a number is a wait for the signal."""
         match node.condition:
             case e.Binary("=", e.Name(name), e.Number() as value) if self.context.is_signal(name):
+                self.fits(name, value)
                 yield p.WaitSignal(name, value, node.timeout, span=node.span)
             case e.Name(name) if self.context.is_signal(name):
                 yield p.WaitSignal(name, e.Number(1), node.timeout, span=node.span)
             case _:
                 yield node
+
+    def fits(self, name: str, value: e.Expression) -> None:
+        """An error where a digital signal or a group is to have what its bits cannot hold."""
+        signal = self.context.signal(name)
+        if signal is None or signal.kind == "analog" or not isinstance(value, e.Number):
+            return
+        most = (1 << signal.bits) - 1
+        if not (0 <= value.value <= most and value.value == int(value.value)):
+            bits = "1 bit" if signal.bits == 1 else f"{signal.bits} bits"
+            self.context.findings.append(
+                rules.NO_FIT(bits=bits, name=name, value=value.value, most=most)
+            )
 
     # ------------------------------------------------------------------------- control
 

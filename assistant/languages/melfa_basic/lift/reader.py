@@ -56,7 +56,7 @@ class Reader(Statements):
         taken: set[str] = set()
         self.control.labels = {}
         for low, high in (region.before, (region.low, region.high)):
-            for label in sorted(labels_in(self.code, max(low, 0), high)):
+            for label in sorted(labels_in(self.code, max(low, 0), max(high, 0))):
                 given = self.meanings.header.names["label"].get(label)
                 name = given or identifier(self._spelled(label), taken)
                 self.control.labels[label] = name

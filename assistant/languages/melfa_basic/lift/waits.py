@@ -68,7 +68,7 @@ def _endless(lines: Sequence[object], lift: Expressions) -> p.Statement | None:
             ),
             s.Line(label=str() as last, statement=None),
         ) if _made(name) and again == name and out == last == name + "Z":
-            return p.WaitUntil(lift.condition(condition))
+            return awaited(condition, lift)
     return None
 
 
@@ -114,13 +114,18 @@ def awaited(
 ) -> p.Statement:
     """Until a signal has a value, or until any other condition holds."""
     match condition:
-        case s.Binary("=", s.Variable() as variable, s.Number(value)) if (
-            variable.key in SIGNALS or variable.key in lift.m.io
-        ):
+        case s.Binary("=", left, s.Number(value)) if _tells_signal(left, lift):
             try:
-                name = lift.plain(variable)
+                name = lift.plain(left)
             except Unliftable:
                 name = None
             if isinstance(name, e.Name):
                 return p.WaitSignal(name.name, e.Number(value), timeout)
     return p.WaitUntil(lift.condition(condition), timeout)
+
+
+def _tells_signal(value: s.Expression, lift: Expressions) -> bool:
+    """Whether it is a status variable of signals, or some bits of one."""
+    if isinstance(value, s.Binary):
+        value = value.left
+    return isinstance(value, s.Variable) and (value.key in SIGNALS or value.key in lift.m.io)

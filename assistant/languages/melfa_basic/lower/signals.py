@@ -25,24 +25,32 @@ def wait(w: Writer, node: p.Wait) -> None:
 
 def wait_signal(w: Writer, node: p.WaitSignal) -> None:
     condition = s.Binary("=", w.expressions.name(node.signal), w.expressions.of(node.value))
-    if node.timeout is None:
-        w.add(s.Command("Wait", (condition,)))
-    else:
-        _limited(w, condition, node.timeout)
+    _wait(w, condition, node.timeout)
 
 
 def wait_until(w: Writer, node: p.WaitUntil) -> None:
-    condition = w.expressions.of(node.condition)
-    if node.timeout is not None:
-        _limited(w, condition, node.timeout)
+    _wait(w, w.expressions.of(node.condition), node.timeout)
+
+
+def _wait(w: Writer, condition: s.Expression, timeout: e.Expression | None) -> None:
+    if timeout is not None:
+        _limited(w, condition, timeout)
         return
-    if w.dialect.wide_wait:
+    if w.dialect.wide_wait or _is_plain(condition):
         w.add(s.Command("Wait", (condition,)))
         return
     label = w.made_label("W")
     w.items.append(s.Line(label=label))
     w.add(s.If(condition, s.Target(label + "Z"), s.Target(label)))
     w.items.append(s.Line(label=label + "Z"))
+
+
+def _is_plain(condition: s.Expression) -> bool:
+    """Whether it is `variable = constant`, which every dialect waits for."""
+    match condition:
+        case s.Binary("=", s.Variable(), s.Number()):
+            return True
+    return False
 
 
 def _limited(w: Writer, condition: s.Expression, timeout: e.Expression) -> None:

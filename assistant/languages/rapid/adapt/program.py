@@ -24,7 +24,7 @@ from assistant.languages.rapid.lower.program import build
 from assistant.languages.rapid.naming import naming, units
 from assistant.languages.rapid.sequences import with_paths
 from assistant.languages.rapid.signals import uses, with_used
-from assistant.languages.rapid.tables import LONGEST_NAME, MOST_TARGETS
+from assistant.languages.rapid.tables import LONGEST_NAME, MOST_TARGETS, PREDEFINED, RESERVED
 from assistant.program import statements as p
 from assistant.program.diagnostics import Refused, has_errors
 from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
@@ -91,8 +91,15 @@ def _sayable(program: Program, findings: Findings) -> Program:
 
 def _find_names(program: Program, findings: Findings) -> None:
     for short, name in naming(program).changed:
-        why = "it has more than 32 characters" if len(name) > LONGEST_NAME else "it is taken"
+        why = _why(name)
         findings.append(rules.SHORTENED(name=name, short=short, why=why, place=name))
+
+
+def _why(name: str) -> str:
+    """Why something cannot have its own name."""
+    if len(name) > LONGEST_NAME:
+        return "it has more than 32 characters"
+    return "it is a word of RAPID" if name.lower() in RESERVED | PREDEFINED else "it is taken"
 
 
 def _find_unbuildable(program: Program, findings: Findings) -> None:
