@@ -21,6 +21,7 @@ from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, Rule, Severity, Span
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import Body, map_bodies, records
+from assistant.program.text import lines_of
 
 LEFT_OUT = Rule(
     "CO007",
@@ -226,5 +227,5 @@ def _quoted(span: Span | None, places: Places, text: str = "") -> Iterator[str]:
     place = places.of(span) if span is not None else None
     file = f"{FilePath(place.path).name} " if place and place.path and places.several else ""
     yield f"{NOT_SAID}, {file}line {place.line}:" if place else f"{NOT_SAID}:"
-    for line in (place.text if place else text).splitlines():
+    for line in lines_of(place.text if place else text):
         yield QUOTED + line.strip()

@@ -18,6 +18,7 @@ from assistant.program import statements as p
 from assistant.program.collecting import uncollected
 from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, Span, fold
 from assistant.program.program import Program, bodies, walk
+from assistant.program.text import lines_of
 
 if TYPE_CHECKING:
     from assistant.languages.language import Frames
@@ -264,7 +265,7 @@ def _row(
     if not all(map(is_advice, part.found)):
         errors = any(f.severity is Severity.ERROR for f in part.found)
         level = "not" if errors else "partial"
-    lines = [line.strip() for line in place.text.splitlines() if line.strip()]
+    lines = [line.strip() for line in lines_of(place.text) if line.strip()]
     text = " ".join(lines[:1] if part.head else lines)
     if len(text) > LONGEST_TEXT:
         text = text[: LONGEST_TEXT - 1] + "…"

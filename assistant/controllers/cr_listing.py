@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from decimal import ROUND_HALF_EVEN, Decimal, InvalidOperation
 from typing import Final
 
+from assistant.program.text import lines_of as split_lines
+
 ENCODING: Final = "latin-1"
 """Bytes are passed through one to one: a controller's code page stays what it is."""
 
@@ -38,8 +40,8 @@ class Line:
 
 def lines_of(data: bytes) -> list[Line]:
     """The lines that say something; a step number or a variable may lead them."""
-    split = re.split(r"\r\n|\r|\n", data.decode(ENCODING))
-    return [Line(i, text) for i, text in enumerate(split, start=1) if text.strip(BLANKS)]
+    split = enumerate(split_lines(data.decode(ENCODING)), start=1)
+    return [Line(number, text) for number, text in split if text.strip(BLANKS)]
 
 
 def listed(data: bytes) -> bytes:

@@ -33,6 +33,31 @@ UNWRITABLE = Rule(
     "`{character}` cannot be written in the file's encoding, {encoding}",
     "write it in other characters, or save the file as UTF-8 before the change",
 )
+LINE_END_INSIDE = Rule(
+    "IN008",
+    Severity.ERROR,
+    "a {character} stands inside the line: it ends the line for some readers, not for others",
+    "end the line with CR LF there, or take the character out",
+)
+LINE_ENDS: Final = {
+    "\r": "carriage return without a line feed",
+    "\v": "vertical tab",
+    "\f": "form feed",
+    "\x1c": "file separator",
+    "\x1d": "group separator",
+    "\x1e": "record separator",
+    "\x85": "next line",
+    "\u2028": "line separator",
+    "\u2029": "paragraph separator",
+}
+"""Characters that end a line for Python or Unicode; here only a line feed does, with carriage
+returns in front of it or none, or a carriage return in a text without line feeds."""
+_OTHER: Final = f"[{''.join(LINE_ENDS.keys() - {chr(13)})}]"
+_INSIDE: Final = {
+    "\n": re.compile(rf"{_OTHER}|\r(?!\r*(?:\n|\Z))"),
+    "\r": re.compile(_OTHER),
+}
+"""What may end a line sooner, by what ends the lines of the text."""
 
 SEVERAL_CODES: Final = ("cp932", japanese.CODEC)
 """Encodings that have characters twice, so that a text need not give its bytes back."""
@@ -89,6 +114,30 @@ class SourceText:
             end_column=end_column,
             **fields,
         )
+
+    def line_ends_inside(self) -> Iterator[Diagnostic]:
+        """A finding for each line that ends sooner for some readers, and says more behind that.
+
+        What stands between such a character and an end of its line may be blank: then it does
+        not matter where the line ends.
+        """
+        at, pattern = 0, _INSIDE[self._line_end]
+        while (found := pattern.search(self.text, at)) is not None:
+            begin = self.text.rfind(self._line_end, 0, found.start()) + 1
+            end = self.text.find(self._line_end, found.start())
+            end = len(self.text) if end < 0 else end
+            line = self.text[begin:end]
+            first, last = begin + len(line) - len(line.lstrip()), begin + len(line.rstrip())
+            if (inside := pattern.search(self.text, first, last)) is not None:
+                name = LINE_ENDS[inside[0]]
+                yield self.finding(LINE_END_INSIDE, Span(*inside.span()), character=name)
+            at = end + 1
+
+
+def lines_of(text: str) -> list[str]:
+    """The lines of a text without their ends: see LINE_ENDS. No empty one behind the last end."""
+    lines = text.split("\n") if "\n" in text else text.split("\r")
+    return [line.rstrip("\r") for line in (lines if lines[-1] else lines[:-1])]
 
 
 def dominant_newline(text: str) -> str:

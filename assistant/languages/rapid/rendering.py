@@ -16,6 +16,7 @@ from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.gather import plain_move, target_values
 from assistant.languages.rapid.layout.tokens import HOLES
 from assistant.languages.rapid.printer import INDENT, Printer, comment
+from assistant.program.text import lines_of
 
 MOST_ROWS: Final = 4096
 """Rows of a run that are written one by one; if more of it changed it is printed as a whole."""
@@ -235,7 +236,7 @@ class Layout(lossless.Layout):
         return Spread(olds, extents, news)
 
     def _lines(self, node: Any) -> list[str]:
-        return "".join(str(part) for part in self.sketch(node)).splitlines()
+        return lines_of("".join(str(part) for part in self.sketch(node)))
 
     def _row_places(self, text: str, node: Any, rows: int) -> NDArray[np.intp] | None:
         """Offsets (n, 2) of each row, None where they cannot be told apart at a glance."""

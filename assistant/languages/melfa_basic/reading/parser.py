@@ -34,7 +34,7 @@ def parse(source: SourceText | str, dialect: str, *, runs: bool = True) -> s.Fil
         return s.File(dialect, (whole,), (finding,), source, (whole,))
     text = source.text if "\n" in source.text else source.text.replace("\r", "\n")
     items: list[s.Item] = []
-    findings: list[Diagnostic] = []
+    findings: list[Diagnostic] = list(source.line_ends_inside())
     for start, end in _pieces(text, items, runs):
         stop = start + len(text[start:end].rstrip("\r\n"))
         node = read_line(text, start, stop, end)

@@ -32,7 +32,8 @@ def parse(source: SourceText | str, *, runs: bool = True) -> File:
     (header, parts), findings = reading
     if findings and not text.text.lstrip().startswith("%%%"):
         header = None  # a header that was put in to read on
-    return File(parts, header, Origin(text, parts), (*files.notes(text), *findings))
+    noted = (*text.line_ends_inside(), *files.notes(text), *findings)
+    return File(parts, header, Origin(text, parts), noted)
 
 
 def _source(text: str) -> SourceText:
