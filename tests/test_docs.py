@@ -120,7 +120,8 @@ def test_the_pseudo_programs_of_a_page_are_exact(page, text):
 
 
 LIMITS = "[melfa-basic]"
-SETTINGS = {"[severity]": "assistant.toml", LIMITS: "assistant.toml", "[tool.": "pyproject.toml"}
+SETTINGS = dict.fromkeys(("[severity]", "[rapid]", LIMITS), "assistant.toml")
+SETTINGS["[tool."] = "pyproject.toml"
 """How the settings of a project begin, and the file that they are in."""
 
 
@@ -148,7 +149,7 @@ def test_the_files_of_a_page_are_read(page, text, tmp_path):
         assert not settings.findings
         language = languages.get("melfa-basic-5")
         said = configured(language, tmp_path) is not language
-        assert said if text.startswith(LIMITS) else settings.levels
+        assert said if LIMITS in text else settings.levels
     else:
         process = read_process(file)
         assert any((process.layers, process.signals, process.tools, process.frames))

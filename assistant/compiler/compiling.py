@@ -8,6 +8,7 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.checks import check, with_robot
+from assistant.compiler.arithmetic import differences
 from assistant.compiler.arms import Arms, known_robot, robot_of, taught_on
 from assistant.compiler.crossing import for_arm, unsaid
 from assistant.compiler.entering import entered
@@ -49,6 +50,12 @@ KEPT_TEXT = Rule(
     Severity.ERROR,
     "`{text}` keeps its text, but would be read back as something else where it is written",
     "say it in statements with plain conditions and numbers",
+)
+UNIT_ALONE = Rule(
+    "CO008",
+    Severity.ERROR,
+    "`{name}` is no program, but a part that one loads while it runs",
+    "name the program that loads it: its parts are read with it",
 )
 LEAST_TARGETS: Final = 10
 """A unit must hold an arc with its start, and be worth a file."""
@@ -141,7 +148,11 @@ def compile_program(
     if conversion is not None:
         return _converted(conversion, findings, source, places, target, arm)
     if source.origin is not None:
-        findings += language_of(source.origin.language).assumed(source, target.name)
+        spoken = language_of(source.origin.language)
+        alone = all(procedure.unit is not None for procedure in program.procedures)
+        if spoken.name != target.name and program.procedures and alone:
+            findings.append(UNIT_ALONE(name=program.name))
+        findings += (*spoken.assumed(source, target.name), *differences(source, spoken, target))
     if arm is not None:
         program = replace(program, robot=arm.name)
         if target.name not in arm.languages:

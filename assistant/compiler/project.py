@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.languages.language import Choice
 from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, Span
 from assistant.program.text import SourceText, decode, read_bytes
 
@@ -30,11 +31,12 @@ NOT_ALLOWED: Final = Rule(
     "CO305", Severity.ERROR, "`{key}` is {value}, no whole number from {least} to {most}",
     "{meaning}",
 )  # fmt: skip
+NO_WORD: Final = Rule("CO307", Severity.ERROR, "`{key}` is {value!a}, none of {words}", "{meaning}")
 NO_SETTINGS: Final = Rule(
     "CO306",
     Severity.ERROR,
     "`{table}` is no table",
-    "write lines such as {setting} = {least} in it",
+    "write lines such as {setting} = {value} in it",
 )
 
 
@@ -94,14 +96,13 @@ def configured(language: Language[Any], folder: FilePath) -> Language[Any]:
     return language.configured(_settings(project, language, content[language.table]))
 
 
-def _settings(project: Project, language: Language[Any], given: object) -> dict[str, int]:
+def _settings(project: Project, language: Language[Any], given: object) -> dict[str, int | str]:
     at = (language.table,)
     table = "[" + ".".join((*project.table, *at)) + "]"
     if not isinstance(given, Mapping):
         name, first = next(iter(language.settings.items()))
-        finding = project.finding(
-            NO_SETTINGS, at, table=language.table, setting=name, least=first.least
-        )
+        value = f'"{first.words[0]}"' if isinstance(first, Choice) else first.least
+        finding = project.finding(NO_SETTINGS, at, table=language.table, setting=name, value=value)
         raise Refused(finding, exit_status=2)
     found: list[Diagnostic] = []
     for key, value in given.items():
@@ -111,6 +112,11 @@ def _settings(project: Project, language: Language[Any], given: object) -> dict[
             found.append(
                 project.finding(NO_SETTING, (*at, key), key=key, table=table, settings=known)
             )
+        elif isinstance(setting, Choice):
+            if value not in setting.words:
+                words = {"words": ", ".join(setting.words), "meaning": setting.meaning}
+                at_key = (*at, key)
+                found.append(project.finding(NO_WORD, at_key, key=key, value=value, **words))
         elif type(value) is not int or not setting.least <= value <= setting.most:
             fields = {"least": setting.least, "most": setting.most, "meaning": setting.meaning}
             found.append(project.finding(NOT_ALLOWED, (*at, key), key=key, value=value, **fields))

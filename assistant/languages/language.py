@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import abc
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Generic, Literal, Protocol, Self, TypeVar
+from typing import TYPE_CHECKING, Final, Generic, Literal, Protocol, Self, TypeVar
 
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.program import Origin, Program
@@ -78,6 +79,29 @@ class Setting:
 
 
 @dataclass(frozen=True, slots=True)
+class Choice:
+    """A way of a controller that a project may state: one of the words. meaning: one sentence."""
+
+    words: tuple[str, ...]
+    meaning: str
+
+
+ARITHMETIC: Final[Mapping[str, Choice]] = MappingProxyType(
+    {
+        "halves": Choice(
+            ("away", "even", "up"),
+            "say how a number that ends in .5 is rounded: away from zero, to the even one, or up",
+        ),
+        "remainder": Choice(
+            ("dividend", "divisor"),
+            "say whose sign the remainder of a division has",
+        ),
+    }
+)
+"""What manuals leave open, for every language alike; the first word counts unless one is stated."""
+
+
+@dataclass(frozen=True, slots=True)
 class Adapted:
     """A program as one language will say it, with a finding for everything that changed."""
 
@@ -112,8 +136,10 @@ class Language(abc.ABC, Generic[T]):
     """Code of a check of any program → that of the rule which tells the same of this language."""
     table: str = ""
     """The table of a project's file that holds its settings."""
-    settings: Mapping[str, Setting] = MappingProxyType({})
+    settings: Mapping[str, Setting | Choice] = MappingProxyType({})
     """What a project may state about its controllers, by key."""
+    stated: Mapping[str, str] = MappingProxyType({})
+    """What it does state of ARITHMETIC."""
     counts_on: bool = False
     """Whether the spans of a lifted program count on from one tree's text to the next, by one
     more than its length; else those of each unit are in its own text."""
@@ -243,9 +269,11 @@ class Language(abc.ABC, Generic[T]):
         """Names of files that run beside a program: checked with it, but no part of it."""
         return ()
 
-    def configured(self, settings: Mapping[str, int]) -> Language[T]:  # noqa: ARG002
+    def configured(self, settings: Mapping[str, int | str]) -> Self:
         """The same language with what a project states about its controllers."""
-        return self
+        made = copy(self)
+        made.stated = {key: str(settings[key]) for key in ARITHMETIC if key in settings}
+        return made
 
     def program_of(self, path: FilePath) -> FilePath:
         """What a file is a part of: files with the same answer are checked as one program.

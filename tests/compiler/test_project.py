@@ -51,6 +51,8 @@ def test_a_project_states_the_length_of_steps(tmp_path: Path) -> None:
         ("[melfa-basic]\nname-length = true\n", "CO305", 2),
         ('[melfa-basic]\nname-length = "20"\n', "CO305", 2),
         ("melfa-basic = 20\n", "CO306", 1),
+        ('[melfa-basic]\nhalves = "down"\n', "CO307", 2),
+        ("[melfa-basic]\nremainder = 1\n", "CO307", 2),
     ],
 )
 def test_settings_that_are_none(tmp_path: Path, table: str, code: str, line: int) -> None:

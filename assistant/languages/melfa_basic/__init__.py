@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.language import (
+    ARITHMETIC,
     Adapted,
     Conversion,
     Frames,
@@ -64,7 +65,7 @@ class MelfaBasic(Language[File]):
     joint_percent = True
     frames: Frames = "base"
     table = "melfa-basic"
-    settings = SETTINGS
+    settings = MappingProxyType({**SETTINGS, **ARITHMETIC})
 
     def __init__(self, name: str) -> None:
         self.dialect = DIALECTS[name]
@@ -75,9 +76,11 @@ class MelfaBasic(Language[File]):
         made.frames = frames
         return made
 
-    def configured(self, settings: Mapping[str, int]) -> MelfaBasic:
-        limits: dict[str, Any] = {SETTINGS_OF[key]: value for key, value in settings.items()}
-        made = copy(self)
+    def configured(self, settings: Mapping[str, int | str]) -> MelfaBasic:
+        made = super().configured(settings)
+        limits: dict[str, Any] = {
+            SETTINGS_OF[key]: value for key, value in settings.items() if key in SETTINGS_OF
+        }
         made.dialect = replace(self.dialect, **limits)
         return made
 

@@ -8,7 +8,7 @@ from pathlib import Path as FilePath
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
-from assistant.languages.language import Adapted, Language, Part, Precision
+from assistant.languages.language import ARITHMETIC, Adapted, Language, Part, Precision
 from assistant.languages.rapid.syntax import File
 from assistant.program.diagnostics import Diagnostic, has_errors
 from assistant.program.program import Program
@@ -42,6 +42,8 @@ class Rapid(Language[File]):
         {"CK101": "RA459", "CK102": "RA460", "CK103": "RA460", "CK104": "RA461"}
     )
     counts_on = True
+    table = "rapid"
+    settings = ARITHMETIC
 
     def recognises(self, data: bytes, suffix: str = "") -> bool:  # noqa: ARG002
         from assistant.languages.rapid.files import recognises

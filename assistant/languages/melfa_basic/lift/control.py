@@ -10,8 +10,9 @@ from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.blocks import opened
 from assistant.languages.melfa_basic.lift import waits
 from assistant.languages.melfa_basic.lift.blocks import Code
-from assistant.languages.melfa_basic.lift.expressions import Expressions, operator_name
+from assistant.languages.melfa_basic.lift.expressions import Expressions
 from assistant.languages.melfa_basic.lift.meanings import Meanings, Unliftable
+from assistant.languages.melfa_basic.lift.operators import operator_name
 from assistant.languages.melfa_basic.lift.reasons import NO_LABEL
 from assistant.program import expressions as e
 from assistant.program import statements as p

@@ -11,6 +11,7 @@ from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.functions import ANALOG
 from assistant.languages.melfa_basic.lift.expressions import Expressions
 from assistant.languages.melfa_basic.lift.meanings import IO_BITS, SIGNALS, Unliftable
+from assistant.languages.melfa_basic.lift.operators import is_comparison
 from assistant.languages.melfa_basic.lift.paths import Runs
 from assistant.languages.melfa_basic.lift.positions import joints_of, target_of
 from assistant.languages.melfa_basic.lift.reasons import DELAYED
@@ -24,6 +25,8 @@ from assistant.program.program import Signal
 def assign(node: s.Assign, lift: Expressions, runs: Runs) -> list[p.Statement]:
     """An assignment: to a signal, a component, an element or a variable."""
     target = node.target
+    if _is_chosen(node, lift):
+        return [_chosen(node, lift, runs)]
     if target.key in SIGNALS or target.key == ANALOG[1].upper():
         return [_signal(node, lift)]
     if target.key in lift.m.io and not lift.m.is_shadowed(target.key):
@@ -41,6 +44,21 @@ def assign(node: s.Assign, lift: Expressions, runs: Runs) -> list[p.Statement]:
     if not isinstance(place, e.Name | e.Index):
         raise Unliftable
     return [p.Assign(place, value_of(node, lift))]
+
+
+def _is_chosen(node: s.Assign, lift: Expressions) -> bool:
+    """Whether a number is given a truth: 1 where it holds, else 0."""
+    if lift.m.own or lift.type_of(node.target) not in ("number", "integer"):
+        return False
+    comparison = is_comparison(node.value)
+    return comparison or (isinstance(node.value, s.Binary) and lift.is_truth(node.value))
+
+
+def _chosen(node: s.Assign, lift: Expressions, runs: Runs) -> p.If:
+    if node.delay is not None:
+        raise Unliftable(DELAYED)
+    one, zero = (tuple(assign(replace(node, value=s.Number(v)), lift, runs)) for v in (1, 0))
+    return p.If((p.Branch(lift.truth(node.value), one),), zero)
 
 
 def value_of(node: s.Assign, lift: Expressions) -> e.Expression:

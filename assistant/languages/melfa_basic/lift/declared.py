@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, Protocol, cast
 
 from assistant.languages.melfa_basic import poses
@@ -14,6 +15,7 @@ from assistant.languages.melfa_basic.lift.meanings import Meanings
 from assistant.languages.melfa_basic.lift.paths import Runs
 from assistant.languages.melfa_basic.lift.positions import (
     Elements,
+    Plain,
     Positions,
     joints_of,
     target_of,
@@ -119,29 +121,55 @@ def elements(file: Holding, meanings: Meanings) -> None:
         if values is None:
             del meanings.scope.sizes[key]
             continue
-        name = meanings.declared(s.Variable(written))
-        known = meanings.variables[name]
-        meanings.variables[name] = Variable(known.type, values, size, "persistent")
+        _keep(written, values, meanings)
+    for key, (written, given) in file.positions.plain.items():
+        size = meanings.scope.sizes.get(key)
+        if not file.own and size is not None:
+            _keep(written, _nested(size, _others_empty(given)), meanings)
 
 
-def _all_elements(size: tuple[int, ...], found: Elements, meanings: Meanings) -> e.Aggregate | None:
-    placed = all(constant.flags is not None for constant in found.values())
+def _others_empty(given: Plain) -> Callable[[tuple[int, ...]], e.Expression]:
+    texts = any(isinstance(value, e.Text) for value in given.values())
+    return lambda at: given.get(at, e.Text("") if texts else e.Number(0))
 
-    def nested(rest: tuple[int, ...], at: tuple[int, ...]) -> e.Expression | None:
+
+def _keep(written: str, values: e.Expression | None, meanings: Meanings) -> None:
+    """Declares an array with the first values that its file has for it."""
+    name = meanings.declared(s.Variable(written))
+    known = meanings.variables[name]
+    meanings.variables[name] = Variable(known.type, values, known.size, "persistent")
+
+
+def _nested(
+    size: tuple[int, ...], value: Callable[[tuple[int, ...]], e.Expression | None]
+) -> e.Expression | None:
+    """The elements of an array, None if one of them has no value."""
+
+    def inside(rest: tuple[int, ...], at: tuple[int, ...]) -> e.Expression | None:
         if not rest:
-            constant = found.get(at)
-            if constant is None:
-                return e.NEVER_GIVEN if placed else None
-            if constant.flags is None:
-                return e.JointValue(joints_of(constant, meanings.robot))
-            return e.TargetValue(target_of(constant, meanings.robot))
-        inner = [nested(rest[1:], (*at, k)) for k in range(1, rest[0] + 1)]
+            return value(at)
+        inner = [inside(rest[1:], (*at, k)) for k in range(1, rest[0] + 1)]
         if any(v is None for v in inner):
             return None
         return e.Aggregate(tuple(v for v in inner if v is not None))
 
-    made = nested(size, ())
-    return made if isinstance(made, e.Aggregate) else None
+    return inside(size, ())
+
+
+def _all_elements(
+    size: tuple[int, ...], found: Elements, meanings: Meanings
+) -> e.Expression | None:
+    placed = all(constant.flags is not None for constant in found.values())
+
+    def value(at: tuple[int, ...]) -> e.Expression | None:
+        constant = found.get(at)
+        if constant is None:
+            return e.NEVER_GIVEN if placed else None
+        if constant.flags is None:
+            return e.JointValue(joints_of(constant, meanings.robot))
+        return e.TargetValue(target_of(constant, meanings.robot))
+
+    return _nested(size, value)
 
 
 class Declared:

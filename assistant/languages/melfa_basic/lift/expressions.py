@@ -10,28 +10,31 @@ from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.functions import ANALOG, OF_ANGLE, PLAIN, TO_ANGLE
 from assistant.languages.melfa_basic.lift.constants import INITIAL
 from assistant.languages.melfa_basic.lift.meanings import SIGNALS, Meanings, Unliftable
+from assistant.languages.melfa_basic.lift.operators import (
+    LOGICAL,
+    RELATIONS,
+    WHOLE,
+    are_truths,
+    is_comparison,
+    operator_name,
+)
 from assistant.languages.melfa_basic.lift.pallets import declared
 from assistant.languages.melfa_basic.lift.positions import target_of
 from assistant.languages.melfa_basic.lift.reasons import WAYS
-from assistant.languages.melfa_basic.lift.shifts import amounts, shift
+from assistant.languages.melfa_basic.lift.shifts import amounts, fixed, is_inverse, shift
 from assistant.languages.melfa_basic.lift.timers import elapsed, timed
 from assistant.languages.melfa_basic.poses import JOINTS, is_angle, is_length
 from assistant.languages.melfa_basic.vocabulary import function, status
 from assistant.languages.melfa_basic.vocabulary.timers import MILLISECONDS
 from assistant.program import expressions as e
+from assistant.program.geometry import Target
 from assistant.program.program import ValueType
 
 # PLAIN, OF_ANGLE and TO_ANGLE are read backwards here: one row adds a function both ways.
 _PLAIN: Final = {melfa.upper(): name for name, melfa in PLAIN.items()}
 _OF_ANGLE: Final = {melfa.upper(): name for name, melfa in OF_ANGLE.items()}
 _TO_ANGLE: Final = {melfa.upper(): name for name, melfa in TO_ANGLE.items()}
-_OPERATORS: Final = {
-    "\\": "div", "MOD": "mod", "AND": "and", "OR": "or", "XOR": "xor", "><": "<>", "=<": "<=",
-    "=>": ">=",
-}  # fmt: skip
 _REGISTERS: Final = tuple(word.upper() for word in ANALOG)
-RELATIONS: Final = ("=", "<>", "<", "<=", ">", ">=")
-LOGICAL: Final = ("and", "or", "xor")
 DEGREE: Final = math.pi / 180.0
 FROM_LETTER: Final[dict[str, ValueType]] = {
     "P": "position",
@@ -39,10 +42,6 @@ FROM_LETTER: Final[dict[str, ValueType]] = {
     "C": "text",
     "M": "number",
 }
-
-
-def operator_name(written: str) -> str:
-    return _OPERATORS.get(written, written)
 
 
 class Expressions:
@@ -94,7 +93,7 @@ class Expressions:
             case s.Pallet(number=number, point=point):
                 known = self.m.value(number)
                 if isinstance(known, float) and round(known) in self.m.pallets:
-                    return e.Index(declared(round(known), self.m), (self.index(point),))
+                    return e.Index(declared(round(known), self.m), (self.rounded(point),))
         raise Unliftable
 
     def number(self, node: s.Expression) -> e.Expression:
@@ -116,9 +115,10 @@ class Expressions:
             return self.placed(operator, left, right)
         if operator in ("<<", ">>") or ("joints" in kinds and not self.m.own):
             raise Unliftable
-        if operator in LOGICAL and not (self.m.own and _of_truths(left, right)):
+        if operator in LOGICAL and not (self.m.own and are_truths(left, right)):
             raise Unliftable  # of bits; that of truths is no number
-        return e.Binary(operator, self.number(left), self.number(right))  # type: ignore[arg-type]
+        operand = self.rounded if operator in WHOLE else self.number
+        return e.Binary(operator, operand(left), operand(right))  # type: ignore[arg-type]
 
     def group(self, operator: str, left: s.Expression, right: s.Expression) -> e.Name | None:
         """`M_In8(5) And &H0F`: a group of fewer bits than the variable has."""
@@ -139,6 +139,8 @@ class Expressions:
             case s.Binary(operator=written, left=left, right=right):
                 operator = operator_name(written)
                 if operator in LOGICAL and self.group(operator, left, right) is None:
+                    if operator == "or" and not self.m.own:  # a bit is set where one has one
+                        return e.Binary("or", self.nonzero(left), self.nonzero(right))
                     if not (self.is_truth(left) and self.is_truth(right)):
                         raise Unliftable
                     return e.Binary(operator, self.truth(left), self.truth(right))  # type: ignore[arg-type]
@@ -146,6 +148,10 @@ class Expressions:
                     return self.binary(operator, left, right)
             case s.Number(value=value) if not self.m.own:
                 return e.Truth(value != 0)
+            case s.Unary(operator=sign, operand=operand) if sign.upper() == "NOT":
+                if not is_comparison(operand):
+                    raise Unliftable  # of bits
+                return e.Unary("not", self.truth(operand))
         plain = self.plain(node)
         if self.m.own or self.type_of(node) == "truth":
             return plain
@@ -154,6 +160,14 @@ class Expressions:
         if self.type_of(node) not in ("number", "integer"):
             raise Unliftable
         return e.Binary("<>", plain, e.Number(0))
+
+    def nonzero(self, node: s.Expression) -> e.Expression:
+        """Whether a bit of a truth or number is set."""
+        if self.is_truth(node) or is_comparison(node):
+            return self.truth(node)
+        if self.type_of(node) not in ("number", "integer"):
+            raise Unliftable
+        return e.Binary("<>", self.rounded(node), e.Number(0))
 
     def is_truth(self, node: s.Expression) -> bool:
         """Whether it is 0 or 1 (or a truth), so that bits and truths are the same."""
@@ -165,6 +179,8 @@ class Expressions:
                 return operator in RELATIONS
             case s.Variable():
                 return self.is_bit(node) or self.type_of(node) == "truth" or self.m.own
+            case s.Unary():
+                return self.m.own or is_comparison(node)
         return self.m.own
 
     def is_bit(self, node: s.Expression) -> bool:
@@ -197,8 +213,10 @@ class Expressions:
                     return "truth"
                 kinds = (self.type_of(left), self.type_of(right))
                 for kind in ("position", "joints", "text", "number"):
-                    if kind in kinds:
+                    if kind in kinds and not (kind == "number" and name in WHOLE):
                         return kind
+                if name in WHOLE:
+                    return "integer"
                 return "number" if name in ("/", "^") else kinds[0]
             case s.Number(value=value):
                 return "integer" if float(value).is_integer() else "number"
@@ -293,7 +311,7 @@ class Expressions:
             raise Unliftable
         values = [a for a in arguments if a is not None]
         if self.m.size_of(key):
-            indices = tuple(self.index(v) for v in values)
+            indices = tuple(self.rounded(v) for v in values)
             whole = self.m.name(s.Variable(node.name, node.suffix))
             return e.Index(whole, indices)
         if (key in SIGNALS or key in _REGISTERS) and len(values) == 1:
@@ -314,19 +332,16 @@ class Expressions:
             return self.degrees(values[0])
         if (key in _TO_ANGLE or key == "RAD") and not self.m.own:
             return e.Binary("*", self.degrees(node), e.Number(DEGREE))
+        if key == "INV" and (pose := fixed(node, self.m)) is not None:
+            return e.TargetValue(Target(pose))
         if key in _PLAIN:
             return e.Apply(_PLAIN[key], tuple(self.number(v) for v in values))
         raise Unliftable
 
-    def index(self, node: s.Expression) -> e.Expression:
-        """A subscript; one that is no whole number is rounded, in other languages too."""
-        value = self.number(node)
-        return value if isinstance(value, e.Name) else self.rounded(node)
-
     def rounded(self, node: s.Expression) -> e.Expression:
-        """A value that is rounded if it may be no whole number."""
+        """A subscript or another value that is rounded if it is not known to be whole."""
         value = self.number(node)
-        if self.m.own or self.type_of(node) == "integer" or isinstance(node, s.Number):
+        if self.m.own or self.type_of(node) == "integer":
             return value
         return e.Apply("round", (value,))
 
@@ -375,6 +390,9 @@ class Expressions:
 
     def placed(self, operator: str, left: s.Expression, right: s.Expression) -> e.Expression:
         """A position moved by a constant; a product of positions."""
+        if operator == "*" and (is_inverse(left) or is_inverse(right)):
+            if (pose := fixed(s.Binary("*", left, right), self.m)) is not None:
+                return e.TargetValue(Target(pose))
         constant = shift(right, self.m)
         if operator in "+-*" and constant is not None and self.type_of(left) == "position":
             given = amounts(operator, constant, self.m)
@@ -384,16 +402,3 @@ class Expressions:
         if operator == "*" and positions and self.m.own:
             return e.Binary("@", self.plain(left), self.plain(right))
         raise Unliftable
-
-
-def _of_truths(*operands: s.Expression) -> bool:
-    """Whether logic that was written here may be of truths; else it is vendor text, of bits."""
-    for node in operands:
-        match node:
-            case s.Number(value=value) if value not in (0, 1):
-                return False
-            case s.Unary():
-                return False
-            case s.Binary(operator=written) if operator_name(written) not in (*RELATIONS, *LOGICAL):
-                return False
-    return True

@@ -161,6 +161,8 @@ class Meanings:
             initial = e.JointValue(joints_of(constant, self.robot))
         elif constant is not None and kind == "position":
             initial = e.TargetValue(target_of(constant, self.robot))
+        elif not self.own and key in self.positions.plain:
+            initial = self.positions.plain[key][1].get(())
         kept = shared or initial is not None  # stands in the file or the controller
         self.variables[name] = Variable(
             kind, initial, self.scope.sizes.get(key, ()), "persistent" if kept else "variable"

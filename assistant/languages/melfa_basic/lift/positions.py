@@ -12,6 +12,7 @@ from assistant.languages.melfa_basic import poses
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import PositionRows
 from assistant.languages.melfa_basic.lift.gathering import split_name
+from assistant.program import expressions as e
 from assistant.program.geometry import UNUSED_AXIS, JointTarget, Pose, Target
 from assistant.program.path import UNSTATED, configuration_of
 
@@ -23,18 +24,22 @@ NO_FLAGS: Final = -1
 Elements = dict[tuple[int, ...], s.Constant]
 """Constants of an array by their indices."""
 
+Plain = dict[tuple[int, ...], e.Expression]
+"""Numbers and texts of an array by their indices; of a single variable by none."""
+
 
 class Positions:
     """Values (n, 8), NaN where undefined, and flags (n, 2), NO_FLAGS where absent.
 
     names: constants that stand alone, by name in upper case, in their order. elements: those of
-    arrays, by name in upper case.
+    arrays, by name in upper case. plain: numbers and texts that the file keeps, likewise.
     """
 
     def __init__(self, file: s.File) -> None:
         self.names: dict[str, tuple[str, s.Constant]] = {}
         self.tables: dict[str, list[PositionRows]] = {}
         self.elements: dict[str, tuple[str, Elements]] = {}
+        self.plain: dict[str, tuple[str, Plain]] = {}
         for item in file.items:
             match item:
                 case PositionRows():
@@ -43,10 +48,13 @@ class Positions:
                     undefined = constant.flags == (None, None) and not any(constant.values)
                     if variable.arguments is None and not undefined:
                         self.names.setdefault(variable.key, (variable.name, constant))
-                    at = tuple(a.value for a in variable.arguments or () if isinstance(a, s.Number))
+                    at = _indices(variable)
                     if at and not undefined:
                         known = self.elements.setdefault(variable.key, (variable.name, {}))
-                        known[1][tuple(int(i) for i in at)] = constant
+                        known[1][at] = constant
+                case s.Data(variable=variable, value=value) if (kept := _kept(value)) is not None:
+                    values = self.plain.setdefault(variable.key, (variable.name, {}))
+                    values[1][_indices(variable)] = kept
         single: dict[str, list[tuple[int, s.Constant]]] = {stem: [] for stem in self.tables}
         for key, (_, constant) in self.names.items():
             name = split_name(s.Variable(key))
@@ -112,6 +120,23 @@ class Positions:
             for rows in tables:
                 for number in rows.numbers.tolist():
                     yield f"{rows.stem}{number}"
+
+
+def _indices(variable: s.Variable) -> tuple[int, ...]:
+    """Of an element of an array; none of a single variable."""
+    return tuple(int(a.value) for a in variable.arguments or () if isinstance(a, s.Number))
+
+
+def _kept(value: s.Expression) -> e.Expression | None:
+    """The number or text that stands behind a variable's name."""
+    match value:
+        case s.Number(value=number):
+            return e.Number(number)
+        case s.Unary(operator=sign, operand=s.Number(value=number)):
+            return e.Number(-number if sign == "-" else number)
+        case s.String(value=text):
+            return e.Text(text)
+    return None
 
 
 def _row(constant: s.Constant) -> tuple[NDArray[np.float64], NDArray[np.int64]]:

@@ -11,6 +11,7 @@ from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.lift.files import File, touching
 from assistant.languages.melfa_basic.lift.units import Unit
 from assistant.program.program import Program, identifier
+from assistant.program.wholes import without_needless_rounding
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
@@ -39,7 +40,7 @@ def lift(trees: Sequence[s.File], robot: Robot | None = None, *, divide: bool = 
     for file in [main, *rest]:
         unit = None if file is main else (file.header.unit or stem(file.tree) or "unit")
         program = Unit(file, main, unit, robot, touched, programs, divide).add_to(program)
-    return program
+    return program if any(file.own for file in files) else without_needless_rounding(program)
 
 
 def _robot(name: str | None) -> Robot | None:

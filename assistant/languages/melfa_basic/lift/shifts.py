@@ -6,7 +6,9 @@ import numpy as np
 
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.lift.meanings import Meanings, Unliftable
+from assistant.languages.melfa_basic.poses import plain_pose, plain_values
 from assistant.program import rotations
+from assistant.program.geometry import Pose
 
 
 def shift(node: s.Expression, meanings: Meanings) -> s.Constant | None:
@@ -16,7 +18,28 @@ def shift(node: s.Expression, meanings: Meanings) -> s.Constant | None:
     if isinstance(node, s.Variable) and node.arguments is None and not node.component:
         if not meanings.own and node.key not in meanings.constants.assigned:
             return meanings.positions.constant(node.key)
+    if isinstance(node, s.Variable) and node.key == "INV" and (pose := fixed(node, meanings)):
+        return s.Constant(plain_values(pose))
     return None
+
+
+def fixed(node: s.Expression | None, meanings: Meanings) -> Pose | None:
+    """Where a constant, or the inverse or product of such, is; None if that is not known."""
+    if meanings.own or (meanings.robot is not None and meanings.robot.five_axis):
+        return None
+    match node:
+        case s.Variable(key="INV", arguments=(inner,), component=""):
+            pose = fixed(inner, meanings)
+            return None if pose is None else pose.inverse()
+        case s.Binary(operator="*", left=left, right=right):
+            one, two = fixed(left, meanings), fixed(right, meanings)
+            return None if one is None or two is None else one @ two
+        case None:
+            return None
+    constant = shift(node, meanings)
+    if constant is None or any(constant.values[6:]) or None in constant.values:
+        return None
+    return plain_pose(constant.values)
 
 
 def amounts(operator: str, constant: s.Constant, meanings: Meanings) -> list[float]:
@@ -41,3 +64,7 @@ def amounts(operator: str, constant: s.Constant, meanings: Meanings) -> list[flo
     while len(used) > 3 and used[-1] == 0.0:
         used.pop()
     return used
+
+
+def is_inverse(node: s.Expression) -> bool:
+    return isinstance(node, s.Variable) and node.key == "INV"

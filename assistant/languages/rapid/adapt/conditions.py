@@ -11,6 +11,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 
 _ARITHMETIC: Final = ("+", "-", "*", "/", "div", "mod", "^")
+_LOGICAL: Final = ("and", "or", "xor", "=", "<>", "<", "<=", ">", ">=")
 _NUMBERS: Final = ("number", "integer")
 
 
@@ -25,6 +26,33 @@ def with_conditions(statement: p.Statement, known: Kinds) -> p.Statement:
     return statement
 
 
+def compared(x: e.Expression, known: Kinds) -> e.Expression:
+    """A truth that is compared with 0 or 1 as itself: RAPID compares it with truths only."""
+    match x:
+        case e.Binary("=" | "<>" as operator, left, e.Number(value)) if value in (
+            0,
+            1,
+        ) and is_truth(left, known):
+            return e.Unary("not", left) if (operator == "=") == (value == 0) else left
+    return x
+
+
+def as_truth(x: e.Expression) -> e.Expression:
+    """The value of a truth: 0 and 1 stand for them elsewhere."""
+    return e.Truth(x.value != 0) if isinstance(x, e.Number) else x
+
+
+def is_truth(x: e.Expression, known: Kinds) -> bool:
+    match x:
+        case e.Name(name) | e.Index(e.Name(name)):
+            return known.get(name.lower()) == "truth"
+        case e.Binary(operator):
+            return operator in _LOGICAL
+        case e.Unary("not") | e.Truth():
+            return True
+    return False
+
+
 def condition(x: e.Expression, known: Kinds) -> e.Expression:
     """The expression, or that it is not 0 if it is a number."""
     match x:
@@ -35,6 +63,14 @@ def condition(x: e.Expression, known: Kinds) -> e.Expression:
         case e.Unary("not", operand):
             return e.Unary("not", condition(operand, known))
     return e.Binary("<>", x, e.Number(0)) if _is_number(x, known) else x
+
+
+def is_position(x: e.Expression, known: Kinds) -> bool:
+    """Whether it is a target, which has more than the pose that it is at."""
+    match x:
+        case e.Name(name) | e.Index(e.Name(name)):
+            return known.get(name.lower()) == "position"
+    return isinstance(x, e.TargetValue)
 
 
 def _is_number(x: e.Expression, known: Kinds) -> bool:

@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import partial
 
 from assistant.languages.rapid import verbatim
+from assistant.languages.rapid.adapt.conditions import as_truth
 from assistant.languages.rapid.adapt.data import sayable_joints, sayable_pose, sayable_target
 from assistant.languages.rapid.adapt.findings import Findings
 from assistant.languages.rapid.lift.expressions import (
@@ -42,6 +43,10 @@ def sayable_expression(x: e.Expression, findings: Findings) -> e.Expression:
             return e.Apply("relative", given + (e.Number(0),) * (7 - len(given)))
         case e.Here(tool, frame):
             return e.Here(tool_name(tool), frame_name(frame))
+        case e.Apply("min" | "max" as function, (one, two, *more)) if more:
+            for after in (two, *more):
+                one = e.Apply(function, (one, after))
+            return one
         case e.Verbatim(verbatim.LANGUAGE):
             return _understood(x)
     return x
@@ -71,5 +76,7 @@ def sayable_variable(variable: Variable, name: str, findings: Findings) -> Varia
         findings.cannot(f"the constant `{name}` without a value", "give it one", name)
     if variable.type == "position" and variable.size:
         variable = replace(variable, initial=map_expressions(variable.initial, _unset))
+    if variable.type == "truth":
+        variable = replace(variable, initial=map_expressions(variable.initial, as_truth))
     change = partial(sayable_expression, findings=findings)
     return replace(variable, initial=map_expressions(variable.initial, change))

@@ -9,7 +9,13 @@ from functools import partial
 from typing import Any, Final, Literal
 
 from assistant.languages.rapid import rules, verbatim
-from assistant.languages.rapid.adapt.conditions import with_conditions
+from assistant.languages.rapid.adapt.conditions import (
+    as_truth,
+    compared,
+    is_position,
+    is_truth,
+    with_conditions,
+)
 from assistant.languages.rapid.adapt.expressions import sayable_expression, sayable_variable
 from assistant.languages.rapid.adapt.findings import Findings
 from assistant.languages.rapid.adapt.motions import Motions
@@ -71,9 +77,17 @@ class StatementAdapter:
                 out += self._statement(statement)
         return tuple(out)
 
+    def _sayable(self, x: e.Expression) -> e.Expression:
+        match x:
+            case e.Apply("inverse", (inner,)) if is_position(inner, self.known):
+                self.findings.cannot(
+                    "the inverse of a target", "work it out beforehand, or take a pose for it"
+                )
+        return compared(self._expression(x), self.known)
+
     def _statement(self, statement: p.Statement) -> Changed:
         change = CHANGES.get(type(statement))
-        node = map_head(map_bodies(statement, self._body), self._expression)
+        node = map_head(map_bodies(statement, self._body), self._sayable)
         node = with_conditions(node, self.known)
         made = [node] if change is None else change(self, node)
         return [x if x.span else replace(x, span=statement.span) for x in made]
@@ -124,6 +138,10 @@ def _wait_signal(a: StatementAdapter, x: p.WaitSignal) -> Changed:
 
 def _bit(value: e.Expression) -> e.Expression:
     return e.Number(int(value.value)) if isinstance(value, e.Truth) else value
+
+
+def _assign(a: StatementAdapter, x: p.Assign) -> Changed:
+    return [replace(x, value=as_truth(x.value)) if is_truth(x.target, a.known) else x]
 
 
 def _set_signal(_: StatementAdapter, x: p.SetSignal) -> Changed:
@@ -181,6 +199,7 @@ CHANGES: Final[dict[type, Callable[[StatementAdapter, Any], Changed]]] = {
     p.MoveJoints: _motion,
     p.Follow: _follow,
     p.WaitSignal: _wait_signal,
+    p.Assign: _assign,
     p.SetSignal: _set_signal,
     p.SetAcceleration: _acceleration,
     p.Comment: _comment,

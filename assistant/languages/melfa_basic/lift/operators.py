@@ -1,0 +1,45 @@
+"""Operators as the pseudo-program names them, and what is a truth by its form alone."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from assistant.languages.melfa_basic import syntax as s
+
+_OPERATORS: Final = {
+    "\\": "div", "MOD": "mod", "AND": "and", "OR": "or", "XOR": "xor", "><": "<>", "=<": "<=",
+    "=>": ">=",
+}  # fmt: skip
+RELATIONS: Final = ("=", "<>", "<", "<=", ">", ">=")
+LOGICAL: Final = ("and", "or", "xor")
+WHOLE: Final = ("div", "mod")
+"""Operators that round their operands first."""
+
+
+def operator_name(written: str) -> str:
+    return _OPERATORS.get(written, written)
+
+
+def is_comparison(node: s.Expression) -> bool:
+    """Whether it is a comparison, or what joins and turns nothing else."""
+    match node:
+        case s.Binary(operator=written, left=left, right=right):
+            operator = operator_name(written)
+            joins = operator in LOGICAL
+            return operator in RELATIONS or (joins and is_comparison(left) and is_comparison(right))
+        case s.Unary(operator=sign, operand=operand):
+            return sign.upper() == "NOT" and is_comparison(operand)
+    return False
+
+
+def are_truths(*operands: s.Expression) -> bool:
+    """Whether logic that was written here may be of truths; else it is vendor text, of bits."""
+    for node in operands:
+        match node:
+            case s.Number(value=value) if value not in (0, 1):
+                return False
+            case s.Unary():
+                return False
+            case s.Binary(operator=written) if operator_name(written) not in (*RELATIONS, *LOGICAL):
+                return False
+    return True
