@@ -7,13 +7,8 @@ import sys
 from typing import Final
 
 from assistant.program.diagnostics import Refused, Rule, Severity
+from assistant.program.failing import details_wanted, failure
 
-INTERNAL = Rule(
-    "CL900",
-    Severity.ERROR,
-    "robot-assistant itself failed: {kind}: {error}",
-    "nothing was written; set ROBOT_ASSISTANT_TRACEBACK=1 for the details of a report",
-)
 NOT_PRINTED = Rule(
     "CL901",
     Severity.ERROR,
@@ -44,9 +39,9 @@ def main(arguments: list[str] | None = None) -> None:
         _discard_output()
         sys.exit(2)
     except Exception as error:
-        if os.environ.get("ROBOT_ASSISTANT_TRACEBACK"):
+        if details_wanted():
             raise
-        print_findings([INTERNAL(kind=type(error).__name__, error=error)])
+        print_refused([failure(error)])
         sys.exit(2)
 
 

@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from assistant.cli.answering import Answers, paths_of, placed, write_each
 from assistant.cli.presentation import (
     FindingFormat,
     FramesAs,
@@ -33,12 +34,6 @@ if TYPE_CHECKING:
     from assistant.compiler import Compiled, Loaded
     from assistant.program.text import SourceText
 
-SAME_FILE = Rule(
-    "CL001",
-    Severity.ERROR,
-    "both `{first}` and `{second}` would write `{name}`",
-    "rename one of the sources, or compile them into different folders",
-)
 NOT_ONE_FILE = Rule(
     "CL002",
     Severity.ERROR,
@@ -76,13 +71,19 @@ def run_compile(
     entry: str | None = None,
 ) -> int:
     from assistant.compiler import compile
+    from assistant.compiler.arms import robot_of
+    from assistant.compiler.loading import language_of
     from assistant.findings.settling import settle
 
     if list(sources).count(STANDARD) > 1:
         raise Refused(TWICE(), exit_status=2)
+    language_of(language)
+    for name in (robot, from_robot):
+        robot_of(name)
+    answers = Answers()
     done: list[tuple[str, Compiled]] = []
-    for source in sources:
-        with working(f"compiling {source}"):
+    for source in dict.fromkeys(sources):
+        with answers.of(source), working(f"compiling {source}"):
             given = _input(source, from_language, from_robot, process)
             compiled = compile(
                 given.program if given else source,
@@ -95,21 +96,26 @@ def run_compile(
                 frames=frames.value,
                 entry=entry,
             )
-        done.append((source, compiled))
-    files, clash = _together(done)
-    findings = [f.within(source) for source, compiled in done for f in compiled.findings]
-    findings = list(settle([*findings, *clash]).left)
-    ok = all(compiled.ok for _, compiled in done) and not has_errors(findings)
+            done.append((source, compiled))
+    findings = list(answers.refusals)
+    files: dict[str, dict[str, bytes]] = {}
+    for source, compiled in done:
+        settled = settle([f.within(source) for f in compiled.findings]).left
+        findings += settled
+        if compiled.ok and not has_errors(settled):
+            files[source] = compiled.files
+    folders, told = placed(files)
+    findings += told
+    ok = len(files) == len(done) and not answers.refusals
     written: list[str] = []
-    if ok and output == STANDARD:
-        if len(files) != 1:
-            raise Refused(NOT_ONE_FILE(count=len(files)), exit_status=2)
-        sys.stdout.buffer.write(next(iter(files.values())))
-    elif ok:
-        from assistant.compiler.output import write_files
-
-        keep_sources(sources, [Path(output) / name for name in files])
-        written = [str(path) for path in write_files(files, output)]
+    if files and output == STANDARD:
+        data = [data for made in files.values() for data in made.values()]
+        if len(data) != 1:
+            raise Refused(NOT_ONE_FILE(count=len(data)), exit_status=2)
+        sys.stdout.buffer.write(data[0])
+    elif files:
+        keep_sources(sources, paths_of(files, folders, output))
+        written = write_each(files, folders, output)
     if format is FindingFormat.JSON:
         print_json(_answer(done, findings, written, ok))
     elif format is not FindingFormat.TEXT:
@@ -121,7 +127,7 @@ def run_compile(
                 say(f"{source}: {compiled.proof.line()}")
             for name in written:
                 say(f"wrote {name}")
-    return 0 if ok else 1
+    return max(answers.status, 0 if ok else 1)
 
 
 def run_show(
@@ -210,20 +216,6 @@ def standard_input(language: str | None) -> tuple[SourceText, str | None]:
 
 
 _PSEUDO: Final = re.compile(rb"^\s*program\b", re.MULTILINE)
-
-
-def _together(done: Sequence[tuple[str, Compiled]]) -> tuple[dict[str, bytes], list[Diagnostic]]:
-    """The files of all sources, and a finding for each name that two of them claim."""
-    files: dict[str, bytes] = {}
-    owner: dict[str, str] = {}
-    clash = []
-    for source, compiled in done:
-        for name, data in compiled.files.items():
-            other = owner.setdefault(name.lower(), source)
-            if other is not source:
-                clash.append(SAME_FILE(first=other, second=source, name=name))
-            files[name] = data
-    return files, clash
 
 
 def _answer(

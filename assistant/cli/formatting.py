@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Final
 from assistant.cli.compiling import STANDARD, TWICE, working
 from assistant.cli.presentation import print_findings, say
 from assistant.program.diagnostics import Refused, Rule, Severity, has_errors
+from assistant.program.failing import details_wanted, failure
 
 if TYPE_CHECKING:
     from assistant.compiler.formatting import Formatted
@@ -55,6 +56,14 @@ def run_fmt(
             except Refused as refused:
                 print_findings(f.within(str(path)) for f in refused.findings)
                 status = max(status, refused.exit_status)
+                continue
+            except OSError:
+                raise
+            except Exception as error:
+                if details_wanted():
+                    raise
+                print_findings([failure(error).within(str(name))])
+                status = 2
                 continue
             files, changed = files + 1, changed + done.changed
             print_findings(f.within(name) for f in done.findings)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from assistant.cli.answering import Answers, paths_of, placed, write_each
 from assistant.cli.compiling import (
     NO_FILE_NAME,
-    SAME_FILE,
     STANDARD,
     TWICE,
     keep_sources,
@@ -25,7 +25,7 @@ from assistant.cli.presentation import (
     print_json,
     say,
 )
-from assistant.program.diagnostics import Diagnostic, Refused, has_errors
+from assistant.program.diagnostics import Refused
 
 if TYPE_CHECKING:
     from assistant.compiler import Loaded
@@ -47,6 +47,17 @@ class Options:
     draft: bool
     entry: str | None
 
+    def check(self) -> None:
+        """Raises Refused for what no program could be translated with."""
+        from assistant.compiler.arms import robot_of
+        from assistant.compiler.loading import language_of
+
+        for name in (self.to, self.from_language):
+            if name is not None:
+                language_of(name)
+        for robot in (self.robot, self.from_robot):
+            robot_of(robot)
+
 
 def run_translate(
     programs: Sequence[str],
@@ -64,20 +75,23 @@ def run_translate(
         raise Refused(TWICE(), exit_status=2)
     if report is not None and not report.name:
         raise Refused(NO_FILE_NAME(name=report), exit_status=2)
-    status, done, refusals = 0, list[Translated](), list[Diagnostic]()
-    for program in dict.fromkeys(programs):
-        try:
-            for name in _files(program, options.from_language):
-                with working(f"translating {name}"):
-                    done.append(_translated(name, options))
-        except Refused as refused:
-            refusals += [f.within(program) for f in refused.findings]
-            status = max(status, refused.exit_status)
-    files, clash = _together(done)
-    refusals += clash
-    if has_errors(clash) or not all(one.translation.ok for one in done):
-        status = max(status, 1)
-    written = _write(files if not clash and status < 2 else {}, output, report, done)
+    options.check()
+    answers, done = Answers(), list[Translated]()
+    for name in _programs(programs, options.from_language, answers):
+        with answers.of(name), working(f"translating {name}"):
+            done.append(_translated(name, options))
+    files = {one.source: one.translation.files for one in done if one.translation.files}
+    folders, told = placed(files)
+    refusals = [*answers.refusals, *told]
+    whole = all(one.translation.ok for one in done)
+    status = max(answers.status, 0 if whole else 1)
+    keep_sources(
+        [one.source for one in done],
+        [*paths_of(files, folders, output), *([] if report is None else [report])],
+    )
+    written = write_each(files, folders, output)
+    if report is not None:
+        written += _reported(report, done)
     if format is FindingFormat.TEXT:
         print_findings(refusals)
         for one in done:
@@ -96,15 +110,19 @@ def run_translate(
     return status
 
 
-def _files(program: str, language: str | None) -> Iterator[str]:
-    """The file itself, or the programs of a folder: what others there call is part of those."""
+def _programs(programs: Sequence[str], language: str | None, answers: Answers) -> list[str]:
+    """The files, and the programs of folders; what others of them call is part of those."""
     from assistant.compiler.formatting import programs_in
     from assistant.compiler.loading import whole_programs
 
-    if program == STANDARD or not Path(program).is_dir():
-        yield program
-    else:
-        yield from whole_programs(list(programs_in(program, language)), language)
+    found: dict[str, None] = {}
+    for program in programs:
+        if program == STANDARD or not Path(program).is_dir():
+            found[program] = None
+        else:
+            with answers.of(program):
+                found |= dict.fromkeys(programs_in(program, language))
+    return whole_programs(list(found), language) if len(found) > 1 else list(found)
 
 
 def _translated(name: str, options: Options) -> Translated:
@@ -137,34 +155,11 @@ def _standard_input(options: Options) -> Loaded:
     return load_text(text, process=options.process, robot=arm, language=spoken)
 
 
-def _together(done: Sequence[Translated]) -> tuple[dict[str, bytes], list[Diagnostic]]:
-    """The files of all programs, and a finding for each name that two of them claim."""
-    files: dict[str, bytes] = {}
-    owner: dict[str, str] = {}
-    clash = []
-    for one in done:
-        for name, data in one.translation.files.items():
-            other = owner.setdefault(name.lower(), one.source)
-            if other != one.source:
-                clash.append(SAME_FILE(first=other, second=one.source, name=name))
-            files[name] = data
-    return files, clash
-
-
-def _write(
-    files: dict[str, bytes], output: str, report: Path | None, done: Sequence[Translated]
-) -> list[str]:
+def _reported(report: Path, done: Sequence[Translated]) -> list[str]:
     from assistant.compiler.output import write_files
     from assistant.report.translation import written
 
-    reported = [] if report is None else [report]
-    keep_sources(
-        [one.source for one in done], [*(Path(output) / name for name in files), *reported]
-    )
-    paths = list(write_files(files, output)) if files else []
-    if report is not None:
-        paths += write_files({report.name: written(done, report)}, report.parent)
-    return [str(path) for path in paths]
+    return list(map(str, write_files({report.name: written(done, report)}, report.parent)))
 
 
 def _show(one: Translated) -> None:

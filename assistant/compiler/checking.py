@@ -23,6 +23,7 @@ from assistant.compiler.places import Places
 from assistant.compiler.project import configured
 from assistant.program import pseudo
 from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, has_errors
+from assistant.program.failing import details_wanted, failure
 from assistant.program.program import Program
 from assistant.program.text import SourceText, read_bytes
 
@@ -141,7 +142,7 @@ def _folder_of(files: Sequence[str]) -> str:
 
 @dataclass(slots=True)
 class _collecting:  # noqa: N801 (used as a `with` word)
-    """What is refused inside becomes findings."""
+    """What is refused inside, or fails, becomes findings; other programs are looked at as well."""
 
     checked: Checked
     path: str | None = None
@@ -149,6 +150,11 @@ class _collecting:  # noqa: N801 (used as a `with` word)
     def __enter__(self) -> None: ...
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> bool:
+        expected = isinstance(error, Refused | OSError) or details_wanted()
+        if isinstance(error, Exception) and not expected:
+            self.checked.findings.append(failure(error).within(self.path))
+            self.checked.unreadable = True
+            return True
         if not isinstance(error, Refused):
             return False
         self.checked.findings += [f.within(self.path) for f in error.findings]

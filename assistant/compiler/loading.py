@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
@@ -159,11 +160,10 @@ def whole_programs(files: Sequence[str], language: str | None = None) -> list[st
     calls: dict[str, list[str]] = {}
     for file in files:
         path = FilePath(file)
-        try:
+        names: tuple[str, ...] = ()
+        with suppress(Exception):  # it is refused, or fails, when its turn comes
             spoken = _spoken(path, read_bytes(path), language)
             names = spoken.called_files(spoken.parse(spoken.read(path))) if spoken else ()
-        except Refused:
-            names = ()
         beside = {name.lower() for name in names} - {path.name.lower()}
         calls[file] = [
             other

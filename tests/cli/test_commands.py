@@ -100,7 +100,7 @@ def test_show_writes_long_paths_into_tables_beside(capsys, tmp_path):
     assert len(next(back.statements()).path) == 1500
 
 
-def test_two_sources_never_write_one_file(capsys, tmp_path):
+def test_two_sources_of_one_name_have_a_folder_each(capsys, tmp_path):
     (tmp_path / "a").mkdir()
     other = tmp_path / "a" / "Positioning.csv"
     other.write_bytes(Path(POSITIONING).read_bytes())
@@ -108,9 +108,20 @@ def test_two_sources_never_write_one_file(capsys, tmp_path):
         (SAMPLES / "positioning.process.toml").read_bytes()
     )
     status, _, err = run(capsys, "compile", POSITIONING, other, *IRB, "-o", tmp_path / "out")
-    assert status == 1
+    assert status == 0
     assert "CL001" in err
-    assert not (tmp_path / "out").exists()
+    written = sorted(path.name for path in (tmp_path / "out").rglob("*.mod"))
+    assert written == ["Positioning.mod", "positioning.mod"]
+    assert len({path.parent for path in (tmp_path / "out").rglob("*.mod")}) == 2
+
+
+def test_one_source_that_fails_keeps_no_other_from_being_compiled(capsys, tmp_path):
+    bad = tmp_path / "bad.csv"
+    bad.write_text("x_mm,y_mm\n1,2\n", encoding="utf-8")
+    status, _, err = run(capsys, "compile", bad, POSITIONING, *IRB, "-o", tmp_path / "out")
+    assert status == 1
+    assert str(bad) in err
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["positioning.mod"]
 
 
 def test_check_is_clean_or_says_what_is_wrong(capsys, tmp_path):

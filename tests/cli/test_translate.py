@@ -8,6 +8,10 @@ from pathlib import Path
 
 import pytest
 
+from assistant.cli import main
+from assistant.languages.melfa_basic import MelfaBasic
+from assistant.languages.melfa_basic.syntax import File
+from assistant.program.text import SourceText
 from tests.cli.test_commands import run
 
 SAMPLES = Path(__file__).parents[2] / "samples"
@@ -99,15 +103,95 @@ def test_standard_input(tmp_path: Path, capsys: Capture, monkeypatch: pytest.Mon
     assert "standard input:12: supported: 12 Cnt 0" in out
 
 
-def test_folders_are_searched_and_names_may_not_clash(tmp_path: Path, capsys: Capture) -> None:
+def test_files_of_one_name_in_two_folders_have_a_folder_each(
+    tmp_path: Path, capsys: Capture
+) -> None:
     for folder in ("a", "b"):
         (tmp_path / folder).mkdir()
         (tmp_path / folder / "PALLET.prg").write_bytes(PALLET.read_bytes())
     out = tmp_path / "out"
     status, _, err = run(capsys, "translate", tmp_path, *TO_RAPID, "-o", out)
-    assert status == 1
+    assert status == 0
     assert "CL001" in err
-    assert not out.exists()
+    assert (out / "a_PALLET" / "PALLET.mod").read_bytes()
+    assert (out / "b_PALLET" / "PALLET.mod").read_bytes()
+
+
+FINE = "1 Tool P_NTool\n2 Base P_NBase\n3 Mvs P1\n4 End\nP1=(400,0,300,180,0,180)(7,0)\n"
+BAD = {
+    "a syntax error": ("1 Mvs Mvs\n", 1),
+    "no program": ("nothing at all", 2),
+    "what cannot be said": ('1 Open "COM1:" As #1\n2 End\n', 1),
+}
+
+
+@pytest.mark.parametrize("kind", list(BAD))
+@pytest.mark.parametrize("order", [1, -1])
+def test_each_program_answers_for_itself(
+    tmp_path: Path, capsys: Capture, kind: str, order: int
+) -> None:
+    text, worst = BAD[kind]
+    (tmp_path / "GOOD.prg").write_text(FINE)
+    bad = tmp_path / ("BAD.txt" if worst == 2 else "BAD.prg")
+    bad.write_text(text)
+    both = [tmp_path / "GOOD.prg", bad][::order]
+    status, _, err = run(capsys, "translate", *both, "--to", "rapid", "-o", tmp_path / "out")
+    assert status == worst
+    assert "BAD" in err or kind == "what cannot be said"
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["GOOD.mod"]
+
+
+@pytest.mark.parametrize("command", ["translate", "check", "fmt", "compile"])
+def test_what_fails_inside_is_the_finding_of_one_program(
+    tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch, command: str
+) -> None:
+    for name in ("FIRST", "FAULT", "LAST"):
+        (tmp_path / f"{name}.prg").write_text(FINE)
+    parse = MelfaBasic.parse
+
+    def parsed(self: MelfaBasic, source: SourceText) -> File:
+        if isinstance(source, SourceText) and "FAULT" in (source.path or ""):
+            raise KeyError("inside")
+        return parse(self, source)
+
+    monkeypatch.setattr(MelfaBasic, "parse", parsed)
+    monkeypatch.delenv("ROBOT_ASSISTANT_TRACEBACK", raising=False)
+    names = [tmp_path / f"{name}.prg" for name in ("FIRST", "FAULT", "LAST")]
+    out = ("-o", tmp_path / "out")
+    options = {
+        "translate": ("--from", "melfa-basic-5", "--to", "rapid", *out),
+        "check": ("--from", "melfa-basic-5"),
+        "fmt": ("--from", "melfa-basic-5"),
+        "compile": ("--from", "melfa-basic-5", "-l", "rapid", *out),
+    }[command]
+    with pytest.raises(SystemExit) as ended:
+        main([command, *map(str, (*names, *options))])
+    said, err = capsys.readouterr()
+    assert ended.value.code == 2
+    assert err.count("CL900 error") == 1
+    assert "FAULT.prg" in err
+    if "-o" in options:
+        written = sorted(path.name for path in (tmp_path / "out").iterdir())
+        assert written == ["FIRST.mod", "LAST.mod"]
+    else:
+        assert "3 checked" in said or "2 files" in said
+
+
+def test_parts_that_a_program_loads_are_translated_with_it(tmp_path: Path, capsys: Capture) -> None:
+    rows = "".join(f"{300 + i},0,300,0,1,0,0\n" for i in range(30))
+    source = tmp_path / "seam.csv"
+    source.write_text("x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z\n" + rows)
+    made = tmp_path / "made"
+    run(capsys, "compile", source, "-l", "rapid", "--most-targets", "10", "-o", made)
+    files = sorted(made.iterdir())
+    assert len(files) == 4
+    out = tmp_path / "out"
+    status, said, err = run(capsys, "translate", *files, "--to", "melfa-basic-5", "-o", out)
+    assert (status, said.count("proven:")) == (0, 1)
+    assert len(list(out.iterdir())) == 4
+    status, _, err = run(capsys, "translate", files[1], "--to", "melfa-basic-5", "-o", out)
+    assert status == 1
+    assert "CO008" in err and "CO102" not in err
 
 
 @pytest.mark.parametrize(

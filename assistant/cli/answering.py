@@ -1,0 +1,98 @@
+"""Several programs of one command: each answers for itself, and its files have their own place."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final
+
+from assistant.compiler.output import write_files
+from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity
+from assistant.program.failing import details_wanted, failure
+from assistant.program.program import identifier
+
+SAME_FILE: Final = Rule(
+    "CL001",
+    Severity.INFO,
+    "both `{first}` and `{second}` write `{name}`: each goes to a folder of its own",
+    "rename one of the sources to have their files side by side",
+)
+
+
+@dataclass(slots=True)
+class Answers:
+    """refusals: why programs have no answer. status: the worst exit status so far."""
+
+    refusals: list[Diagnostic] = field(default_factory=list)
+    status: int = 0
+
+    @contextmanager
+    def of(self, program: str) -> Iterator[None]:
+        """What is refused, or fails, inside is the finding of one program; the others go on."""
+        try:
+            yield
+        except Refused as refused:
+            self.refusals += [f.within(program) for f in refused.findings]
+            self.status = max(self.status, refused.exit_status)
+        except OSError:
+            raise
+        except Exception as error:
+            if details_wanted():
+                raise
+            self.refusals.append(failure(error).within(program))
+            self.status = 2
+
+
+Files = Mapping[str, bytes]
+
+
+def placed(files: Mapping[str, Files]) -> tuple[dict[str, str], list[Diagnostic]]:
+    """The folder of each source that writes a file which another one writes as well.
+
+    files: by source, then by name. Folders are named as the sources are told apart.
+    """
+    owner: dict[str, str] = {}
+    told: list[Diagnostic] = []
+    apart: dict[str, None] = {}
+    for source, made in files.items():
+        for name in made:
+            other = owner.setdefault(name.lower(), source)
+            if other != source:
+                apart |= {other: None, source: None}
+                told.append(SAME_FILE(path=source, first=other, second=source, name=name))
+    paths = {source: Path(source).absolute().with_suffix("") for source in apart}
+    above = os.path.commonpath([path.parent for path in paths.values()]) if paths else ""
+    folders: dict[str, str] = {}
+    for source, path in paths.items():
+        folders[source] = identifier("_".join(path.relative_to(above).parts), {*folders.values()})
+    return folders, told
+
+
+def write_each(
+    files: Mapping[str, Files], folders: Mapping[str, str], output: str | Path
+) -> list[str]:
+    """Writes the files of all sources, and of those that have a folder of their own there."""
+    together = {
+        name: data
+        for source, made in files.items()
+        if source not in folders
+        for name, data in made.items()
+    }
+    written = write_files(together, output) if together else ()
+    for source, folder in folders.items():
+        written += write_files(files[source], Path(output) / folder)
+    return [str(path) for path in written]
+
+
+def paths_of(
+    files: Mapping[str, Files], folders: Mapping[str, str], output: str | Path
+) -> Sequence[Path]:
+    """Where the files of all sources are written."""
+    return [
+        Path(output) / folders.get(source, "") / name
+        for source, made in files.items()
+        for name in made
+    ]

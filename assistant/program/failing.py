@@ -1,0 +1,25 @@
+"""What fails where nothing may: told as a finding, of one program where it is known which."""
+
+from __future__ import annotations
+
+import os
+from typing import Final
+
+from assistant.program.diagnostics import Diagnostic, Rule, Severity
+
+INTERNAL: Final = Rule(
+    "CL900",
+    Severity.ERROR,
+    "robot-assistant itself failed: {kind}: {error}",
+    "nothing of it was written; set ROBOT_ASSISTANT_TRACEBACK=1 for the details of a report",
+)
+
+
+def details_wanted() -> bool:
+    """Whether the error itself is to be raised, for a report on it."""
+    return bool(os.environ.get("ROBOT_ASSISTANT_TRACEBACK"))
+
+
+def failure(error: BaseException) -> Diagnostic:
+    """The finding that stands for an error."""
+    return INTERNAL(kind=type(error).__name__, error=error)
