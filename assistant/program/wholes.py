@@ -36,6 +36,10 @@ Key = tuple[str, str]
 """A variable: its procedure in lower case, "" if it is one of the program, and its own name."""
 
 
+Given = tuple[e.Expression, str] | tuple[p.For, str] | Known
+"""What a variable is given: a value or the counting of a loop, with its procedure."""
+
+
 @dataclass
 class Numbers:
     """What is known of the numbers of a program."""
@@ -95,17 +99,23 @@ class Numbers:
             if variable.initial is None and ("", name.lower()) not in given:
                 yield "", name.lower()
 
-    def _give(self, key: Key, value: tuple[e.Expression, str] | Known) -> None:
+    def _give(self, key: Key, value: Given) -> None:
         known = self.found.get(key)
         if known is None:
             return
-        given = value if isinstance(value, Known) else self._of(*value)
+        match value:
+            case Known():
+                given = value
+            case p.For() as loop, owner:
+                given = self._count(loop, owner)
+            case x, owner:
+                given = self._of(x, owner)
         self.found[key] = Known(
             known.whole and (given.whole or key in self._integers),
             known.positive and given.positive,
         )
 
-    def _given(self) -> Iterator[tuple[Key, tuple[e.Expression, str] | Known]]:
+    def _given(self) -> Iterator[tuple[Key, Given]]:
         """Every value that a variable is given, or NOTHING for what cannot be followed."""
         texts: list[str] = [declaration.text for declaration in self.program.declarations]
         for procedure in self.program.procedures:
@@ -116,7 +126,7 @@ class Numbers:
                         if (name := _written(target)) is not None:
                             yield self._key(name, owner), (value, owner)
                     case p.For():
-                        yield self._key(statement.variable, owner), self._count(statement, owner)
+                        yield self._key(statement.variable, owner), (statement, owner)
                     case p.Opaque(text=text):
                         texts.append(text)
                     case p.Call(called, arguments):

@@ -56,6 +56,7 @@ def known(made: Program, name: str) -> tuple[bool, bool]:
         (["b = a", "a = b + 0.5"], "b", (False, True)),
         (["for k from 1 to 4", "  a = k", "end"], "a", (True, True)),
         (["for k from 0 to 1 step 0.5", "  a = k", "end"], "a", (False, True)),
+        (["b = 0.5", "for k from 0 to 1 step b", "  a = k", "end"], "a", (False, True)),
         (["for k from 3 to 1 step -1", "  a = k", "end"], "a", (True, False)),
         (["call shift(a, b)"], "a", (True, True)),
         (["call shift(a, b)"], "b", (False, False)),
