@@ -1,0 +1,91 @@
+"""Random MELFA-BASIC programs do in RAPID what they did, as two interpreters tell it."""
+
+from __future__ import annotations
+
+import pytest
+
+from assistant import languages, robots
+from assistant.virtual import melfa, rapid
+from assistant.virtual.events import Run
+from tests.virtual.random_melfa import program
+from tests.virtual.translating import START, Arms, Inputs, Tally, judge
+
+ARMS = ("rv-4frl", "irb1200-7-0.7")
+LEAST = {4: 0.4, 5: 0.6, 6: 0.6}
+"""The part of the programs of MELFA-BASIC IV, V and VI that has to be translated."""
+HANDS = {"hand1": 9001, "hand1_open": 9001}
+"""A number of no signal."""
+GROUPS = {"do": 1, "di": 1, "go_8": 8, "gi_8": 8}
+"""How signals are named that come from MELFA-BASIC, and their bits."""
+NUMBERS = range(1, 40)
+SIGNALS = {name: [number] for name, number in HANDS.items()} | {
+    f"{kind}_{first}": list(range(first, first + bits))
+    for kind, bits in GROUPS.items()
+    for first in NUMBERS
+}
+
+SCENARIOS: tuple[Inputs, ...] = (
+    {},
+    {"1": 1, "8": 1, "9": 1, "24": 1},
+    {"2": 1, "3": 1, "10": 1, "25": 1, "27": 1},
+)
+"""Inputs that are on, by number."""
+
+
+def run_melfa(level: int, arms: Arms | None, text: str, inputs: Inputs, most_steps: int) -> Run:
+    tree = languages.get(f"melfa-basic-{level}").parse(text)
+    bits = {int(name): int(value) for name, value in inputs.items()}
+    robot = None if arms is None else robots.get(arms[0])
+    return melfa.run(tree, inputs=bits, start=START, robot=robot, most_steps=most_steps)
+
+
+def run_rapid(arms: Arms | None, text: str, inputs: Inputs, most_steps: int) -> Run:
+    tree = languages.get("rapid").parse(text)
+    read = {
+        name: float(sum(int(inputs.get(str(n), 0)) << at for at, n in enumerate(numbers)))
+        for name, numbers in SIGNALS.items()
+    }
+    robot = None if arms is None else robots.get(arms[1])
+    return rapid.run(tree, inputs=read, start=START, robot=robot, most_steps=most_steps)
+
+
+def tally_of(level: int, seeds: range, arms: Arms | None = None) -> Tally:
+    """Programs of some seeds, translated to RAPID and compared."""
+    language = f"melfa-basic-{level}"
+    tally = Tally()
+    for seed in seeds:
+        judge(
+            tally,
+            f"seed {seed}",
+            program(level, seed, arms is not None),
+            SCENARIOS,
+            source=(language, lambda *given: run_melfa(level, arms, *given)),
+            target=("rapid", lambda *given: run_rapid(arms, *given)),
+            signals=SIGNALS,
+            arms=arms,
+        )
+    print(f"{language} to rapid, {'two arms' if arms else 'no arm'}: {tally}")  # noqa: T201
+    return tally
+
+
+@pytest.mark.parametrize("level", LEAST)
+def test_random_programs_do_the_same(level: int) -> None:
+    tally = tally_of(level, range(4))
+    assert tally.kept == []
+    assert tally.counts["equal"] > 0
+
+
+def test_random_programs_do_the_same_with_two_arms() -> None:
+    tally = tally_of(5, range(3), ARMS)
+    assert tally.kept == []
+    assert tally.counts["equal"] > 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("arms", [None, ARMS], ids=["no arm", "two arms"])
+@pytest.mark.parametrize("level", LEAST)
+def test_a_thousand_random_programs_do_the_same(level: int, arms: Arms | None) -> None:
+    tally = tally_of(level, range(1000 if arms is None else 300), arms)
+    assert tally.kept == []
+    assert tally.counts["not judged"] == 0
+    assert tally.counts["translated"] >= LEAST[level] * tally.counts["tried"], tally.reasons
