@@ -118,9 +118,13 @@ def unsaid(
                 for where in one.wherever(uses):
                     yield NOT_DRIVEN(name=one.called, **said, **where)
         elif arm is not None and arm.name != source.name:
+            names = {one.name for one in _stated(program)}
             for part in records((program.procedures, program.declarations, program.variables)):
                 if isinstance(part, p.Opaque | e.Verbatim | Declaration):
-                    if language_of(part.language).family == language.family:
+                    spoken = language_of(part.language)
+                    words = {word.lower() for word in re.findall(r"\w+", part.text)}
+                    telling = spoken.joint_words.search(part.text) or not names.isdisjoint(words)
+                    if spoken.family == language.family and telling:
                         span = getattr(part, "span", None)
                         text = " ".join(part.text.split())
                         yield KEPT(text=text, source=source.name, arm=arm.name, span=span)

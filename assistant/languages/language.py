@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import abc
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
@@ -128,6 +129,8 @@ class Language(abc.ABC, Generic[T]):
     precision: Precision
     comment_mark: str
     """Begins a comment to the end of the line, outside of a string in double quotes."""
+    joint_words: re.Pattern[str]
+    """Is found in every text of the language that speaks of joint angles, and in few others."""
     family: str
     """The two letters that the codes of its findings begin with."""
     fixed: tuple[str, ...]

@@ -249,3 +249,24 @@ def test_an_arm_crosses_to_itself_as_it_is() -> None:
     joints = np.random.default_rng(6).uniform(low, high, (1000, len(low)))
     assert np.abs(crossed(joints, ABB, ABB) - joints).max() < 1e-6
     assert np.abs(crossed([[0, 0, 0, 30, 0, -70]], ABB, ABB) - [[0, 0, 0, 30, 0, -70]]).max() < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ("MOV J1 WTHIF M_IN(8)=1,HLT", ["CO506"]),
+        ("MOV P1 WTHIF M_IN(8)=1,HLT", []),
+        ("M1=M2 AND M3", []),
+    ],
+)
+def test_kept_text_is_told_of_if_it_speaks_of_joints(line, told, tmp_path):
+    source = tmp_path / "A.prg"
+    source.write_text(f"10 {line}\n20 END\nJ1=(0,0,90,0,0,0)\nP1=(300,0,300,180,0,180)(7,0)\n")
+    done = assistant.translate(
+        source,
+        to="melfa-basic-5",
+        language="melfa-basic-4",
+        from_robot="rv-4frl",
+        robot="rv-7frl",
+    )
+    assert [f.code for f in done.findings if f.code == "CO506"] == told

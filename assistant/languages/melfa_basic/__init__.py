@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
@@ -58,6 +59,7 @@ class MelfaBasic(Language[File]):
     # half a unit of the second decimal; the angle is that of three Euler angles together
     precision = Precision(position=0.00501, angle=0.0151)
     comment_mark = "'"
+    joint_words = re.compile(r"(?i)\bj")  # which the names of joint variables begin with
     family = "MB"
     fixed = ("MB0", "MB2", "MB5")
     restated = MappingProxyType({"CK101": "MB703", "CK102": "MB703"})

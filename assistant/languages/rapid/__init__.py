@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
@@ -36,6 +37,7 @@ class Rapid(Language[File]):
     encodings = ("utf-8-sig", "utf-8", "cp1252", "latin-1")
     precision = Precision(position=6e-5, angle=1e-6)
     comment_mark = "!"
+    joint_words = re.compile(r"(?i)joint|absj")
     family = "RA"
     fixed = ("RA1", "RA3")
     restated = MappingProxyType(
