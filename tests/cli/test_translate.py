@@ -17,7 +17,8 @@ from tests.cli.test_commands import run
 SAMPLES = Path(__file__).parents[2] / "samples"
 PALLET = SAMPLES / "melfa" / "PALLET.prg"
 EXCHANGE = SAMPLES / "rapid" / "pose_exchange.mod"
-TO_RAPID = ("--to", "rapid", "-r", "irb1200-7-0.7", "--from-robot", "rv-4frl")
+CELL = SAMPLES / "melfa" / "cell.process.toml"
+TO_RAPID = ("--to", "rapid", "-r", "irb1200-7-0.7", "--from-robot", "rv-4frl", "-p", CELL)
 
 Capture = pytest.CaptureFixture[str]
 
@@ -28,7 +29,7 @@ def test_a_program_that_can_be_said_is_written(tmp_path: Path, capsys: Capture) 
     lines = out.splitlines()
     assert f"{PALLET}:13: partial: 13 Mov PHome -> PALLET.mod:23" in lines
     assert f"{PALLET}:12: supported: 12 Cnt 0" in lines
-    assert any(line.startswith("    RA306 a joint speed in percent") for line in lines)
+    assert any(line.startswith("    CO509 ") for line in lines)
     assert lines[-1] == f"wrote {tmp_path / 'PALLET.mod'}"
     assert "MoveJ PHome" in (tmp_path / "PALLET.mod").read_text().splitlines()[22]
 
