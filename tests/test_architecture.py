@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
@@ -161,6 +162,21 @@ def _unknown_rooms(package: FilePath, rooms: Mapping[str, frozenset[str]]) -> li
 
 def test_the_house_keeps_its_order() -> None:
     assert faults(PACKAGE) == []
+
+
+READINGS = re.compile(
+    r"assistant\.languages\.\w+\.(lift|adapt|lower|convert)\b"
+    r"|assistant\.program\.(expressions|statements|program|pseudo)\b"
+    r"|assistant\.compiler\b"
+)
+"""What a program is read into, and what comes of that: judged by running it, so not run by it."""
+
+
+def test_interpreters_share_no_reading_with_what_they_judge() -> None:
+    judges = re.compile(r"assistant\.virtual\.(rapid|melfa|comparing|events)\b")
+    found = [one for one in imports(PACKAGE) if judges.match(one.by)]
+    assert len({one.by for one in found}) > 10
+    assert [str(one) for one in found if READINGS.match(one.of)] == []
 
 
 def test_the_graph_is_read_at_all() -> None:
