@@ -90,12 +90,17 @@ def settled(
 
     joints: (k, a) of the poses as they are printed in their branches (k,), any turns.
     """
-    low, high = limits
+    low, high = _bent(robot, joints, limits) if robot.arm.spherical else limits
     out, met = joints.copy(), np.zeros(len(joints), dtype=bool)
     rows = np.flatnonzero((low <= high).all(axis=1) & np.isfinite(joints).all(axis=1))
     _settle(robot, wanted, rows, (joints[rows], low, high), (out, met))
     met &= _same_branch(robot, out, branches)
     if robot.arm.spherical:
+        rows = rows[~met[rows]]
+        line = rows[np.abs(joints[rows, 4]) < CLOSE]
+        rolled = _rolled(robot, joints, low, high)[line]
+        _settle(robot, wanted, line, (rolled, low, high), (out, met))
+        met &= _same_branch(robot, out, branches)
         rows = rows[~met[rows]]
         over = _over_axis(robot, joints[rows])
         rows = rows[over]
@@ -132,6 +137,27 @@ def _settle(
     good = cost <= MET
     into[0][rows[good]] = found[good]
     into[1][rows[good]] = True
+
+
+def _bent(robot: Robot, joints: Floats, limits: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
+    """Limits (k, a) each, of axis 5 to the side to which the wrist of joints (k, a) is bent, so
+    that no search goes through a straight wrist into another branch.
+    """
+    low, high = (limit.copy() for limit in limits)
+    bend, straight = robot.chained(joints)[:, 4], -robot.zero[4]
+    low[bend > 0.0, 4] = np.maximum(low[bend > 0.0, 4], straight)
+    high[bend < 0.0, 4] = np.minimum(high[bend < 0.0, 4], straight)
+    return low, high
+
+
+def _rolled(robot: Robot, joints: Floats, low: Floats, high: Floats) -> Floats:
+    """Joints (k, a) with axis 4 in the middle of its limits, axis 6 taking up the turn: what is
+    nearest to where axis 4 is may lie at a limit that keeps the others from what was meant.
+    """
+    out = joints.copy()
+    out[:, 3] = (low[:, 3] + high[:, 3]) / 2.0
+    out[:, 5] += robot.arm.rolls * (joints[:, 3] - out[:, 3])
+    return out
 
 
 def _near(robot: Robot, wanted: Wanted, start: Floats, joints: Floats) -> Truths:

@@ -69,13 +69,14 @@ def nearest(arm, joints, positions, quaternions, rounding):
 def _nearest(arm, joints, positions, quaternions, rounding):
     """Steps of Gauss and Newton, put back between the limits, the axes that leave them held."""
     low, high = arm.limits.T
-    here = np.clip(joints, low, high)
-    off = missed(arm, here, positions, quaternions, rounding)
-    damping = np.full(len(joints), 1e-3)
-    for _ in range(40):
+    found = np.clip(joints, low, high)
+    every = missed(arm, found, positions, quaternions, rounding)
+    damping, busy = np.full(len(joints), 1e-3), np.arange(len(joints))
+    for _ in range(200):
+        here, off, p, q = found[busy], every[busy], positions[busy], quaternions[busy]
         slopes = np.stack(
             [
-                (missed(arm, here + step, positions, quaternions, rounding) - off) / 1e-5
+                (missed(arm, here + step, p, q, rounding) - off) / 1e-5
                 for step in 1e-5 * np.eye(len(low))
             ],
             axis=2,
@@ -85,13 +86,19 @@ def _nearest(arm, joints, positions, quaternions, rounding):
         free = np.where(held[:, None], 0.0, slopes)
         normal = np.einsum("nka,nkb->nab", free, free)
         own = np.einsum("naa->na", normal)
-        normal += np.eye(len(low)) * (damping[:, None] * own + 1e-9)[:, None]
+        normal += np.eye(len(low)) * (damping[busy, None] * own + 1e-9)[:, None]
         step = np.linalg.solve(normal, -np.einsum("nka,nk->na", free, off)[..., None])[..., 0]
         tried = np.clip(here + step, low, high)
-        there = missed(arm, tried, positions, quaternions, rounding)
-        better = (there**2).sum(axis=1) < (off**2).sum(axis=1)
-        here = np.where(better[:, None], tried, here)
-        off = np.where(better[:, None], there, off)
-        damping = np.where(better, damping / 5.0, damping * 5.0)
+        there = missed(arm, tried, p, q, rounding)
+        before, after = (off**2).sum(axis=1), (there**2).sum(axis=1)
+        better = after < before
+        found[busy] = np.where(better[:, None], tried, here)
+        every[busy] = np.where(better[:, None], there, off)
+        damping[busy] *= np.where(better, 0.2, 5.0)
+        still = (damping[busy] < 1e6) & ~(better & (after > (1.0 - 1e-5) * before))
+        busy = busy[still]
+        if not len(busy):
+            break
+    off = every
     place, turn = (np.linalg.norm(part, axis=1) for part in (off[:, :3], off[:, 3:]))
     return np.maximum(place, turn)

@@ -109,7 +109,11 @@ def taught(arm, kind: str, count: int, seed: int = 0) -> np.ndarray:
 
 
 def accepted(arm, kind: str, count: int) -> None:
-    joints = taught(arm, kind, count)
+    taken(arm, taught(arm, kind, count))
+
+
+def taken(arm, joints: np.ndarray) -> None:
+    """Asserts that joints (n, a), as printed, are had with their own configurations."""
     configurations = arm.configuration(joints)
     p, q, rounding = printed(arm, *arm.fk(joints))
     assert np.isfinite(arm.joints_of(p, q, configurations)).all()
@@ -122,6 +126,21 @@ def accepted(arm, kind: str, count: int) -> None:
         np.linalg.norm(there - p, axis=1).max()
         < 3.0 * rounding[0] + np.radians(3.0 * rounding[1]) * arm.reach
     )
+
+
+@pytest.mark.parametrize(
+    ("name", "joints"),
+    [  # which the nearest joints to what is printed have bent to the other side
+        ("irb120-3-0.58", [70.186666, 84.555031, -76.851095, 0.0, 0.0, 0.0]),
+        ("irb6700-150-3.20", [42.843329, 17.746157, -82.78712, 0.0, 0.0, 0.0]),
+        ("rv-2fr", [-48.970542, -77.908823, 11.582248, -41.409888, 0.0, 226.699526]),
+        # and with axis 4 at its limit as near to it as can be
+        ("rv-6sl", [-116.97086, 135.0, 13.435826, -46.12908, -0.02713, 9.840764]),
+    ],
+)
+def test_a_straight_wrist_whose_joints_are_far_from_what_is_printed_is_taken(name, joints) -> None:
+    arm = robots.get(name)
+    taken(arm, np.array([joints]))
 
 
 def beyond(arm, count: int, seed: int = 1) -> tuple[np.ndarray, ...]:
