@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant.checks import check, with_robot
 from assistant.compiler.arithmetic import differences
 from assistant.compiler.arms import Arms, known_robot, robot_of, taught_on
-from assistant.compiler.crossing import for_arm, unsaid
+from assistant.compiler.crossing import for_arm, unsaid, without_unused
 from assistant.compiler.entering import entered
 from assistant.compiler.joint_speeds import at_a_speed, at_the_pace
 from assistant.compiler.loading import language_of, load
@@ -140,7 +140,8 @@ def compile_program(
     findings = list(check(program))
     arm = arms.robot or known_robot(program.robot)
     taught = taught_on(program, arms)
-    findings += unsaid(program, target, taught, arms.robot)
+    program, left = without_unused(program, target, taught, arms.robot)
+    findings += (*left, *unsaid(program, target, taught, arms.robot))
     if arm is not None:
         program, changed = for_arm(program, taught, arm)
         findings += changed

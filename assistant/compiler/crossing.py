@@ -59,6 +59,14 @@ KEPT = Rule(
     "see that it speaks of none, or write it anew for {arm}",
 )
 
+NOT_WRITTEN = Rule(
+    "CO510",
+    Severity.WARNING,
+    "{name} has joint angles, which mean another place on another arm; nothing uses it, and it is "
+    "not written",
+    "to have it written, name the arms: `--from-robot` and `--robot`",
+)
+
 JOINT: Final = re.compile(r"j\d+")
 """Components of joint targets."""
 
@@ -95,6 +103,61 @@ def for_arm(
     return rewrite(program, visit), tuple(findings)
 
 
+def without_unused(
+    program: Program, language: Language[Any], source: Robot | None, arm: Robot | None
+) -> tuple[Program, tuple[Diagnostic, ...]]:
+    """A program without the joint targets that `unsaid` refuses and that no statement uses.
+
+    In another dialect of its own family, and in a mere list of targets, all of them stay.
+    """
+    if _own(program, language) or not program.procedures:
+        return program, ()
+    if _refusal(program, language, source, arm) is None:
+        return program, ()
+    tables = {"joint_targets": program.joint_targets, "variables": program.variables}
+    idle: dict[str, _Stated] = {}
+    idle_names = {name.lower() for rows in tables.values() for name in rows} - _words(program)
+    for one in _stated(program):
+        if one.name in idle_names:
+            idle.setdefault(one.name, one)
+    kept = {
+        table: {name: value for name, value in rows.items() if name.lower() not in idle}
+        for table, rows in tables.items()
+    }
+    findings = [NOT_WRITTEN(name=one.called, **one.where) for one in idle.values()]
+    return replace(program, **kept), tuple(findings)
+
+
+def _words(program: Program) -> set[str]:
+    """Names that the program uses, and every word of text that is kept, in lower case."""
+    found: set[str] = set()
+    for part in records((program.procedures, program.declarations, program.variables)):
+        if isinstance(part, e.Name):
+            found.add(part.name.lower())
+        elif isinstance(part, p.Opaque | e.Verbatim | Declaration):
+            found |= {word.lower() for word in re.findall(r"\w+", part.text)}
+    return found
+
+
+def _own(program: Program, language: Language[Any]) -> bool:
+    """Whether a program was written in a language of the same family."""
+    from assistant.compiler.loading import language_of
+
+    origin = program.origin
+    return origin is not None and language_of(origin.language).family == language.family
+
+
+def _refusal(
+    program: Program, language: Language[Any], source: Robot | None, arm: Robot | None
+) -> Rule | None:
+    """Why joint angles cannot be said in a language on an arm, None if they can."""
+    own = _own(program, language)
+    if source is None:
+        return WHOSE if arm is not None or not own else None
+    driven = arm is not None or own or language.name in source.languages
+    return None if driven else NOT_DRIVEN
+
+
 def unsaid(
     program: Program,
     language: Language[Any],
@@ -109,31 +172,24 @@ def unsaid(
     from assistant.compiler.loading import language_of
 
     uses = _uses(program)
-    origin = program.origin
-    own = origin is not None and language_of(origin.language).family == language.family
-    if source is not None:
-        if arm is None and not own and language.name not in source.languages:
-            said: dict[str, Any] = {"source": source.name, "language": language.name}
-            for one in _stated(program):
-                for where in one.wherever(uses):
-                    yield NOT_DRIVEN(name=one.called, **said, **where)
-        elif arm is not None and arm.name != source.name:
-            names = {one.name for one in _stated(program)}
-            for part in records((program.procedures, program.declarations, program.variables)):
-                if isinstance(part, p.Opaque | e.Verbatim | Declaration):
-                    spoken = language_of(part.language)
-                    words = {word.lower() for word in re.findall(r"\w+", part.text)}
-                    telling = spoken.joint_words.search(part.text) or not names.isdisjoint(words)
-                    if spoken.family == language.family and telling:
-                        span = getattr(part, "span", None)
-                        text = " ".join(part.text.split())
-                        yield KEPT(text=text, source=source.name, arm=arm.name, span=span)
-    elif arm is not None or not own:
+    if (rule := _refusal(program, language, source, arm)) is not None:
+        said = {"source": source.name, "language": language.name} if source else {}
         for one in _stated(program):
             for where in one.wherever(uses):
-                yield WHOSE(name=one.called, **where)
-        for name, span in _worked_out(program):
-            yield WHOSE(name=name, span=span)
+                yield rule(name=one.called, **said, **where)
+        for name, span in _worked_out(program) if source is None else ():
+            yield rule(name=name, span=span)
+    elif source is not None and arm is not None and arm.name != source.name:
+        names = {one.name for one in _stated(program)}
+        for part in records((program.procedures, program.declarations, program.variables)):
+            if isinstance(part, p.Opaque | e.Verbatim | Declaration):
+                spoken = language_of(part.language)
+                words = {word.lower() for word in re.findall(r"\w+", part.text)}
+                telling = spoken.joint_words.search(part.text) or not names.isdisjoint(words)
+                if spoken.family == language.family and telling:
+                    span = getattr(part, "span", None)
+                    text = " ".join(part.text.split())
+                    yield KEPT(text=text, source=source.name, arm=arm.name, span=span)
 
 
 Uses = Mapping[tuple[str, str], tuple[Span, ...]]

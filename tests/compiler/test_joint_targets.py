@@ -270,3 +270,26 @@ def test_kept_text_is_told_of_if_it_speaks_of_joints(line, told, tmp_path):
         robot="rv-7frl",
     )
     assert [f.code for f in done.findings if f.code == "CO506"] == told
+
+
+def test_joint_targets_that_nothing_uses_stop_no_program(tmp_path):
+    target = "[[300,0,300],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]"
+    joints = "[[0,0,0,0,30,0],[9E9,9E9,9E9,9E9,9E9,9E9]]"
+    lines = [
+        f"CONST robtarget p:={target};",
+        f"CONST jointtarget jIdle:={joints};",
+        f"VAR jointtarget jMany{{1}}:=[{joints}];",
+        "PROC main()",
+        "MoveL p,v100,fine,tool0;",
+        "ENDPROC",
+    ]
+    source = written(tmp_path, "m.mod", "\n".join(["MODULE m", *lines, "ENDMODULE", ""]))
+    done = translate(source, to="melfa-basic-5")
+    assert done.ok
+    assert [f.place for f in done.findings if f.code == "CO510"] == ["jIdle", "variable jMany"]
+    ((_, data),) = done.files.items()
+    assert b"JIDLE" not in data
+    told = {row.place.line: row.level for row in done.rows}
+    assert (told[3], told[4], told[6]) == ("partial", "partial", "supported")
+    used = source.read_text().replace("ENDPROC", "MoveAbsJ jIdle,v100,fine,tool0;\nENDPROC")
+    assert not translate(written(tmp_path, "n.mod", used), to="melfa-basic-5").ok
