@@ -114,18 +114,16 @@ def without_unused(
         return program, ()
     if _refusal(program, language, source, arm) is None:
         return program, ()
-    tables = {"joint_targets": program.joint_targets, "variables": program.variables}
+    declared = {name.lower() for name in (*program.joint_targets, *program.variables)}
+    unused = declared - _words(program)
     idle: dict[str, _Stated] = {}
-    idle_names = {name.lower() for rows in tables.values() for name in rows} - _words(program)
     for one in _stated(program):
-        if one.name in idle_names:
+        if one.name in unused:
             idle.setdefault(one.name, one)
-    kept = {
-        table: {name: value for name, value in rows.items() if name.lower() not in idle}
-        for table, rows in tables.items()
-    }
-    findings = [NOT_WRITTEN(name=one.called, **one.where) for one in idle.values()]
-    return replace(program, **kept), tuple(findings)
+    findings = tuple(NOT_WRITTEN(name=one.called, **one.where) for one in idle.values())
+    targets = {n: v for n, v in program.joint_targets.items() if n.lower() not in idle}
+    variables = {n: v for n, v in program.variables.items() if n.lower() not in idle}
+    return replace(program, joint_targets=targets, variables=variables), findings
 
 
 def _words(program: Program) -> set[str]:
@@ -173,10 +171,10 @@ def unsaid(
 
     uses = _uses(program)
     if (rule := _refusal(program, language, source, arm)) is not None:
-        said = {"source": source.name, "language": language.name} if source else {}
+        arms: dict[str, Any] = {"language": language.name, "source": source and source.name}
         for one in _stated(program):
             for where in one.wherever(uses):
-                yield rule(name=one.called, **said, **where)
+                yield rule(name=one.called, **arms, **where)
         for name, span in _worked_out(program) if source is None else ():
             yield rule(name=name, span=span)
     elif source is not None and arm is not None and arm.name != source.name:
