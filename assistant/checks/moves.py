@@ -120,19 +120,26 @@ class Moves:
     def poses(self, at: Rows, parts: int) -> tuple[Floats, Floats]:
         """Poses of the flange between the ends of some moves: (k, parts - 1, 3), (k, parts - 1, 4).
 
-        They divide the way into equal parts, as a controller does at a steady speed.
+        They divide the way into equal parts.
         """
-        part = np.arange(1, parts) / parts
+        even = np.arange(1, parts) / parts
+        return self.poses_at(at, np.broadcast_to(even, (len(at), parts - 1)))
+
+    def poses_at(self, at: Rows, part: Floats) -> tuple[Floats, Floats]:
+        """Poses of the flange at parts (k, s) of some moves (k,): (k, s, 3), (k, s, 4).
+
+        Equal parts take equal times, as a controller divides the way at a steady speed.
+        """
         p0, p1 = self.positions[self.starts[at] + 1], self.positions[self.rows[at] + 1]
-        p = p0[:, None] + part[None, :, None] * (p1 - p0)[:, None]
+        p = p0[:, None] + part[..., None] * (p1 - p0)[:, None]
         bent = np.flatnonzero(self.arcs[at])
         if len(bent):
             on = self.circles(at[bent])
             around = on.ends > 0.0
-            p[bent[around]] = on.points(on.ends[:, None] * part)[around]
+            p[bent[around]] = on.points(on.ends[:, None] * part[bent])[around]
         q0, q1 = self.quaternions[self.starts[at] + 1], self.quaternions[self.rows[at] + 1]
         q = rotations.between(q0[:, None], q1[:, None], part)
-        rows = np.repeat(self.rows[at], len(part))
+        rows = np.repeat(self.rows[at], part.shape[1])
         flat = self.run.mounting.to_flange(p.reshape(-1, 3), q.reshape(-1, 4), rows)
         return flat[0].reshape(p.shape), flat[1].reshape(q.shape)
 
