@@ -71,20 +71,32 @@ def paced(
             .statement(percent, changes)
             for leg, other in zip(legs, others, strict=True)
         ]  # fmt: skip
-        same = all(new is leg.statement for new, leg in zip(made, legs, strict=True))
-        body = procedure.body if same else _with(procedure.body, iter(made))
+        changed = [None if n is leg.statement else n for n, leg in zip(made, legs, strict=True)]
+        body = _with(procedure.body, iter(changed)) if any(changed) else procedure.body
         procedures.append(replace(procedure, body=body))
     return replace(program, procedures=tuple(procedures)), tuple(changes)
 
 
-def _with(body: Body, moving: Iterator[Moving]) -> Body:
-    """A body with its motion statements, in order of text, exchanged."""
+def _with(body: Body, moving: Iterator[Moving | None]) -> Body:
+    """A body whose motion statements, in order of text, take the speeds of others, if any."""
     return tuple(
-        next(moving)
+        _at_speeds(one, next(moving))
         if isinstance(one, Moving)
         else map_bodies(one, lambda inner: _with(inner, moving))
         for one in body
     )
+
+
+def _at_speeds(statement: Moving, other: Moving | None) -> Moving:
+    """The statement, with the configurations that it got, at the speeds of the other."""
+    if other is None:
+        return statement
+    if isinstance(statement, Follow) and isinstance(other, Follow):
+        path = replace(statement.path, speed=other.path.speed, speeds=other.path.speeds)
+        return replace(statement, path=path)
+    if isinstance(statement, Follow) or isinstance(other, Follow):
+        raise TypeError(statement)
+    return replace(statement, motion=other.motion)
 
 
 @dataclass(frozen=True, slots=True)
