@@ -256,7 +256,9 @@ class _Survey:
         first = first_ones(parts, solved.configurations)
         if first is not solved.configurations:
             # What is met twice has one configuration: the first one it got.
-            solved = solve(replace(run, configurations=first), self.robot, self.cures)
+            theirs = run.configurations[:, BACK] != UNSTATED
+            fixed = replace(run, configurations=first)
+            solved = solve(fixed, self.robot, self.cures, theirs)
         self.keep(parts, solved.configurations)
         self.findings.extend(solved.findings)
         stretch = Stretch(run, solved.joints, solved.configurations)
@@ -277,9 +279,9 @@ class _Survey:
                 if not np.array_equal(rows, path.configurations):
                     self.paths[id(path)] = replace(path, configurations=rows)
                 continue
-            for key, row in zip(part.keys, rows, strict=True):
-                if row[BACK] != UNSTATED:
-                    self.done.setdefault(key, row)
+            for i in np.argsort(~part.exact, kind="stable"):  # computed places come last
+                if rows[i, BACK] != UNSTATED:
+                    self.done.setdefault(part.keys[i], rows[i])
 
     def move_joints(self, statement: MoveJoints) -> Floats | None:
         """Where it goes, if the text tells and the arm can."""

@@ -136,9 +136,19 @@ def run_of(parts: Sequence[Part], before: Floats, joined: bool) -> Run:
 
 
 def first_ones(parts: Sequence[Part], configurations: Configurations) -> Configurations:
-    """The configurations (n, 6), with those of the first place for what is met in several."""
+    """The configurations (n, 6), with those of the first place for what is met in several.
+
+    A place that is only computed from a target speaks for it where the target itself is not met.
+    """
     out = configurations
     seen: dict[int, Configurations] = {}
+    at = 0
+    for part in parts:
+        if not part.is_path:
+            rows = configurations[at : at + len(part)]
+            for met in np.flatnonzero(part.exact & (rows[:, BACK] != UNSTATED)):
+                seen.setdefault(part.keys[met], rows[met])
+        at += len(part)
     at = 0
     for part in parts:
         rows = out[at : at + len(part)]

@@ -47,11 +47,12 @@ class Solved:
     findings: tuple[Diagnostic, ...]
 
 
-def solve(run: Run, robot: Robot, cures: Cures) -> Solved:
+def solve(run: Run, robot: Robot, cures: Cures, theirs: Truths | None = None) -> Solved:
     """Chooses the configurations that a run of at least one move leaves open.
 
     What cannot be done is reported; of rows that state their branches themselves a change
-    of branch is a warning only: their controller may have been told to allow it.
+    of branch is a warning only: their controller may have been told to allow it. theirs: (n,)
+    which rows do, where configurations come from elsewhere as well; None: all that have one.
     """
     stated = np.asarray(run.configurations[:, BACK] != UNSTATED) & robot.arm.named
     own = np.where(stated, robot.branch_of(run.configurations), -1)
@@ -73,7 +74,8 @@ def solve(run: Run, robot: Robot, cures: Cures) -> Solved:
     configurations = np.where(fill[:, None], found, run.configurations)
     report += _not_as_stated(run, robot, np.flatnonzero(stated & ~kept & solved), found)
     report += _other_quadrant(run, robot, done.off, found)
-    for rows, severity in ((broken[~kept[broken]], None), (broken[kept[broken]], Severity.WARNING)):
+    free = (kept if theirs is None else kept & theirs)[broken]
+    for rows, severity in ((broken[~free], None), (broken[free], Severity.WARNING)):
         if len(rows):
             report.append(_branch_change(run, robot, rows, joints, severity))
     if not robot.arm.named:

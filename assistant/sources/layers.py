@@ -5,33 +5,21 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Final, Literal
+from typing import Final
 
-import numpy as np
-
-from assistant.program import rotations
 from assistant.program.diagnostics import Diagnostic, Rule, Severity
-from assistant.program.expressions import Number, TargetValue
-from assistant.program.geometry import BASE, Frame, Pose, Target, Vector
-from assistant.program.motion import FINE, Speed
-from assistant.program.path import Kind, Path
+from assistant.program.geometry import Target
 from assistant.program.program import MANGLED, Procedure, identifier
 from assistant.program.statements import (
     Comment,
-    Follow,
-    Motion,
-    Move,
-    SetSignal,
     Statement,
-    Wait,
 )
 from assistant.sources.contours import chain
 from assistant.sources.curves import Arc, Curve, Line
-from assistant.sources.moves import WIDEST, Moves, moves
+from assistant.sources.following import Placed, follow
+from assistant.sources.moves import WIDEST, moves
 from assistant.sources.nesting import holders
 from assistant.sources.ordering import ordered
-from assistant.sources.orientation import along, facing, level, turned
 from assistant.sources.process import Layer, Process
 from assistant.sources.process_table import nearest
 from assistant.sources.process_values import shown
@@ -74,26 +62,9 @@ TRAVEL = Rule(
     "it was {before:.0f} mm in the order of drawing",
     "",
 )
-MOVING_FRAME = Rule(
-    "CT207",
-    Severity.ERROR,
-    "contours of layer {layer!r} cannot be put from frame `{drawing}` into `{frame}`: "
-    "one of them moves",
-    "use a frame that stands still",
-)
-UNKNOWN_FRAME = Rule(
-    "CT208",
-    Severity.ERROR,
-    "there is no frame `{frame}` for layer {layer!r}",
-    "define it under [frames] in the process file",
-)
-
 WIDEST_TURN: Final = 120.0
 """Degrees of an arc over which the tool turns with the contour: a controller turns it the
 shorter way from start to end, which has to stay the way of the arc."""
-
-HALF_TURN: Final = 180.0 + 1e-6
-"""Degrees that a tool is wound up by over which the way back is another one."""
 
 LONGEST_STEM: Final = 20
 """Letters of a layer's name that go into the names of its paths."""
@@ -101,14 +72,14 @@ LONGEST_STEM: Final = 20
 
 def contour_program(
     curves: Sequence[Curve], process: Process, *, taken: set[str], path: str | None = None
-) -> tuple[tuple[Procedure, ...], tuple[Diagnostic, ...]]:
-    """A procedure for each layer that has a process, and what was found.
+) -> tuple[tuple[Procedure, ...], dict[str, Target], tuple[Diagnostic, ...]]:
+    """A procedure for each layer that has a process, the targets they name, what was found.
 
     curves: in the coordinates of the process's default frame; the layers come in order of
     first appearance. A layer whose motion names another frame is followed at the same
     place, its targets and its tool direction given in that frame. Without any layer in the
     process, every layer moves as the defaults say. Curves of other layers are counted in a
-    finding. taken: names that must not be used; those of the procedures and paths are added.
+    finding. taken: names that must not be used; those that the program got are added.
     path: the drawing, for findings.
     """
     layers: dict[str, list[Curve]] = {}
@@ -116,8 +87,10 @@ def contour_program(
         layers.setdefault(curve.layer.casefold(), []).append(curve)
     known = {name.casefold(): layer for name, layer in process.layers.items()}
     unwanted = {name.casefold() for name in process.leave_out}
-    usual = None if known else Layer("contours", process.defaults.motion)
+    defaults = process.defaults
+    usual = None if known else Layer("contours", defaults.motion, rounded=defaults.blend is None)
     procedures: list[Procedure] = []
+    targets: dict[str, Target] = {}
     findings: list[Diagnostic] = []
     followed: list[tuple[str, Sequence[Curve], Layer]] = []
     for key, group in layers.items():
@@ -131,11 +104,12 @@ def contour_program(
         followed.append((name, group, layer))
     # All procedures have their names before any path gets one.
     for name, members, layer in followed:
-        made, found = _procedure(name, members, layer, process, taken)
+        made, named, found = _procedure(name, members, layer, process, taken)
         procedures += made
+        targets |= named
         findings += found
     findings += _without_contours(process.layers, [group[0].layer for group in layers.values()])
-    return tuple(procedures), tuple(f.within(path) for f in findings)
+    return tuple(procedures), targets, tuple(f.within(path) for f in findings)
 
 
 def _name(layer: str, taken: set[str]) -> str:
@@ -166,16 +140,19 @@ def _without_contours(layers: Mapping[str, Layer], drawn: list[str]) -> list[Dia
 
 def _procedure(
     named: str, curves: Sequence[Curve], layer: Layer, process: Process, taken: set[str]
-) -> tuple[list[Procedure], list[Diagnostic]]:
-    """The procedure of that name along the curves of one layer; none if nothing is left."""
+) -> tuple[list[Procedure], dict[str, Target], list[Diagnostic]]:
+    """The procedure of that name along the curves of one layer, none if nothing is left.
+
+    With it the targets that it names, and the findings.
+    """
     name = curves[0].layer
     contours, chained = chain(curves, process.tolerance)
     findings = list(chained)
-    placed = _Placed.of(name, layer, process)
+    placed = Placed.of(name, layer, process)
     if isinstance(placed, Diagnostic):
-        return [], [*findings, placed]
+        return [], {}, [*findings, placed]
     if not contours:
-        return [], findings
+        return [], {}, findings
     around = holders(contours, layer.direction, process.tolerance) if layer.inside_first else []
     order = ordered(contours, around)
     if len(contours) > 1:
@@ -192,6 +169,7 @@ def _procedure(
     if named != name:
         findings.append(MANGLED(place=f"layer {shown(name)}", given=name, name=named))
     stem = _stem(name, taken)
+    targets: dict[str, Target] = {}
     body: list[Statement] = [Comment(_plain(f"{layer.process}: layer {name}"))]
     widest = WIDEST_TURN if layer.tangential else WIDEST
     deviation, fitted, count = 0.0, 0, 0
@@ -207,12 +185,15 @@ def _procedure(
         else:
             count += 1
             deviation, fitted = max(deviation, rows.deviation), fitted + rows.fitted
-            made, wound = _follow(f"{stem}_{count}", rows, layer, placed, wound)
-            body += made
             taken.add(f"{stem}_{count}")
+            made = follow(f"{stem}_{count}", rows, layer, placed, wound, process.tolerance, taken)
+            body += made.statements
+            targets |= made.targets
+            taken |= set(made.targets)
+            wound = made.wound
     if fitted:
         findings.append(FITTED(layer=shown(name), count=fitted, deviation=deviation))
-    return ([Procedure(named, tuple(body))] if count else []), findings
+    return ([Procedure(named, tuple(body))] if count else []), targets, findings
 
 
 def _stem(layer: str, taken: set[str]) -> str:
@@ -237,129 +218,3 @@ def _clash(stem: str, name: str) -> bool:
 def _plain(text: str) -> str:
     """One printable line."""
     return " ".join("".join(c if c.isprintable() else " " for c in text).split())
-
-
-@dataclass(frozen=True, slots=True)
-class _Placed:
-    """How the drawing stands in a layer's frame, and where the tool points there."""
-
-    pose: Pose
-    direction: Vector
-
-    @staticmethod
-    def of(name: str, layer: Layer, process: Process) -> _Placed | Diagnostic:
-        length = float(np.linalg.norm(layer.direction))
-        if not (np.isfinite(length) and length > 0.0):
-            raise ValueError(f"{layer.direction} is no direction")
-        direction = np.asarray(layer.direction) / length
-        drawing, wanted = process.defaults.frame, layer.motion.frame
-        pose = Pose()
-        if drawing != wanted:
-            frames = {BASE: Frame(), **process.frames}
-            for frame in (drawing, wanted):
-                if frame not in frames:
-                    return UNKNOWN_FRAME(frame=shown(frame), layer=shown(name))
-            if any(frames[f].held or frames[f].mechanism for f in (drawing, wanted)):
-                return MOVING_FRAME(layer=shown(name), drawing=drawing, frame=wanted)
-            pose = frames[wanted].pose.inverse() @ frames[drawing].pose
-        x, y, z = rotations.rotate(pose.quaternion, direction).tolist()
-        return _Placed(pose, (x, y, z))
-
-    def rows(self, rows: Moves) -> Moves:
-        if self.pose == Pose():
-            return rows
-        turn = self.pose.quaternion
-        return replace(
-            rows,
-            start=rotations.rotate(turn, rows.start) + self.pose.position,
-            positions=rotations.rotate(turn, rows.positions) + self.pose.position,
-            leaving=rotations.rotate(turn, rows.leaving),
-            arriving=rotations.rotate(turn, rows.arriving),
-        )
-
-
-def _follow(
-    name: str, drawn: Moves, layer: Layer, placed: _Placed, before: float | None
-) -> tuple[list[Statement], float]:
-    """Approach, switch on, follow, switch off, retract; and the degrees that the tool has turned.
-
-    before: the degrees of the contour before, None for the first one.
-    """
-    moved = placed.rows(drawn)
-    pose, path = _path(name, moved, layer, placed.direction)
-    wound = turned(np.concatenate([[pose.quaternion], path.quaternions]), placed.direction)
-    kind = _travels(before, layer)
-    motion = layer.motion
-    travel = replace(motion, speed=layer.travel, blend=FINE)
-    plunge = replace(motion, speed=_slower(motion, layer.travel), blend=FINE)
-    last = path.pose(len(path) - 1)
-    statements: list[Statement] = []
-    if layer.approach > 0.0:
-        statements.append(Move(kind, _above(pose, layer.approach), travel))
-        statements.append(Move("linear", _above(pose, 0.0), plunge))
-    else:
-        statements.append(Move(kind, _above(pose, 0.0), travel))
-    statements += [SetSignal(signal, _number(value)) for signal, value in layer.on]
-    if layer.delay > 0.0:
-        statements.append(Wait(_number(layer.delay)))
-    statements.append(Follow(path))
-    statements += [SetSignal(signal, _number(value)) for signal, value in layer.off]
-    if layer.retract > 0.0:
-        statements.append(Move("linear", _above(last, layer.retract), travel))
-    return statements, wound
-
-
-def _travels(wound: float | None, layer: Layer) -> Literal["joint", "linear"]:
-    """How the tool comes from one contour, along which it has turned by degrees, to the next.
-
-    A line turns it the shorter way, so that a tool that follows closed contours would wind up
-    with each of them; a joint move lets the wrist turn back. It is made above the work only.
-    """
-    if wound is None:
-        return "joint"
-    if not layer.tangential or not (layer.approach > 0.0 and layer.retract > 0.0):
-        return "linear"
-    return "joint" if abs(wound) > HALF_TURN else "linear"
-
-
-def _slower(motion: Motion, travel: Speed) -> Speed:
-    """Towards the work: never faster than along the contour, as far as that is known."""
-    speed = motion.speed
-    return speed if isinstance(speed, Speed) and speed.tcp < travel.tcp else travel
-
-
-def _above(pose: Pose, distance: float) -> TargetValue:
-    return TargetValue(Target(pose.offset(z=-distance) if distance else pose))
-
-
-def _number(value: float) -> Number:
-    return Number(int(value) if value == int(value) else value)
-
-
-def _path(name: str, rows: Moves, layer: Layer, direction: Vector) -> tuple[Pose, Path]:
-    """The start's pose, and the path of the rows; it stops at its end and where it turns."""
-    if layer.tangential:
-        first, axes, chosen = along(rows, direction)
-        begin, quaternions = facing(direction, first[None]), facing(direction, axes)
-    else:
-        chosen = np.arange(len(rows))
-        begin = facing(direction, level(direction)[None])
-        quaternions = np.broadcast_to(begin, (len(rows), 4))
-    stops = np.zeros(len(chosen), dtype=np.int32)
-    again = np.flatnonzero(chosen[1:] == chosen[:-1])
-    stops[again] = stops[again + 1] = stops[-1] = 1
-    kinds = rows.kinds[chosen]
-    kinds[again + 1] = Kind.LINEAR  # turning on the spot is a linear move, whatever led there
-    motion = layer.motion
-    path = Path.of(
-        name,
-        rows.positions[chosen],
-        quaternions,
-        kinds=kinds,
-        speeds=(motion.speed,),
-        blends=(motion.blend, FINE),
-        blend=stops,
-        tools=(motion.tool,),
-        frames=(motion.frame,),
-    )
-    return Pose.of(rows.start, begin[0]), path

@@ -50,7 +50,7 @@ class Layer:
     travel: speed of the moves between contours. direction: where the tool points, in the
     drawing's frame (0, 0, -1: down). tangential: the tool's x axis follows the contour.
     delay: seconds after switching on. inside_first: contours that lie inside closed ones come
-    before them.
+    before them. rounded: the file states no blend, and corners are rounded within the tolerance.
     """
 
     process: str
@@ -64,6 +64,7 @@ class Layer:
     tangential: bool = False
     delay: float = 0.0
     inside_first: bool = True
+    rounded: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -281,7 +281,8 @@ def _layer(name: str, table: Table, defaults: Defaults, names: _Names) -> Layer:
         if key in found
     }
     process = found.pop("process", shown(name))
-    return Layer(process, Motion(**(usual | parts)), **switched, **found)
+    rounded = defaults.blend is None and "blend" not in parts
+    return Layer(process, Motion(**(usual | parts)), rounded=rounded, **switched, **found)
 
 
 class _Names:

@@ -41,7 +41,7 @@ def assemble(contents: Contents, path: FilePath, process: Process) -> Reading:
     taken = {title, MAIN, LOCATIONS, *process.tools, *process.frames, *process.signals}
     named = name_locations(contents.locations, taken, name)
     taken |= set(named.names)
-    contours, followed = contour_program(contents.curves, process, taken=taken, path=name)
+    contours, ends, followed = contour_program(contents.curves, process, taken=taken, path=name)
     order = visiting_order(contents.locations, name)
     findings = [*contents.findings, *named.findings, *order.findings, *followed]
     if title != path.stem:
@@ -63,7 +63,8 @@ def assemble(contents: Contents, path: FilePath, process: Process) -> Reading:
         targets={
             n: Target(location.pose)
             for n, location in zip(named.names, contents.locations, strict=True)
-        },
+        }
+        | ends,
     )
     return Reading(program, tuple(findings))
 

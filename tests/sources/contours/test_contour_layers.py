@@ -10,15 +10,24 @@ from hypothesis import strategies as st
 
 from assistant.program import rotations
 from assistant.program.diagnostics import Severity
-from assistant.program.expressions import Number
+from assistant.program.expressions import Apply, Name, Number
 from assistant.program.geometry import Frame, Pose
 from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.path import Kind
 from assistant.program.program import IDENTIFIER
-from assistant.program.statements import Comment, Follow, Motion, Move, SetSignal, Wait
+from assistant.program.statements import (
+    Comment,
+    Follow,
+    Motion,
+    Move,
+    MoveCircular,
+    SetSignal,
+    Wait,
+)
 from assistant.sources.curves import Arc, FreeCurve, Line
-from assistant.sources.layers import contour_program
+from assistant.sources.layers import contour_program as layer_program
 from assistant.sources.process import Defaults, Layer, Process
+from tests.sources.contours.whole import pose, whole_paths
 
 MOTION = Motion(Speed(50.0), Blend(1.0), "nozzle", "table")
 GLUE = Layer("gluing", MOTION, (("glue", 1.0),), (("glue", 0.0),), delay=0.25)
@@ -44,8 +53,19 @@ def codes(findings):
     return [f.code for f in findings]
 
 
+TARGETS = {}
+"""Of the program made last."""
+
+
+def contour_program(*given, **options):
+    procedures, targets, findings = layer_program(*given, **options)
+    TARGETS.clear()
+    TARGETS.update(targets)
+    return procedures, findings
+
+
 def paths(procedure):
-    return [s.path for s in procedure.body if isinstance(s, Follow)]
+    return whole_paths(procedure, TARGETS)
 
 
 def test_the_order_of_what_is_done_along_a_contour():
@@ -53,19 +73,23 @@ def test_the_order_of_what_is_done_along_a_contour():
     (procedure,) = procedures
     assert findings == ()
     assert procedure.name == "GLUE"
-    comment, approach, down, on, wait, follow, off, retract = procedure.body
+    comment, approach, down, on, wait, follow, end, off, retract = procedure.body
     assert comment == Comment("gluing: layer GLUE")
     travel = Motion(Speed(200.0), FINE, "nozzle", "table")
     assert isinstance(approach, Move)
     assert (approach.kind, approach.motion) == ("joint", travel)
-    assert approach.target.target.pose == Pose((0.0, 0.0, 50.0), (0.0, 1.0, 0.0, 0.0))
+    back = Apply("relative", (Name("glue_1_start"), Number(0), Number(0), Number(-50)))
+    assert approach.target == retract.target == back
+    assert pose(approach.target, TARGETS) == Pose((0.0, 0.0, 50.0), (0.0, 1.0, 0.0, 0.0))
     assert (down.kind, down.motion) == ("linear", Motion(Speed(50.0), FINE, "nozzle", "table"))
-    assert down.target.target.pose == Pose((0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0))
+    assert down.target == end.target == Name("glue_1_start")
+    assert pose(down.target, TARGETS) == Pose((0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0))
+    assert (end.kind, end.motion) == ("linear", replace(MOTION, blend=FINE))
     assert (on, off) == (SetSignal("glue", Number(1)), SetSignal("glue", Number(0)))
     assert wait == Wait(Number(0.25))
     assert (retract.kind, retract.motion) == ("linear", travel)
-    assert retract.target.target.pose.position == (0.0, 0.0, 50.0)
-    path = follow.path
+    assert len(follow.path) == 3
+    (path,) = paths(procedure)
     assert path.name == "glue_1"
     assert path.kinds.tolist() == [Kind.LINEAR] * 4
     assert path.positions.tolist() == [[10, 0, 0], [10, 10, 0], [0, 10, 0], [0, 0, 0]]
@@ -77,20 +101,25 @@ def test_later_contours_are_approached_in_a_line():
     curves = [*square(), circle("GLUE", 100.0)]
     (procedure,), _ = contour_program(curves, process(GLUE=GLUE), taken=set())
     approaches = [s.kind for s in procedure.body if isinstance(s, Move)]
-    assert approaches == ["joint", "linear", "linear", "linear", "linear", "linear"]
+    assert approaches == ["joint", *["linear"] * 6]  # a circle ends with an arc
     assert [p.name for p in paths(procedure)] == ["glue_1", "glue_2"]
 
 
 def test_without_distances_signals_and_delay_there_is_only_the_way():
     plain = Layer("cutting", MOTION, approach=0.0, retract=0.0)
     (procedure,), _ = contour_program(square(), process(GLUE=plain), taken=set())
-    assert [type(s) for s in procedure.body] == [Comment, Move, Follow]
+    assert [type(s) for s in procedure.body] == [Comment, Move, Follow, Move]
+    circles = [circle("GLUE", 0.0)]
+    (procedure,), _ = contour_program(circles, process(GLUE=plain), taken=set())
+    assert [type(s) for s in procedure.body] == [Comment, Move, Follow, MoveCircular]
 
 
 def test_a_slow_travel_is_not_left_on_the_way_down():
     fast = Layer("painting", Motion(Speed(800.0), FINE), travel=Speed(100.0))
     (procedure,), _ = contour_program(square(), Process(layers={"GLUE": fast}), taken=set())
-    assert {s.motion.speed for s in procedure.body if isinstance(s, Move)} == {Speed(100.0)}
+    approach, down, end, retract = (s for s in procedure.body if isinstance(s, Move))
+    assert {s.motion.speed for s in (approach, down, retract)} == {Speed(100.0)}
+    assert end.motion.speed == Speed(800.0)
 
 
 def test_without_layers_every_layer_moves_as_the_defaults_say():
@@ -137,7 +166,14 @@ def test_names_avoid_each_other_and_those_that_are_taken():
     procedures, _ = contour_program(curves, process(**layers), taken=taken)
     names = [p.name for p in procedures]
     rows = [f"{p.name}_{i}" for q in procedures for p in paths(q) for i in range(1, 5)]
-    everything = ["main", "glue_7", *names, *(p.name for q in procedures for p in paths(q)), *rows]
+    everything = [
+        "main",
+        "glue_7",
+        *TARGETS,
+        *names,
+        *(p.name for q in procedures for p in paths(q)),
+        *rows,
+    ]
     assert len({n.lower() for n in everything}) == len(everything)
     assert taken >= {*names}
 
@@ -180,7 +216,7 @@ def test_arcs_stay_circular_moves_and_the_last_row_stops():
     (procedure,), _ = contour_program([circle("GLUE", 0.0)], process(GLUE=GLUE), taken=set())
     (path,) = paths(procedure)
     assert path.kinds.tolist() == [Kind.VIA, Kind.END] * 2
-    assert [path.blends[i].fine for i in path.blend] == [False, False, False, True]
+    assert [path.blends[i].fine for i in path.blend] == [False, False, True, True]
 
 
 def test_splines_are_fitted_and_how_well_is_said():
@@ -229,7 +265,7 @@ def test_the_tool_points_along_the_direction(direction, tangential):
         z = rotations.rotate(path.quaternions, (0.0, 0.0, 1.0))
         assert np.allclose(z, unit, atol=1e-9)
     for move in (s for s in procedure.body if isinstance(s, Move)):
-        z = rotations.rotate(move.target.target.pose.quaternion, (0.0, 0.0, 1.0))
+        z = rotations.rotate(pose(move.target, TARGETS).quaternion, (0.0, 0.0, 1.0))
         assert np.allclose(z, unit, atol=1e-9)
 
 
@@ -269,7 +305,7 @@ def test_a_tangential_tool_turns_with_an_arc_the_way_the_arc_goes():
     x = rotations.rotate(path.quaternions, (1.0, 0.0, 0.0))
     radius = path.positions / 50.0
     assert np.allclose(x, np.cross((0, 0, 1), radius), atol=1e-9)
-    start = rotations.rotate(procedure.body[2].target.target.pose.quaternion, (1.0, 0.0, 0.0))
+    start = rotations.rotate(pose(procedure.body[2].target, TARGETS).quaternion, (1.0, 0.0, 0.0))
     ends = np.vstack([[start], x[path.kinds == Kind.END]])
     steps = np.degrees(np.arccos(np.clip((ends[:-1] * ends[1:]).sum(1), -1, 1)))
     assert np.allclose(steps, 350.0 / len(steps))
@@ -310,8 +346,9 @@ def test_a_layer_in_another_frame_is_followed_at_the_same_place():
     there = Process(DEFAULTS, frames=frames, layers={"GLUE": layer})
     same = Layer("x", MOTION, direction=(1.0, 0.0, -1.0))
     (moved,), _ = contour_program(square(), there, taken=set())
+    (one,) = paths(moved)
     (usual,), _ = contour_program(square(), process(GLUE=same), taken=set())
-    (one,), (two,) = paths(moved), paths(usual)
+    (two,) = paths(usual)
     assert one.frames == ("turned",)
 
     def in_base(path, pose):
@@ -355,4 +392,33 @@ def test_the_same_drawing_gives_the_same_program():
 
 
 def test_nothing_gives_nothing():
-    assert contour_program([], Process(), taken=set()) == ((), ())
+    assert layer_program([], Process(), taken=set()) == ((), {}, ())
+
+
+def test_the_ends_of_a_contour_have_names_that_all_around_them_use():
+    curves = [Line((0, 0, 0), (40, 0, 0), "GLUE"), *square(at=100.0)]
+    (procedure,), targets, _ = layer_program(curves, process(GLUE=GLUE), taken={"glue_1_end"})
+    assert list(targets) == ["glue_1_start", "glue_1_end_2", "glue_2_start"]
+    named = [s.target for s in procedure.body if isinstance(s, Move)]
+    first = [t.name if isinstance(t, Name) else t.arguments[0].name for t in named]
+    open_, closed = ["glue_1_start"] * 2 + ["glue_1_end_2"] * 2, ["glue_2_start"] * 4
+    assert first == [*open_, *closed]
+
+
+def test_a_tool_that_turned_with_a_circle_does_not_end_at_the_target_it_began_from():
+    layer = Layer("knife", MOTION, tangential=True)
+    _, targets, _ = layer_program([circle("GLUE", 0.0)], process(GLUE=layer), taken=set())
+    assert list(targets) == ["glue_1_start", "glue_1_end", "glue_1_via"]
+
+
+def test_corners_without_a_stated_size_are_rounded_within_the_tolerance():
+    layer = Layer("x", replace(MOTION, blend=FINE), rounded=True)
+    curves = [Line((0, 0, 0), (50, 0, 0), "GLUE"), Line((50, 0, 0), (90, 9, 0), "GLUE"),
+              Line((90, 9, 0), (90, 60, 0), "GLUE")]  # fmt: skip
+    (procedure,), _ = contour_program(curves, process(GLUE=layer), taken=set())
+    (path,) = paths(procedure)
+    assert path.positions[:, 0].tolist() == [50, 90, 90]
+    sizes = [path.blends[i].radius or 0.0 for i in path.blend]
+    assert sizes[-1] == 0.0
+    for size, turn in zip(sizes[:2], (12.68, 77.32), strict=True):
+        assert 0.0 < size * math.sin(math.radians(turn / 2)) <= Process().tolerance

@@ -10,11 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import sources
-from assistant.program.statements import Follow
 from assistant.sources.contours import Contour
 from assistant.sources.curves import Arc, FreeCurve, Line
 from assistant.sources.nesting import holders
 from assistant.sources.ordering import ordered, travel
+from tests.sources.contours.whole import whole_paths
 
 DOWN = (0.0, 0.0, -1.0)
 
@@ -131,8 +131,8 @@ def panel(tmp_path):
 
 def ways(path):
     """The paths of a drawing in the order in which they are followed."""
-    procedures = sources.read(path).program.procedures
-    return [s.path for p in procedures for s in p.body if isinstance(s, Follow)]
+    program = sources.read(path).program
+    return [w for p in program.procedures for w in whole_paths(p, program.targets)]
 
 
 def test_holes_of_a_drawing_are_cut_first(panel):

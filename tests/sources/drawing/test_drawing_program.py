@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
+from pathlib import Path as FilePath
 
 import numpy as np
 import pytest
@@ -13,19 +13,26 @@ from assistant import sources
 from assistant.program.diagnostics import Refused, Severity
 from assistant.program.geometry import Frame, Pose, Tool
 from assistant.program.motion import FINE, Speed
-from assistant.program.path import Kind
+from assistant.program.path import Kind, Path
 from assistant.program.program import Program
-from assistant.program.statements import Call, Follow, Motion
+from assistant.program.statements import Call, Motion
 from assistant.sources.drawing import read
 from assistant.sources.process import NO_PROCESS, Defaults, Layer, Process
+from tests.sources.contours.whole import whole_paths
 
-Save = Callable[..., Path]
+Save = Callable[..., FilePath]
 
-SAMPLE = Path(__file__).parents[3] / "samples" / "plate.dxf"
+SAMPLE = FilePath(__file__).parents[3] / "samples" / "plate.dxf"
 
 
-def paths(program: Program) -> list[Follow]:
-    return [s for s in program.statements() if isinstance(s, Follow)]
+def contours(program: Program) -> list[Path]:
+    """Each contour after its start, as one path."""
+    return [
+        w
+        for p in program.procedures
+        if p.name != "locations"
+        for w in whole_paths(p, program.targets)
+    ]
 
 
 def calls(program: Program) -> list[str]:
@@ -40,8 +47,8 @@ def names(program: Program) -> list[str]:
     """Every name that a vendor's language puts into one space, rows of paths included."""
     found = [*program.targets, *program.tools, *program.frames, *program.signals]
     found += [p.name for p in program.procedures]
-    for follow in paths(program):
-        found += [f"{follow.path.name}_{i + 1}" for i in range(len(follow.path))]
+    for path in contours(program):
+        found += [f"{path.name}_{i + 1}" for i in range(len(path))]
     return [n.lower() for n in found]
 
 
@@ -51,19 +58,23 @@ def test_sample() -> None:
     program = reading.program
     assert program.name == "plate"
     assert calls(program) == ["locations", "GLUE", "CUT"]
-    assert list(program.targets) == [
+    assert list(program.targets)[:9] == [
         "home", "above_pick", "pick", "leave_pick", "above_place", "place", "leave_place",
         "INSPECT_1", "INSPECT_2",
+    ]  # fmt: skip
+    assert list(program.targets)[9:] == [
+        "glue_1_start", "glue_1_end", "glue_2_start", "glue_3_start",
+        "cut_1_start", "cut_1_via", "cut_2_start", "cut_2_via",
     ]  # fmt: skip
     assert program.targets["pick"].pose.position == (235.0, -85.0, 260.0)
     assert program.targets["place"].pose.quaternion == pytest.approx(
         (0.0, np.sqrt(0.5), np.sqrt(0.5), 0.0), abs=1e-12
     )
     assert program.tools["gripper"].tip.position == (0.0, 0.0, 60.0)
-    kinds = {int(k) for follow in paths(program) for k in np.unique(follow.path.kinds)}
+    kinds = {int(k) for path in contours(program) for k in np.unique(path.kinds)}
     assert kinds == {Kind.LINEAR, Kind.VIA, Kind.END}
-    for follow in paths(program):
-        low, high = follow.path.positions.min(axis=0), follow.path.positions.max(axis=0)
+    for path in contours(program):
+        low, high = path.positions.min(axis=0), path.positions.max(axis=0)
         assert (low >= (220, -90, 240)).all()
         assert (high <= (320, 90, 340)).all()
 
@@ -75,8 +86,8 @@ def test_contours_follow_the_locations(save: Save, drawing: Drawing) -> None:
     model.add_point((5, 5, 5), dxfattribs={"layer": "CUT"})
     program = read(save(drawing), NO_PROCESS).program
     assert calls(program) == ["locations", "CUT"]
-    (follow,) = paths(program)
-    assert np.allclose(follow.path.positions, [(10, 0, 0), (10, 10, 0)])
+    (path,) = contours(program)
+    assert np.allclose(path.positions, [(10, 0, 0), (10, 10, 0)])
 
 
 def test_no_name_is_there_twice(save: Save, drawing: Drawing) -> None:
@@ -86,7 +97,7 @@ def test_no_name_is_there_twice(save: Save, drawing: Drawing) -> None:
         model.add_point((5, 5, 5), dxfattribs={"layer": layer})
     process = Process(tools={"gripper": Tool()}, frames={"glue_1_1": Frame()})
     program = read(save(drawing, "glue.dxf"), process).program
-    assert len(paths(program)) == 5
+    assert len(contours(program)) == 5
     assert len(names(program)) == len(set(names(program)))
 
 
@@ -101,12 +112,12 @@ def test_contours_and_points_in_a_frame_of_their_own(save: Save, drawing: Drawin
         layers={"cut": Layer("cutting", motion)},
     )
     program = read(save(drawing), process).program
-    (follow,) = paths(program)
-    (target,) = program.targets.values()
-    assert follow.path.frames == ("table",)
-    assert follow.path.positions[-1] == pytest.approx((10, 0, -100))
+    (path,) = contours(program)
+    target, *_ = program.targets.values()
+    assert path.frames == ("table",)
+    assert path.positions[-1] == pytest.approx((10, 0, -100))
     assert target.pose.position == pytest.approx((10, 0, -100))
-    assert target.pose.quaternion == pytest.approx(tuple(follow.path.quaternions[-1]), abs=1e-12)
+    assert target.pose.quaternion == pytest.approx(tuple(path.quaternions[-1]), abs=1e-12)
 
 
 def test_only_layers_without_process(save: Save, drawing: Drawing) -> None:
@@ -122,4 +133,4 @@ def test_block_twice_gives_contours_twice(save: Save, drawing: Drawing) -> None:
     for at in ((0, 0), (50, 0)):
         drawing.modelspace().add_blockref("HOLE", at, dxfattribs={"layer": "CUT"})
     program = read(save(drawing), NO_PROCESS).program
-    assert [len(follow.path) for follow in paths(program)] == [4, 4]
+    assert [len(path) for path in contours(program)] == [4, 4]

@@ -129,7 +129,7 @@ def test_the_unit_on_the_command_line(tmp_path: Path, monkeypatch: pytest.Monkey
     monkeypatch.chdir(tmp_path)
     Path("part.dxf").write_text(LINE)
     done = CliRunner().invoke(app, ["show", "part.dxf", "--unit", "cm"])
-    assert "linear [1000, 0, 0]" in done.stdout
+    assert "target cut_1_end [1000, 0, 0]" in done.stdout
     command = ["compile", "part.dxf", "-l", "rapid", "-o", "-", "--unit", "cm"]
     assert "[[1000,0,0]" in CliRunner().invoke(app, command).stdout
     for unit, status in (("mm", 0), (None, 1), ("furlong", 2)):
