@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -185,10 +186,24 @@ def test_steps_are_numbered_anew(capsys, tmp_path, folder):
     assert contents(folder) == before
 
 
-def test_a_form_feed_in_a_comment_ends_no_line_of_a_diff(capsys, tmp_path):
+def test_a_form_feed_behind_a_comment_ends_no_line_of_a_diff(capsys, tmp_path):
     name = tmp_path / "page.mod"
-    name.write_bytes(b"MODULE m\n    ! one\x0ctwo\n    VAR num a := 1;\nENDMODULE\n")
+    name.write_bytes(b"MODULE m\n    ! one\x0c\n    VAR num a := 1;\nENDMODULE\n")
     status, out, _ = run(capsys, "fmt", "--diff", name)
     assert status == 0
-    assert "\n     ! one\x0ctwo\n" in out
-    assert "No newline" not in out
+    assert out.split("\n", 2)[2] == (
+        "@@ -1,4 +1,4 @@\n MODULE m\n-    ! one\x0c\n-    VAR num a := 1;\n"
+        "+    ! one\n+    VAR num a:=1;\n ENDMODULE\n"
+    )
+
+
+def test_a_form_feed_in_a_comment_is_told_of_and_nothing_is_laid_out(capsys, tmp_path):
+    name = tmp_path / "page.mod"
+    text = b"MODULE m\n    ! one\x0ctwo\n    VAR num a := 1;\nENDMODULE\n"
+    name.write_bytes(text)
+    for options in (["--diff"], ["--check"], []):
+        status, out, err = run(capsys, "fmt", *options, name)
+        assert status == 1
+        assert re.search(r"IN008 error \S*page\.mod:2:10: ", err)
+        assert "VAR num" not in out
+        assert name.read_bytes() == text

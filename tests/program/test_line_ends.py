@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -64,6 +65,16 @@ def test_a_file_may_end_its_lines_in_one_of_three_ways(name: str, newline: str) 
     assert not has_errors(tree.findings)
     sound = language.parse(text.replace(newline, "\n"))
     assert language.lift(tree).procedures == language.lift(sound).procedures
+
+
+@pytest.mark.parametrize("character", list(LINE_ENDS), ids=[hex(ord(c)) for c in LINE_ENDS])
+def test_a_comment_of_a_tree_is_written_on_one_line(character: str) -> None:
+    rapid = languages.get("rapid")
+    tree = rapid.parse("! a\r\nMODULE m\r\nENDMODULE\r\n")
+    comment = replace(tree.parts[0], text=f"a {character}EvilStop;")
+    written = rapid.render(replace(tree, parts=(comment, *tree.parts[1:])))
+    assert written.splitlines() == ["! a  EvilStop;", "MODULE m", "ENDMODULE"]
+    assert not has_errors(rapid.parse(written).findings)
 
 
 def test_a_controller_is_sent_the_lines_that_are_read() -> None:

@@ -8,6 +8,7 @@ from typing import Final
 
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.runs import moves_text, targets_text
+from assistant.program.text import LINE_ENDS
 
 INDENT: Final = "    "
 NEWLINE: Final = "\r\n"
@@ -34,11 +35,12 @@ def print_handler(handler: s.Handler, newline: str = "\n") -> str:
 
 
 def comment(node: s.CommentLine) -> str:
-    r"""The comment; a line end in it becomes a blank."""
-    text = re.sub(r"[\r\n]+", " ", node.text).strip()
+    """The comment; what may end a line in it becomes a blank."""
+    text = _MAY_END_LINE.sub(" ", node.text).strip()
     return f"! {text}" if text else "!"
 
 
+_MAY_END_LINE: Final = re.compile(f"[\n{''.join(LINE_ENDS)}]+")
 _TRAILS: Final = "\0"
 """Begins a text that belongs on the line before it."""
 

@@ -287,12 +287,19 @@ def value(text: str) -> e.Expression:
         ("P1.Z-5", e.Binary("-", e.Member(e.Name("P1"), "z"), e.Number(5))),
         ("Dist(P1,P2)", e.Apply("distance", (e.Name("P1"), e.Name("P2")))),
         ("M2 And 12", e.Verbatim("melfa-basic-6", "M2 And 12")),
-        ("M2>3", e.Verbatim("melfa-basic-6", "M2>3")),
+        ("(M2>3)+1", e.Verbatim("melfa-basic-6", "(M2>3)+1")),
         ("Not M2", e.Verbatim("melfa-basic-6", "Not M2")),
     ],
 )
 def test_expressions(text: str, meant: e.Expression) -> None:
     assert value(text) == meant
+
+
+def test_a_number_that_is_given_a_truth_is_one_or_zero() -> None:
+    (given,) = body("M1=M2>3\n")
+    larger = e.Binary(">", e.Name("M2"), e.Number(3))
+    one, zero = (p.Assign(e.Name("M1"), e.Number(value)) for value in (1, 0))
+    assert given == p.If((p.Branch(larger, (one,)),), (zero,))
 
 
 def test_radians() -> None:

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from assistant import languages
 from assistant.program.diagnostics import Refused, Unreadable
+from assistant.program.text import SourceText
 
 FOUR, FIVE, SIX = (languages.get(f"melfa-basic-{n}") for n in (4, 5, 6))
 PLACE = "P1=(+1.00,+2.00,+3.00,+180.00,+0.00,+180.00)(7,0)\r\n"
@@ -97,16 +98,27 @@ def test_any_bytes_are_read_and_come_back(data: bytes) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "encoding"), [("Mov", "ascii"), ("Zähler", "cp1252"), ("ロボット", "cp932")]
+    ("text", "encoding"),
+    [("Mov", "ascii"), ("Zähler", "cp1252"), ("ロボット", "cp932"), ("Zähler ロボット", "utf-8")],
 )
-def test_new_text_goes_out_as_controllers_take_it(text: str, encoding: str) -> None:
+def test_new_text_goes_out_in_an_encoding_that_it_is_read_in(text: str, encoding: str) -> None:
     tree = FIVE.parse(f"1 '{text}\r\n")
     assert FIVE.encode(tree) == f"1 '{text}\r\n".encode(encoding)
+    assert FIVE.decode(FIVE.encode(tree)).text == f"1 '{text}\r\n"
 
 
-def test_a_character_that_no_controller_takes_is_refused() -> None:
+@pytest.mark.parametrize("encoding", ["cp1252", "cp1250", "cp1254"])
+def test_a_character_that_the_encoding_of_the_file_lacks_is_refused(encoding: str) -> None:
+    text = "1 'ok\r\n2 'Zähler ロボット\r\n"
     with pytest.raises(Refused) as refused:
-        FIVE.encode(FIVE.parse("1 'ok\r\n2 'Zähler ロボット\r\n"))
+        FIVE.encode(FIVE.parse(SourceText(text, None, encoding)))
+    (finding,) = refused.value.findings
+    assert (finding.code, finding.line, finding.column) == ("IN007", 2, 11)
+
+
+def test_a_character_that_no_encoding_has_is_refused() -> None:
+    with pytest.raises(Refused) as refused:
+        FIVE.encode(FIVE.parse("1 'ok\r\n2 'Zähler \ud800\r\n"))
     (finding,) = refused.value.findings
     assert (finding.code, finding.line, finding.column) == ("IN007", 2, 11)
 

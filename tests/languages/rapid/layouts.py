@@ -14,7 +14,9 @@ TOKENS: Final = re.compile(
     | (?P<number>0[xobd][0-9a-f]+|(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?) | (?P<mark>:=|<=|>=|<>|\S)""",
     re.VERBOSE | re.IGNORECASE,
 )
-BLANKS: Final = ("", "", "", " ", " ", "  ", "\t", "\f", " \t ")
+BLANKS: Final = ("", "", "", " ", " ", "  ", "\t", " \t ")
+EDGES: Final = (*BLANKS, "\f", " \f")
+"""At either end of a line; inside, a form feed is an error."""
 LINE_ENDS: Final = ("\n", "\n", "\r\n", "\r\n", "\n\n", "\n  \r\n")
 INSIDE: Final = (",", ":=", "(", "[", "{")
 """Marks behind which a statement goes on, so that a comment there is none of the tree."""
@@ -44,7 +46,7 @@ def _gap(printed: str, before: re.Match[str], after: re.Match[str], chance: rand
         if before[0] in INSIDE and chance.random() < 0.03:
             return f" ! between{chance.choice(LINE_ENDS)}"
     if breaks:
-        return chance.choice(BLANKS) + chance.choice(LINE_ENDS) + chance.choice(BLANKS)
+        return chance.choice(EDGES) + chance.choice(LINE_ENDS) + chance.choice(EDGES)
     return chance.choice(BLANKS) or printed[:1].replace("\r", " ").replace("\n", " ")
 
 
