@@ -52,6 +52,7 @@ LINE_ENDS: Final = {
 }
 """Characters that end a line for Python or Unicode; here only a line feed does, with carriage
 returns in front of it or none, or a carriage return in a text without line feeds."""
+_ANY: Final = re.compile(f"[\n{''.join(LINE_ENDS)}]+")
 _OTHER: Final = f"[{''.join(LINE_ENDS.keys() - {chr(13)})}]"
 _INSIDE: Final = {
     "\n": re.compile(rf"{_OTHER}|\r(?!\r*(?:\n|\Z))"),
@@ -138,6 +139,11 @@ def lines_of(text: str) -> list[str]:
     """The lines of a text without their ends: see LINE_ENDS. No empty one behind the last end."""
     lines = text.split("\n") if "\n" in text else text.split("\r")
     return [line.rstrip("\r") for line in (lines if lines[-1] else lines[:-1])]
+
+
+def one_line(text: str) -> str:
+    """The text with a blank for what may end a line: see LINE_ENDS."""
+    return _ANY.sub(" ", text)
 
 
 def dominant_newline(text: str) -> str:

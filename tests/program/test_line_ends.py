@@ -77,6 +77,19 @@ def test_a_comment_of_a_tree_is_written_on_one_line(character: str) -> None:
     assert not has_errors(rapid.parse(written).findings)
 
 
+@pytest.mark.parametrize("character", ["\n", *LINE_ENDS])
+@pytest.mark.parametrize("number", [0, 1, 2])
+def test_a_comment_of_melfa_basic_is_written_on_one_line(number: int, character: str) -> None:
+    basic = languages.get("melfa-basic-5")
+    tree = basic.parse("1 'a\r\n2 Hlt 'a\r\n3 End\r\n")
+    line = replace(tree.items[number], comment=f"'b{character}9 Dly 1")
+    items = (*tree.items[:number], line, *tree.items[number + 1 :])
+    for changed in (replace(tree, items=items), replace(tree, items=items, source=None, parsed=())):
+        written = basic.render(changed)
+        assert written.splitlines()[number].endswith("'b 9 Dly 1")
+        assert len(written.splitlines()) == 3
+
+
 def test_a_controller_is_sent_the_lines_that_are_read() -> None:
     for text in ("1 Hlt\r\n2 End\r\n", "1 Hlt\n2 End", "1 Hlt\r2 End\r"):
         assert [line.text for line in listed_lines(text.encode())] == ["1 Hlt", "2 End"]

@@ -12,6 +12,7 @@ from assistant.languages.melfa_basic.tables import (
     PRECEDENCE,
     SIGN_PRECEDENCE,
 )
+from assistant.program.text import one_line
 
 INDENT: Final = 4
 """Blanks of a level (what RT ToolBox's editor indents by)."""
@@ -21,12 +22,12 @@ SYMBOLS: Final = frozenset({"+", "-", "*", "/", "\\", "<<", ">>", "MOD"})
 
 
 def line(item: s.Line, upper: bool = False, level: int = 0) -> str:
-    """A code line without its line end."""
+    """A code line without its line end; what may end a line in its comment becomes a blank."""
     parts = [] if item.number is None else [str(item.number)]
     body = statement(item.statement, upper) if item.statement is not None else ""
     if item.label is not None:
         body = f"*{item.label}:{body}" if body else f"*{item.label}"
-    parts += [part for part in (body, item.comment) if part]
+    parts += [part for part in (body, one_line(item.comment or "")) if part]
     if len(parts) > (item.number is not None):
         at = item.number is not None
         parts[at] = " " * (INDENT * level) + parts[at]

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator
 from typing import Final
 
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.runs import moves_text, targets_text
-from assistant.program.text import LINE_ENDS
+from assistant.program.text import one_line
 
 INDENT: Final = "    "
 NEWLINE: Final = "\r\n"
@@ -36,11 +35,10 @@ def print_handler(handler: s.Handler, newline: str = "\n") -> str:
 
 def comment(node: s.CommentLine) -> str:
     """The comment; what may end a line in it becomes a blank."""
-    text = _MAY_END_LINE.sub(" ", node.text).strip()
+    text = one_line(node.text).strip()
     return f"! {text}" if text else "!"
 
 
-_MAY_END_LINE: Final = re.compile(f"[\n{''.join(LINE_ENDS)}]+")
 _TRAILS: Final = "\0"
 """Begins a text that belongs on the line before it."""
 

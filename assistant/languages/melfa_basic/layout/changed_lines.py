@@ -12,6 +12,7 @@ from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.layout.tokens import Token, tokens
 from assistant.languages.melfa_basic.printer import line as printed
 from assistant.languages.melfa_basic.reading.parser import statement as read
+from assistant.program.text import one_line
 
 _PARTS: Final = re.compile(r"([ \t]*)([0-9]*)([ \t\f]*)")
 
@@ -77,7 +78,7 @@ def changed_line(text: str, old: s.Line, new: s.Line, upper: bool) -> str:
         )
         if old.comment is None and parts.code:
             gap = " "
-        parts = replace(parts, gap=gap if new.comment else "", comment=new.comment or "")
+        parts = replace(parts, gap=gap if new.comment else "", comment=one_line(new.comment or ""))
     return parts.text
 
 
