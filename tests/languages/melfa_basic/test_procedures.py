@@ -110,6 +110,15 @@ def test_what_calls_itself_is_refused(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", DIALECTS)
+def test_bounds_that_were_kept_once_are_not_kept_again(name: str) -> None:
+    part = " PROC part()\n  n:=n-1;\n ENDPROC"
+    language = languages.get(name)
+    adapted = language.adapt(program("FOR i FROM 1 TO n DO\npart;\nENDFOR", part, NUMBERS)).program
+    assert "i_last" in adapted.procedures[0].variables  # `part` changes the bound itself
+    assert replace(language.adapt(adapted).program, origin=None) == adapted
+
+
+@pytest.mark.parametrize("name", DIALECTS)
 def test_a_program_of_its_own_is_called_with_arguments(name: str) -> None:
     language = languages.get(name)
     far = Procedure(

@@ -31,7 +31,11 @@ def with_settled_loops(program: Program) -> Program:
 
 
 class _Loops:
-    """written: lower-case names that anything in the program assigns to."""
+    """Names are in lower case.
+
+    written: those that anything in the program assigns to. own: those of the procedure's own
+    variables, which no call changes unless it is given them.
+    """
 
     def __init__(self, program: Program) -> None:
         self.program = program
@@ -41,9 +45,11 @@ class _Loops:
         self.taken = {name.lower() for table in tables for name in table}
         self.taken |= {name.lower() for q in program.procedures for name in _own(q)}
         self.variables: dict[str, Variable] = {}
+        self.own: set[str] = set()
 
     def procedure(self, procedure: Procedure) -> Procedure:
         self.variables = {}
+        self.own = {name.lower() for name in procedure.variables}
         body = self._body(procedure.body)
         if body == procedure.body:
             return procedure
@@ -102,13 +108,14 @@ class _Loops:
 
     def _changed(self, node: p.For) -> set[str]:
         """Names that may be assigned to while a loop runs."""
+        changed = set(self._written((node,)))
         for record in records(node.body):
             match record:
                 case p.Call() | p.Opaque() | e.Verbatim():
-                    return {*self.written, *self._written((node,))}
+                    return changed | (self.written - self.own)
                 case e.Apply(name) if self.program.procedure(name):
-                    return {*self.written, *self._written((node,))}
-        return set(self._written((node,)))
+                    return changed | (self.written - self.own)
+        return changed
 
     def _written(self, body: Body) -> Iterator[str]:
         for record in records(body):
