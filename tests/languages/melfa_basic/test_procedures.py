@@ -110,6 +110,19 @@ def test_what_calls_itself_is_refused(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", DIALECTS)
+@pytest.mark.parametrize(
+    "body", ["VAR num k;\nk:=n;\nIF n>0 part;\nn:=k;", "FOR i FROM 1 TO 3 DO\npart;\nENDFOR"]
+)
+def test_a_subroutine_with_data_of_its_own_does_not_call_itself(name: str, body: str) -> None:
+    part = f" PROC part()\n{body}\n ENDPROC"
+    language = languages.get(name)
+    found = language.adapt(program("part;", part, NUMBERS)).findings
+    assert [f.code for f in found if f.severity is Severity.ERROR] == ["MB224"]
+    shared = " PROC part()\n  n:=n-1;\n  IF n>0 part;\n ENDPROC"
+    assert "MN=MN-1" in written(program("part;", shared, NUMBERS), name).upper()
+
+
+@pytest.mark.parametrize("name", DIALECTS)
 def test_bounds_that_were_kept_once_are_not_kept_again(name: str) -> None:
     part = " PROC part()\n  n:=n-1;\n ENDPROC"
     language = languages.get(name)

@@ -73,10 +73,16 @@ def is_called_with_arguments(procedure: Procedure, program: Program) -> bool:
 
 
 def recursive(program: Program) -> Iterator[Procedure]:
-    """Procedures with parameters, a result or variables that call themselves, in the end."""
+    """Procedures with parameters, a result or variables that call themselves, in the end.
+
+    The counter of a loop is a variable of its procedure, unless the program has one of that name.
+    """
+    shared = {name.lower() for name in program.variables}
     calls = {q.name.lower(): set(_called(q.body)) for q in program.procedures}
     for procedure in program.procedures:
-        if not has_form(procedure) and not procedure.variables:
+        loops = (r.variable.lower() for r in records(procedure.body) if isinstance(r, p.For))
+        own = procedure.variables or any(counter not in shared for counter in loops)
+        if not has_form(procedure) and not own:
             continue
         name = procedure.name.lower()
         reached: set[str] = set()

@@ -22,7 +22,7 @@ from assistant.languages.melfa_basic.adapt.splitting import MOST_TARGETS, split
 from assistant.languages.melfa_basic.adapt.statements import comment_lines, plain_procedure
 from assistant.languages.melfa_basic.adapt.vendor_text import check_names
 from assistant.languages.melfa_basic.dialects import DIALECTS, LAST_STEP, Dialect
-from assistant.languages.melfa_basic.lower.program import Unit, branches_in, steps
+from assistant.languages.melfa_basic.lower.program import Unit, branches_in, has_functions, steps
 from assistant.languages.melfa_basic.lower.writer import mentioned
 from assistant.languages.melfa_basic.names import is_external, naming
 from assistant.program.diagnostics import Diagnostic, Findings, Span
@@ -74,10 +74,11 @@ def _with_plain_procedures(program: Program, dialect: Dialect, findings: Finding
     program = with_fresh_variables(program)
     program = with_filled_arrays(program, findings)
     program = with_settled_loops(program)
-    if not dialect.functions:
-        for procedure in recursive(program):
+    for procedure in recursive(program):
+        if not has_functions(program, procedure.unit, dialect):
             with findings.at(procedure.span):
                 findings.append(rules.RECURSIVE(name=procedure.name, place=procedure.name))
+    if not dialect.functions:
         program = without_parameters(program, findings)
     return with_computed_targets(program)
 

@@ -56,6 +56,22 @@ def build(
     return s.File(dialect_name, (*gathered(numbered(code, dialect)), *gathered(data)))
 
 
+def has_functions(program: Program, unit: str | None, dialect: Dialect) -> bool:
+    """Whether what a unit calls are functions; subroutines, if not, share all variables."""
+    _, others = _procedures(program, unit)
+    return dialect.functions and any(q.parameters or q.result is not None for q in others)
+
+
+def _procedures(program: Program, unit: str | None) -> tuple[Procedure | None, list[Procedure]]:
+    """The procedure that a unit begins with, and those that it calls."""
+    mine = [p for p in program.procedures if p.unit == unit]
+    if unit is not None:
+        return (mine[0], mine[1:]) if mine else (None, [])
+    entry = (program.entry or "").lower()
+    first = next((p for p in mine if p.name.lower() == entry), None)
+    return first, [p for p in mine if p is not first]
+
+
 def steps(items: list[s.Item]) -> int:
     """Step numbers that the code lines take."""
     return sum(len(i) if isinstance(i, MoveRows) else 1 for i in items)
@@ -89,23 +105,14 @@ class Unit:
         self.program, self.robot, self.unit = program, robot, unit
         self.dialect, self.names = dialect, names
         self.writer = Writer(program, dialect, names, robot, unit, STATEMENTS)
-        _, others = self.procedures()
-        self.writer.functions = dialect.functions and any(
-            q.parameters or q.result is not None for q in others
-        )
+        self.writer.functions = has_functions(program, unit, dialect)
 
     @property
     def findings(self) -> list[Diagnostic]:
         return self.writer.findings
 
     def procedures(self) -> tuple[Procedure | None, list[Procedure]]:
-        """The procedure that the unit begins with, and those that it calls."""
-        mine = [p for p in self.program.procedures if p.unit == self.unit]
-        if self.unit is not None:
-            return (mine[0], mine[1:]) if mine else (None, [])
-        entry = (self.program.entry or "").lower()
-        first = next((p for p in mine if p.name.lower() == entry), None)
-        return first, [p for p in mine if p is not first]
+        return _procedures(self.program, self.unit)
 
     def code(self) -> list[s.Item]:
         """The code lines without step numbers."""
