@@ -148,7 +148,7 @@ SPEED_PARTS = Rule(
 )  # fmt: skip
 JOINT_PERCENT = Rule(
     "MB204", W, "a joint move states {tcp} mm/s but no percentage and gets JOVRD {percent:g}",
-    "state the percentage of joint speed in the source",
+    "try it slowly and write the JOVRD that suits; a table states it as `joint_percent`",
 )  # fmt: skip
 BLEND_PARTS = Rule(
     "MB205", I, "a blend states zone sizes beside its distance, which MELFA-BASIC cannot say",
