@@ -3,6 +3,8 @@
 
 PYTHON ?= python3
 BIN := .venv/bin
+# Every command that the tests start would compile all modules and grammars anew.
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: demo test test-slow bench lint format clean
 
@@ -30,7 +32,7 @@ demo: .venv/demo
 	$(BIN)/robot-assistant demo
 
 test: .venv/test
-	$(BIN)/python -m pytest --numprocesses 2
+	$(BIN)/python -m pytest --numprocesses 2 --dist worksteal
 
 # Also the property tests of `make test`, with cases that are drawn anew.
 test-slow: .venv/test

@@ -1,4 +1,6 @@
-"""How hypothesis works here: a slow or busy machine is no fault of what is tested.
+"""How hypothesis and signals work here, wherever the tests are started from.
+
+A slow or busy machine is no fault of what is tested.
 
 `make test` draws the same cases at each run and on each machine, so that a failure is of the
 change that is tested. `make test-slow` draws new ones (`--hypothesis-profile=fresh`); what these
@@ -7,7 +9,11 @@ find becomes a case of its own.
 
 from __future__ import annotations
 
+import signal
+
+import pytest
 from hypothesis import HealthCheck, settings
+from hypothesis.internal.conjecture.providers import Constants, HypothesisProvider
 
 settings.register_profile(
     "fresh",
@@ -16,3 +22,18 @@ settings.register_profile(
 )
 settings.register_profile("same", settings.get_profile("fresh"), derandomize=True, database=None)
 settings.load_profile("same")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Keeps the constants in our own modules out of the draws that are the same everywhere.
+
+    hypothesis collects them from the modules that are loaded, and which ones are depends on the
+    tests that ran before in the same process.
+    """
+    if settings.default is not None and settings.default.derandomize:
+        HypothesisProvider._local_constants = Constants()
+
+
+# A job in the background of a script has Ctrl+C ignored, and so would have the servers that
+# tests stop with it.
+signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 from assistant.languages.lalr import Tables
 from assistant.languages.melfa_basic.vocabulary import words
-from assistant.resources import read_grammar
+from assistant.resources import load_grammar
 
 if TYPE_CHECKING:
     from lark import Lark
@@ -18,14 +18,7 @@ if TYPE_CHECKING:
 @cache
 def grammar() -> Lark:
     """The rules of a code line (start `line`) and of a variable line (`data`)."""
-    from lark import Lark
-
-    return Lark(
-        read_grammar("melfa_basic.lark"),
-        start=["line", "data"],
-        parser="lalr",
-        maybe_placeholders=True,
-    )
+    return load_grammar("melfa_basic.lark", start=["line", "data"], maybe_placeholders=True)
 
 
 @cache

@@ -6,7 +6,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from assistant.languages.lalr import Tables
-from assistant.resources import read_grammar
+from assistant.resources import load_grammar
 
 if TYPE_CHECKING:
     from lark import Lark
@@ -15,11 +15,8 @@ if TYPE_CHECKING:
 @cache
 def grammar() -> Lark:
     """The parser of whole files (`start`), `statements` and `items`."""
-    from lark import Lark
-
-    return Lark(
-        read_grammar("rapid.lark"),
-        parser="lalr",
+    return load_grammar(
+        "rapid.lark",
         lexer="contextual",
         start=["start", "statements", "items"],
         propagate_positions=True,

@@ -1,0 +1,48 @@
+"""Tables of grammars: kept where Python keeps bytecode, made anew where that cannot be read."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+MODULE = "MODULE m\n  PROC main()\n  ENDPROC\nENDMODULE\n"
+
+
+def check(folder: Path, **variables: str) -> tuple[int, str]:
+    """`check` of a small module in a process of its own, bytecode in the folder."""
+    environment = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
+    done = subprocess.run(
+        [sys.executable, "-m", "assistant", "check", "-", "--from", "rapid"],
+        input=MODULE.encode(),
+        capture_output=True,
+        env={**environment, "PYTHONPYCACHEPREFIX": str(folder), **variables},
+    )
+    return done.returncode, (done.stdout + done.stderr).decode()
+
+
+def kept(folder: Path) -> list[Path]:
+    return list(folder.rglob("rapid*.lalr"))
+
+
+def test_tables_are_kept_and_a_damaged_file_of_them_is_made_anew(tmp_path):
+    first = check(tmp_path)
+    [tables] = kept(tmp_path)
+    whole = tables.read_bytes()
+    tables.write_bytes(whole[: len(whole) // 2])
+    assert check(tmp_path) == first == (0, "1 checked, 0 findings\n")
+    anew = tables.read_bytes()
+    assert len(anew) > 0.9 * len(whole)
+    assert check(tmp_path) == first and tables.read_bytes() == anew
+
+
+def test_where_no_bytecode_is_wanted_none_is_kept(tmp_path):
+    assert check(tmp_path, PYTHONDONTWRITEBYTECODE="1")[0] == 0
+    assert kept(tmp_path) == []
+
+
+def test_where_nothing_can_be_kept_programs_are_read_all_the_same(tmp_path):
+    no_folder = tmp_path / "file"
+    no_folder.write_text("")
+    assert check(no_folder) == (0, "1 checked, 0 findings\n")
