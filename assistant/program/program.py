@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, Final, Literal
@@ -21,6 +22,13 @@ from assistant.program.statements import (
 )
 
 IDENTIFIER: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+LETTERS: Final = {
+    "ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss", "æ": "ae", "ø": "oe", "å": "aa", "œ": "oe",
+    "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ẞ": "SS", "Æ": "Ae", "Ø": "Oe", "Å": "Aa", "Œ": "Oe",
+    "ð": "d", "đ": "d", "ł": "l", "þ": "th", "ı": "i",
+    "Ð": "D", "Đ": "D", "Ł": "L", "Þ": "Th",
+}  # fmt: skip
+"""Letters that are more than one of ASCII with an accent, as their languages write them there."""
 
 MANGLED = Rule(
     "NM001",
@@ -33,9 +41,10 @@ MANGLED = Rule(
 def identifier(given: str, taken: set[str] | frozenset[str] = frozenset()) -> str:
     """A name made of letters, digits and `_` that is close to the given one and not taken.
 
-    Names are compared without case, as both vendors' languages do.
+    Letters beyond ASCII become those they are written with where there are none of them: `ü` is
+    `ue`, `é` is `e`. Names are compared without case, as both vendors' languages do.
     """
-    name = re.sub(r"[^A-Za-z0-9_]+", "_", given).strip("_")[:64] or "unnamed"
+    name = re.sub(r"[^A-Za-z0-9_]+", "_", _plain_letters(given)).strip("_")[:64] or "unnamed"
     if not name[0].isalpha():
         name = "n_" + name
     used = {t.lower() for t in taken}
@@ -43,6 +52,16 @@ def identifier(given: str, taken: set[str] | frozenset[str] = frozenset()) -> st
     while free.lower() in used:
         free, count = f"{name}_{count}", count + 1
     return free
+
+
+def _plain_letters(text: str) -> str:
+    """The text with the letters of LETTERS spelled out, and others without their accents."""
+    if text.isascii():
+        return text
+    spelled = "".join(LETTERS.get(c, c) for c in unicodedata.normalize("NFC", text))
+    spelled = spelled.upper() if text.replace("ß", "").isupper() else spelled
+    parts = unicodedata.normalize("NFKD", spelled)
+    return "".join(c for c in parts if not unicodedata.combining(c))
 
 
 @dataclass(frozen=True, slots=True)

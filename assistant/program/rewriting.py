@@ -88,6 +88,15 @@ def records(value: Any) -> Iterator[Any]:
             pending += item.values()
 
 
+def is_repeatable(value: e.Expression) -> bool:
+    """Whether working it out several times is the same as once: nothing of the user's is called."""
+    return not any(
+        isinstance(part, e.Verbatim)
+        or (isinstance(part, e.Apply) and part.function not in e.FUNCTIONS)
+        for part in records(value)
+    )
+
+
 _WHOLE: Final = (Path, p.Motion, e.TargetValue, e.JointValue, e.PoseValue)
 _LEAVES: Final = (float, int, str, type(None))
 

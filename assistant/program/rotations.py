@@ -34,6 +34,13 @@ def canonical(quaternions: ArrayLike) -> Floats:
     return np.asarray(np.where(first < 0, -q, q) + 0.0)
 
 
+def unflipped(quaternions: Floats) -> Floats:
+    """The same rotations (n, 4), each on the side of the one before it."""
+    cosine = np.einsum("ij,ij->i", quaternions[1:], quaternions[:-1])
+    sign = np.cumprod(np.concatenate([[1.0], np.where(cosine < 0.0, -1.0, 1.0)]))
+    return np.asarray(quaternions * sign[:, None])
+
+
 def multiply(left: ArrayLike, right: ArrayLike) -> Floats:
     """Hamilton product, broadcast over leading axes; (..., 4)."""
     a, b = np.asarray(left, dtype=np.float64), np.asarray(right, dtype=np.float64)

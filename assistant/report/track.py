@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program import rotations
-from assistant.program.expressions import Expression, Name, TargetValue
-from assistant.program.geometry import BASE, IDENTITY, Pose, Target
+from assistant.program.expressions import Expression, Name
+from assistant.program.geometry import BASE, IDENTITY, Pose
 from assistant.program.path import Kind, Path
 from assistant.program.program import Program, walk
 from assistant.program.statements import Call, Follow, Motion, Move, MoveCircular, Statement
 from assistant.robots.arcs import circles
+from assistant.robots.naming import Names
 
 ARC_STEPS: Final = 24
 """Chords an arc is drawn with."""
@@ -53,7 +54,7 @@ class _Piece:
 
 def track(program: Program) -> Track:
     """What the entry procedure and those that it calls move through, conditions left aside."""
-    pieces = list(_pieces(program, program.entry, ()))
+    pieces = list(_pieces(program, Names(program), program.entry, ()))
     if not pieces:
         return Track(np.empty((0, 3)), np.empty((0, 4)), np.empty(0, np.uint8), {})
     names, row, last = {}, 0, None
@@ -73,36 +74,39 @@ def track(program: Program) -> Track:
     )
 
 
-def _pieces(program: Program, name: str | None, above: tuple[str, ...]) -> Iterator[_Piece]:
+def _pieces(
+    program: Program, names: Names, name: str | None, above: tuple[str, ...]
+) -> Iterator[_Piece]:
     procedure = program.procedure(name) if name else None
     if procedure is None or procedure.name in above:
         return
     for statement in walk(procedure.body):
         if isinstance(statement, Call):
-            yield from _pieces(program, statement.procedure, (*above, procedure.name))
+            yield from _pieces(program, names, statement.procedure, (*above, procedure.name))
         else:
-            yield from _moved(program, statement)
+            names.enter(procedure)
+            yield from _moved(program, names, statement)
 
 
-def _moved(program: Program, statement: Statement) -> Iterator[_Piece]:
+def _moved(program: Program, names: Names, statement: Statement) -> Iterator[_Piece]:
     match statement:
         case Move(kind=kind, target=target, motion=motion):
             how = Kind.JOINT if kind == "joint" else Kind.LINEAR
-            yield from _single(program, [(target, how)], motion)
+            yield from _single(program, names, [(target, how)], motion)
         case MoveCircular(via=via, target=target, motion=motion):
-            yield from _single(program, [(via, Kind.VIA), (target, Kind.END)], motion)
+            yield from _single(program, names, [(via, Kind.VIA), (target, Kind.END)], motion)
         case Follow(path=path):
             yield _of_path(program, path)
 
 
 def _single(
-    program: Program, targets: list[tuple[Expression, Kind]], motion: Motion
+    program: Program, names: Names, targets: list[tuple[Expression, Kind]], motion: Motion
 ) -> Iterator[_Piece]:
-    found = [(_target(program, expression), kind) for expression, kind in targets]
-    if any(target is None for target, _ in found):
+    found = [(names.place(expression), kind) for expression, kind in targets]
+    if any(place is None for place, _ in found):
         return
     frame = _frame(program, motion.frame)
-    poses = [frame @ target.pose for target, _ in found if target is not None]
+    poses = [frame @ place.pose for place, _ in found if place is not None]
     last = targets[-1][0]
     yield _Piece(
         np.array([pose.position for pose in poses]),
@@ -127,12 +131,6 @@ def _of_path(program: Program, path: Path) -> _Piece:
 def _frame(program: Program, name: str) -> Pose:
     frame = program.frames.get(name)
     return IDENTITY if frame is None or name == BASE else frame.pose
-
-
-def _target(program: Program, expression: Expression) -> Target | None:
-    if isinstance(expression, TargetValue):
-        return expression.target
-    return program.targets.get(expression.name) if isinstance(expression, Name) else None
 
 
 def _with_arcs(piece: _Piece, before: NDArray[np.float64] | None) -> _Piece:

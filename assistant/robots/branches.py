@@ -28,6 +28,8 @@ BLOCK: Final = 16384
 """Chains that are looked at together."""
 FEW: Final = 64
 """Chains up to which one after the other is faster than side by side."""
+MANY: Final = 12
+"""Branches from which on it is so for any number of chains."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,17 +91,18 @@ def choose(allowed: Truths, starts: Rows, costs: Callable[[Rows], Costs]) -> Bra
     return Branches(chosen, broken)
 
 
-def cheapest(possible: Truths, costs: Costs, change: Floats) -> Rows:
+def cheapest(possible: Truths, costs: Costs, change: Floats | None = None) -> Rows:
     """(c,) the branch of each chain with the smallest sum of costs.
 
     possible: (b, c). change: (c,) what a branch other than that of the chain before costs
-    beside the travel. A block of chains is cut into sections that are looked at side by side:
-    first from every branch at the start of each, then from what each start really costs.
+    beside the travel; None where `costs` say that themselves. A block of chains is cut into
+    sections that are looked at side by side: first from every branch at the start of each, then
+    from what each start really costs.
     """
-    count = possible.shape[1]
+    branches, count = possible.shape
     costs_so_far = np.where(possible[:, 0], costs.first + costs.chains[:, 0], np.inf)
-    back: list[NDArray[np.uint8]] = []
-    for block in _blocks(count):
+    back: list[NDArray[np.uint16]] = []
+    for block in _blocks(branches, count):
         steps = _steps(block, possible, costs, change)
         starts = _starts(steps, costs_so_far)
         pointers, ends = _followed(steps, starts)
@@ -107,7 +110,7 @@ def cheapest(possible: Truths, costs: Costs, change: Floats) -> Rows:
         costs_so_far = ends[:, -1] - ends[:, -1].min()
     at = int(costs_so_far.argmin())
     way = np.empty(count, dtype=np.intp)
-    for block, pointers in zip(reversed([*_blocks(count)]), reversed(back), strict=True):
+    for block, pointers in zip(reversed([*_blocks(branches, count)]), reversed(back), strict=True):
         before, within = _traced(pointers, at)
         way[block] = within[: len(block)]
         at = before
@@ -115,18 +118,19 @@ def cheapest(possible: Truths, costs: Costs, change: Floats) -> Rows:
     return way
 
 
-def _blocks(count: int) -> Iterator[Rows]:
+def _blocks(branches: int, count: int) -> Iterator[Rows]:
     """The chains but the first, which nothing leads to within the path."""
-    for start in range(1, count, BLOCK):
-        yield np.arange(start, min(start + BLOCK, count))
+    size = max(BLOCK // max(branches // 8, 1) ** 2, 1)
+    for start in range(1, count, size):
+        yield np.arange(start, min(start + size, count))
 
 
-def _steps(block: Rows, possible: Truths, costs: Costs, change: Floats) -> Singles:
+def _steps(block: Rows, possible: Truths, costs: Costs, change: Floats | None) -> Singles:
     """(steps, b, b, sections) what leads from one chain to the next; what is filled up costs
     nothing and leads nowhere else.
     """
     branches, m = len(possible), len(block)
-    sections = 1 if m <= FEW else int(np.sqrt(m))
+    sections = 1 if m <= FEW or branches > MANY else int(np.sqrt(m))
     length = -(-m // sections)
     order = np.arange(sections * length).reshape(sections, length).T
     filled = order >= m
@@ -135,9 +139,10 @@ def _steps(block: Rows, possible: Truths, costs: Costs, change: Floats) -> Singl
     table = costs.between(flat).astype(np.float32, copy=False)
     table += np.where(possible[:, flat], costs.chains[:, flat], np.inf).astype(np.float32)
     other = ~np.eye(branches, dtype=bool)
-    added = change[flat].astype(np.float32)
-    for one, two in np.argwhere(other):
-        table[one, two] += added
+    if change is not None:
+        added = change[flat].astype(np.float32)
+        for one, two in np.argwhere(other):
+            table[one, two] += added
     if filled.any():
         table[:, :, filled.ravel()] = np.where(other, np.inf, 0.0)[:, :, None]
     steps = table.reshape(branches, branches, length, sections)
@@ -162,25 +167,25 @@ def _starts(steps: Singles, before: Floats) -> Floats:
     return out
 
 
-def _followed(steps: Singles, starts: Floats) -> tuple[NDArray[np.uint8], Floats]:
+def _followed(steps: Singles, starts: Floats) -> tuple[NDArray[np.uint16], Floats]:
     """(steps, b, sections) from which branch one comes best, and (b, sections) what it costs."""
-    pointers = np.empty((len(steps), *starts.shape), dtype=np.uint8)
+    pointers = np.empty((len(steps), *starts.shape), dtype=np.uint16)
     for t, step in enumerate(steps):
         ways = starts[:, None] + step
-        best = ways.argmin(axis=0)
-        pointers[t] = best
-        starts = np.take_along_axis(ways, best[None], axis=0)[0]
+        pointers[t] = ways.argmin(axis=0)
+        starts = ways.min(axis=0)
     return pointers, starts
 
 
-def _traced(pointers: NDArray[np.uint8], at: int) -> tuple[int, Rows]:
+def _traced(pointers: NDArray[np.uint16], at: int) -> tuple[int, Rows]:
     """The branch before a block and those of its chains, which end in branch `at`."""
     length, branches, sections = pointers.shape
     here = np.repeat(np.arange(branches)[:, None], sections, axis=1)
-    all_ = np.empty(pointers.shape, dtype=np.intp)
+    column = np.arange(sections)
+    all_ = np.empty(pointers.shape, dtype=np.uint16)
     for t in range(length - 1, -1, -1):
         all_[t] = here
-        here = np.take_along_axis(pointers[t].astype(np.intp), here, axis=0)
+        here = pointers[t][here, column]
     way = np.empty((sections, length), dtype=np.intp)
     for section in range(sections - 1, -1, -1):
         way[section] = all_[:, at, section]

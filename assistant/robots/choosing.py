@@ -8,13 +8,14 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.path import Kind
+from assistant.program.path import UNSTATED, Kind
 from assistant.robots.between import really_crossed
 from assistant.robots.branches import Costs, choose
+from assistant.robots.configurations import BACK
 from assistant.robots.robot import Robot
 from assistant.robots.run import Run, continued
 from assistant.robots.survey import Survey
-from assistant.robots.travel import BARRED, Travel, travel_of
+from assistant.robots.travel import BARRED, Stated, Travel, travel_of
 from assistant.robots.wrist import clearances, crossings, sheets
 
 Floats = NDArray[np.float64]
@@ -54,8 +55,41 @@ class Choices:
     barred: set[tuple[int, int]] = field(default_factory=set)
 
     def best(self) -> Choice:
-        row = np.arange(self.bound.shape[1])
-        chosen, broken = choose(self.bound, self.starts, self._costs)
+        return self._choice(*choose(self.bound, self.starts, self._costs))
+
+    def quickest(self, said: NDArray[np.integer]) -> Choice | None:
+        """The best choice where joint moves take as long as the whole turns that there are ask
+        for; `best` takes them as free. None if no branch goes all the way in some chain, or if
+        there is too much to look at.
+
+        said: (n, 6) configurations that rows state and can have, else UNSTATED.
+        """
+        bound = self.bound | ~self.bound.any(axis=0)
+        possible = np.logical_and.reduceat(bound, self.starts, axis=1)
+        if not possible.any(axis=0).all():
+            return None
+        within = np.where(possible, self._costs(self.starts).chains, np.inf)
+        found = self.travel.chains(self.starts, within, self._stated(said)).quickest()
+        if found is None:
+            return None
+        lengths = np.diff(np.append(self.starts, bound.shape[1]))
+        return self._choice(np.repeat(found.branches, lengths), np.empty(0, np.intp))
+
+    def _stated(self, said: NDArray[np.integer]) -> list[Stated]:
+        """Of each winding axis the whole turns that rows state."""
+        robot = self.travel.robot
+        row = np.flatnonzero(said[:, BACK] != UNSTATED)
+        branch = robot.branch_of(said[row])
+        if self.sheet is not None:
+            branch = (self.sheet[:, row] == branch).argmax(axis=0)
+        joints = self.travel.joints[:, branch, row].T.astype(np.float64)
+        wanted, fits = robot.turned(joints, said[row])
+        kept = fits.all(axis=1) & robot.inside(wanted)
+        turns = np.round((wanted - joints) / 360.0).astype(np.int64)
+        return [(branch[kept], row[kept], turns[kept, axis]) for axis in robot.winding()]
+
+    def _choice(self, chosen: Rows, broken: Rows) -> Choice:
+        row = np.arange(len(chosen))
         if chosen[0] >= 0 and not self.same[chosen[0]]:
             broken = np.append(0, broken)
         through = np.empty(0, np.intp)

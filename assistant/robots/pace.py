@@ -206,7 +206,8 @@ def _seconds(start: Floats, end: Floats, robot: Robot, share: float, least: floa
     if not far.any():
         return least
     with np.errstate(divide="ignore"):
-        most, rate = (share * drive.speeds / far).min(), (drive.accelerations / far).min()
+        most = float((share * drive.speeds / far).min())
+        rate = float((drive.accelerations / far).min())
     most = min(most, 1.0 / least) if least > 0.0 else most
     if most**2 >= rate:
         return float(2.0 / np.sqrt(rate))

@@ -16,15 +16,17 @@ from assistant.program.diagnostics import Diagnostic, Severity
 from assistant.program.path import UNSTATED
 from assistant.robots import findings as rules
 from assistant.robots.arms.arm import CLOSING
-from assistant.robots.between import Ways, ways
+from assistant.robots.between import ways
 from assistant.robots.choosing import Choice, Choices, chain_starts, choices
 from assistant.robots.configurations import BACK, QUADRANTS
+from assistant.robots.quickest import may_be_quicker, quickest_turns
 from assistant.robots.robot import CHUNK, IN_LINE, LIMIT_TOLERANCE, Robot
 from assistant.robots.run import Run, continued
 from assistant.robots.settling import split
 from assistant.robots.slack import Slack, straighten
 from assistant.robots.survey import Cures, finite_poses, survey_of
-from assistant.robots.turns import FREE, filled, turn
+from assistant.robots.turns import FREE, filled, open_turns, turn
+from assistant.robots.ways import Ways
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -33,7 +35,8 @@ Rows = NDArray[np.intp]
 
 
 LOOKED_AT: Final = 20_000
-"""Rows of a run up to which other branches are tried where one fails between the rows."""
+"""Rows of a run up to which other branches are tried, where one fails between the rows or turns
+have to be longer than they could be."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +100,7 @@ class _Tried:
 
     joints: (n, a) deg. wound: by axis, the rows before which it would be wound back. off: rows
     that state a quadrant (or turn) which their axes cannot have. bad: rows to which the way
-    is none in the chosen branch.
+    is none in the chosen branch. longer: whether a joint move takes longer than by the short way.
     """
 
     choice: Choice
@@ -105,6 +108,7 @@ class _Tried:
     wound: list[tuple[int, Rows]]
     off: Rows
     bad: Rows
+    longer: bool
     findings: tuple[Diagnostic, ...]
 
 
@@ -125,7 +129,8 @@ def _best(run: Run, robot: Robot, choice: Choice, others: Choices | None, given:
     """The choice with the fewest rows to which there is no way, the cheapest of these.
 
     A choice knows the rows, not what is between them: what turns out to be no way is ruled out
-    and the next choice out of others tried.
+    and the next choice out of others tried. Nor does it know what whole turns cost, which counts
+    where joint moves are not all as short as they could be.
     """
     best = last = _tried(run, robot, choice, given)
     for _ in range(robot.branches):
@@ -136,7 +141,14 @@ def _best(run: Run, robot: Robot, choice: Choice, others: Choices | None, given:
         last = _tried(run, robot, others.best(), given)
         if len(last.bad) < len(best.bad) and not len(last.choice.broken):
             best = last
-    return best
+    if others is None or len(best.bad) or len(best.choice.broken) or not best.longer:
+        return best
+    quickest = others.quickest(given.said)
+    if quickest is None or np.array_equal(quickest.branches, best.choice.branches):
+        return best
+    last = _tried(run, robot, quickest, given)
+    worse = len(last.bad) or len(last.choice.broken) or last.findings
+    return best if worse else last
 
 
 def _tried(run: Run, robot: Robot, choice: Choice, given: _Given) -> _Tried:
@@ -160,7 +172,8 @@ def _tried(run: Run, robot: Robot, choice: Choice, given: _Given) -> _Tried:
             rows = np.append(0, rows)
         wound.append((axis, np.setdiff1d(rows, choice.broken)))
     bad = np.unique(np.concatenate([bad, *(rows for _, rows in wound)]))
-    return _Tried(choice, joints, wound, off, bad, tuple(findings))
+    longer = may_be_quicker(run, robot, joints, chain_starts(run))
+    return _Tried(choice, joints, wound, off, bad, longer, tuple(findings))
 
 
 def _joints(run: Run, robot: Robot, branch: Rows, slack: Slack) -> tuple[Floats, Truths]:
@@ -215,9 +228,10 @@ def _turned(
         kept = stated & fits.all(axis=1) & robot.inside(wanted)
         off = np.flatnonzero(stated & ~kept & np.isfinite(out).all(axis=1) & run.exact_rows)
         free = ~kept
-    wound = []
+    wound, options = [], []
+    starts, plain = chain_starts(run), out.copy()
     for axis in robot.winding():
-        angles = out[:, axis]
+        angles = plain[:, axis]
         turns = None
         if wanted is not None:
             whole = np.round((wanted[:, axis] - angles) / 360.0)
@@ -226,9 +240,13 @@ def _turned(
         low, high = (float(limit) for limit in robot.limits[axis])
         near = float(run.before[axis])
         moving = way.of(axis, len(out)) if way is not None and len(way.rows) else None
-        result = turn(angles, (low, high), chain_starts(run), near, turns, moving)
+        result = turn(angles, (low, high), starts, near, turns, moving)
         out[:, axis] = result.angles
         wound.append((axis, result.broken))
+        options.append((angles, (low, high), starts, turns, moving))
+    if not any(len(rows) for _, rows in wound) and may_be_quicker(run, robot, out, starts):
+        quicker = quickest_turns(run, robot, plain, starts, [open_turns(*each) for each in options])
+        out = out if quicker is None else quicker
     return out, wound, off
 
 

@@ -7,6 +7,7 @@ windings that its limits allow the chains on both sides of it.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -15,8 +16,10 @@ from numpy.typing import NDArray
 
 from assistant.program.path import Kind
 from assistant.robots.branches import CHANGE, Costs
+from assistant.robots.quickest import Chains
 from assistant.robots.robot import CHUNK, Robot
 from assistant.robots.run import Run
+from assistant.robots.turns import CLEARANCE
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -50,6 +53,9 @@ two angles within half a turn of its middle: one of the two can be wound towards
 TURN: Final = np.float32(1.0 / 360.0)
 
 _Windings = tuple[NDArray[np.int8], NDArray[np.int8]]
+Stated = tuple[Rows, Rows, NDArray[np.int64]]
+"""Turns of an axis (k,) that rows state: their branches (k,), the rows (k,), and the turns beyond
+what `Travel.joints` say there."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,9 +107,36 @@ class Travel:
         ways = _Ways(self, starts, np.append(starts[1:], count) - 1, windings)
         return Costs(ways.first(), chains, ways.between)
 
-    def _windings(self, axis: int, starts: Rows) -> _Windings:
-        """(b, c) the least and the greatest turns that all rows of a chain may be wound by."""
-        low, high = self.robot.limits[axis]
+    def chains(self, starts: Rows, within: Floats, stated: Sequence[Stated]) -> Chains:
+        """The chains with these first rows, of (b, c) seconds, infinite where one is not possible.
+
+        stated: of each winding axis.
+        """
+        least, most = [], []
+        for axis, (branch, row, turns) in zip(self.robot.winding(), stated, strict=True):
+            fewest, greatest = (each.astype(np.int64) for each in self._windings(axis, starts))
+            clear = self._windings(axis, starts, CLEARANCE)
+            fewest, greatest = (
+                np.where(clear[0] <= clear[1], *each)
+                for each in zip(clear, (fewest, greatest), strict=True)
+            )
+            at = branch, np.searchsorted(starts, row, side="right") - 1
+            fewest[at], greatest[at] = -1000, 1000
+            np.maximum.at(fewest, at, turns)
+            np.minimum.at(greatest, at, turns)
+            stuck = greatest < fewest
+            least.append(np.where(stuck, 0, fewest))
+            most.append(np.where(stuck, 0, greatest))
+        ends = np.append(starts[1:], len(self.run)) - 1
+        firsts, lasts = self.joints[:, :, starts], self.joints[:, :, ends]
+        opened = np.stack(least), np.stack(most)
+        return Chains(self.run, self.robot, firsts, lasts, *opened, within)
+
+    def _windings(self, axis: int, starts: Rows, inside: float = -ROUNDING) -> _Windings:
+        """(b, c) the least and the greatest turns that all rows of a chain may be wound by, so
+        many degrees inside the limits.
+        """
+        low, high = self.robot.limits[axis] + (inside, -inside)
         least = np.zeros((self.robot.branches, len(starts)), dtype=np.int8)
         most = np.zeros_like(least)
         for branch, angles in enumerate(self.joints[axis]):
@@ -135,7 +168,7 @@ class _Ways:
             angles = self.travel.joints[axis, :, self.firsts[0]]
             off = angles - before[axis]
             if axis in self.windings:
-                low, high = robot.limits[axis]
+                low, high = robot.limits[axis] + (-ROUNDING, ROUNDING)
                 shifts = self.windings[axis] or _shifts(
                     (low, high), angles[:, None], angles[:, None]
                 )
@@ -181,8 +214,8 @@ class _Ways:
 def _shifts(limits: tuple[float, float], lows: Singles, highs: Singles) -> tuple[Singles, Singles]:
     """The least and the greatest whole turns by which lows to highs are within limits, degrees."""
     low, high = limits
-    least = np.ceil(np.float32((low - ROUNDING) / 360.0) - lows * TURN)
-    most = np.floor(np.float32((high + ROUNDING) / 360.0) - highs * TURN)
+    least = np.ceil(np.float32(low / 360.0) - lows * TURN)
+    most = np.floor(np.float32(high / 360.0) - highs * TURN)
     return np.clip(least, -100.0, 100.0), np.clip(most, -100.0, 100.0)
 
 

@@ -8,7 +8,7 @@ moves after it) share one count of turns; a joint move may wind an axis back.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,17 +54,14 @@ def turn(
     wrapped = _filled_by_chain(angles, starts)
     if not len(wrapped):
         return Turned(angles.copy(), np.empty(0, np.intp))
-    step = np.zeros(len(wrapped), dtype=np.int64)
-    step[1:] = -np.round(np.diff(wrapped) / 360.0)
-    if way is not None:
-        step += way.winding
+    step = _steps(wrapped, way)
     turns = np.cumsum(step)
     whole = _by_chain(angles, wrapped, turns, starts[:1], limits, stated, way)
     first = round((near - wrapped[0]) / 360.0)
-    if whole.patterns[0] and (whole.clear or len(starts) == 1):
+    if whole.possible[0] and (whole.clear or len(starts) == 1):
         return Turned(angles + 360.0 * (whole.follow(first) + turns), np.empty(0, np.intp))
     chains = _by_chain(angles, wrapped, turns, starts, limits, stated, way)
-    failing = chains.patterns == 0
+    failing = ~chains.possible
     broken = np.empty(0, np.intp)
     if failing.any():
         inside = np.repeat(failing, np.diff(np.append(starts, len(wrapped))))
@@ -79,9 +76,37 @@ def turn(
     return Turned(out, broken)
 
 
+class Open(NamedTuple):
+    """least, most: (c,) turns that a chain may be wound by; the first is more where none are.
+    within: (n,) turns of a row beyond those of its chain. of_row: (n,) chain of each row.
+    """
+
+    least: NDArray[np.int64]
+    most: NDArray[np.int64]
+    within: NDArray[np.int64]
+    of_row: Rows
+
+
+def open_turns(
+    angles: Floats,
+    limits: tuple[float, float],
+    starts: Rows,
+    stated: NDArray[np.int64] | None = None,
+    way: OnTheWay | None = None,
+) -> Open:
+    """What there is to choose from; the same as `turn` chooses from."""
+    wrapped = _filled_by_chain(angles, starts)
+    turns = np.cumsum(_steps(wrapped, way))
+    chains = _by_chain(angles, wrapped, turns, starts, limits, stated, way)
+    within = turns - turns[starts][chains.of_row]
+    return Open(chains.least, chains.most, within, chains.of_row)
+
+
 CLEARANCE: Final = 1.0
 """degrees that an axis keeps from its limits where another count of turns can: a controller
 reads a target rounded, and near a singularity that turns the wrist."""
+ROUNDING: Final = 1e-6
+"""degrees by which an angle may pass a limit."""
 FREE: Final = np.iinfo(np.int64).min
 """In `stated`: the row says nothing of its turns."""
 
@@ -95,6 +120,15 @@ def filled(angles: Floats) -> Floats:
         return np.zeros_like(angles)
     last = np.maximum.accumulate(np.where(known, np.arange(len(angles)), -1))
     return np.asarray(angles[np.where(last < 0, known.argmax(), last)])
+
+
+def _steps(wrapped: Floats, way: OnTheWay | None) -> NDArray[np.int64]:
+    """(n,) by how many turns each row is beyond the one before, going to it the short way."""
+    step = np.zeros(len(wrapped), dtype=np.int64)
+    step[1:] = -np.round(np.diff(wrapped) / 360.0)
+    if way is not None:
+        step += way.winding
+    return step
 
 
 def _filled_by_chain(angles: Floats, starts: Rows) -> Floats:
@@ -116,53 +150,49 @@ def _filled_by_chain(angles: Floats, starts: Rows) -> Floats:
 @dataclass(frozen=True, slots=True)
 class _Chains:
     """starts: (c,) rows. of_row: (n,) chain of each row. offsets: (c,) turns at the starts.
-    patterns: (c,) bit k set if every row of the chain is inside with lowest + k turns, and clear
-    of the limits if it is so with any. clear: whether all of them are that.
+    least, most: (c,) turns with which every row of the chain is inside, and clear of the limits if
+    it is so with any; the first is more where there are none. clear: whether all of them are that.
+    lowest, highest: turns with which an angle of half a turn about the middle can be inside.
     """
 
     starts: Rows
     of_row: Rows
     offsets: NDArray[np.int64]
-    patterns: NDArray[np.int64]
+    least: NDArray[np.int64]
+    most: NDArray[np.int64]
     clear: bool
     lowest: int
-    width: int
+    highest: int
+
+    @property
+    def possible(self) -> NDArray[np.bool_]:
+        return np.asarray(self.least <= self.most)
 
     def follow(self, first: int) -> NDArray[np.int64]:
         """(c,) turns at the start of each chain: unbroken where possible, else the nearest."""
-        count, margin = len(self.starts), self.width + 1
-        table = np.array(
-            [
-                [self._nearest(pattern, t) for t in range(-margin, self.width + margin)]
-                for pattern in range(1 << self.width)
-            ]
-        )
+        count = len(self.starts)
         moves = np.diff(self.offsets, prepend=self.offsets[:1])
-        top = self.width + 2 * margin - 1
-        start = min(max(first - self.lowest, -margin), self.width + margin - 1)
         # Sections of the chains side by side, each from every count of turns before it, which
-        # are 0 to the width and, of the first section, `start`.
+        # are the lowest to the highest and, of the first section, `first`.
         sections = max(int(np.sqrt(count)), 1)
         length = -(-count // sections)
-        filled = length * sections - count
-        patterns = np.append(self.patterns, np.ones(filled, np.int64)).reshape(sections, length)
-        steps = np.append(moves, np.zeros(filled, np.int64)).reshape(sections, length)
-        at = np.tile(np.arange(self.width), (sections, 1))
-        at[0] = start
+        shape, filled = (sections, length), length * sections - count
+        steps = np.append(moves, np.zeros(filled, np.int64)).reshape(shape)
+        least, most = (
+            np.append(np.where(self.possible, each, end), np.full(filled, end)).reshape(shape)
+            for each, end in ((self.least, self.lowest), (self.most, self.highest))
+        )
+        at = np.tile(np.arange(self.lowest, self.highest + 1), (sections, 1))
+        at[0] = first
         ways = np.empty((length, *at.shape), dtype=np.int64)
         for t in range(length):
-            wanted = np.clip(at + steps[:, t, None] + margin, 0, top)
-            ways[t] = at = table[patterns[:, t, None], wanted]
-        out = np.empty((sections, length), dtype=np.int64)
+            ways[t] = at = np.clip(at + steps[:, t, None], least[:, t, None], most[:, t, None])
+        out = np.empty(shape, dtype=np.int64)
         came = 0
         for section in range(sections):
             out[section] = ways[:, section, came]
-            came = int(out[section, -1])
-        return out.ravel()[:count] + self.lowest
-
-    def _nearest(self, pattern: int, wanted: int) -> int:
-        there = [k for k in range(self.width) if pattern >> k & 1] or list(range(self.width))
-        return min(there, key=lambda k: (abs(k - wanted), abs(k + self.lowest)))
+            came = int(out[section, -1]) - self.lowest
+        return out.ravel()[:count]
 
 
 def _by_chain(
@@ -189,22 +219,27 @@ def _by_chain(
         least_on_way = np.fmin.reduceat(unwound + np.where(inner, way.below, 0.0), starts)
         most_on_way = np.fmax.reduceat(unwound + np.where(inner, way.above, 0.0), starts)
     lowest = int(np.ceil((low - middle - 180.0) / 360.0))
-    width = int(np.floor((high - middle + 180.0) / 360.0)) - lowest + 1
-    patterns, passing, clear = (np.zeros(len(starts), dtype=np.int64) for _ in range(3))
+    highest = int(np.floor((high - middle + 180.0) / 360.0))
+    fewest, greatest = np.full(len(starts), lowest), np.full(len(starts), highest)
     if stated is not None:
         wanted = np.where(stated == FREE, 0, stated - relative)
-        least = np.minimum.reduceat(np.where(stated == FREE, 1 << 40, wanted), starts)
-        most = np.maximum.reduceat(np.where(stated == FREE, -(1 << 40), wanted), starts)
-    for k in range(width):
-        shift = 360.0 * (lowest + k)
-        # `not outside` rather than `inside`: a chain without any solution allows everything.
-        fits = ~((lows + shift < low - 1e-6) | (highs + shift > high + 1e-6))
-        over = (least_on_way + shift < low - 1e-6) | (most_on_way + shift > high + 1e-6)
-        close = (least_on_way + shift < low + CLEARANCE) | (most_on_way + shift > high - CLEARANCE)
-        if stated is not None:
-            fits &= (least >= lowest + k) & (most <= lowest + k)
-        patterns |= fits.astype(np.int64) << k
-        passing |= (fits & ~over).astype(np.int64) << k
-        clear |= (fits & ~close).astype(np.int64) << k
-    patterns = np.where(clear, clear, np.where(passing, passing, patterns))
-    return _Chains(starts, of_row, turns[starts], patterns, bool(clear.all()), lowest, width)
+        smallest = np.minimum.reduceat(np.where(stated == FREE, 1 << 40, wanted), starts)
+        largest = np.maximum.reduceat(np.where(stated == FREE, -(1 << 40), wanted), starts)
+        # All that a chain states has to be the same.
+        fewest, greatest = np.maximum(fewest, largest), np.minimum(greatest, smallest)
+    # From the best to what has to do: clear of the limits, inside them, inside at the rows alone.
+    least, most = np.ones(len(starts), np.int64), np.zeros(len(starts), np.int64)
+    clear = False
+    for bottom, top, inside in (
+        (least_on_way, most_on_way, CLEARANCE),
+        (least_on_way, most_on_way, -ROUNDING),
+        (lows, highs, -ROUNDING),
+    ):
+        # A chain without any solution (NaN) allows everything.
+        first = np.fmax(np.ceil((low + inside - bottom) / 360.0), fewest).astype(np.int64)
+        last = np.fmin(np.floor((high - inside - top) / 360.0), greatest).astype(np.int64)
+        open_ = least > most
+        least, most = np.where(open_, first, least), np.where(open_, last, most)
+        if inside == CLEARANCE:
+            clear = bool((first <= last).all())
+    return _Chains(starts, of_row, turns[starts], least, most, clear, lowest, highest)

@@ -27,6 +27,9 @@ robot cannot turn axis 4 by half a turn on so short a way."""
 IN_LINE: Final = np.float32(1e-5)
 """Sine of axis 5 below which axis 4 has no angle of its own."""
 
+SMALL: Final = 0.01
+"""How far the wrist's bend (see `directions`) may move in one step that is as good as straight,
+beside the least angle of axis 5 that counts."""
 EVEN: Final = 0.5
 """How far the bend of the wrist (see `directions`) may move in one step to be even on the way."""
 
@@ -66,6 +69,13 @@ def through(bends: NDArray[np.float32]) -> Truths:
     """(k, p - 1) where ways go through the singularity, of their bends (2, k, p)."""
     first, last = bends[..., :-1], bends[..., 1:]
     return _opposite(first, last) & _near(first, last)
+
+
+def perhaps_past(bends: NDArray[np.float32]) -> Truths:
+    """(k, p - 1) where ways go through the singularity by poses so far apart that they may as
+    well go past it, of their bends (2, k, p).
+    """
+    return np.asarray(through(bends) & (np.hypot(*np.diff(bends)) > SMALL))
 
 
 def swept(steps: Floats, bends: NDArray[np.float32]) -> Floats:

@@ -37,7 +37,7 @@ def comes_back(program: Program, side_tables_above: int | None = None) -> None:
     assert crlf == program
 
 
-@PATIENT
+@BRIEF
 @given(strategies.programs())
 def test_programs_come_back(program: Program) -> None:
     comes_back(program)

@@ -6,11 +6,11 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assistant.program.expressions import Name, TargetValue
+from assistant.program.expressions import Apply, Binary, Name, Number, TargetValue, Unary
 from assistant.program.geometry import Frame, Pose, Target
 from assistant.program.motion import FINE, Speed
 from assistant.program.path import Kind, Path
-from assistant.program.program import Procedure, Program
+from assistant.program.program import Procedure, Program, Variable
 from assistant.program.statements import Call, Follow, Motion, Move, MoveCircular
 from assistant.report import page, plots
 from assistant.report.track import arc_points, track
@@ -41,6 +41,28 @@ def test_moves_follow_each_other_through_calls():
     assert way.kinds.tolist() == [Kind.JOINT, Kind.LINEAR, Kind.LINEAR]
     assert way.names == {0: "home"}
     assert way.lengths().tolist() == [0, 10, 15]
+
+
+def test_moves_to_places_beside_a_target_are_drawn():
+    down = Target(Pose((100.0, 0.0, 50.0), (0.0, 0.0, 1.0, 0.0)))
+    above = Apply("relative", (Name("Part"), Number(0), Number(0), Unary("-", Name("height"))))
+    beside = Apply("offset", (Name("part"), Number(0), Binary("+", Number(2), Number(3))))
+    unknown = Apply("offset", (Name("part"), Name("count")))
+    way = track(
+        program(
+            *(Move("linear", where, MOTION) for where in (above, Name("part"), unknown)),
+            MoveCircular(beside, above, MOTION),
+            targets={"part": down},
+            variables={
+                "height": Variable("number", Number(30), storage="constant"),
+                "count": Variable("number", Number(1)),
+            },
+        )
+    )
+    np.testing.assert_allclose(way.positions[:2], [[100, 0, 80], [100, 0, 50]], atol=1e-9)
+    np.testing.assert_allclose(way.positions[-1], [100, 0, 80], atol=1e-9)
+    assert np.min(np.linalg.norm(way.positions - [100, 5, 50], axis=1)) < 1.0
+    assert way.names == {1: "part"}
 
 
 def test_frames_are_applied_to_moves_and_paths():

@@ -108,10 +108,16 @@ def test_no_other_choice_of_branches_costs_less(case) -> None:
     assert total(way, first, within, table, change) == pytest.approx(best)
 
 
-@pytest.mark.parametrize("chains", [63, 64, 65, 66, 500, 16385, 16386, 40000])
-def test_many_chains_cost_what_one_after_the_other_does(chains: int) -> None:
+@pytest.mark.parametrize(
+    ("branches", "chains"),
+    [
+        *((3, chains) for chains in (63, 64, 65, 66, 500, 16385, 16386, 40000)),
+        (16, 4098),
+        (70, 200),
+    ],
+)
+def test_many_chains_cost_what_one_after_the_other_does(branches: int, chains: int) -> None:
     rng = np.random.default_rng(chains)
-    branches = 3
     possible = rng.random((branches, chains)) < 0.6
     possible[rng.integers(0, branches, chains), np.arange(chains)] = True
     first, within = rng.uniform(0, 1, branches), rng.uniform(0, 1, (branches, chains))

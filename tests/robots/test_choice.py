@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import re
 from dataclasses import replace
 
@@ -19,7 +18,6 @@ from assistant.program.path import Kind, Path
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
 from assistant.robots.arms import Serial
-from assistant.robots.branches import CHANGE
 from assistant.robots.recognition import recognised
 
 DOWN = (0.0, 0.0, 1.0, 0.0)
@@ -229,57 +227,6 @@ def test_of_a_long_path_too_the_branch_is_taken_whose_turns_suffice() -> None:
     assert not findings
     assert MELFA.inside(joints).all()
     assert np.abs(np.diff(joints, axis=0)).max() < 1.0
-
-
-def apart(arm: robots.Robot, one: np.ndarray, other: np.ndarray) -> float:
-    """Seconds of the slowest axis between joints, each axis in any of its turns."""
-    slowest = 0.0
-    for axis, (low, high) in enumerate(arm.limits):
-        shifts = [360.0 * k for k in range(-2, 3)] if axis in (0, 3, 5) else [0.0]
-        ways = [
-            abs(a + s - b - t)
-            for s, t in itertools.product(shifts, repeat=2)
-            for a, b in [(one[axis], other[axis])]
-            if low - 1e-6 <= a + s <= high + 1e-6 and low - 1e-6 <= b + t <= high + 1e-6
-        ]
-        slowest = max(slowest, min(ways) / arm.speeds[axis])
-    return slowest
-
-
-@settings(max_examples=25, deadline=None)
-@given(seeds, st.integers(1, 4), st.sampled_from([ABB, MELFA]))
-def test_no_other_branches_take_joint_moves_less_time(seed, count, arm) -> None:
-    low, high = arm.limits.T
-    targets = np.random.default_rng(seed).uniform(low, high, (count, 6))
-    p, q = arm.fk(targets)
-    every, valid = arm.ik(p, q)
-    _, configurations, findings = solved(arm, p, q, kinds=Kind.JOINT)
-    assert not findings
-    chosen = arm.branch_of(configurations)
-    assert valid[np.arange(count), chosen].all()
-
-    def seconds(way) -> float:
-        places = [arm.home, *(every[row, branch] for row, branch in enumerate(way))]
-        shapes = [int(arm.branch_of(arm.configuration(arm.home))[0]), *way]
-        return sum(
-            apart(arm, places[i], places[i + 1]) + CHANGE * (shapes[i] != shapes[i + 1])
-            for i in range(count)
-        )
-
-    table = {}
-    for row in range(count):
-        before = [-1] if row == 0 else np.flatnonzero(valid[row - 1]).tolist()
-        for a, b in itertools.product(before, np.flatnonzero(valid[row]).tolist()):
-            start = arm.home if row == 0 else every[row - 1, a]
-            table[row, a, b] = apart(arm, start, every[row, b])
-    home = int(arm.branch_of(arm.configuration(arm.home))[0])
-    best = {b: s + CHANGE * (b != home) for (row, _, b), s in table.items() if row == 0}
-    for row in range(1, count):
-        best = {
-            b: min(best[a] + table[row, a, b] + CHANGE * (a != b) for a in best)
-            for b in np.flatnonzero(valid[row]).tolist()
-        }
-    assert seconds(chosen.tolist()) == pytest.approx(min(best.values()), abs=1e-3)
 
 
 @settings(max_examples=25, deadline=None)

@@ -27,6 +27,9 @@ from assistant.program.statements import (
     MoveJoints,
     Statement,
 )
+from assistant.robots.gathering import path_part, run_of
+from assistant.robots.solving import solve
+from assistant.robots.survey import Cures
 
 DOWN = (0.0, 0.0, 1.0, 0.0)
 ABB = robots.get("irb1200-7-0.7")
@@ -441,3 +444,23 @@ def test_a_path_followed_twice_has_one_configuration() -> None:
     first, _, second = out.procedures[0].body
     assert first.path == second.path
     assert first.path.configurations[0, 0] != UNSTATED
+
+
+def test_a_target_has_the_configuration_that_it_has_itself() -> None:
+    """Not that of a place beside it, though the arm goes there first."""
+    target = Target(Pose((450, 40, 300), DOWN))
+    beside = Apply("offset", (Name("part"), Number(0), Number(-200), Number(0)))
+    body = (Move("joint", beside, MOTION), Move("joint", Name("part"), MOTION))
+    out, findings = robots.configure(program(*body, targets={"part": target}), ABB)
+    assert not findings
+    assert out.targets["part"].configuration.quadrants[0] == 0
+
+
+def test_a_branch_that_another_place_gave_is_no_wish_of_the_program() -> None:
+    """A change of branch on a line is a warning only where the program states both ends."""
+    rows = np.array([[0, 0, 0, 0, 0, 0], [0, 0, 1, 0, 2, 2]], dtype=np.int8)
+    path = path_of([[400, 20, 300.0], [410, 20, 300.0]])
+    run = run_of([path_part(path, rows, [Tool()], [Frame()])], np.zeros(6), joined=False)
+    for theirs, severity in ((True, Severity.WARNING), (False, Severity.ERROR)):
+        (finding,) = solve(run, ABB, Cures(ABB), np.array([theirs, theirs])).findings
+        assert (finding.code, finding.severity) == ("RB105", severity)

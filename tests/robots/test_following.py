@@ -50,6 +50,66 @@ def test_a_branch_that_turns_far_but_goes_all_the_way_is_taken() -> None:
     assert joints[1, 3] - joints[0, 3] == pytest.approx(-189.6, abs=0.1)
 
 
+def test_an_arc_that_passes_axis_1_closely_is_followed_there() -> None:
+    """In a thousandth of it axis 1 turns by 160 degrees, and axis 6 goes on to turn beyond 400."""
+    arm = robots.get("irb1600-10-1.45")
+    p = np.array(
+        [
+            [259.61790907, -1008.35321023, 819.6328839],
+            [203.63914635, -339.9942321, 1319.08644802],
+            [-61.50724941, 39.45898123, 1717.55598991],
+        ]
+    )
+    q = np.array(
+        [
+            [0.54764792, 0.03392678, -0.34490861, -0.76155681],
+            [0.0, 0.0, 0.0, 0.0],
+            [0.60954024, -0.18620156, -0.10591003, 0.76326452],
+        ]
+    )
+    q[1] = rotations.between(q[0], q[2], np.array(turning_point(p[0], p[1], p[2])))
+    kinds = np.array([Kind.JOINT, Kind.VIA, Kind.END], dtype=np.uint8)
+    assert errors(journey(arm, p, q, None, kinds=kinds))
+
+
+@pytest.mark.parametrize(
+    ("name", "p", "q"),
+    [
+        (
+            "rv-1a",
+            [
+                [-211.52179456631063, 164.4618480410258, -26.58427671319882],
+                [18.441983912030146, 289.23236763516365, 442.4231814164238],
+            ],
+            [
+                [0.026215998221476022, 0.8975581604579478, -0.43249595665518387, 0.081543347426468],
+                [0.19695230100864086, -0.453657404596395, 0.8177182814789454, 0.29451920568510404],
+            ],
+        ),
+        (
+            "rv-6sl",
+            [
+                [-42.99289108032562, -370.1700004249018, -256.6603646142311],
+                [-461.45887047315045, -269.6668856313871, -352.798480150352],
+            ],
+            [
+                [
+                    0.15195838034363374,
+                    -0.8573739240434142,
+                    -0.399740037048543,
+                    -0.28640270214187447,
+                ],
+                [0.09987909145561306, 0.4506388353377603, 0.7685487269352999, -0.4430368624635632],
+            ],
+        ),
+    ],
+)
+def test_a_line_past_the_singularity_of_the_wrist_is_no_way_through_it(name, p, q) -> None:
+    """Axis 5 keeps 1.3 and 0.17 degrees from straight: axis 4 has to turn by a half there."""
+    kinds = np.array([Kind.JOINT, Kind.LINEAR], dtype=np.uint8)
+    assert errors(journey(robots.get(name), np.array(p), np.array(q), None, kinds=kinds))
+
+
 def test_ends_that_bend_the_wrist_to_opposite_sides_are_no_way_through_its_singularity() -> None:
     """On this line axis 5 keeps 23 degrees from straight and more in every branch."""
     arm = robots.get("irb1200-7-0.7")

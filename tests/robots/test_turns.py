@@ -126,3 +126,14 @@ def test_an_axis_is_wound_back_rather_than_left_at_its_limit(fourth: float, take
     _, got, findings = followed(stated, arm)
     assert not findings
     assert got[1, 3] == pytest.approx(taken, abs=1e-6)
+
+
+def test_an_axis_of_many_turns_is_followed_and_wound_back() -> None:
+    """Axis 6 of an arm of one's own may turn 20 times."""
+    limits = ABB.limits.copy()
+    limits[5] = -3600.0, 3600.0
+    positions, turned = np.tile([450, 0, 300.0], (100, 1)), turning(np.linspace(0, 3000, 100))
+    path = path_of(positions, turned, kinds=[Kind.JOINT, *[Kind.LINEAR] * 99])
+    _, joints, findings = followed(path, replace(ABB, limits=limits))
+    assert not findings
+    assert np.ptp(joints[:, 5]) == pytest.approx(3000.0)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable
 from pathlib import Path as FilePath
 from typing import Any, Final, cast
 
@@ -38,10 +37,11 @@ from assistant.program.pseudo.findings import (
     Wrong,
 )
 from assistant.program.pseudo.grammar import BLOCK_WORDS, FIRST_WORDS, first_word, parse_line
+from assistant.program.pseudo.lines import Line, end_of_line, lines_of
 from assistant.program.pseudo.rows import faults
 from assistant.program.pseudo.statements import read_statement
 from assistant.program.pseudo.tables import SideTables
-from assistant.program.pseudo.words import Node, read_raw, read_word, shortened, split_comment
+from assistant.program.pseudo.words import Node, read_raw, read_word, shortened
 from assistant.program.statements import Comment, Follow, Opaque, Statement
 from assistant.program.text import SourceText, decode, read_bytes
 
@@ -69,19 +69,6 @@ def parse(text: SourceText | str, *, side_tables: SideTables = None) -> Program:
     return _Reader(source, side_tables).program()
 
 
-@dataclass(slots=True)
-class _Line:
-    """A line without comment and outer blanks, and where it begins in the text."""
-
-    text: str
-    start: int
-    comment: str | None
-
-    @property
-    def span(self) -> Span:
-        return Span(self.start, self.start + len(self.text))
-
-
 class _Reader:
     """The state of reading one text: what is open, what is declared, what is wrong."""
 
@@ -91,7 +78,7 @@ class _Reader:
         self._header: dict[str, str | None] | None = None
         self._header_line = 0
         self._comments: list[str] = []
-        self._pending: list[_Line] = []
+        self._pending: list[Line] = []
         self._tables: dict[str, dict[str, Any]] = {}
         self._first: dict[tuple[str, str], int] = {}
         self._declarations: list[Declaration] = []
@@ -99,7 +86,7 @@ class _Reader:
         self._stack: list[Block] = []
 
     def program(self) -> Program:
-        for line in self._lines():
+        for line in lines_of(self._source.text):
             self._guarded(self._line, line)
         for block in reversed(self._stack):
             self._find(NOT_ENDED, block.span, word=block.word)
@@ -122,22 +109,7 @@ class _Reader:
 
     # ------------------------------------------------------------------------------ lines
 
-    def _lines(self) -> Iterator[_Line]:
-        start = 0
-        for whole in self._source.text.split("\n"):
-            text = whole.lstrip(" \t\f\r\ufeff" if not start else " \t\f\r")
-            begin = start + len(whole) - len(text)
-            start += len(whole) + 1
-            text = text.removesuffix("\r")
-            if text.startswith("|") or (text.startswith("opaque") and "|" in text):
-                yield _Line(text, begin, None)  # whatever stands behind `|` is as it is
-                continue
-            said, comment = split_comment(text)
-            said = said.rstrip()
-            if said or comment is not None:
-                yield _Line(said, begin, comment)
-
-    def _line(self, line: _Line) -> None:
+    def _line(self, line: Line) -> None:
         block = self._stack[-1] if self._stack else None
         if isinstance(block, PathBlock):
             self._path_line(block, line)
@@ -150,7 +122,7 @@ class _Reader:
         else:
             self._statement(block, line)
 
-    def _guarded(self, read: Callable[[_Line], None], line: _Line) -> None:
+    def _guarded(self, read: Callable[[Line], None], line: Line) -> None:
         """Reads a line; what is wrong with it becomes a finding."""
         try:
             read(line)
@@ -169,12 +141,12 @@ class _Reader:
             last = self._source.finding(TOO_MANY, span, most=MOST_FINDINGS)
             raise Refused(*self._findings, last)
 
-    def _number(self, line: _Line) -> int:
+    def _number(self, line: Line) -> int:
         return self._source.line_column(line.start)[0]
 
     # --------------------------------------------------------------------------- comments
 
-    def _comment(self, line: _Line) -> None:
+    def _comment(self, line: Line) -> None:
         """Keeps the comment of a line: above the program, or as a statement."""
         if line.comment is None:
             return
@@ -192,7 +164,7 @@ class _Reader:
 
     # ---------------------------------------------------------------- outside of procedures
 
-    def _declaration(self, line: _Line) -> None:
+    def _declaration(self, line: Line) -> None:
         word = first_word(line.text)
         if self._header is None and word != "program" and not self._findings:
             self._find(NO_PROGRAM, line.span)
@@ -227,23 +199,23 @@ class _Reader:
             assert declared is not None
             self._declare(*declared, line)
 
-    def _program(self, tree: Node, line: _Line) -> None:
+    def _program(self, tree: Node, line: Line) -> None:
         if self._header is not None:
             raise Wrong(SECOND_PROGRAM, first=self._header_line)
         self._header, self._header_line = read_header(tree), self._number(line)
 
-    def _declare(self, table: str, name: str, value: object, line: _Line) -> None:
+    def _declare(self, table: str, name: str, value: object, line: Line) -> None:
         self._once(_KINDS[table], name, line)
         self._tables.setdefault(table, {})[name] = value
 
-    def _once(self, kind: str, name: str, line: _Line, scope: str = "") -> None:
+    def _once(self, kind: str, name: str, line: Line, scope: str = "") -> None:
         number = self._number(line)
         first = self._first.get((f"{scope}{kind}", name.lower()))
         if first is not None:
             raise Wrong(DUPLICATE, kind=kind, name=shortened(name), first=first)
         self._first[f"{scope}{kind}", name.lower()] = number
 
-    def _procedure(self, tree: Node, line: _Line) -> None:
+    def _procedure(self, tree: Node, line: Line) -> None:
         block = ProcedureBlock(tree, line.span, self._number(line))
         self._stack.append(block)
         assert block.body is not None
@@ -257,7 +229,7 @@ class _Reader:
 
     # ------------------------------------------------------------------------- statements
 
-    def _statement(self, block: Block, line: _Line) -> None:
+    def _statement(self, block: Block, line: Line) -> None:
         word = first_word(line.text)
         outer = self._stack[0]
         if word in FIRST_WORDS["declaration"] and word not in FIRST_WORDS["statement"]:
@@ -275,7 +247,7 @@ class _Reader:
                 self._stack.append(Ignored(word, line.span, self._number(line)))
             raise
 
-    def _read(self, tree: Node, block: Block, line: _Line) -> None:
+    def _read(self, tree: Node, block: Block, line: Line) -> None:
         rule = str(tree.data)
         if rule == "end":
             self._end(line)
@@ -302,7 +274,7 @@ class _Reader:
                 assert statement is not None, rule
                 block.body.append(statement)
 
-    def _variable(self, tree: Node, block: Block, line: _Line) -> None:
+    def _variable(self, tree: Node, block: Block, line: Line) -> None:
         name, variable = read_variable(tree)
         if isinstance(block, Ignored):
             return
@@ -313,7 +285,7 @@ class _Reader:
         self._once("variable", name, line, scope=f"{block.line} ")
         block.variables[name] = variable
 
-    def _end(self, line: _Line) -> None:
+    def _end(self, line: Line) -> None:
         block = self._stack.pop()
         span = Span(block.span.start, line.span.end)
         if isinstance(block, ProcedureBlock):
@@ -334,7 +306,7 @@ class _Reader:
 
     # ----------------------------------------------------------------------- opaque texts
 
-    def _opaque(self, tree: Node, line: _Line) -> None:
+    def _opaque(self, tree: Node, line: Line) -> None:
         language, text = cast("list[Any]", tree.children)
         if text is None:
             self._stack.append(OpaqueBlock(tree, line.span, self._number(line)))
@@ -343,7 +315,7 @@ class _Reader:
         else:
             self._declarations.append(Declaration(read_word(language), read_raw(text)))
 
-    def _opaque_line(self, block: OpaqueBlock, line: _Line) -> None:
+    def _opaque_line(self, block: OpaqueBlock, line: Line) -> None:
         self._comment(line)
         if line.text == "end":
             self._end(line)
@@ -355,7 +327,7 @@ class _Reader:
 
     # ------------------------------------------------------------------------------ paths
 
-    def _path_line(self, block: PathBlock, line: _Line) -> None:
+    def _path_line(self, block: PathBlock, line: Line) -> None:
         if line.comment is not None:
             self._comment(line)
         if line.text == "end":
@@ -367,7 +339,7 @@ class _Reader:
                 block.sound = False
                 raise
 
-    def _row(self, block: PathBlock, line: _Line) -> None:
+    def _row(self, block: PathBlock, line: Line) -> None:
         if block.table is not None:
             block.read_column(parse_line("column", line.text))
             return
@@ -393,12 +365,8 @@ class _Reader:
             path = block.rows.path()
             for row, rule, fields in faults(path):
                 start = block.starts[row]
-                self._find(rule, Span(start, self._end_of_line(start)), **fields)
+                self._find(rule, Span(start, end_of_line(self._source.text, start)), **fields)
         self._put(Follow(path, span=span))
-
-    def _end_of_line(self, start: int) -> int:
-        end = self._source.text.find("\n", start)
-        return len(self._source.text) if end < 0 else end
 
 
 _KINDS: Final = {

@@ -29,6 +29,8 @@ MOST: Final = 400
 """Steps of a move."""
 MOST_KNOTS: Final = 2_000_000
 """Steps of a way from which on the long moves get fewer of them: about 300 bytes each."""
+SAME: Final = 1e-6
+"""mm and degrees up to which tips of two tools are at one place."""
 LEAP: Final = 60.0
 """degrees that no axis turns between two knots: the arm would change its branch there."""
 
@@ -107,7 +109,7 @@ class _Ends:
     """Where n moves start, with their own tool and frame, and how long their ways are.
 
     j0 (n, a), p0 (n, 3), q0 (n, 4). lengths (n,) mm, turns (n,) deg; of joint moves straight.
-    remounted: (n,) whether the tool or frame is another one than before.
+    remounted: (n,) whether the tool or frame is another one than before, whose tip is elsewhere.
     """
 
     def __init__(self, moves: Moves, start: Floats, robot: Robot) -> None:
@@ -120,7 +122,11 @@ class _Ends:
         self.remounted[1:] = np.diff(moves.mount) != 0
         for index in np.unique(moves.mount[self.remounted]):
             rows = np.flatnonzero(self.remounted & (moves.mount == index))
-            self.p0[rows], self.q0[rows] = moves.mounts[index].tip(robot, self.j0[rows])
+            p, q = moves.mounts[index].tip(robot, self.j0[rows])
+            moved = np.abs(p - self.p0[rows]).max(axis=1) > SAME
+            turned = rotations.angle_between(q, self.q0[rows]) > SAME
+            self.remounted[rows] = moved | turned
+            self.p0[rows], self.q0[rows] = p, q
         self.lengths = np.linalg.norm(moves.positions - self.p0, axis=1)
         self.turns = rotations.angle_between(self.q0, moves.quaternions)
         self.arcs = self._arcs()
@@ -184,16 +190,16 @@ def _fill(
         some = np.flatnonzero(here & ~free)
         flange = tool.to_flange(p[some], q[some])
         if robot.arm.named:
-            joints[some] = _solved(robot, branches[some], *flange)
+            joints[some] = solved(robot, branches[some], *flange)
         else:
-            joints[some] = _followed(robot, ends.j0[each[some]], each[some], *flange)
+            joints[some] = followed(robot, ends.j0[each[some]], each[some], *flange)
     straight = ~free
     guessed = _unwind(joints, between, straight, each, rows, inner, moves, ends, robot)
     knots.positions[at], knots.quaternions[at], knots.joints[at] = p, q, joints
     return guessed
 
 
-def _solved(robot: Robot, branches: Rows, p: Floats, q: Floats) -> Floats:
+def solved(robot: Robot, branches: Rows, p: Floats, q: Floats) -> Floats:
     """(m, a) joints at flange poses in branches (m,), whole turns left open; NaN where those do
     not reach.
     """
@@ -206,7 +212,7 @@ def _solved(robot: Robot, branches: Rows, p: Floats, q: Floats) -> Floats:
     return joints
 
 
-def _followed(robot: Robot, before: Floats, each: Rows, p: Floats, q: Floats) -> Floats:
+def followed(robot: Robot, before: Floats, each: Rows, p: Floats, q: Floats) -> Floats:
     """(m, a) joints of an arm without named branches, followed along the flange poses of moves.
 
     before: (m, a) where the move of a pose starts. each: (m,) which move that is. NaN where the

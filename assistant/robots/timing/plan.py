@@ -8,17 +8,18 @@ import numpy as np
 
 from assistant.robots.robot import Robot
 from assistant.robots.run import Floats
+from assistant.robots.timing.course import Course, course_of
 from assistant.robots.timing.drive import Drive
-from assistant.robots.timing.knots import Knots, knots_of
+from assistant.robots.timing.knots import knots_of
 from assistant.robots.timing.profile import Profile, profile_of
 from assistant.robots.timing.rows import Moves, Rows
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Plan:
-    """Moves with the knots of their way and the speed along it."""
+    """Moves with the course through them and the speed along it."""
 
-    knots: Knots
+    course: Course
     profile: Profile
 
     @property
@@ -27,7 +28,7 @@ class Plan:
 
     def at(self, times: Floats) -> Moment:
         """Where everything is at times (m,), seconds from the start of the plan."""
-        profile, knots = self.profile, self.knots
+        profile, knots = self.profile, self.course.knots
         if not len(profile.step):
             still = np.zeros(len(times))
             rest = np.zeros((len(times), knots.joints.shape[1]))
@@ -38,20 +39,17 @@ class Plan:
         index = np.searchsorted(profile.times, times, side="right") - 1
         index = np.clip(index, 0, len(profile.step) - 1)
         gone = np.clip(times - profile.times[index], 0.0, None)
-        part, speed = _within(profile, index, gone)
-        step = profile.step[index]
-        first, last = knots.quaternions[step], knots.quaternions[step + 1]
-        last = np.where(np.einsum("ij,ij->i", first, last)[:, None] < 0.0, -last, last)
-        q = first + part[:, None] * (last - first)
-        swept = knots.joints[step + 1] - knots.joints[step]
-        pace = speed / profile.distance[index]
-        before = knots.positions[step]
+        done, speed = _within(profile, index, gone)
+        place = _Places(self.course, profile.step[index], profile.offset[index] + done)
+        joints, rate = place.of(knots.joints)
+        positions, way = place.of(knots.positions, joined=False)
+        q, _ = place.of(knots.quaternions, joined=False)
         return Moment(
-            before + part[:, None] * (knots.positions[step + 1] - before),
+            positions,
             q / np.linalg.norm(q, axis=1, keepdims=True),
-            knots.joints[step] + part[:, None] * swept,
-            pace * knots.length[step],
-            pace[:, None] * swept,
+            joints,
+            speed * np.linalg.norm(way, axis=1) * place.stretched(),
+            speed[:, None] * rate,
         )
 
 
@@ -70,12 +68,53 @@ class Moment:
 
 def plan_of(moves: Moves, start: Floats, robot: Robot, drive: Drive) -> Plan:
     """The motion from joints (a,) through at least one move."""
-    knots = knots_of(moves, start, robot)
-    return Plan(knots, profile_of(moves, knots, drive))
+    course = course_of(moves, knots_of(moves, start, robot), robot)
+    return Plan(course, profile_of(moves, course, drive))
+
+
+class _Places:
+    """Places on a course. step: (m,) of it. gone: (m,) how far in it."""
+
+    def __init__(self, course: Course, step: Rows, gone: Floats) -> None:
+        self.course, self.step, self.gone = course, step, gone
+        left = course.distance[step] - gone
+        behind = gone < course.room[step]  # in the bend where the step begins
+        before = ~behind & (left < course.room[step + 1])
+        self.other = np.where(behind, step - 1, np.where(before, step + 1, step))
+        self.room = np.where(behind, course.room[step], course.room[step + 1])
+        inner = self.room - np.where(behind, gone, left)
+        bent = behind | before
+        self.share = np.where(bent, inner / np.where(bent, 2.0 * self.room, 1.0), 0.0)[:, None]
+        self.side = np.where(behind, -1.0, 1.0)[:, None]
+
+    def of(self, values: Floats, *, joined: bool = True) -> tuple[Floats, Floats]:
+        """Values (m, ...) between those of the knots, and their change for each mm of the course.
+
+        joined: whether they go on from step to step where the tool changes.
+        """
+        course, step = self.course, self.course.step[self.step]
+        own = _rates(course, values, self.step)
+        toward = _rates(course, values, self.other) - own
+        if not joined:
+            toward[np.abs(course.step[self.other] - step) > 1] = 0.0
+        at = values[step] + own * self.gone[:, None]
+        bent = self.side * toward * self.share**2 * self.room[:, None]
+        return at + bent, own + self.share * toward
+
+    def stretched(self) -> Floats:
+        """(m,) length of the way by that of the line between the knots."""
+        knots, step = self.course.knots, self.course.step[self.step]
+        line = np.linalg.norm(knots.positions[step + 1] - knots.positions[step], axis=1)
+        return np.where(line > 0.0, knots.length[step] / np.where(line > 0.0, line, 1.0), 1.0)
+
+
+def _rates(course: Course, values: Floats, at: Rows) -> Floats:
+    step = course.step[at]
+    return np.asarray((values[step + 1] - values[step]) / course.distance[at][:, None])
 
 
 def _within(profile: Profile, index: Rows, gone: Floats) -> tuple[Floats, Floats]:
-    """Parts (m,) of steps that are done after so many seconds in them, and the speed then."""
+    """How far (m,) in sections the arm is after so many seconds in them, and the speed then."""
     v0, v1 = profile.speed[index], profile.speed[index + 1]
     peak, rise, fall = profile.peak[index], profile.rise[index], profile.fall[index]
     distance = profile.distance[index]
@@ -88,4 +127,4 @@ def _within(profile: Profile, index: Rows, gone: Floats) -> tuple[Floats, Floats
     end = distance - (v1 + speed) / 2.0 * left
     middle = (v0 + peak) / 2.0 * up + peak * (gone - up)
     done = np.where(climbing, start, np.where(falling, end, middle))
-    return np.clip(done / distance, 0.0, 1.0), speed
+    return np.clip(done, 0.0, distance), speed

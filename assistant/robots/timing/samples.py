@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from assistant.program import rotations
 from assistant.robots.robot import Robot
 from assistant.robots.run import Floats
 from assistant.robots.timing.plan import Moment, Plan
@@ -50,19 +51,12 @@ def samples_of(
     return Samples(
         t,
         columns["positions"],
-        _unflipped(columns["quaternions"]),
+        rotations.unflipped(columns["quaternions"]),
         columns["joints"],
         columns["speeds"],
         velocity,
         acceleration,
     )
-
-
-def _unflipped(quaternions: Floats) -> Floats:
-    """The same rotations, each on the side of the one before it."""
-    cosine = np.einsum("ij,ij->i", quaternions[1:], quaternions[:-1])
-    sign = np.cumprod(np.concatenate([[1.0], np.where(cosine < 0.0, -1.0, 1.0)]))
-    return np.asarray(quaternions * sign[:, None])
 
 
 def _rest_at(robot: Robot, start: Floats, count: int) -> Columns:

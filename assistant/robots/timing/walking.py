@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
-from assistant.program.expressions import Expression, Index, Member, Name, Number
+from assistant.program.expressions import Expression, Name, Number
 from assistant.program.path import Kind
 from assistant.program.program import Procedure, walk
 from assistant.program.pseudo.expressions import expression_text
@@ -44,13 +44,13 @@ from assistant.robots.timing.pieces import Piece, Pieces, label_of
 from assistant.robots.timing.plan import Plan, plan_of
 from assistant.robots.timing.rows import Rows, joined
 from assistant.robots.timing.values import Known, Values, first_values, local_values, rounds
+from assistant.robots.timing.variables import mentions, root, words
 from assistant.robots.timing.way import Duration, Joints, Trace, Way, met
 
 MOST_STATEMENTS: Final = 50_000
 """Statements that are walked through; then each loop is walked once and multiplied. Calls, too,
 that are followed: some programs have more calls than anybody could wait for.
 """
-WORD: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 MOVING: Final = re.compile(r"\s*(?:[0-9]+\s+)?(?:mov|mv[acrst]|trigg|search)", re.IGNORECASE)
 """How the statements of either language begin that move the arm, where they are kept as text."""
 
@@ -78,7 +78,7 @@ class Walker:
     def begin(self) -> Known:
         """The variables of the program as they are at a start from the top."""
         program = self.journey.program
-        assigned = {_root(s.target) for s in program.statements() if isinstance(s, Assign)}
+        assigned = {root(s.target) for s in program.statements() if isinstance(s, Assign)}
         return first_values(program.variables, assigned)
 
     def procedure(self, procedure: Procedure, way: Way, given: Known) -> Way:
@@ -173,7 +173,7 @@ class Walker:
             if key not in self.plans:
                 rest = moves.rest(skipped) if skipped else moves
                 self.plans[key] = plan_of(rest, np.array(start), self.journey.robot, self.drive)
-            self.note_guessed(pieces, self.plans[key].knots.guessed + skipped)
+            self.note_guessed(pieces, self.plans[key].course.knots.guessed + skipped)
             plans.append(self.plans[key])
             self.ledger.moved(pieces, skipped, self.plans[key])
         longest = max(plans, key=lambda plan: plan.seconds)
@@ -201,17 +201,17 @@ class Walker:
         match statement:
             case SetOverride(percent=percent):
                 value = self.number(percent, "the override")
-                return way if value is None else _with(way, override=max(value, 0.0) / 100.0)
+                return way if value is None else way.under(override=max(value, 0.0) / 100.0)
             case SetAcceleration(acceleration=up, deceleration=down):
                 rise, fall = self.values.number(up), self.values.number(down)
                 if rise is None or fall is None:
                     self.note("an acceleration that only running the program tells stays as it was")
                     return way
-                return _with(way, acceleration=rise / 100.0, deceleration=fall / 100.0)
+                return way.under(acceleration=rise / 100.0, deceleration=fall / 100.0)
             case Assign(target=Name(name), value=value):
                 return replace(way, known={**way.known, name.lower(): self.values.value(value)})
             case Assign(target=target):
-                return _without(way, {_root(target)})
+                return way.without({root(target)})
             case (
                 Wait() | WaitSignal() | WaitUntil() | Call() | If() | Switch() | For() | While()
             ) | (Return() | Stop() | Goto() | Opaque()):
@@ -246,7 +246,7 @@ class Walker:
                 self.note(f"the jump to {label} is not followed")
             case Opaque(text=text):
                 line = text.strip().splitlines()[0] if text.strip() else text
-                way = _without(way, {word.lower() for word in WORD.findall(text)})
+                way = way.without(words(text))
                 if MOVING.match(text):
                     self.note(f"`{line}` is a motion whose time is not known")
                     return replace(way, places=())
@@ -268,11 +268,11 @@ class Walker:
             return replace(way, places=())
         given = self.values.given(procedure, statement.arguments)
         changed = {
-            _root(argument)
+            root(argument)
             for parameter, argument in zip(procedure.parameters, statement.arguments, strict=False)
             if parameter.mode == "inout"
         }
-        return _without(self.procedure(procedure, way, given), changed)
+        return self.procedure(procedure, way, given).without(changed)
 
     def branches(self, statement: If | Switch, way: Way) -> Way | None:
         """Every way that may be taken, and where they meet."""
@@ -300,7 +300,7 @@ class Walker:
         name = statement.variable.lower()
         if first is None or last is None or (statement.step is not None and step is None):
             self.note(f"how often the loop over {statement.variable} goes round; once is counted")
-            return self.once(statement, _without(way, {name}))
+            return self.once(statement, way.without({name}))
         count = rounds(first, last, step)
         by = step if step is not None else (1.0 if last >= first else -1.0)
         alike = not self.reads(statement, name)
@@ -315,7 +315,7 @@ class Walker:
             again = count - done if done < count and self.repeats(start, end, alike) else 0
             done += again
             way = way.then(end, 1 + again)
-        return _without(way, {name})
+        return way.without({name})
 
     def loop(self, statement: While, way: Way) -> Way | None:
         """Rounds until the condition fails, as long as it is known to hold; else one."""
@@ -344,9 +344,9 @@ class Walker:
 
     def once(self, statement: For | While, way: Way) -> Way | None:
         """A round of a loop whose rounds are not known, and what is not known after it."""
-        assigned = {_root(s.target) for s in walk(statement.body) if isinstance(s, Assign)}
-        end = self.inner(statement.body, _without(way, assigned))
-        return None if end is None else _without(way.then(end), assigned)
+        assigned = {root(s.target) for s in walk(statement.body) if isinstance(s, Assign)}
+        end = self.inner(statement.body, way.without(assigned))
+        return None if end is None else way.then(end).without(assigned)
 
     def repeats(self, start: Way, end: Way, alike: bool) -> bool:
         """Whether the rounds to come are as this one; also when there have been too many.
@@ -365,7 +365,7 @@ class Walker:
         inner = list(walk(statement.body))
         if name in self.shared and any(isinstance(s, Call | Opaque) for s in inner):
             return True
-        return any(_mentions(s, name) for s in inner)
+        return any(mentions(s, name) for s in inner)
 
     def number(self, expression: Expression, what: str) -> float | None:
         value = self.values.number(expression)
@@ -376,29 +376,3 @@ class Walker:
 
     def note(self, what: str) -> None:
         self.ledger.note(self.calls[-1], what)
-
-
-def _root(target: Expression) -> str:
-    """The variable, in lower case, that a target of an assignment is of."""
-    while isinstance(target, Member | Index):
-        target = target.value
-    return target.name.lower() if isinstance(target, Name) else ""
-
-
-def _mentions(statement: Statement, name: str) -> bool:
-    if isinstance(statement, Opaque):
-        return name in {word.lower() for word in WORD.findall(statement.text)}
-    parts: Any = records(statement)
-    return not isinstance(statement, Follow) and any(
-        isinstance(part, Name) and part.name.lower() == name for part in parts
-    )
-
-
-def _with(way: Way, **settings: float) -> Way:
-    return replace(way, settings=replace(way.settings, **settings))
-
-
-def _without(way: Way, names: set[str]) -> Way:
-    """The way with the values of some variables not known."""
-    changed = {name: None for name in names if way.known.get(name) is not None}
-    return replace(way, known={**way.known, **changed}) if changed else way

@@ -83,6 +83,15 @@ class Way:
         trace = Trace(self.trace, seconds)
         return replace(self, least=self.least + seconds, most=self.most + seconds, trace=trace)
 
+    def under(self, **settings: float) -> Way:
+        """The way with other settings from here on."""
+        return replace(self, settings=replace(self.settings, **settings))
+
+    def without(self, names: set[str]) -> Way:
+        """The way with the values of some variables, in lower case, not known."""
+        changed = {name: None for name in names if self.known.get(name) is not None}
+        return replace(self, known={**self.known, **changed}) if changed else self
+
     def begun(self) -> Way:
         """A way of its own that starts where this one is."""
         return replace(self, least=0.0, most=0.0, trace=None)

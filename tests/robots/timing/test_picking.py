@@ -19,22 +19,23 @@ from benchmarks.picking import PUBLISHED, ratios
 def test_the_published_cycle_is_met(name):
     found = ratios(name, 25.0)
     assert len(found) >= 4
-    assert np.median(found) == pytest.approx(1.0, abs=0.05)
-    assert min(found) > 0.85
-    assert max(found) < 1.15
     robot = robots.get(name)
+    fitted = robot.accelerations is None  # else they are those of the maker's planner
+    assert np.median(found) == pytest.approx(1.0, abs=0.02 if fitted else 0.1)
+    assert min(found) > 0.85
+    assert max(found) < (1.15 if fitted else 1.25)
     assert ("time_to_speed_s" in robot.unconfirmed) is (robot.accelerations is None)
 
 
 @pytest.mark.parametrize(
     ("name", "load", "seconds"),
     [
-        ("irb1200-7-0.7", 0.0, 0.041),
-        ("irb1200-7-0.7", 1.0, 0.041),
+        ("irb1200-7-0.7", 0.0, 0.032),
+        ("irb1200-7-0.7", 1.0, 0.032),
         ("irb1200-7-0.7", 1.5, TIME_TO_SPEED),
         ("irb1200-7-0.7", None, TIME_TO_SPEED),
-        ("irb140-6-0.81", 5.0, 0.19),
-        ("irb140-6-0.81", 6.0, 0.19),  # no quicker with more
+        ("irb140-6-0.81", 5.0, 0.15),
+        ("irb140-6-0.81", 6.0, 0.15),  # no quicker with more
         ("irb2600-12-1.65", 0.0, TIME_TO_SPEED),
     ],
 )

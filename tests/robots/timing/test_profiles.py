@@ -75,8 +75,8 @@ def test_a_turn_on_the_spot_takes_the_speed_of_reorientation() -> None:
         "move joint o speed maximum blend fine",
         "move linear turned speed 1000 mm/s rotation 30 deg/s blend fine",
     )
-    # Only J6 turns, whose 600 deg/s take 0.041 s.
-    assert last(done) == pytest.approx(90 / 30 + 30 / 600 * 0.041, abs=1e-6)
+    # Only J6 turns, whose 600 deg/s take 0.032 s.
+    assert last(done) == pytest.approx(90 / 30 + 30 / 600 * 0.032, abs=1e-6)
     assert done.moves.turn[-1] == pytest.approx(90)
     assert done.bound_by(done.moves.binds[-1]) == "reorientation"
 
@@ -102,8 +102,8 @@ def test_axes_arrive_together_at_their_percentage() -> None:
         "move absolute zero speed 100 mm/s joint 50 % blend fine",
         "move absolute there speed 100 mm/s joint 10 % blend fine",
     )
-    # J1: 90 degrees at 28.8 deg/s, accelerated to 288 deg/s within 0.041 s.
-    assert last(done) == pytest.approx(90 / 28.8 + 0.1 * 0.041, abs=1e-6)
+    # J1: 90 degrees at 28.8 deg/s, accelerated to 288 deg/s within 0.032 s.
+    assert last(done) == pytest.approx(90 / 28.8 + 0.1 * 0.032, abs=1e-6)
     assert done.bound_by(done.moves.binds[-1]) == "percent"
     velocity = done.samples.joint_velocity[-150]
     assert velocity[0] == pytest.approx(28.8) and velocity[1] == pytest.approx(28.8 / 3)
@@ -123,19 +123,21 @@ def test_a_corner_is_passed_as_its_zone_and_the_acceleration_allow() -> None:
         "move linear d speed 1000 mm/s blend fine",
     )
     a, v = 1000.0, math.sqrt(2 * 10 * 1000 / math.sqrt(2))
-    expected = 0.0
-    for length in (40.0, 100.0):
+    expected = 2 * 10 / v  # along a parabola of one acceleration
+    for length in (30.0, 90.0):
         peak = math.sqrt(a * length + v * v / 2)
         expected += (2 * peak - v) / a
     done = run(*moves, acceleration=a)
-    assert done.moves.seconds[1:].sum() == pytest.approx(expected, abs=1e-6)
+    assert done.moves.seconds[1:].sum() == pytest.approx(expected, rel=1e-3)
     stopped = run(*(move.replace("10 mm", "fine") for move in moves), acceleration=a)
     by_hand = 2 * math.sqrt(0.04) + 2 * math.sqrt(0.1)
     assert stopped.moves.seconds[1:].sum() == pytest.approx(by_hand, abs=1e-6)
     wide = run(*(move.replace("10 mm", "500 mm") for move in moves), acceleration=a)
     half = math.sqrt(2 * 20 * 1000 / math.sqrt(2))
-    reached = wide.samples.tcp_speed[np.abs(wide.samples.position - [300, -500, 400]).max(1) < 2]
-    assert reached.max() == pytest.approx(half, rel=0.05), "a zone ends half way"
+    at = np.linalg.norm(wide.samples.position - [300, -500, 400], axis=1)
+    inside = wide.samples.tcp_speed[(at < 20) & (wide.samples.t > 0.5)]
+    assert inside.max() == pytest.approx(half, rel=0.05), "a zone ends half way"
+    assert inside.min() == pytest.approx(half / math.sqrt(2), rel=0.02), "in its middle"
 
 
 def test_override_and_acceleration_of_the_program_count() -> None:
@@ -201,7 +203,8 @@ def test_no_move_is_faster_than_its_speed_nor_slower_for_more(
 ) -> None:
     slow, fast = along(points, speed, blend), along(points, speed * more, blend)
     lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    assert np.allclose(slow.moves.length[1:], lengths, atol=1e-6)
+    assert (slow.moves.length[1:] <= lengths + 1e-6).all()
+    assert blend is not FINE or np.allclose(slow.moves.length[1:], lengths, atol=1e-6)
     assert (slow.moves.seconds >= slow.moves.length / speed - 1e-9).all()
     assert fast.seconds <= slow.seconds + 1e-9
     assert along(points, speed, FINE).seconds >= slow.seconds - 1e-9

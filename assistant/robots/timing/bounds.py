@@ -1,0 +1,145 @@
+"""What bounds the motion along a course: speeds of the tool and the axes, and accelerations.
+
+Where the way q(s) is gone along at the speed v, the arm moves at q' v and accelerates by
+q' dv/dt + q'' v². In the rooms of knots q'' is constant and q' goes from that of the one step to
+that of the other; elsewhere q' is constant.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.program.path import Kind
+from assistant.robots.run import Floats
+from assistant.robots.timing.course import Course
+from assistant.robots.timing.drive import Drive
+from assistant.robots.timing.rows import Moves
+
+HIGHEST: Final = 1e6
+"""Acceleration (mm/s²) that stands for none that binds; keeps sums exact enough."""
+LEAST: Final = 1e-6
+"""mm/s and mm/s² of any motion."""
+LITTLE: Final = 1e-7
+"""mm by which a corner shortens a way at least to count."""
+
+FIRST_WAY, AXES = 1, 4
+"""Rows of `Bounds.limits`: what it is bound by, from 1 on as in `profile`; the last is an axis."""
+
+Limits = tuple[Floats, NDArray[np.uint8]]
+"""(p,) the highest speeds and what makes them so, see `profile`."""
+
+
+class Bounds:
+    """Of s steps of a course.
+
+    length, turn: (s,) mm and degrees of the tool for each mm of it. caps: (s,) the highest speeds
+    with their reasons. straight: (s,) each, the most acceleration for the axes and for the tool
+    where the way is straight; bends: (s + 1,) each, the part of it that the bend at a knot takes
+    at a speed of 1. bend: the most of them.
+    """
+
+    def __init__(self, moves: Moves, course: Course, drive: Drive) -> None:
+        self.moves, self.course, self.drive, self.row = moves, course, drive, course.row
+        self.free = moves.kinds[self.row] == Kind.JOINT
+        self.axes, self.tool = course.axes, course.tool
+        self.length = course.knots.length[course.step] / course.distance
+        self.turn = course.knots.turn[course.step] / course.distance
+        self.tcp = np.where(course.loose, np.inf, drive.tcp_acceleration)
+        self.up, self.down = moves.acceleration[self.row], moves.deceleration[self.row]
+        self.caps = self._caps()
+        self.straight, self.bends = [], []
+        with np.errstate(divide="ignore", over="ignore"):
+            self.straight.append((drive.accelerations[:, None] / np.abs(self.axes)).min(axis=0))
+            turned = np.abs(np.diff(self.axes))
+            turned /= drive.accelerations[:, None]
+            self.bends.append(self._bend(turned.max(axis=0)))
+            if np.isfinite(drive.tcp_acceleration):
+                self.straight.append(self.tcp / self.length)
+                bent = norm(np.diff(self.tool)) / drive.tcp_acceleration
+                bent[course.loose[:-1] | course.loose[1:]] = 0.0
+                self.bends.append(self._bend(bent))
+        self.bend = np.max(self.bends, axis=0)
+
+    def accelerations(self, near: Floats | None = None) -> tuple[Floats, Floats]:
+        """(s,) to more and to less speed, with what bends leave at speeds of squares near (s + 1,)
+        at the knots; None for nothing that bends take.
+        """
+        most = np.full(len(self.row), HIGHEST)
+        for straight, bend in zip(self.straight, self.bends, strict=True):
+            if near is None:
+                most = np.minimum(most, straight)
+            else:
+                taken = bend * near
+                left = 1.0 - np.maximum(taken[:-1], taken[1:])
+                most = np.minimum(most, straight * left)
+        return np.maximum(most * self.up, LEAST), np.maximum(most * self.down, LEAST)
+
+    def limits(self, at: Any, axes: Floats, length: Floats, turn: Floats) -> Floats:
+        """(5, p) the highest speeds, by the tool, its turn, the robot, percent and axes.
+
+        at: steps (p,). axes: (a, p), length: (p,), turn: (p,) what moves there for each mm.
+        """
+        moves, free, row = self.moves, self.free[at], self.row[at]
+        override = moves.override[row]
+        percent = np.where(free, moves.percent[row], np.nan)
+        stated = np.isfinite(percent)
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            tcp = np.where(stated, np.inf, moves.tcp[row] * override / length)
+            turned = np.where(stated, np.inf, moves.rotation[row] * override / turn)
+            most = np.where(free, np.inf, self.drive.tcp_speed / length)
+            least = (self.drive.speeds[:, None] / axes).min(axis=0)
+        share = np.where(stated, percent / 100.0 * override, np.inf)
+        ways = np.stack([tcp, turned, most, least * share, least])
+        ways[np.isnan(ways)] = np.inf
+        return ways
+
+    def least(self, ways: Floats, axes: Floats) -> Limits:
+        """The lowest of each column of `limits`."""
+        why = ways.argmin(axis=0)
+        caps = np.maximum(ways[why, np.arange(len(why))], LEAST)
+        axis = (axes / self.drive.speeds[:, None]).argmax(axis=0)
+        return caps, np.where(why == AXES, AXES + 1 + axis, why + 1).astype(np.uint8)
+
+    def saved(self) -> Floats:
+        """(n,) mm that the ways of the moves are shorter for their corners."""
+        course = self.course
+        at = np.flatnonzero(course.corner[1:-1])  # steps before corners
+        at = at[course.step[at] + 1 == course.step[at + 1]]
+        bend, room = np.diff(self.tool)[:, at], course.room[at + 1]
+        some = np.flatnonzero(room * norm(bend) ** 2 > LITTLE)
+        at, bend, room = at[some], bend[:, some], room[some]
+        saved = np.zeros(len(self.moves))
+        for step, bent in ((at, bend), (at + 1, -bend)):
+            begin, middle, end = (
+                norm(self.tool[:, step] + part * bent) for part in (0.0, 0.25, 0.5)
+            )
+            cut = room * (begin - (begin + 4.0 * middle + end) / 6.0)  # Simpson's rule
+            saved += np.bincount(self.row[step], cut, len(saved))
+        return saved
+
+    def _caps(self) -> Limits:
+        axes = np.abs(self.axes)
+        ways = self.limits(slice(None), axes, self.length, self.turn)
+        line = self.free & ~self.course.inside
+        if line.any():
+            # Every axis turns at one pace: the slowest step holds for the whole move.
+            starts = np.flatnonzero(np.concatenate([[True], np.diff(self.row) != 0]))
+            lowest = np.minimum.reduceat(np.where(line, ways, np.inf), starts, axis=1)
+            worst = np.repeat(lowest, np.diff(np.append(starts, len(self.row))), axis=1)
+            ways = np.where(line, worst, ways)
+        return self.least(ways, axes)
+
+    def _bend(self, change: Floats) -> Floats:
+        """(s + 1,) of changes (s - 1,) between the steps, each made in its room."""
+        room, factor = self.course.room[1:-1], np.minimum(self.up, self.down)
+        made = room > 0.0
+        width = np.where(made, 2.0 * room * np.minimum(factor[:-1], factor[1:]), 1.0)
+        return np.concatenate([[0.0], np.where(made, change / width, 0.0), [0.0]])
+
+
+def norm(vectors: Floats) -> Floats:
+    """(c, n) → (n,)."""
+    return np.asarray(np.sqrt(np.einsum("ij,ij->j", vectors, vectors)))
