@@ -8,6 +8,22 @@ from typing import Annotated, Final
 import typer
 
 from assistant import __version__
+from assistant.cli.options import (
+    EntryOption,
+    FindingFormatOption,
+    FormatOption,
+    FramesOption,
+    FromLanguage,
+    FromRobot,
+    LanguageOption,
+    ProcessOption,
+    RobotOption,
+    Source,
+    Sources,
+    UnitOption,
+    complete_language,
+    complete_robot,
+)
 from assistant.cli.presentation import FindingFormat, Format, FramesAs, answer_as
 
 app: Final = typer.Typer(
@@ -27,75 +43,6 @@ robots: Final = typer.Typer(
     rich_markup_mode=None,
 )
 app.add_typer(robots, name="robots")
-
-
-def _complete_language(incomplete: str) -> list[str]:
-    from assistant import languages
-
-    return [name for name in languages.names() if name.startswith(incomplete)]
-
-
-def _complete_robot(incomplete: str) -> list[str]:
-    from assistant import robots
-
-    return [name for name in robots.names() if name.startswith(incomplete)]
-
-
-def _complete_unit(incomplete: str) -> list[str]:
-    from assistant.sources.lengths import UNITS
-
-    return [name for name in UNITS if name.startswith(incomplete)]
-
-
-Source = Annotated[
-    str, typer.Argument(help="Drawing, table, .pseudo text or robot program; - for standard input.")
-]
-Sources = Annotated[list[str], typer.Argument(help="Drawings, tables or programs; - for input.")]
-LanguageOption = Annotated[
-    str,
-    typer.Option("--language", "-l", help="Language to write.", autocompletion=_complete_language),
-]
-RobotOption = Annotated[
-    str | None,
-    typer.Option(
-        "--robot", "-r", help="Arm that runs it, or its file.", autocompletion=_complete_robot
-    ),
-]
-FromRobot = Annotated[
-    str | None,
-    typer.Option("--from-robot", help="Arm that a vendor program was written for.",
-                 autocompletion=_complete_robot),
-]  # fmt: skip
-FromLanguage = Annotated[
-    str | None,
-    typer.Option("--from", help="Language of the input if its name does not tell.",
-                 autocompletion=_complete_language),
-]  # fmt: skip
-ProcessOption = Annotated[
-    Path | None,
-    typer.Option("--process", "-p", help="Process file; default NAME.process.toml beside it."),
-]
-EntryOption = Annotated[
-    str | None,
-    typer.Option("--entry", help="Procedure that the program begins with; default its main."),
-]
-UnitOption = Annotated[
-    str | None,
-    typer.Option("--unit", help="Unit that a drawing is in, whatever it says: mm, in, m …",
-                 autocompletion=_complete_unit),
-]  # fmt: skip
-FramesOption = Annotated[
-    FramesAs,
-    typer.Option(help="Work objects in MELFA-BASIC: as Base, or as factors of the targets."),
-]
-FindingFormatOption = Annotated[
-    FindingFormat,
-    typer.Option("--format", help="For people, programs, code scanning or pull requests.",
-                 callback=answer_as),
-]  # fmt: skip
-FormatOption = Annotated[
-    Format, typer.Option("--format", help="For people or for programs.", callback=answer_as)
-]
 
 
 def _version(wanted: bool) -> None:
@@ -160,7 +107,7 @@ def translate(
     programs: Annotated[
         list[str], typer.Argument(help="Robot programs, or folders with them; - for input.")
     ],
-    to: Annotated[str, typer.Option(help="Language to write.", autocompletion=_complete_language)],
+    to: Annotated[str, typer.Option(help="Language to write.", autocompletion=complete_language)],
     robot: RobotOption = None,
     from_robot: FromRobot = None,
     process: Annotated[
@@ -351,7 +298,7 @@ def robots_show(
         typer.Argument(
             metavar="NAME",
             help="A robot of the catalogue, or a robot file.",
-            autocompletion=_complete_robot,
+            autocompletion=complete_robot,
         ),
     ],
     draw: Annotated[
@@ -385,7 +332,7 @@ def virtual_irc5(
 @virtual.command("cr")
 def virtual_cr(
     robot: Annotated[
-        str, typer.Option("--robot", "-r", help="Its arm.", autocompletion=_complete_robot)
+        str, typer.Option("--robot", "-r", help="Its arm.", autocompletion=complete_robot)
     ] = "rv-2aj",
     port: Annotated[
         int, typer.Option(help="Controller-link port on this computer; 0 takes a free one.")

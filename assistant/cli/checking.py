@@ -61,7 +61,7 @@ def _checked(
         if list(sources).count(STANDARD) > 1:
             raise Refused(TWICE(), exit_status=2)
         text, spoken = standard_input(language)
-        checked = check_text(text, robot=robot, language=spoken)
+        checked = check_text(text, robot=robot, process=process, language=spoken, unit=unit)
     files = [source for source in sources if source != STANDARD]
     more = check_files(files, robot=robot, process=process, language=language, unit=unit)
     return Checked(

@@ -84,9 +84,9 @@ def run_compile(
     done: list[tuple[str, Compiled]] = []
     for source in dict.fromkeys(sources):
         with answers.of(source), working(f"compiling {source}"):
-            given = _input(source, from_language, from_robot, process)
+            given = _input(source, from_language, from_robot, process, unit)
             compiled = compile(
-                given.program if given else source,
+                given or source,
                 language=language,
                 robot=robot,
                 process=process,
@@ -174,25 +174,33 @@ def load_given(
     from assistant.compiler.loading import load
 
     arm = robot_of(robot)
-    given = _input(source, from_language, robot, process) or load(
+    given = _input(source, from_language, robot, process, unit) or load(
         source, process=process, robot=arm, language=from_language, unit=unit
     )
     return replace(given, program=entered(given.program, entry))
 
 
 def _input(
-    source: str, language: str | None, robot: str | None, process: Path | None
+    source: str,
+    language: str | None,
+    robot: str | None,
+    process: Path | None,
+    unit: str | None,
 ) -> Loaded | None:
     """The program on standard input if the source says so, or a file of a named language."""
     from assistant.compiler.arms import robot_of
     from assistant.compiler.loading import load, load_text
+    from assistant.sources.lengths import unit_stated
 
     if source != STANDARD:
         if language is None:
             return None
-        return load(source, process=process, robot=robot_of(robot), language=language)
+        return load(source, process=process, robot=robot_of(robot), language=language, unit=unit)
     text, spoken = standard_input(language)
-    return load_text(text, process=process, robot=robot_of(robot), language=spoken)
+    loaded = load_text(text, process=process, robot=robot_of(robot), language=spoken)
+    if unit is None:
+        return loaded
+    return replace(loaded, findings=(*loaded.findings, unit_stated("standard input", unit)))
 
 
 def standard_input(language: str | None) -> tuple[SourceText, str | None]:

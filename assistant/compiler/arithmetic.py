@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 UNCONFIRMED: Final = Rule(
     "CO105",
     Severity.WARNING,
-    "{what}, {way} as is taken of both controllers, which no manual confirms",
+    "{what}: {way} is assumed of both controllers, but no manual confirms it",
     "try it on both, and state `{key}` in the tables [{one}] and [{other}] of assistant.toml",
 )
 DIFFERENT: Final = Rule(

@@ -12,12 +12,14 @@ from assistant import checks, languages, sources
 from assistant.compiler.arms import Arms, known_robot, robot_of, taught_on
 from assistant.compiler.crossing import for_arm
 from assistant.compiler.loading import (
+    Loaded,
     files_in,
     language_of,
     load,
     read_companions,
     read_pseudo,
     read_trees,
+    with_process,
 )
 from assistant.compiler.places import Places
 from assistant.compiler.project import configured
@@ -26,6 +28,7 @@ from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, h
 from assistant.program.failing import details_wanted, failure
 from assistant.program.program import Program
 from assistant.program.text import SourceText, read_bytes
+from assistant.sources.lengths import unit_stated
 
 if TYPE_CHECKING:
     from assistant.languages import Language
@@ -86,8 +89,8 @@ def check_files(
     """Checks files, and what is in folders: robot programs, pseudo-programs and drawings.
 
     Modules that a controller loads together, as those of a folder in RAPID, are one program.
-    robot: reach, limits and configurations are checked for it. process: process file of
-    drawings and tables. language: of robot programs, where neither suffix nor text tell.
+    robot: reach, limits and configurations are checked for it. process: process file, see `load`.
+    language: of robot programs, where neither suffix nor text tell.
     unit: of length, that drawings are in.
     Raises Refused if there is no such robot or language.
     """
@@ -110,9 +113,11 @@ def check_files(
         where = files[0] if len(files) == 1 else _folder_of(files)
         with _collecting(checked, where):
             if spoken is not None:
-                found = _check_program(spoken, files, arm, checked)
+                found = _check_program(spoken, files, arm, process, checked)
             else:
                 found = _check_source(files[0], process, unit, arm, checked)
+            if unit is not None and FilePath(files[0]).suffix.lower() not in sources.READERS:
+                found.append(unit_stated(where, unit))
             checked.findings += [f.within(where) for f in found]
     # a file that others call is looked at with each of them
     checked.findings = list(dict.fromkeys(checked.findings))
@@ -120,15 +125,22 @@ def check_files(
 
 
 def check_text(
-    text: SourceText, *, robot: str | None = None, language: str | None = None
+    text: SourceText,
+    *,
+    robot: str | None = None,
+    process: str | FilePath | None = None,
+    language: str | None = None,
+    unit: str | None = None,
 ) -> Checked:
     """The same for a text that is no file: a robot language's if named, else pseudo text."""
     arm, checked = robot_of(robot), Checked(files=1)
     with _collecting(checked, text.path):
         if language is None:
-            found = _check_pseudo(text, None, arm, checked)
+            found = _check_pseudo(text, None, arm, process, checked)
         else:
-            found = _check_texts(language_of(language), [text], None, arm, checked)
+            found = _check_texts(language_of(language), [text], None, arm, process, checked)
+        if unit is not None:
+            found.append(unit_stated(text.path or "standard input", unit))
         checked.findings += [f.within(text.path) for f in dict.fromkeys(found)]
     return checked
 
@@ -201,19 +213,30 @@ def _check_source(
     """Findings of a drawing, a table, or a `.pseudo` text."""
     path = FilePath(file)
     if path.suffix.lower() == pseudo.SUFFIX:
-        return _check_pseudo(read_pseudo(path), path.parent, arm, checked)
+        return _check_pseudo(read_pseudo(path), path.parent, arm, process, checked)
     loaded = load(file, process=process, robot=arm, unit=unit)
     return [*loaded.findings, *_check_meaning(loaded.program, arm)]
 
 
 def _check_pseudo(
-    text: SourceText, tables: FilePath | None, arm: Robot | None, checked: Checked
+    text: SourceText,
+    tables: FilePath | None,
+    arm: Robot | None,
+    process: str | FilePath | None,
+    checked: Checked,
 ) -> list[Diagnostic]:
     name = text.path or ""
     checked.texts[name] = Text(text, PSEUDO_MARK, complete=False)
     program = pseudo.parse(text, side_tables=tables)
     checked.texts[name] = Text(text, PSEUDO_MARK, complete=True)
-    return [_at_its_line(finding, text) for finding in _check_meaning(program, arm)]
+    loaded = _in_cell(program, process)
+    meant = _check_meaning(loaded.program, arm)
+    return [*loaded.findings, *(_at_its_line(finding, text) for finding in meant)]
+
+
+def _in_cell(program: Program, process: str | FilePath | None) -> Loaded:
+    loaded = Loaded(program)
+    return loaded if process is None else with_process(loaded, process)
 
 
 def _at_its_line(finding: Diagnostic, text: SourceText) -> Diagnostic:
@@ -234,10 +257,14 @@ def _at_its_line(finding: Diagnostic, text: SourceText) -> Diagnostic:
 
 
 def _check_program(
-    language: Language[Any], files: Sequence[str], arm: Robot | None, checked: Checked
+    language: Language[Any],
+    files: Sequence[str],
+    arm: Robot | None,
+    process: str | FilePath | None,
+    checked: Checked,
 ) -> list[Diagnostic]:
     texts = [language.read(file) for file in files]
-    return _check_texts(language, texts, FilePath(files[0]).parent, arm, checked)
+    return _check_texts(language, texts, FilePath(files[0]).parent, arm, process, checked)
 
 
 def _check_texts(
@@ -245,6 +272,7 @@ def _check_texts(
     texts: Sequence[SourceText],
     beside: FilePath | None,
     arm: Robot | None,
+    process: str | FilePath | None,
     checked: Checked,
 ) -> list[Diagnostic]:
     """Findings of a program; of a broken one those of its text, as it is not known what it does."""
@@ -265,7 +293,9 @@ def _check_texts(
     except Refused as refused:
         return [*found, *refused.findings]
     told = {finding.code for finding in found}
-    places = Places(program)
+    loaded = _in_cell(program, process)
+    found += loaded.findings
+    places = Places(loaded.program)
     meant = map(places.finding, _check_meaning(places.program, arm))
     return [*found, *(f for f in meant if language.restated.get(f.code) not in told)]
 

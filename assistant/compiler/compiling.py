@@ -13,7 +13,7 @@ from assistant.compiler.arms import Arms, known_robot, robot_of, taught_on
 from assistant.compiler.crossing import for_arm, unsaid, without_unused
 from assistant.compiler.entering import entered
 from assistant.compiler.joint_speeds import at_a_speed, at_the_pace
-from assistant.compiler.loading import language_of, load
+from assistant.compiler.loading import Loaded, language_of, load
 from assistant.compiler.places import Places
 from assistant.compiler.proof import SAYS_OTHERWISE, Proof, prove
 from assistant.program.diagnostics import (
@@ -89,7 +89,7 @@ class Compiled:
 
 
 def compile(
-    source: str | FilePath | Program,
+    source: str | FilePath | Program | Loaded,
     *,
     language: str,
     robot: str | Robot | None = None,
@@ -113,19 +113,17 @@ def compile(
     target = language_of(language).with_frames(frames)
     if most_targets is not None and most_targets < LEAST_TARGETS:
         raise Refused(TOO_FEW(most=most_targets, least=LEAST_TARGETS), exit_status=2)
-    findings: list[Diagnostic] = []
-    joint_speed = None
     if isinstance(source, Program):
-        program = source
+        loaded = Loaded(source)
+    elif isinstance(source, Loaded):
+        loaded = source
     else:
         loaded = load(source, process=process, robot=robot_of(from_robot), unit=unit)
-        program, findings = loaded.program, list(loaded.findings)
-        joint_speed = loaded.joint_speed
-        findings = [f.within(str(source)) for f in findings]
-    places = Places(entered(program, entry))
-    arms = Arms(robot_of(robot), robot_of(from_robot), joint_speed)
+        loaded = replace(loaded, findings=tuple(f.within(str(source)) for f in loaded.findings))
+    places = Places(entered(loaded.program, entry))
+    arms = Arms(robot_of(robot), robot_of(from_robot), loaded.joint_speed)
     compiled = compile_program(places.program, places, target, arms, most_targets)
-    return replace(compiled, found=(*findings, *compiled.found))
+    return replace(compiled, found=(*loaded.findings, *compiled.found))
 
 
 def compile_program(
@@ -139,6 +137,9 @@ def compile_program(
     program = source
     findings = list(check(program))
     arm = arms.robot or known_robot(program.robot)
+    if source.origin is not None:
+        said = language_of(source.origin.language).exported(program, target, arm)
+        program, findings = said.program, [*findings, *said.findings]
     taught = taught_on(program, arms)
     program, left = without_unused(program, target, taught, arms.robot)
     findings += (*left, *unsaid(program, target, taught, arms.robot))

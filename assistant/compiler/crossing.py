@@ -37,7 +37,8 @@ NOT_THERE = Rule(
 WHOSE = Rule(
     "CO503",
     Severity.ERROR,
-    "{name} has joint angles, which mean another place on another arm, and whose is not said",
+    "{name} has joint angles, and nothing says on which arm they were taught: on another one they "
+    "lead to another place",
     "name the arm that they were taught on: `--from-robot`, or `robot` in the file",
 )
 NOT_DRIVEN = Rule(
@@ -62,7 +63,7 @@ KEPT = Rule(
 NOT_WRITTEN = Rule(
     "CO510",
     Severity.WARNING,
-    "{name} has joint angles, which mean another place on another arm; nothing uses it, and it is "
+    "{name} has joint angles, which lead another arm to another place; nothing uses it, so it is "
     "not written",
     "to have it written, name the arms: `--from-robot` and `--robot`",
 )

@@ -8,13 +8,13 @@ from assistant.program.diagnostics import Refused, Rule, Severity
 from assistant.program.program import Procedure, Program
 
 NO_SUCH = Rule(
-    "CO011", Severity.ERROR, "there is no procedure `{name}` to begin with", "choose one of {names}"
+    "CO011", Severity.ERROR, "there is no procedure `{name}` to begin with", "choose {names}"
 )
 NOT_BEGUN = Rule(
     "CO012",
     Severity.ERROR,
     "nothing can begin with `{name}`, which has parameters, a result or a unit of its own",
-    "choose one of {names}, or write a procedure that calls it",
+    "choose {names}, or write a procedure that calls it",
 )
 
 
@@ -28,7 +28,8 @@ def entered(program: Program, entry: str | None) -> Program:
     known = program.procedure(entry)
     if known is not None and _begins(known):
         return replace(program, entry=known.name)
-    names = ", ".join(q.name for q in program.procedures if _begins(q)) or "none that it has"
+    begin = ", ".join(q.name for q in program.procedures if _begins(q))
+    names = f"one of {begin}" if begin else "a procedure without parameters"
     rule = NO_SUCH if known is None else NOT_BEGUN
     raise Refused(rule(name=entry, names=names), exit_status=2)
 

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
-from dataclasses import replace
-from typing import TypeVar
+from dataclasses import fields, replace
+from typing import Final, TypeVar
 
 from assistant.program import expressions as e
 from assistant.program.diagnostics import Diagnostic, Rule, Severity
 from assistant.program.program import Program, Signal
 from assistant.program.rewriting import records
-from assistant.sources.process import Process
+from assistant.sources.process import NO_PROCESS, Process
 
 NOT_USED = Rule(
     "CO006",
@@ -18,6 +19,17 @@ NOT_USED = Rule(
     "the program has no {kind} `{name}`, so what the process file says of it changes nothing",
     "write the name as the program does",
 )
+
+NOT_OF_PROGRAMS = Rule(
+    "CO009",
+    Severity.INFO,
+    "what the process file says of {keys} changes nothing in a program that states its own moves",
+    "name arms with --robot and --from-robot; the rest is for drawings and tables",
+)
+OF_PROGRAMS: Final = ("tools", "frames", "signals", "joint_speed", "findings")
+"""What a process file says that a program takes from it."""
+KEYS: Final = {"defaults": "motion"}
+"""Keys of a process file that have other names here."""
 
 V = TypeVar("V")
 
@@ -30,6 +42,13 @@ def equipped(
     Signals of other programs in the same cell may be in it as well. path: of the file.
     """
     findings = [*stated.findings]
+    others = [
+        f"`{KEYS.get(f.name, f.name)}`"
+        for f in fields(Process)
+        if f.name not in OF_PROGRAMS and getattr(stated, f.name) != getattr(NO_PROCESS, f.name)
+    ]
+    if others:
+        findings.append(NOT_OF_PROGRAMS(keys=", ".join(others), path=path))
     program = _with_read(program, stated.signals)
     for kind, given, there in _tables(program, stated):
         known = {name.lower() for name in there}
@@ -47,15 +66,20 @@ def equipped(
 
 
 def _with_read(program: Program, stated: Mapping[str, Signal]) -> Program:
-    """With the signals that expressions read: only the cell knows that those are no data."""
+    """With the signals that expressions read: only the cell knows that those are no data.
+
+    So are names in declarations that are kept as their text, which another language may read.
+    """
     known = {name.lower() for name in (*program.signals, *program.variables)}
     given = {name.lower(): signal for name, signal in stated.items()}
     found: dict[str, Signal] = {}
-    for part in records(program.procedures):
-        if isinstance(part, e.Name) and part.name.lower() in given:
-            if part.name.lower() not in known:
-                known.add(part.name.lower())
-                found[part.name] = given[part.name.lower()]
+    read = [part.name for part in records(program.procedures) if isinstance(part, e.Name)]
+    for declaration in program.declarations:
+        read += re.findall(r"\w+", declaration.text)
+    for name in read:
+        if name.lower() in given and name.lower() not in known:
+            known.add(name.lower())
+            found[name] = given[name.lower()]
     return replace(program, signals={**program.signals, **found})
 
 

@@ -22,14 +22,14 @@ IN_MM = Rule(
     "CO507",
     Severity.WARNING,
     "a joint move at {percent:g} %, which takes {seconds:.2f} s, is written with {tcp:g} mm/s and "
-    "{rotation:g} degrees/s, and takes no less",
+    "{rotation:g} degrees/s, and takes at least as long",
     "try it at a low override first",
 )
 IN_PERCENT = Rule(
     "CO508",
     Severity.WARNING,
     "a joint move at {tcp:g} mm/s, which takes {seconds:.2f} s, is written with {percent:g} %, and "
-    "takes no less",
+    "takes at least as long",
     "try it at a low override first",
 )
 AS_STATED = Rule(

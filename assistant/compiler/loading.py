@@ -49,7 +49,7 @@ def load(
 ) -> Loaded:
     """The pseudo-program of a drawing, table, `.pseudo` text or vendor program.
 
-    process: process file of a drawing or table; of a vendor program, whose tools, frames and
+    process: process file of a drawing or table; of any other program, whose tools, frames and
     signals of those names it says anew. robot: the arm that a vendor program was
     written for, where its own header does not say. language: of a vendor program, if neither
     suffix nor text tell. Other units that a vendor program calls are read from beside it.
@@ -60,7 +60,8 @@ def load(
     stated = () if unit is None else (unit_stated(path, unit),)
     if source.suffix.lower() == pseudo.SUFFIX:
         program = pseudo.parse(read_pseudo(path), side_tables=source.parent)
-        return Loaded(program, None, stated)
+        loaded = Loaded(program, None, stated)
+        return loaded if process is None else with_process(loaded, process)
     data = None if source.suffix.lower() in sources.READERS else read_bytes(source)
     spoken = _spoken(source, data, language)
     if spoken is None:
@@ -68,7 +69,7 @@ def load(
         return Loaded(reading.program, None, reading.findings)
     lifted = lift(spoken, [spoken.read(source)], robot, beside=source.parent)
     lifted = replace(lifted, findings=(*lifted.findings, *stated))
-    return lifted if process is None else _equipped(lifted, process)
+    return lifted if process is None else with_process(lifted, process)
 
 
 def load_text(
@@ -80,12 +81,14 @@ def load_text(
 ) -> Loaded:
     """The same for a text that is no file: a robot language's if named, else pseudo text."""
     if language is None:
-        return Loaded(pseudo.parse(text))
-    lifted = lift(language_of(language), [text], robot)
-    return lifted if process is None else _equipped(lifted, process)
+        lifted = Loaded(pseudo.parse(text))
+    else:
+        lifted = lift(language_of(language), [text], robot)
+    return lifted if process is None else with_process(lifted, process)
 
 
-def _equipped(loaded: Loaded, process: str | FilePath) -> Loaded:
+def with_process(loaded: Loaded, process: str | FilePath) -> Loaded:
+    """A program in the cell that a process file states; raises Unreadable or Refused."""
     from assistant.compiler.equipping import equipped
     from assistant.sources.process_file import read_process
 

@@ -42,7 +42,7 @@ class Row:
     """What becomes of one statement or declaration of the source.
 
     text: its first line. count: rows of a table or moves of a path, else 1.
-    reasons: why it is not said as it stands. went: where it is in the written files.
+    reasons: why it is not said as it stands, errors first. went: where it is in the written files.
     """
 
     place: Place
@@ -262,11 +262,11 @@ def _row(
     if place is None:
         return None
     level: Level = "supported"
-    if not all(map(is_advice, part.found)):
-        errors = any(f.severity is Severity.ERROR for f in part.found)
-        level = "not" if errors else "partial"
+    reasons = sorted(part.found, key=lambda f: f.severity is not Severity.ERROR)
+    if not all(map(is_advice, reasons)):
+        level = "not" if reasons[0].severity is Severity.ERROR else "partial"
     lines = [line.strip() for line in lines_of(place.text) if line.strip()]
     text = " ".join(lines[:1] if part.head else lines)
     if len(text) > LONGEST_TEXT:
         text = text[: LONGEST_TEXT - 1] + "…"
-    return Row(place, text, level, tuple(part.found), tuple(trace.written(part.span)), part.count)
+    return Row(place, text, level, tuple(reasons), tuple(trace.written(part.span)), part.count)

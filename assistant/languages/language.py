@@ -9,7 +9,7 @@ from copy import copy
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final, Generic, Literal, Protocol, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Final, Generic, Literal, Protocol, Self, TypeVar
 
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.program import Origin, Program
@@ -223,6 +223,18 @@ class Language(abc.ABC, Generic[T]):
         program: as it was lifted, with the spans of `Places`.
         """
         yield from ()
+
+    def exported(
+        self,
+        program: Program,
+        to: Language[Any],  # noqa: ARG002
+        arm: Robot | None,  # noqa: ARG002
+    ) -> Adapted:
+        """A program of this language without what another one need not be told.
+
+        Idempotent. A finding tells of each effect that is lost. arm: that will run it.
+        """
+        return Adapted(program)
 
     def with_frames(self, frames: Frames) -> Self:  # noqa: ARG002
         """The language with frames written in a way; itself where it has work objects.

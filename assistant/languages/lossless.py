@@ -15,6 +15,7 @@ from dataclasses import fields, is_dataclass
 from typing import Any, Final
 
 from assistant.languages.alignment import aligned, common_ends, same
+from assistant.languages.original import Original
 from assistant.languages.sketch import (
     MOST_WORDS,
     Block,
@@ -28,8 +29,6 @@ from assistant.languages.sketch import (
     name_blocks,
     noted,
     pieces_of,
-    same_word,
-    spelling,
     words_of,
 )
 from assistant.program.text import SourceText
@@ -46,107 +45,18 @@ def render(source: SourceText, old: Any, new: Any, layout: Layout) -> str:
 
 class _Writer:
     def __init__(self, source: SourceText, layout: Layout) -> None:
-        self._source, self._text, self._layout = source, source.text, layout
-        step = re.search(r"^[ \t]+(?=[^\s])", self._text, re.MULTILINE)
+        self._source, self._layout = Original(source, layout), layout
+        step = re.search(r"^[ \t]+(?=[^\s])", source.text, re.MULTILINE)
         self._step = step[0] if step else layout.indent
-        self._extents: dict[int, Extent] = {}  # of nodes that stand for a line of many
         self._spread: list[Spread] = []  # which keeps those nodes alive
         self._lost: list[Any] = []  # nodes that left their place
         self._known: dict[int, Any] = {}  # what they hold, to be found in other places
-
-    # Where things are
-
-    def _extent(self, node: Any) -> Extent:
-        extent = self._extents.get(id(node)) or self._layout.extent(self._text, node)
-        if extent is None:
-            raise ValueError(f"{type(node).__name__} of the tree that was read has no span")
-        return extent
-
-    def _indent(self, at: int) -> str | None:
-        """The blanks that begin a line, None if something else stands before the offset."""
-        begin = self._text.rfind("\n", 0, at) + 1
-        before = self._text[begin:at]
-        return None if before.strip() else before
-
-    def _line_indent(self, at: int) -> str:
-        begin = self._text.rfind("\n", 0, at) + 1
-        line = self._text[begin:at]
-        return line[: len(line) - len(line.lstrip())]
-
-    def _newline(self, at: int) -> str:
-        """The line end that is used at an offset."""
-        end = self._text.rfind("\n", 0, at)
-        if end < 0:
-            end = self._text.find("\n", at)
-        if end < 0:
-            return self._source.newline
-        return "\r\n" if self._text[end - 1 : end] == "\r" else "\n"
-
-    # Words
-
-    def _same_words(self, pieces: Sequence[Piece], words: Sequence[re.Match[str]]) -> bool:
-        return all(same_word(self._layout, p, w) for p, w in zip(pieces, words, strict=True))
-
-    def _locate(self, pieces: list[Piece], extent: Extent) -> bool:
-        """Finds the pieces in the source; False if their words are not those that stand there."""
-        at, waiting, first = extent.start, [], True
-        for piece in [*pieces, None]:
-            children = piece.what.children if piece and isinstance(piece.what, Block) else None
-            if piece is not None and children is None:
-                waiting.append(piece)
-            elif piece is None or children:
-                stop = self._extent(children[0]).start if children else extent.end
-                words = list(words_of(self._layout, self._text, at, stop))
-                # What could not be read may stand around a block.
-                last = len(words) - len(waiting)
-                shifts = [0] if first else [last] if piece is None else range(last + 1)
-                if last < 0 or (first and piece is None and last):
-                    return False
-                for shift in shifts:
-                    some = words[shift : shift + len(waiting)]
-                    if self._same_words(waiting, some):
-                        break
-                else:
-                    return False
-                for held, word in zip(waiting, some, strict=True):
-                    held.start, held.end = word.span()
-                if children:
-                    at = self._extent(children[-1]).end
-                waiting, first = [], False
-        at = extent.start
-        for piece, following in zip(pieces, [*pieces[1:], None], strict=True):
-            if isinstance(piece.what, Block):
-                piece.start = at
-                if following is None:
-                    piece.end = extent.end
-                elif isinstance(following.what, str):
-                    piece.end = following.start
-                else:
-                    children = piece.what.children
-                    piece.end = self._extent(children[-1]).end if children else at
-            at = piece.end
-        return True
-
-    def _locate_blocks(self, before: list[Piece], after: list[Piece], extent: Extent) -> bool:
-        """Finds the blocks between words that are not understood, if only blocks have changed."""
-        if list(map(spelling, before)) != list(map(spelling, after)):
-            return False
-        at = extent.start
-        for had, has in zip(before, after, strict=True):
-            had.start = had.end = at
-            if isinstance(had.what, Block) and isinstance(has.what, Block):
-                if had.what.children:
-                    had.start = self._extent(had.what.children[0]).start
-                    had.end = at = self._extent(had.what.children[-1]).end
-                elif has.what.children:
-                    return False
-        return True
 
     # A node that changed
 
     def changed(self, old: Any, new: Any, extent: Extent) -> str:
         """The text of a node, from that of the one that it was made from."""
-        kept = self._text[extent.start : extent.end]
+        kept = self._source.text[extent.start : extent.end]
         if same(old, new):
             return kept
         if type(old) is type(new):
@@ -159,15 +69,17 @@ class _Writer:
                 if text is not None:
                     return text
         self._lost.append(old)
-        return self._written(new, self._line_indent(extent.start), self._newline(extent.start))
+        return self._written(
+            new, self._source.line_indent(extent.start), self._source.newline(extent.start)
+        )
 
     def _merged(self, before: list[Piece], after: list[Piece], extent: Extent) -> str | None:
         """The old text with the words and blocks that changed; None if that cannot be done."""
-        located = self._locate(before, extent)
-        if not located and not self._locate_blocks(before, after, extent):
+        located = self._source.locate(before, extent)
+        if not located and not self._source.locate_blocks(before, after, extent):
             return None
         name_blocks(before, after)
-        base, newline = self._line_indent(extent.start), self._newline(extent.start)
+        base, newline = self._source.line_indent(extent.start), self._source.newline(extent.start)
         for piece in after:
             piece.gap = self._indented(piece.gap, base, newline)
         out: list[str | Piece] = []
@@ -177,14 +89,14 @@ class _Writer:
             words = all(isinstance(p.what, str) for p in [*removed, *inserted])
             if kind == "equal" or (len(removed) == len(inserted) and words):
                 for had, has in zip(removed, inserted, strict=True):
-                    out.append(self._text[at : had.start])
+                    out.append(self._source.text[at : had.start])
                     if isinstance(has.what, Block):
                         assert isinstance(had.what, Block)
                         inner = Extent(had.start, had.end)
                         out.append(Piece(self._block(had.what, has.what, inner, base), "text"))
                     else:
                         kept = has.what == had.what
-                        out.append(self._text[had.start : had.end] if kept else has.what)
+                        out.append(self._source.text[had.start : had.end] if kept else has.what)
                     at = had.end
                 continue
             stop = before[i2].start if i2 < len(before) else extent.end
@@ -192,7 +104,7 @@ class _Writer:
             following = after[j2].gap if j2 < len(after) else ""
             out += self._replaced(removed, inserted, Extent(at, stop), following, base, newline)
             at = stop
-        out.append(self._text[at : extent.end])
+        out.append(self._source.text[at : extent.end])
         return _joined(out) if not located or self._says(out, after) else None
 
     def _replaced(
@@ -206,7 +118,7 @@ class _Writer:
     ) -> Iterator[str | Piece]:
         """New pieces in place of old ones. room: from the last piece that stays to the next."""
         marks = [room.start, *(at for p in removed for at in (p.start, p.end)), room.end]
-        gaps = [self._text[a:b] for a, b in zip(marks[::2], marks[1::2], strict=True)]
+        gaps = [self._source.text[a:b] for a, b in zip(marks[::2], marks[1::2], strict=True)]
         first, last = gaps[0] if removed else "", gaps[-1]
         notes = "".join(gap for gap in gaps[1:-1] if noted(self._layout, gap))
         begins, ends = room.start == marks[1] and not first, room.end == marks[-2] and not last
@@ -249,7 +161,7 @@ class _Writer:
         for pieces, stretch in zip(wanted, stretches, strict=True):
             text = "".join(stretch)
             words = list(words_of(self._layout, text, 0, len(text)))
-            if len(words) != len(pieces) or not self._same_words(pieces, words):
+            if len(words) != len(pieces) or not self._source.same_words(pieces, words):
                 return False
         return True
 
@@ -258,15 +170,17 @@ class _Writer:
     def _block(self, old: Block, new: Block, room: Extent, base: str) -> str:
         """The text from the word before a block to the word behind it."""
         if old.children is new.children or old.children == new.children:
-            return self._text[room.start : room.end]
+            return self._source.text[room.start : room.end]
         entries = _Entries(self, room, base, base + self._step * new.depth)
         head, tail = common_ends(old.children, new.children)
         middle_old = old.children[head : len(old.children) - tail]
         middle_new = new.children[head : len(new.children) - tail]
-        spread = self._layout.spread(self._text, middle_old, middle_new)
+        spread = self._layout.spread(self._source.text, middle_old, middle_new)
         if spread is not None:
             self._spread.append(spread)
-            self._extents |= {id(n): e for n, e in zip(spread.old, spread.extents, strict=True)}
+            self._source.extents |= {
+                id(n): e for n, e in zip(spread.old, spread.extents, strict=True)
+            }
             middle_old, middle_new = tuple(spread.old), tuple(spread.new)
         olds = (*old.children[:head], *middle_old, *old.children[len(old.children) - tail :])
         partner: list[int | None] = list(range(head))
@@ -294,8 +208,8 @@ class _Writer:
         """A node as it stood elsewhere in the source, else printed."""
         while self._lost:
             self._remember(self._lost.pop())
-        if id(node) in self._known and (extent := self._layout.extent(self._text, node)):
-            return self._text[extent.start : extent.end]
+        if id(node) in self._known and (extent := self._layout.extent(self._source.text, node)):
+            return self._source.text[extent.start : extent.end]
         out = ""
         for part in self._layout.sketch(node):
             if isinstance(part, Block):
@@ -333,11 +247,12 @@ class _Entries:
 
     def text(self, old: Sequence[Any], new: Sequence[Any], partner: list[int | None]) -> str:
         w, layout, room = self._writer, self._writer._layout, self._room
-        text, extent = w._text, w._extent
+        source = w._source
+        text, extent = source.text, source.extent
         if old:
-            indents = (w._indent(extent(node).start) for node in old)
+            indents = (source.indent(extent(node).start) for node in old)
             self._indent = next((i for i in indents if i is not None), self._indent)
-        newline = w._newline(room.start)
+        newline = source.newline(room.start)
         out = self._out
         last = -1  # index of the last old node that has been placed
         at = room.start  # offset up to which the source has been used
@@ -356,7 +271,7 @@ class _Entries:
                 at, open_end = end, False
             if i is None:
                 # Stand on the line of the first node that stays, if it begins one.
-                if last >= 0 and (here := w._indent(extent(old[last]).start)) is not None:
+                if last >= 0 and (here := source.indent(extent(old[last]).start)) is not None:
                     self._indent = here
                 out.append(self._lead(layout.line_ends(before, node), before, newline))
                 out.append(w._written(node, self._indent, newline))
@@ -386,7 +301,7 @@ class _Entries:
 
     def _gap(self, removed: Sequence[Any], start: int, end: int) -> str:
         """What stays between two nodes when those between them are taken out with their lines."""
-        text, extent = self._writer._text, self._writer._extent
+        text, extent = self._writer._source.text, self._writer._source.extent
         marks = [start, *(at for node in removed for at in extent(node)), end]
         gaps = [text[a:b] for a, b in zip(marks[::2], marks[1::2], strict=True)]
         first, last = gaps[0], gaps[-1]

@@ -33,7 +33,8 @@ from assistant.sources.cells import Cells
 from assistant.sources.delimited import read_cells
 from assistant.sources.headers import columns_of, shown
 from assistant.sources.process import Process
-from assistant.sources.table_columns import Table, output, table_of
+from assistant.sources.table_actions import output
+from assistant.sources.table_columns import Table, table_of
 
 ERROR: Final = Severity.ERROR
 MIXED = Rule(

@@ -69,7 +69,7 @@ from assistant.sources.process import Process
 from assistant.sources.process_file import ENCODINGS, process_in, read_toml
 from assistant.sources.process_table import REPAIRED, Table
 from assistant.sources.process_values import Wrong, kind_of
-from assistant.sources.table_columns import output
+from assistant.sources.table_actions import output
 
 ERROR: Final = Severity.ERROR
 NO_TARGETS = Rule(

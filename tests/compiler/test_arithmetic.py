@@ -49,6 +49,18 @@ def test_a_remainder_below_0_is_told_of_in_either_direction(tmp_path: Path) -> N
     assert said(tmp_path, "m.mod", RAPID.format("a:=7;b:=a MOD 4;"), "melfa-basic-5")[1] == []
 
 
+@pytest.mark.parametrize(
+    ("value", "codes"), [("M_Inb(8)", []), ("Abs(M3)", []), ("M3", ["MB250"]), ("-1", ["MB250"])]
+)
+def test_bits_are_those_of_numbers_that_are_not_below_0(
+    tmp_path: Path, value: str, codes: list[str]
+) -> None:
+    file = tmp_path / "a.prg"
+    file.write_text(MELFA.format(f"2 M3=M_Inb(24)-1\n3 M1=(4 Or {value}) And 7"), encoding="utf-8")
+    found = translate(file, to="rapid", language="melfa-basic-5").findings
+    assert [f.code for f in found if f.code == "MB250"] == codes
+
+
 def test_a_project_says_how_its_controllers_do_it(tmp_path: Path) -> None:
     settings = tmp_path / "assistant.toml"
     text = MELFA.format("2 M2=M_DIn(6000)\n3 M1=MA(M2)")

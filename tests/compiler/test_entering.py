@@ -82,3 +82,12 @@ def test_the_command_line_names_it(tmp_path: Path) -> None:
     simulated = ["simulate", str(file), "--entry", "run", "-r", "irb1200-7-0.7"]
     assert CliRunner().invoke(app, simulated).exit_code == 0
     assert CliRunner().invoke(app, [*call, "--entry", "up"]).exit_code == 2
+
+
+def test_where_nothing_can_begin_the_cure_says_what_could(tmp_path: Path) -> None:
+    file = tmp_path / "cell.mod"
+    file.write_text("MODULE cell\nPROC up(num by)\nWaitTime by;\nENDPROC\nENDMODULE\n", "utf-8")
+    with pytest.raises(Refused) as refused:
+        translate(file, to="melfa-basic-5", entry="walk")
+    (finding,) = refused.value.findings
+    assert finding.cure == "choose a procedure without parameters"

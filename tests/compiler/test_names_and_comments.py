@@ -15,7 +15,7 @@ from assistant.program import statements as p
 from assistant.program.program import Procedure, Program
 
 
-@pytest.mark.parametrize("layer", ["Default", "default", "error", "End"])
+@pytest.mark.parametrize("layer", ["Default", "default", "error", "End", "Außenkontur ü", "Ü"])
 @pytest.mark.parametrize("language", ["rapid", "melfa-basic-5"])
 def test_a_drawing_with_such_a_layer(tmp_path: FilePath, layer: str, language: str) -> None:
     drawing = ezdxf.new(units=4)

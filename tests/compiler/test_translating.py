@@ -91,7 +91,7 @@ def test_each_statement_of_melfa_basic_has_its_level(tmp_path: Path, language: s
         2: "supported",
         3: "partial",
         4: "not",
-        5: "supported",
+        5: "partial",  # nothing gives M1 a value
         6: "supported",
         7: "not",
         10: "supported",
@@ -269,6 +269,14 @@ def test_a_tool_that_the_program_does_not_have_is_said(tmp_path: Path) -> None:
     process.write_text("[tools.torsh]\ntip = [0, 0, 123]\n")
     found = translated(tmp_path, MODULE, "melfa-basic-5", process=process)
     assert "CO006" in {f.code for f in found.whole}
+
+
+def test_what_a_process_file_says_of_drawings_is_told(tmp_path: Path) -> None:
+    process = tmp_path / "cell.process.toml"
+    process.write_text('robot = "rv-4frl"\ntolerance = 0.2\njoint_speed = 100\n')
+    found = translated(tmp_path, MODULE, "melfa-basic-5", process=process)
+    (told,) = [f.message for f in found.whole if f.code == "CO009"]
+    assert "`robot`" in told and "`tolerance`" in told and "joint" not in told
 
 
 def test_a_drawing_is_no_program_to_translate() -> None:

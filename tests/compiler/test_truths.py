@@ -48,7 +48,7 @@ def test_the_inverse_of_a_constant_is_worked_out(tmp_path: Path) -> None:
     assert not any(code in ("CO102", "CO103") for code in found)
 
 
-@pytest.mark.parametrize("line", ["P2=Inv(P3)", "If Not M_In(1) Then Hlt", "M1=M2 And M3"])
+@pytest.mark.parametrize("line", ["P2=Inv(P3)", "If Not M_In(1) Then Hlt", "M1=(M2>3)+1"])
 def test_what_is_not_is_refused_in_words_of_its_own(tmp_path: Path, line: str) -> None:
     body, found = translated(tmp_path, line)
     assert body == ""

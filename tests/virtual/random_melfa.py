@@ -55,7 +55,7 @@ class _Writer(Values):
 
     def program(self) -> str:
         rng = self.rng
-        self.rare = {one for one in RARE if rng.random() < 0.12}
+        self.rare = {one for one in RARE if rng.random() < 0.2}
         functions = self.level == 6 and rng.random() < 0.5
         subroutines = SUBROUTINES[: rng.randrange(0, 4)]
         if functions:
@@ -63,16 +63,22 @@ class _Writer(Values):
         else:
             self.head()
             self.callable = subroutines
+            head, self.lines = self.lines, []
             self.body(rng.randrange(5, 12))
             for name in subroutines:
                 if f"GoSub *{name}" not in self.lines:
                     self.add(f"GoSub *{name}")
             self.add("End")
+            main, self.lines = self.lines, []
             for at, name in enumerate(subroutines):
                 self.sub, self.callable = True, subroutines[at + 1 :]
                 self.add(f"*{name}")
                 self.body(rng.randrange(2, 6))
                 self.add("Return")
+            if subroutines and rng.random() < 0.3:  # the main part behind them
+                self.lines = [*head, "GoTo *MAIN", *self.lines, "*MAIN", *main]
+            else:
+                self.lines = [*head, *main, *self.lines]
         return self._numbered() + DATA + (JOINTS if self.arms else "")
 
     def _with_functions(self) -> None:

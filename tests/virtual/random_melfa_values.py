@@ -132,7 +132,10 @@ class Values:
         if kind == 1:
             return f"M_Inb(8)>{rng.choice((0, 3, 9))}"
         if kind == 2 and "bits" in self.rare:
-            return f"({rng.choice(WHOLE)} And {rng.choice((1, 2, 3))})={rng.choice((0, 1, 2))}"
+            sign, mask = rng.choice(("And", "Or", "Xor")), rng.choice((1, 2, 3))
+            what = rng.choice((*WHOLE, "M_Inb(8)", "M_Inb(24)", f"Abs({rng.choice(self.numbers)})"))
+            bits = f"({what} {sign} {mask})"
+            return rng.choice((f"{bits}={rng.choice((0, 1, 2))}", f"{what} And {mask}"))
         if kind == 3:
             sign = rng.choice(("And", "Or"))
             return (

@@ -32,9 +32,10 @@ FEATURES: Final = {
     "persistent": 0.5,
     "settings": 0.15,
     "ends": 0.1,
-    "optional": 0.04,
+    "optional": 0.1,
     "tables": 0.06,
     "arcs": 0.3,
+    "registers": 0.1,
 }
 """How likely each feature is that a program may use: each program leaves most others in peace."""
 
@@ -106,6 +107,8 @@ def _data(rng: Random, scope: Scope) -> list[str]:
         first = rng.choice(["", ":=TRUE", ":=FALSE"])
         lines.append(f"VAR bool {name}{first};")
         scope.add(Data(name, "truth", "VAR"))
+    if scope.has("registers"):
+        scope.add(Data(rng.choice(["reg1", "reg2"]), "whole", "VAR"))
     if scope.has("arrays"):
         lines += _arrays(rng, scope)
     return lines

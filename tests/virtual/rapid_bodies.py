@@ -151,6 +151,8 @@ class Body:
             else ""
         )
         zone = zone or rng.choice(w.ZONES)
+        if zone == "fine" and self.scope.has("settings") and rng.random() < 0.3:
+            zone = f"fine\\Inpos:={rng.choice(['inpos20', 'inpos50'])}"
         self.say(
             depth, f"{kind} {self.terms.target()},{rng.choice(w.SPEEDS)},{zone},{tool}{frame};"
         )
@@ -185,14 +187,14 @@ class Body:
                     f"WaitDI {rng.choice(list(w.INPUTS))},1;",
                     f"WaitUntil {rng.choice(list(w.INPUTS))}=1;",
                     "WaitRob\\InPos;",
+                    "WaitRob\\ZeroSpeed;",
+                    "WaitTime\\InPos,0.5;",
                 ]
             ),
         )
 
     def setting(self, depth: int) -> None:
-        self.say(
-            depth, self.rng.choice(["ConfL\\Off;", "SingArea\\Wrist;", "ConfJ\\On;", "TPErase;"])
-        )
+        self.say(depth, self.rng.choice(w.SETTINGS))
 
     def message(self, depth: int) -> None:
         self.say(depth, 'TPWrite "part done";')
@@ -301,6 +303,8 @@ class Body:
         arguments = ",".join(self.terms.arguments(routine))
         fast = [p for p in routine.parameters if p.kind == "switch"]
         option = "\\fast" if fast and self.rng.random() < 0.5 else ""
+        if option and any(p.kind == "switch" for p in self.routine.parameters):
+            option = self.rng.choice([option, "\\fast?fast"])
         self.say(depth, f"{routine.name} {arguments}{option}".strip() + ";")
 
     def give_back(self, depth: int) -> None:

@@ -87,6 +87,8 @@ class Scope:
             if one.kind != "switch":
                 storage = "PERS" if one.mode == "PERS" else "VAR"
                 found.add(Data(one.name, one.kind, storage, one.size))
+            else:
+                found.add(Data(f"Present({one.name})", "truth", "CONST"))
         return found
 
     def those(self, fits: Callable[[Data], bool]) -> list[Data]:

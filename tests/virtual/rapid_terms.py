@@ -123,8 +123,9 @@ class Terms:
             return named
         if draw < 0.8:
             return f"Offs({named},{self.shift()},{self.shift()},{self.shift()})"
-        turn = rng.choice(["", "", "\\Rz:=30", "\\Rx:=15", "\\Ry:=-10"])
-        return f"RelTool({named},{self.shift()},0,{self.shift()}{turn})"
+        turn = rng.choice(["", "", "\\Rz:=30", "\\Rx:=15", "\\Ry:=-10", "\\Rx:=15\\Rz:=30"])
+        beside = self.shift() if rng.random() < 0.3 else "0"
+        return f"RelTool({named},{self.shift()},{beside},{self.shift()}{turn})"
 
     def shift(self) -> str:
         return self.rng.choice(

@@ -48,6 +48,10 @@ ORIENTATIONS: Final = (
 )
 SPEEDS: Final = ("v50", "v100", "v200", "v300", "v500", "v1000")
 ZONES: Final = ("fine", "fine", "z1", "z5", "z10", "z50")
+SETTINGS: Final = (
+    *("ConfL\\Off;", "ConfL\\On;", "ConfJ\\On;", "SingArea\\Off;", "SingArea;", "TPErase;"),
+    *("GripLoad load0;", "CornerPathWarning FALSE;"),
+)
 UNUSED: Final = "[9E9,9E9,9E9,9E9,9E9,9E9]"
 
 

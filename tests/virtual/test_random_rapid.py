@@ -29,6 +29,8 @@ SAID = {
     "groups": r"SetGO",
     "tables": r"tTable\{\d\}",
     "arcs": r"MoveC",
+    "settings": r"ConfL|GripLoad",
+    "registers": r"reg[12]\b",
     "optional": r"\\switch fast",
     "components": r"\.trans\.[xyz]:=",
     "persistent": r"^PERS num",

@@ -12,6 +12,8 @@ PLAIN: Final = {
 """Functions that take and give the same units."""
 TEXTS: Final = frozenset({"Str", "Mid", "Chr"})
 """Those that give a text: their names end in `$`."""
+BITS: Final = {"bitand": "AND", "bitor": "OR", "bitxor": "XOR"}
+"""Functions of bits, which are operators."""
 OF_ANGLE: Final = {"sin": "Sin", "cos": "Cos", "tan": "Tan"}
 TO_ANGLE: Final = {"atan": "Atn", "atan2": "Atn2", "asin": "ASin", "acos": "ACos"}
 

@@ -32,9 +32,11 @@ AS_IS: Final = ("robot",)
 
 NAME_KINDS: Final = (
     "target", "joints", "tool", "frame", "loop", "procedure", "label", "unit", "first", "timer",
+    "result",
 )  # fmt: skip
 """Kinds of `SHORT = original` entries. `first` is the procedure that a unit begins with,
-the SHORT of a `timer` its number."""
+the SHORT of a `timer` its number; a `result` has a type, where the letter of a Function says
+another one."""
 
 
 @dataclass(slots=True)

@@ -259,9 +259,23 @@ NO_CORNER = Rule(
     "MB235", W, "a corner of 0 mm is written as a stop at the target",
     "write `Cnt 0`, or give both distances",
 )  # fmt: skip
+SIGNED_BITS = Rule(
+    "MB250", E, "`{word}` may meet a number below 0, whose bits other languages do not say",
+    "take `Abs` of it, or give it no value below 0",
+)  # fmt: skip
 JOINT_OVERRIDE = Rule(
     "MB249", W, "a percentage of joint speed for the moves below is said as the speed of each",
-    "see to their speeds",
+    "check the speeds of these moves",
+)  # fmt: skip
+BEGINS = Rule(
+    "MB251", W, "nothing gives `{name}` a value before it may be read: it begins with {value}, "
+    "where a controller for MELFA-BASIC has what was kept, or stops",
+    "give it its value above, at the top of the program",
+)  # fmt: skip
+JOINTS_UNTOLD = Rule(
+    "MB252", E, "nothing says what the joints `{name}` are before they may be read: others would "
+    "begin with all axes at 0, and move there",
+    "add the line that holds them, or give them their value above",
 )  # fmt: skip
 CARRIED = Rule(
     "MB237", W, "`{name}` gets its first value in each cycle, not only at a start from the top: "
@@ -269,7 +283,7 @@ CARRIED = Rule(
     "let the cycle stand in a loop without end (`WHILE TRUE` in RAPID), or give it its value in it",
 )  # fmt: skip
 NO_ENTRY = Rule(
-    "MB245", E, "nothing says what `{name}` begins with: its first line would be its `End`",
+    "MB245", E, "`{name}` has no main procedure: the program would end at once",
     "name the procedure with --entry, or call it `main` in the source",
 )  # fmt: skip
 NO_FIT = Rule(

@@ -11,88 +11,19 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from assistant.languages.melfa_basic.columnar import MoveRows, PositionRows
+from assistant.languages.melfa_basic.expression_tree import (
+    Binary as Binary,
+    Constant as Constant,
+    Expression as Expression,
+    Number as Number,
+    Pallet as Pallet,
+    String as String,
+    Unary as Unary,
+    Variable as Variable,
+    Word as Word,
+)
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.text import SourceText
-
-# --------------------------------------------------------------------------- expressions
-
-
-@dataclass(frozen=True, slots=True)
-class Number:
-    """base: 10, 16 for `&H`, 2 for `&B`. suffix: a type mark, empty for none."""
-
-    value: int | float
-    base: Literal[2, 10, 16] = 10
-    suffix: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class String:
-    value: str
-
-
-@dataclass(frozen=True, slots=True)
-class Variable:
-    """A variable, status variable, array element, component, or function call.
-
-    arguments: None without brackets, () for empty ones. component: `X`, `J1`, … or empty.
-    """
-
-    name: str
-    suffix: str = ""
-    arguments: tuple[Expression | None, ...] | None = None
-    component: str = ""
-    span: Span | None = field(default=None, compare=False, repr=False)
-
-    @property
-    def key(self) -> str:
-        """The name as the controller compares it."""
-        return self.name.upper()
-
-
-@dataclass(frozen=True, slots=True)
-class Constant:
-    """A position or joint constant; None for what is left out.
-
-    values: mm and degrees. flags: structure and multi-rotation flag, None without the group.
-    """
-
-    values: tuple[float | None, ...]
-    flags: tuple[int | None, int | None] | None = None
-    span: Span | None = field(default=None, compare=False, repr=False)
-
-
-@dataclass(frozen=True, slots=True)
-class Unary:
-    operator: str
-    operand: Expression
-
-
-@dataclass(frozen=True, slots=True)
-class Binary:
-    """operator: upper case as printed."""
-
-    operator: str
-    left: Expression
-    right: Expression
-
-
-@dataclass(frozen=True, slots=True)
-class Pallet:
-    """A grid point: `(Plt number, point)`."""
-
-    number: Expression
-    point: Expression
-
-
-@dataclass(frozen=True, slots=True)
-class Word:
-    """A bare `On` among the arguments of a statement."""
-
-    text: str
-
-
-Expression = Number | String | Variable | Constant | Unary | Binary | Pallet | Word
 
 # ---------------------------------------------------------------------------- statements
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.language import ARITHMETIC, Adapted, Language, Part, Precision
 from assistant.languages.rapid.syntax import File
@@ -97,6 +97,11 @@ class Rapid(Language[File]):
         from assistant.languages.rapid.lift.program import lift
 
         return lift(trees)
+
+    def exported(self, program: Program, to: Language[Any], arm: Robot | None) -> Adapted:
+        from assistant.languages.rapid.lift.exported import exported
+
+        return Adapted(program) if to.family == self.family else exported(program, arm)
 
     def merge(
         self,

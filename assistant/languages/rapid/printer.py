@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Final
 
+from assistant.languages.rapid import rules
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.runs import moves_text, targets_text
-from assistant.program.text import one_line
+from assistant.program.diagnostics import Refused
+from assistant.program.text import LINE_ENDS, one_line
 
 INDENT: Final = "    "
 NEWLINE: Final = "\r\n"
@@ -280,10 +282,14 @@ def expression(node: s.Expression | s.Whole) -> str:
 def string(value: str) -> str:
     """A literal; other characters of Latin-1 than ASCII as two hex digits.
 
-    What only UTF-8 can say, which RobotWare 7 reads, stays as it is.
+    What only UTF-8 can say, which RobotWare 7 reads, stays as it is; raises Refused for what would
+    end the line.
     """
     pieces = []
     for c in value:
+        if c in LINE_ENDS and ord(c) > 0xFF:
+            what = f"a {LINE_ENDS[c]} in a text, which would end its line there"
+            raise Refused(rules.NO_MEANING(what=what, hint="take it out"))
         if c in '"\\':
             pieces.append(c * 2)
         elif " " <= c <= "~" or ord(c) > 0xFF:

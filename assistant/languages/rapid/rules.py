@@ -126,3 +126,4 @@ COUNTER: Final = Rule(
     "the variable `{name}` of a `for` {why}; a loop of RAPID has a variable of its own",
     "use another name for the loop, or copy the value to a declared variable inside it",
 )
+LEFT_OUT: Final = Rule("RA311", WARNING, "`{what}` is left out: {loss}", "{cure}")

@@ -9,7 +9,8 @@ from typing import Final
 from assistant.languages.rapid.tables import GRIPPER_SIGNAL, GRIPPER_VALUE
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.program import Signal
+from assistant.program.program import Program, Signal
+from assistant.program.rewriting import head, records
 
 
 def with_used(
@@ -33,6 +34,31 @@ def uses(statements: Iterable[p.Statement]) -> Iterator[tuple[str, Signal]]:
                 yield name, Signal("digital", "output")
             case p.WaitSignal(name):
                 yield name, Signal("digital", "input")
+
+
+def read_by_another_name(program: Program) -> Iterator[tuple[p.Statement, str, str]]:
+    """Statements that read an output which others set as part of a signal of another name.
+
+    With each the name that it reads and the one that is set. Digital outputs and groups share
+    numbers; how signals of a controller that are mapped to the same bits follow each other, no
+    manual of RAPID tells.
+    """
+    outputs = {
+        name.lower(): range(signal.number, signal.number + signal.bits)
+        for name, signal in program.signals.items()
+        if signal.number is not None and signal.direction == "output" and signal.kind != "analog"
+    }
+    statements = tuple(program.statements())
+    written = {one.signal.lower(): one.signal for one in statements if isinstance(one, p.SetSignal)}
+    written = {key: name for key, name in written.items() if key in outputs}
+    for statement in statements:
+        names = [r.name for r in records(head(statement)) if isinstance(r, e.Name)]
+        names += [statement.signal] if isinstance(statement, p.WaitSignal) else []
+        for name in names:
+            own = outputs.get(name.lower(), range(0))
+            for key, other in written.items():
+                if key != name.lower() and not set(own).isdisjoint(outputs[key]):
+                    yield statement, name, other
 
 
 def gripper(signal: str, value: e.Expression) -> p.Gripper | None:

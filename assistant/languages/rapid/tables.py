@@ -168,6 +168,13 @@ FUNCTIONS: Final[Mapping[str, str]] = {
 }
 """Functions of the pseudo-program that RAPID has under another name, argument by argument."""
 
+BITS: Final[Mapping[str, str]] = {
+    "bitand": "BitAndDnum",
+    "bitor": "BitOrDnum",
+    "bitxor": "BitXOrDnum",
+}
+"""Functions of bits, of whole numbers up to 52 bits; those of a byte have other names."""
+
 COMPONENTS: Final[Mapping[str, tuple[str, str]]] = {
     **{axis: ("trans", axis) for axis in "xyz"},
     **{f"j{i}": ("robax", f"rax_{i}") for i in range(1, 7)},

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any, Final
 
 from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.blocks import closed, divided, opened
 from assistant.languages.melfa_basic.columnar import KEYWORDS, MoveRows, PositionRows
 from assistant.virtual.melfa.memory import DEFINED, SUFFIXES, Scope
 from assistant.virtual.melfa.stops import Failed
@@ -72,7 +73,7 @@ class Code:
         return statement
 
 
-CLOSERS: Final = {"WEnd": "While", "EndIf": "If", "End Select": "Select", "FEnd": "Function"}
+FUNCTION: Final = "Function"
 MISMATCH: Final = {"If": 3252, "For": 3230, "While": 3250, "Select": 3254, "Function": 3220}
 
 
@@ -161,16 +162,17 @@ def constant(node: s.Expression) -> Value | None:
 
 
 def _blocks(code: Code, open_: list[Block], at: int, statement: s.Statement | None) -> None:
-    kind = _opening(statement)
-    part = _parting(statement)
+    kind = FUNCTION if isinstance(statement, s.Function) else opened(statement)
+    part = divided(statement)
     if part:
         if not open_ or open_[-1].kind != part:
             raise Failed(MISMATCH[part], f"a part of a {part} stands outside of one")
         open_[-1].parts.append(at)
         code.parted[at] = open_[-1]
-    for closed in _closing(statement):
-        if not open_ or open_[-1].kind != closed:
-            raise Failed(MISMATCH[closed], f"the end of a {closed} stands without its beginning")
+    ends = (FUNCTION,) if statement == s.Command("FEnd") else closed(statement)
+    for end in ends:
+        if not open_ or open_[-1].kind != end:
+            raise Failed(MISMATCH[end], f"the end of a {end} stands without its beginning")
         block = open_.pop()
         block.end = at
         code.closed.setdefault(at, []).append(block)
@@ -181,39 +183,6 @@ def _blocks(code: Code, open_: list[Block], at: int, statement: s.Statement | No
         open_.append(block)
         if isinstance(statement, s.Function):
             code.functions[statement.name.upper()] = block
-
-
-def _opening(statement: s.Statement | None) -> str:
-    match statement:
-        case s.If(then=None):
-            return "If"
-        case s.For():
-            return "For"
-        case s.Select():
-            return "Select"
-        case s.Function():
-            return "Function"
-        case s.Command(keyword="While"):
-            return "While"
-    return ""
-
-
-def _parting(statement: s.Statement | None) -> str:
-    match statement:
-        case s.ElseIf() | s.Command(keyword="Else"):
-            return "If"
-        case s.Case() | s.Command(keyword="Default"):
-            return "Select"
-    return ""
-
-
-def _closing(statement: s.Statement | None) -> list[str]:
-    match statement:
-        case s.Next(variables=variables):
-            return ["For"] * max(1, len(variables))
-        case s.Command(keyword=word) if word in CLOSERS:
-            return [CLOSERS[word]]
-    return []
 
 
 # ----------------------------------------------------------------------------------- scopes

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -48,6 +49,15 @@ def absolute(given: Given) -> None:
     given.machine.events.append(
         Moved("joint", arm.flange, carried(tool), joints=arm.joints, speed=speed, blend=blend)
     )
+
+
+def stop(machine: Machine) -> None:
+    """The motion before ends at its target, whatever corner it states: the program waits there."""
+    for place in range(len(machine.events) - 1, -1, -1):
+        event = machine.events[place]
+        if isinstance(event, Moved):
+            machine.events[place] = replace(event, blend=0.0)
+            return
 
 
 def flange_of(machine: Machine, joints: tuple[float, ...]) -> Pose | None:

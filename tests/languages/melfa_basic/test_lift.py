@@ -286,7 +286,7 @@ def value(text: str) -> e.Expression:
         ("Deg(Atn2(M2,M3))", e.Apply("atan2", (e.Name("M2"), e.Name("M3")))),
         ("P1.Z-5", e.Binary("-", e.Member(e.Name("P1"), "z"), e.Number(5))),
         ("Dist(P1,P2)", e.Apply("distance", (e.Name("P1"), e.Name("P2")))),
-        ("M2 And 12", e.Verbatim("melfa-basic-6", "M2 And 12")),
+        ("M2 And 12", e.Apply("bitand", (e.Apply("round", (e.Name("M2"),)), e.Number(12)))),
         ("(M2>3)+1", e.Verbatim("melfa-basic-6", "(M2>3)+1")),
         ("Not M2", e.Verbatim("melfa-basic-6", "Not M2")),
     ],
@@ -342,7 +342,8 @@ def test_bits_are_no_truths() -> None:
     assert test.branches[0].condition == condition
     (test,) = body("If M1 And M2 Then Hlt\n")
     assert isinstance(test, p.If)
-    assert isinstance(test.branches[0].condition, e.Verbatim)
+    both = (e.Apply("round", (e.Name("M1"),)), e.Apply("round", (e.Name("M2"),)))
+    assert test.branches[0].condition == e.Binary("<>", e.Apply("bitand", both), e.Number(0))
 
 
 def test_a_name_with_c_is_a_text_only_where_something_says_so() -> None:
@@ -366,6 +367,14 @@ def test_positions_that_change_are_variables() -> None:
     assert program.variables["P1"].storage == "persistent"
     assert isinstance(program.variables["P1"].initial, e.TargetValue)
     assert "P2" in program.targets
+
+
+def test_numbers_that_stand_behind_the_program_are_kept() -> None:
+    program = lifted("M1=M1+1\nM3=4\nEnd\nM1=+2.50\nM2%=+7\nM3=+1\n")
+    found = {name: (v.storage, v.initial) for name, v in program.variables.items()}
+    assert found["M1"] == ("persistent", e.Number(2.5))
+    assert "M2" not in found
+    assert found["M3"] == ("persistent", e.Number(1))
 
 
 def test_arrays() -> None:

@@ -251,7 +251,7 @@ def test_an_expression_of_one_dialect_is_one_of_another(name: str) -> None:
     ("text", "codes"),
     [
         ("Total=3\nMov P1 Wth M_Out(3)=Total\n", ["MB232"]),
-        ("Total=3\nM1=Total And 7\n", ["MB232"]),
+        ("Total=3\nM1=Not Total\n", ["MB232"]),
         ("Def Act 1,M_In(3)=1 GoSub *A_Long_One\nEnd\n*A_Long_One\nHlt\n", ["MB232"]),
         ("M1=3\nMov P1 Wth M_Out(3)=M1\n", []),
     ],

@@ -431,3 +431,52 @@ def test_in_six_a_function_is_called_once_for_all_cases(cases: str, said: bool) 
     source = program(f"TEST counted(1)\nCASE {cases}:\n m:=1;\nENDTEST", COUNTED, NUMBERS)
     codes = {f.code for f in languages.get("melfa-basic-6").adapt(source).findings}
     assert ("MB209" not in codes) == said
+
+
+ACTING = """\
+ FUNC num acting()
+  SetDO glue,1;
+  WaitDI ok,1;
+  n:=n+1;
+  MoveL seat,v100,fine,tool0;
+  RETURN n;
+ ENDFUNC
+"""
+ORDERS = {
+    "n:=DOutput(glue)+acting();": (True, False),
+    "n:=acting()+DOutput(glue);": (False, False),
+    "n:=DInput(ok)+acting();": (True, False),
+    "n:=ClkRead(c)+acting();": (True, False),
+    r"p:=Offs(CRobT(\Tool:=tool0\WObj:=wobj0),acting(),0,0);": (True, False),
+    "a{acting()}:=acting();": (False, True),
+    "a{n}:=acting();": (True, True),
+    "a{acting()}:=n;": (False, True),
+    "a{2}:=acting();": (False, False),
+    "a{acting()}:=3;": (False, False),
+}
+"""Whether it cannot be said with calls in front of the statement, and whether as it stands."""
+
+
+@pytest.mark.parametrize("line", ORDERS)
+def test_a_call_keeps_its_place_among_what_is_read(line: str) -> None:
+    data = NUMBERS + " VAR clock c;\n VAR num a{4};\n VAR robtarget p;\n"
+    source = program(f"ClkReset c;\nClkStart c;\n{line}", ACTING, data)
+    for dialect, refused in zip(("melfa-basic-5", "melfa-basic-6"), ORDERS[line], strict=True):
+        found = languages.get(dialect).adapt(source).findings
+        texts = [f.message for f in found if f.code == "MB209"]
+        assert bool(texts) == refused, (dialect, texts)
+
+
+def test_a_result_that_is_kept_takes_no_name_of_the_program() -> None:
+    data = NUMBERS + " VAR num inner_result_1:=100;\n"
+    text = written(
+        program("n:=inner(1)+inner(2)+inner_result_1;", FUNCTIONS, data), "melfa-basic-5"
+    )
+    assert "MN=MINNERRESULT12+MINNERRESULT2+MINNERRESULT1" in text.upper()
+
+
+@pytest.mark.parametrize("line", ["pen.tframe.trans.z:=120;", "tray.uframe.trans.x:=5;"])
+def test_a_tool_or_frame_that_changes_is_declared_all_the_same(line: str) -> None:
+    found = languages.get("melfa-basic-5").adapt(program(line)).findings
+    (told,) = [f for f in found if f.severity is Severity.ERROR]
+    assert told.code == "MB209" and "a tool or frame" in told.message

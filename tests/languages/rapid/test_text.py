@@ -15,6 +15,7 @@ from assistant.languages.rapid.reading.grammar import grammar
 from assistant.languages.rapid.reading.parser import parse
 from assistant.languages.rapid.runs import FEWEST
 from assistant.languages.rapid.tables import RESERVED
+from assistant.program.diagnostics import Refused
 
 RAPID = languages.get("rapid")
 LINES = (Path(__file__).parent / "identity.txt").read_text(encoding="utf-8").splitlines()
@@ -49,6 +50,23 @@ def test_comments_keep_their_places() -> None:
     assert RAPID.parse(printed) == tree
     for word in ("module", "above", "a", "p", "before", "it", "THEN", "ENDIF"):
         assert any(line.endswith(" " + word) for line in printed.split("\n"))
+
+
+@pytest.mark.parametrize("character", ["\u2028", "\u2029"])
+def test_a_string_that_would_end_its_line_is_not_printed(character: str) -> None:
+    tree = RAPID.parse('MODULE m\n  CONST string a:="x";\nENDMODULE\n')
+    (module,) = tree.modules
+    (data,) = module.items
+    assert isinstance(data, s.Data)
+    for text, fits in ((f"x{character}", False), ("x\x85\u4e2d", True)):
+        changed = replace(data, value=s.StringLiteral(text))
+        one = replace(tree, parts=(replace(module, items=(changed,)),))
+        if fits:
+            assert RAPID.parse(RAPID.render(one)) == one
+            continue
+        with pytest.raises(Refused) as refused:
+            RAPID.render(one)
+        assert [f.code for f in refused.value.findings] == ["RA305"]
 
 
 def test_an_unchanged_module_beside_a_changed_one_keeps_its_text() -> None:

@@ -168,7 +168,7 @@ def test_a_pulse_to_zero_is_refused() -> None:
         main(p.Wait(e.Verbatim("melfa-basic-5", "M_Timer(1)"))),
         main(p.Wait(e.Verbatim("rapid", "1; Stop"))),
         main(p.Wait(e.Number(math.nan))),
-        main(p.Wait(e.Apply("floor", (e.Number(1.5),)))),
+        main(p.Wait(e.Apply("ln", (e.Number(1.5),)))),
         main(p.Assign(e.Name("t"), e.Text("x" * 81))),
         main(p.Assign(e.Name("t"), e.Text("→"))),
         main(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+from dataclasses import replace
 from pathlib import Path as FilePath
 
 import numpy as np
@@ -496,3 +497,13 @@ def test_what_cannot_be_read_at_all(kind: str, tmp_path: FilePath) -> None:
     with pytest.raises(Refused) as refused:
         sources.read(path)
     assert refused.value.exit_status == 2
+
+
+def test_a_value_that_is_no_number_is_told_of_at_its_own_signal() -> None:
+    text = "name," + POSE + ",set_glue,set_flow\np,1,2,3,1,0,0,0,1,1e999\n"
+    analog = Signal("analog", "output", 2)
+    cell = replace(CELL, signals={**CELL.signals, "flow": analog})
+    with pytest.raises(Refused) as refused:
+        read(text, cell)
+    (found,) = refused.value.findings
+    assert found.place == "column `set_flow`"

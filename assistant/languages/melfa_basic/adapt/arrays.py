@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -14,6 +14,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Findings
 from assistant.program.program import Procedure, Program, Variable, identifier
+from assistant.program.rewriting import Body, map_bodies
 
 MOST_DIMENSIONS: Final = 3
 MOST_ELEMENTS: Final = 999
@@ -43,6 +44,49 @@ def with_filled_arrays(program: Program, findings: Findings) -> Program:
             procedure = replace(procedure, body=(*filling, *procedure.body))
         procedures.append(procedure if own == procedure.variables else _with(procedure, own))
     return replace(program, variables=variables, procedures=tuple(procedures))
+
+
+def with_copied_arrays(program: Program, findings: Findings) -> Program:
+    """The program that assigns arrays element by element, as the language has to."""
+    taken = {q.name for q in program.procedures} | _names(program)
+    counters = [identifier(name, taken) for name in "ijk"]
+    shared = {name.lower(): v.size for name, v in program.variables.items()}
+    procedures = []
+    for procedure in program.procedures:
+        own = {q.name.lower(): (0,) * q.dimensions for q in procedure.parameters}
+        own |= {name.lower(): v.size for name, v in procedure.variables.items()}
+        body = _copied(procedure.body, {**shared, **own}, counters, findings)
+        procedures.append(replace(procedure, body=body))
+    return replace(program, procedures=tuple(procedures))
+
+
+def _copied(
+    body: Body, sizes: Mapping[str, tuple[int, ...]], counters: Sequence[str], findings: Findings
+) -> Body:
+    """sizes: of variables by lower-case name, 0 for extents that are not known."""
+    made: list[p.Statement] = []
+    for node in body:
+        match node:
+            case p.Assign(e.Name(name) as target, value) if size := sizes.get(name.lower(), ()):
+                other = sizes.get(value.name.lower()) if isinstance(value, e.Name) else None
+                if other != size or 0 in size:
+                    with findings.at(node.span):
+                        findings.append(rules.CANNOT_SAY(
+                            what=f"what the whole array `{name}` is given here",
+                            cure="assign its elements, in a loop",
+                        ))  # fmt: skip
+                    made.append(node)
+                    continue
+
+                def give(
+                    at: tuple[e.Expression, ...], node: p.Assign = node, to: e.Name = target
+                ) -> p.Statement:
+                    return replace(node, target=e.Index(to, at), value=e.Index(node.value, at))
+
+                made += _each(size, counters, give)
+            case _:
+                made.append(map_bodies(node, lambda b: _copied(b, sizes, counters, findings)))
+    return tuple(made)
 
 
 def with_array_parameters(program: Program, functions: bool, findings: Findings) -> Program:
@@ -139,15 +183,25 @@ def _alike(
     name: str, variable: Variable, value: e.Expression, counters: Sequence[str]
 ) -> Iterator[p.Statement]:
     """Every element given the same value, by loops where there are many."""
-    element: tuple[e.Expression, ...]
-    if math.prod(variable.size) <= MOST_ALIKE:
-        for place in itertools.product(*(range(1, n + 1) for n in variable.size)):
-            element = tuple(map(e.Number, place))
-            yield p.Assign(e.Index(e.Name(name), element), value, span=variable.span)
+
+    def give(element: tuple[e.Expression, ...]) -> p.Statement:
+        return p.Assign(e.Index(e.Name(name), element), value, span=variable.span)
+
+    yield from _each(variable.size, counters, give)
+
+
+def _each(
+    size: tuple[int, ...],
+    counters: Sequence[str],
+    give: Callable[[tuple[e.Expression, ...]], p.Statement],
+) -> Iterator[p.Statement]:
+    """What is done with every element, by loops where there are many. give: by its indices."""
+    if math.prod(size) <= MOST_ALIKE:
+        for place in itertools.product(*(range(1, n + 1) for n in size)):
+            yield give(tuple(map(e.Number, place)))
         return
-    used = counters[: len(variable.size)]
-    element = tuple(map(e.Name, used))
-    inner: p.Statement = p.Assign(e.Index(e.Name(name), element), value, span=variable.span)
-    for counter, extent in reversed(list(zip(used, variable.size, strict=True))):
-        inner = p.For(counter, e.Number(1), e.Number(extent), (inner,), span=variable.span)
+    used = counters[: len(size)]
+    inner = give(tuple(map(e.Name, used)))
+    for counter, extent in reversed(list(zip(used, size, strict=True))):
+        inner = p.For(counter, e.Number(1), e.Number(extent), (inner,), span=inner.span)
     yield inner

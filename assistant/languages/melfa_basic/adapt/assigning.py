@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from assistant.languages.melfa_basic.adapt.evaluation import base, indices_of, named
 from assistant.languages.melfa_basic.lower.writer import words
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -61,7 +62,7 @@ class Assigning:
         if self._running and key == self._running[-1]:
             return Run(given=frozenset())
         if key in self._running:
-            read = set().union(*map(_named, self.program.procedures))
+            read = set().union(*map(named, self.program.procedures))
             return Run(read, given=frozenset())
         if key not in self._runs:
             self._running.append(key)
@@ -73,7 +74,7 @@ class Assigning:
         for record in records(procedure.body):
             match record:
                 case p.Assign(target):
-                    yield from _first(target)
+                    yield base(target)
                 case p.For(variable):
                     yield variable.lower()
                 case p.Opaque(_, text) | e.Verbatim(_, text):
@@ -83,7 +84,7 @@ class Assigning:
                     given = zip(callee.parameters, arguments, strict=False) if callee else ()
                     for parameter, value in given:
                         if parameter.mode == "inout":
-                            yield from _first(value)
+                            yield base(value)
 
 
 class _Reading:
@@ -121,7 +122,7 @@ class _Reading:
             case p.Assign(e.Name(name), value):
                 return self.reads(value, state) | {name.lower()}
             case p.Assign(e.Index() | e.Member() as target, value):
-                return self.reads((_indices(target), value), state) | self.element(target, state)
+                return self.reads((indices_of(target), value), state) | self.element(target, state)
             case p.For() if name := filled(node, self.sizes):
                 return self.reads(head(node), state) | {name}
             case p.For(variable, first, last, body, step):
@@ -235,30 +236,3 @@ def _is_true(condition: e.Expression) -> bool:
         case e.Truth(value) | e.Number(value):
             return bool(value)
     return False
-
-
-def _first(target: e.Expression) -> list[str]:
-    """The variable that an assignment changes, or part of which."""
-    match target:
-        case e.Name(name):
-            return [name.lower()]
-        case e.Member(value) | e.Index(value):
-            return _first(value)
-    return []
-
-
-def _indices(target: e.Expression) -> tuple[e.Expression, ...]:
-    """What an assignment to a part of a variable reads to find that part."""
-    match target:
-        case e.Member(value):
-            return _indices(value)
-        case e.Index(value, indices):
-            return (*_indices(value), *indices)
-    return ()
-
-
-def _named(procedure: Procedure) -> set[str]:
-    names = {r.name.lower() for r in records(procedure.body) if isinstance(r, e.Name)}
-    return names | {
-        w for r in records(procedure.body) if isinstance(r, p.Opaque) for w in words(r.text)
-    }

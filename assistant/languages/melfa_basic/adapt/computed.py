@@ -62,6 +62,7 @@ class _Targets:
         made = Taken(node)
         used = 0
         elsewhere = _read_elsewhere(node)
+        goal = isinstance(node, p.Move) and isinstance(node.target, e.Apply)
 
         def visit(value: e.Expression) -> e.Expression:
             nonlocal used
@@ -70,7 +71,7 @@ class _Targets:
                 place = self.place("at", used)
                 made.before.append(p.Assign(place, value))
                 return place
-            parts, shift = _parts(value), _shift(value)
+            parts, shift = _parts(value), _shift(value, goal)
             if parts is None and shift is None:
                 return value
             used += 1
@@ -123,23 +124,27 @@ def _read_elsewhere(node: p.Statement) -> set[e.Expression]:
 
 
 def _shift(
-    value: e.Expression,
+    value: e.Expression, in_move: bool
 ) -> tuple[e.Expression, e.TargetValue, dict[str, e.Expression]] | None:
     """Of a target that is moved in its tool: target, what is known of the shift, what is not.
 
-    A distance along the tool alone has a form of its own; a turn has to be known.
+    A distance along the tool alone has a form of its own in a move, and so has a shift that is
+    known and turns about one axis at most. A turn has to be known; it is one about x, then the
+    new y, then the new z.
     """
     match value:
         case e.Apply("relative", (base, x, y, z, *turns)):
             computed = {a: v for a, v in zip(AXES, (x, y, z), strict=True) if _number(v) is None}
             known = [_number(v) for v in turns]
-            if not computed or None in known or (_is_zero(x) and _is_zero(y) and not any(known)):
+            if None in known:
+                return None
+            angles = [n or 0.0 for n in (*known, 0.0, 0.0, 0.0)[:3]]
+            about_several = sum(a != 0.0 for a in angles) > 1
+            along = in_move and _is_zero(x) and _is_zero(y) and not any(angles)
+            if along or (not computed and not about_several):
                 return None
             position = tuple(_number(v) or 0.0 for v in (x, y, z))
-            angles = [n or 0.0 for n in (*known, 0.0, 0.0, 0.0)[:3]]
-            if sum(a != 0.0 for a in angles) > 1:
-                return None
-            turn = rotations.from_euler(np.array(angles[::-1]), "ZYX")
+            turn = rotations.from_euler(np.array(angles), "XYZ")
             moved = Target(Pose.of(np.array(position), turn), Configuration())
             return base, e.TargetValue(moved), computed
     return None

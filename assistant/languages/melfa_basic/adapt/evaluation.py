@@ -1,4 +1,4 @@
-"""Where a call that is taken out of its statement would say another thing.
+"""Where the order in which parts of a statement are evaluated changes what it does.
 
 RAPID evaluates from left to right. A call that stands before its statement runs before what is
 read to the left of it.
@@ -8,13 +8,28 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass
-from typing import Any
+from typing import Any, Final
 
+from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lower.writer import words
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.diagnostics import Diagnostic, Findings
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import records
+
+POSITION: Final = "<position>"
+"""Stands among names for where the robot is."""
+TIME: Final = "<time>"
+"""Stands among names for what timers count."""
+_MOVING: Final = (p.Move, p.MoveCircular, p.MoveJoints, p.Follow)
+_LASTING: Final = (*_MOVING, p.Wait, p.WaitSignal, p.WaitUntil, p.Gripper, p.Stop, p.StartTimer)
+_CALLED: Final = {POSITION: "the position of the robot", TIME: "a timer"}
+
+
+def called_by(name: str) -> str:
+    """What `read_before` names, in the words of a finding."""
+    return _CALLED.get(name, f"`{name}`")
 
 
 def base(place: Any) -> str:
@@ -25,18 +40,21 @@ def base(place: Any) -> str:
 
 
 def altered(program: Program) -> dict[str, frozenset[str]]:
-    """Variables of the program that each procedure, or one that it calls, changes by their names.
+    """Variables and signals that each procedure, or one that it calls, changes by their names.
 
-    All names in lower case. What a call lets a procedure change is not among them.
+    All names in lower case, with POSITION and TIME for one that moves, or that takes its time.
+    Inputs may change in that time. What a call lets a procedure change is not among them.
     """
     procedures = {q.name.lower(): q for q in program.procedures}
-    own = {key: _changed(q, procedures) for key, q in procedures.items()}
-    return along_calls(program, _of_program(program, own))
+    own = _of_program(program, {key: _changed(q, procedures) for key, q in procedures.items()})
+    inputs = frozenset(n.lower() for n, s in program.signals.items() if s.direction == "input")
+    acts = {key: _acts(q, inputs) for key, q in procedures.items()}
+    return along_calls(program, {key: names | acts[key] for key, names in own.items()})
 
 
 def mentioned(program: Program) -> dict[str, frozenset[str]]:
     """Variables of the program that each procedure, or one that it calls, names: lower case."""
-    own = {q.name.lower(): _named(q) for q in program.procedures}
+    own = {q.name.lower(): named(q) for q in program.procedures}
     return along_calls(program, _of_program(program, own))
 
 
@@ -84,10 +102,11 @@ def handed_over(procedure: Procedure, arguments: tuple[Any, ...]) -> Iterator[e.
 def read_before(
     statement: Any, functions: Mapping[str, Procedure], alters: Mapping[str, frozenset[str]]
 ) -> Iterator[tuple[str, str]]:
-    """Variables that a statement reads before a function changes them: their names, and its.
+    """What a statement reads before a function changes it: names as in `altered`, the function's.
 
-    statement: one without the bodies that it holds. functions: that are taken out of it, by
-    lower-case name. alters: what each changes outside of itself, as `altered` tells.
+    statement: one without the bodies that it holds, or expressions as they are worked out.
+    functions: that are taken out of it, by lower-case name. alters: what each changes outside of
+    itself, as `altered` tells.
     """
     pending: list[str] = []
 
@@ -96,6 +115,10 @@ def read_before(
             case e.Name(name):
                 if read:
                     pending.append(name)
+            case e.Here():
+                pending.append(POSITION)
+            case e.Elapsed():
+                pending.append(TIME)
             case p.Call(name, arguments) if name.lower() in functions:
                 yield from given(functions[name.lower()], arguments)
             case e.Apply(function, arguments) if function.lower() in functions:
@@ -128,6 +151,62 @@ def read_before(
     yield from walk(statement)
 
 
+def with_stated_order(program: Program, findings: Findings) -> Program:
+    """The program itself, for a language that has functions: what `unordered` finds are errors."""
+    findings += unordered(program)
+    return program
+
+
+def unordered(program: Program) -> Iterator[Diagnostic]:
+    """An error at each assignment that depends on whether its indices or its value come first.
+
+    RAPID evaluates the indices of its target first, of MELFA-BASIC no manual tells.
+    """
+    functions = {q.name.lower(): q for q in program.procedures if q.result is not None}
+    if not functions:
+        return
+    alters, mentions = altered(program), mentioned(program)
+
+    def touched(side: Any) -> tuple[set[str], set[str]]:
+        """What working a side out reads, and what it changes."""
+        read: set[str] = set()
+        changed: set[str] = set()
+        for record in records(side):
+            match record:
+                case e.Name(name):
+                    read.add(name.lower())
+                case e.Here():
+                    read.add(POSITION)
+                case e.Elapsed():
+                    read.add(TIME)
+                case e.Apply(function, arguments) if function.lower() in functions:
+                    key = function.lower()
+                    read |= mentions[key]
+                    changed |= alters[key] | set(map(base, handed_over(functions[key], arguments)))
+        return read, changed
+
+    for node in program.statements():
+        if not isinstance(node, p.Assign):
+            continue
+        (read, changed), (other, also) = touched(indices_of(node.target)), touched(node.value)
+        if (changed and also) or changed & other or also & read:
+            yield rules.CANNOT_SAY(
+                what="whether the indices or the value of an assignment are worked out first",
+                cure="call the functions in assignments of their own before it",
+                span=node.span,
+            )
+
+
+def indices_of(place: e.Expression) -> tuple[e.Expression, ...]:
+    """The indices of a place in a variable, the first ones first."""
+    match place:
+        case e.Member(value):
+            return indices_of(value)
+        case e.Index(value, indices):
+            return (*indices_of(value), *indices)
+    return ()
+
+
 def _changed(procedure: Procedure, procedures: Mapping[str, Procedure]) -> frozenset[str]:
     names = set()
     for record in records(procedure.body):
@@ -139,10 +218,29 @@ def _changed(procedure: Procedure, procedures: Mapping[str, Procedure]) -> froze
             case p.Call(name, arguments) | e.Apply(name, arguments) if name.lower() in procedures:
                 callee = procedures[name.lower()]
                 names |= {base(place) for place in handed_over(callee, arguments)}
+            case p.Opaque(_, text):
+                names.update(words(text))
     return frozenset(names)
 
 
-def _named(procedure: Procedure) -> frozenset[str]:
+def _acts(procedure: Procedure, inputs: frozenset[str]) -> frozenset[str]:
+    """Signals that the statements of a procedure change, POSITION and TIME."""
+    names: set[str] = set()
+    for record in records(procedure.body):
+        match record:
+            case p.SetSignal(signal):
+                names.add(signal.lower())
+            case p.Opaque(_, text):
+                names |= {POSITION, TIME, *inputs, *words(text)}
+        if isinstance(record, _MOVING):
+            names.add(POSITION)
+        if isinstance(record, _LASTING):
+            names |= {TIME, *inputs}
+    return frozenset(names)
+
+
+def named(procedure: Procedure) -> frozenset[str]:
+    """Names that a procedure reads or changes, and every word of its kept text, in lower case."""
     names: set[str] = set()
     for record in records(procedure.body):
         match record:

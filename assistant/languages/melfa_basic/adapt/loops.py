@@ -11,6 +11,7 @@ from collections.abc import Generator, Iterator
 from dataclasses import replace
 from typing import Final
 
+from assistant.languages.melfa_basic.adapt.evaluation import base
 from assistant.languages.melfa_basic.lower.writer import words
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -121,11 +122,11 @@ class _Loops:
         for record in records(body):
             match record:
                 case p.Assign(target):
-                    yield _variable(target)
+                    yield base(target)
                 case p.For(variable):
                     yield variable.lower()
                 case p.Call(_, arguments) | e.Apply(_, arguments):
-                    yield from map(_variable, arguments)
+                    yield from map(base, arguments)
                 case p.Opaque(_, text) | e.Verbatim(_, text):
                     yield from words(text)
 
@@ -134,10 +135,3 @@ def _own(procedure: Procedure) -> Iterator[str]:
     yield from procedure.variables
     yield from (q.name for q in procedure.parameters)
     yield from (r.variable for r in records(procedure.body) if isinstance(r, p.For))
-
-
-def _variable(place: e.Expression) -> str:
-    """The variable that a place belongs to, in lower case; empty for other expressions."""
-    while isinstance(place, e.Index | e.Member):
-        place = place.value
-    return place.name.lower() if isinstance(place, e.Name) else ""

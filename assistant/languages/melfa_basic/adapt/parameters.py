@@ -20,6 +20,7 @@ from assistant.languages.melfa_basic.adapt.evaluation import (
     along_calls,
     altered,
     base,
+    called_by,
     handed_over,
     mentioned,
     read_before,
@@ -85,6 +86,7 @@ class _Forms:
         self.unsteady = {name.lower() for name in program.signals}
         self.made: dict[tuple[Any, ...], _Form] = {}
         self.named: dict[tuple[str, ...], str] = {}
+        self.keeping: dict[tuple[str, int], str] = {}
 
     def program(self) -> Program:
         """The program in which every procedure has its form, each behind what it is made of."""
@@ -131,6 +133,14 @@ class _Forms:
         name = self.variable("result", procedure.name, "result", of=of)
         self.unsteady.add(name.lower())
         return name
+
+    def keeper(self, callee: Procedure, number: int) -> str:
+        """The name of the variable in which a procedure keeps a result."""
+        key = callee.name.lower(), number
+        if key not in self.keeping:
+            self.keeping[key] = identifier(f"{self.result(callee)}_{number}", self.taken)
+            self.taken.add(self.keeping[key])
+        return self.keeping[key]
 
     def form(self, procedure: Procedure, places: tuple[e.Expression | None, ...]) -> _Form:
         """The form of a procedure that works on places of the caller's.
@@ -230,8 +240,8 @@ class _Forms:
             with self.findings.at(node.span):
                 for name, function in dict.fromkeys(read):
                     self.findings.append(rules.CANNOT_SAY(
-                        what=f"that `{name}` is read before `{function}` changes it",
-                        cure="call it in an assignment of its own, and keep the value before it",
+                        what=f"that {called_by(name)} is read before `{function}` changes it",
+                        cure="assign it to a variable in a statement before, and read that",
                     ))  # fmt: skip
 
     def _refuse_once(self, node: p.WaitUntil) -> None:
@@ -355,10 +365,8 @@ class _Calls:
 
     def kept(self, callee: Procedure, number: int) -> e.Name:
         """A variable that keeps a result while other functions are called."""
-        name = f"{self.forms.result(callee)}_{number}"
-        if name not in self.variables:
-            self.forms.taken.add(name)
-            self.variables[name] = Variable(callee.result or "number")
+        name = self.forms.keeper(callee, number)
+        self.variables[name] = Variable(callee.result or "number")
         return e.Name(name)
 
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Final
 
 from assistant.languages.melfa_basic.adapt.assigning import Assigning
+from assistant.languages.melfa_basic.adapt.evaluation import called
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import IDENTITY, Configuration, JointTarget, Target
@@ -15,7 +16,7 @@ from assistant.program.program import (
     Program,
     ValueType,
 )
-from assistant.program.rewriting import Body, records
+from assistant.program.rewriting import records
 
 NOTHING: Final[dict[ValueType, e.Expression]] = {
     "number": e.Number(0),
@@ -78,7 +79,7 @@ def recursive(program: Program) -> Iterator[Procedure]:
     The counter of a loop is a variable of its procedure, unless the program has one of that name.
     """
     shared = {name.lower() for name in program.variables}
-    calls = {q.name.lower(): set(_called(q.body)) for q in program.procedures}
+    calls = {q.name.lower(): set(called(q)) for q in program.procedures}
     for procedure in program.procedures:
         loops = (r.variable.lower() for r in records(procedure.body) if isinstance(r, p.For))
         own = procedure.variables or any(counter not in shared for counter in loops)
@@ -94,10 +95,3 @@ def recursive(program: Program) -> Iterator[Procedure]:
                 pending += calls[callee]
         if name in reached:
             yield procedure
-
-
-def _called(body: Body) -> Iterator[str]:
-    for record in records(body):
-        match record:
-            case p.Call(name) | e.Apply(name):
-                yield name.lower()

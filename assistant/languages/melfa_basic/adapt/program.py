@@ -9,13 +9,19 @@ from typing import TYPE_CHECKING
 from assistant.languages.language import Adapted
 from assistant.languages.melfa_basic import printer, rules
 from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.adapt.arrays import with_array_parameters, with_filled_arrays
+from assistant.languages.melfa_basic.adapt.arrays import (
+    with_array_parameters,
+    with_copied_arrays,
+    with_filled_arrays,
+)
 from assistant.languages.melfa_basic.adapt.computed import with_computed_targets
 from assistant.languages.melfa_basic.adapt.context import Context
 from assistant.languages.melfa_basic.adapt.data import with_plain_data
+from assistant.languages.melfa_basic.adapt.evaluation import with_stated_order
 from assistant.languages.melfa_basic.adapt.first_values import with_first_values
 from assistant.languages.melfa_basic.adapt.five_axes import in_base
 from assistant.languages.melfa_basic.adapt.loops import with_settled_loops
+from assistant.languages.melfa_basic.adapt.outputs import with_checked_outputs
 from assistant.languages.melfa_basic.adapt.parameters import without_parameters
 from assistant.languages.melfa_basic.adapt.procedures import recursive, with_fresh_variables
 from assistant.languages.melfa_basic.adapt.splitting import MOST_TARGETS, split
@@ -71,15 +77,15 @@ def _with_plain_procedures(program: Program, dialect: Dialect, findings: Finding
     """With variables, parameters and computed targets as the dialect has them."""
     program = with_first_values(program, findings)
     program = with_array_parameters(program, dialect.functions, findings)
+    program = with_checked_outputs(program)
     program = with_fresh_variables(program)
-    program = with_filled_arrays(program, findings)
+    program = with_copied_arrays(with_filled_arrays(program, findings), findings)
     program = with_settled_loops(program)
     for procedure in recursive(program):
         if not has_functions(program, procedure.unit, dialect):
             with findings.at(procedure.span):
                 findings.append(rules.RECURSIVE(name=procedure.name, place=procedure.name))
-    if not dialect.functions:
-        program = without_parameters(program, findings)
+    program = (with_stated_order if dialect.functions else without_parameters)(program, findings)
     return with_computed_targets(program)
 
 

@@ -7,18 +7,25 @@ from typing import Any, Final
 
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.adapt.assigning import Assigning
+from assistant.languages.melfa_basic.adapt.evaluation import unordered
 from assistant.languages.melfa_basic.dialects import DIALECTS
+from assistant.languages.melfa_basic.functions import BITS
 from assistant.languages.melfa_basic.walk import nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.program import Program, walk
-from assistant.program.rewriting import records
+from assistant.program.rewriting import head, records
+from assistant.program.wholes import Numbers
 
 KEPT: Final = (("Tool", FLANGE, "P_NTool", "M_TOOL"), ("Base", BASE, "P_NBase", "M_BSNO"))
 """Settings that stay when the power is off: statement, what counts without it, that said in
 words, and the status variable that sets it as well."""
+
+FIRST: Final[Mapping[str, str]] = {"number": "0", "integer": "0", "text": "an empty text"}
+"""What a variable of a type begins with in other languages."""
 
 
 def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
@@ -32,6 +39,9 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
             yield rules.SETTING_KEPT(word=word, what=word.lower(), plain=plain, span=span)
     if to not in DIALECTS:
         yield from _loops(program)
+        yield from _signed_bits(program)
+        yield from _without_value(program)
+        yield from unordered(program)
         for span, node in commands:
             if isinstance(node, s.Command) and node.keyword == "Cnt" and _cuts_nothing(node):
                 yield rules.NO_CORNER(span=span)
@@ -83,6 +93,44 @@ def _cuts_nothing(node: s.Command) -> bool:
         case (s.Number(value=1), *distances):
             return any(isinstance(d, s.Number) and d.value == 0 for d in distances)
     return False
+
+
+def _without_value(program: Program) -> Iterator[Diagnostic]:
+    """Variables that other languages begin with a value. A position that has none is no place
+    there either; of arrays it is not known which elements are read.
+    """
+    entry = program.procedure(program.entry) if program.entry else None
+    read = Assigning(program).run(entry).read if entry is not None else set()
+    for name, variable in program.variables.items():
+        own = variable.storage == "variable" and variable.initial is None and not variable.size
+        if not own or name.lower() not in read:
+            continue
+        met = next((x for x in program.statements() if _mentions(x, name)), None)
+        span = met.span if met is not None else variable.span
+        if variable.type == "joints":
+            yield rules.JOINTS_UNTOLD(name=name, span=span)
+        elif variable.type in FIRST:
+            yield rules.BEGINS(name=name, value=FIRST[variable.type], span=span)
+
+
+def _mentions(statement: p.Statement, name: str) -> bool:
+    names = (r.name.lower() for r in records(head(statement)) if isinstance(r, e.Name))
+    return name.lower() in names
+
+
+# --------------------------------------------------------------------------------- bits
+
+
+def _signed_bits(program: Program) -> Iterator[Diagnostic]:
+    """Bits of numbers that may be below 0: MELFA-BASIC takes those of their complement."""
+    numbers: Numbers | None = None
+    for procedure in program.procedures:
+        for statement in walk(procedure.body):
+            for part in records(head(statement)):
+                if isinstance(part, e.Apply) and part.function in BITS:
+                    numbers = numbers or Numbers(program)
+                    if not all(numbers.of(x, procedure).positive for x in part.arguments):
+                        yield rules.SIGNED_BITS(word=BITS[part.function], span=statement.span)
 
 
 # -------------------------------------------------------------------------------- loops

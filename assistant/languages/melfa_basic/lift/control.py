@@ -17,7 +17,7 @@ from assistant.languages.melfa_basic.lift.reasons import NO_LABEL
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import identifier
-from assistant.program.rewriting import records
+from assistant.program.rewriting import is_repeatable
 
 DEEPEST: Final = 50
 """Blocks inside one another that are read as such; controllers stop at 16."""
@@ -176,7 +176,7 @@ class Control:
         if all(_single(item) is not None for case, _ in cases for item in case.items):
             made = tuple(p.Case(self._singles(case), inside) for case, inside in cases)
             return p.Switch(value, made, otherwise)
-        if not _repeatable(value):
+        if not is_repeatable(value):
             raise Unliftable
         branches = tuple(p.Branch(self._test(value, case), inside) for case, inside in cases)
         return p.If(branches, otherwise)
@@ -275,12 +275,3 @@ def _single(item: s.CaseRange | s.CaseIs) -> s.Expression | None:
     if isinstance(item, s.CaseIs):
         return item.value if item.operator == "=" else None
     return item.first if item.last is None else None
-
-
-def _repeatable(value: e.Expression) -> bool:
-    """Whether working it out twice is the same as once."""
-    return not any(
-        isinstance(part, e.Verbatim)
-        or (isinstance(part, e.Apply) and part.function not in e.FUNCTIONS)
-        for part in records(value)
-    )

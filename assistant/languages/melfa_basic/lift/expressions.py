@@ -9,7 +9,7 @@ from assistant.languages.melfa_basic import printer
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.functions import ANALOG, OF_ANGLE, PLAIN, TO_ANGLE
 from assistant.languages.melfa_basic.lift.constants import INITIAL
-from assistant.languages.melfa_basic.lift.meanings import SIGNALS, Meanings, Unliftable
+from assistant.languages.melfa_basic.lift.meanings import SIGNALS, Unliftable
 from assistant.languages.melfa_basic.lift.operators import (
     LOGICAL,
     RELATIONS,
@@ -23,12 +23,11 @@ from assistant.languages.melfa_basic.lift.positions import target_of
 from assistant.languages.melfa_basic.lift.reasons import WAYS
 from assistant.languages.melfa_basic.lift.shifts import amounts, fixed, is_inverse, shift
 from assistant.languages.melfa_basic.lift.timers import elapsed, timed
+from assistant.languages.melfa_basic.lift.types import Types
 from assistant.languages.melfa_basic.poses import JOINTS, is_angle, is_length
-from assistant.languages.melfa_basic.vocabulary import function, status
 from assistant.languages.melfa_basic.vocabulary.timers import MILLISECONDS
 from assistant.program import expressions as e
 from assistant.program.geometry import Target
-from assistant.program.program import ValueType
 
 # PLAIN, OF_ANGLE and TO_ANGLE are read backwards here: one row adds a function both ways.
 _PLAIN: Final = {melfa.upper(): name for name, melfa in PLAIN.items()}
@@ -36,19 +35,10 @@ _OF_ANGLE: Final = {melfa.upper(): name for name, melfa in OF_ANGLE.items()}
 _TO_ANGLE: Final = {melfa.upper(): name for name, melfa in TO_ANGLE.items()}
 _REGISTERS: Final = tuple(word.upper() for word in ANALOG)
 DEGREE: Final = math.pi / 180.0
-FROM_LETTER: Final[dict[str, ValueType]] = {
-    "P": "position",
-    "J": "joints",
-    "C": "text",
-    "M": "number",
-}
 
 
-class Expressions:
+class Expressions(Types):
     """Lifts the expressions of one file; what it has no words for raises Unliftable."""
-
-    def __init__(self, meanings: Meanings) -> None:
-        self.m = meanings
 
     # ------------------------------------------------------------------------- any value
 
@@ -115,8 +105,11 @@ class Expressions:
             return self.placed(operator, left, right)
         if operator in ("<<", ">>") or ("joints" in kinds and not self.m.own):
             raise Unliftable
-        if operator in LOGICAL and not (self.m.own and are_truths(left, right)):
-            raise Unliftable  # of bits; that of truths is no number
+        if operator in LOGICAL:
+            if self.joins_bits(left, right):
+                return e.Apply(f"bit{operator}", (self.rounded(left), self.rounded(right)))
+            if not (self.m.own and are_truths(left, right)):
+                raise Unliftable  # logic of truths is no number
         operand = self.rounded if operator in WHOLE else self.number
         return e.Binary(operator, operand(left), operand(right))  # type: ignore[arg-type]
 
@@ -141,6 +134,8 @@ class Expressions:
                 if operator in LOGICAL and self.group(operator, left, right) is None:
                     if operator == "or" and not self.m.own:  # a bit is set where one has one
                         return e.Binary("or", self.nonzero(left), self.nonzero(right))
+                    if not self.m.own and self.joins_bits(left, right):
+                        return e.Binary("<>", self.plain(node), e.Number(0))
                     if not (self.is_truth(left) and self.is_truth(right)):
                         raise Unliftable
                     return e.Binary(operator, self.truth(left), self.truth(right))  # type: ignore[arg-type]
@@ -168,69 +163,6 @@ class Expressions:
         if self.type_of(node) not in ("number", "integer"):
             raise Unliftable
         return e.Binary("<>", self.rounded(node), e.Number(0))
-
-    def is_truth(self, node: s.Expression) -> bool:
-        """Whether it is 0 or 1 (or a truth), so that bits and truths are the same."""
-        match node:
-            case s.Binary(operator=written, left=left, right=right):
-                operator = operator_name(written)
-                if operator in LOGICAL:
-                    return self.is_truth(left) and self.is_truth(right)
-                return operator in RELATIONS
-            case s.Variable():
-                return self.is_bit(node) or self.type_of(node) == "truth" or self.m.own
-            case s.Unary():
-                return self.m.own or is_comparison(node)
-        return self.m.own
-
-    def is_bit(self, node: s.Expression) -> bool:
-        if not isinstance(node, s.Variable) or node.component:
-            return False
-        known = SIGNALS.get(node.key) if node.arguments else None
-        if known is not None:
-            return known[0] == "digital"
-        return node.key in self.m.io and self.m.io[node.key][0] == 1
-
-    # ------------------------------------------------------------------------------ types
-
-    def type_of(self, node: s.Expression | None) -> ValueType:
-        match node:
-            case s.String():
-                return "text"
-            case s.Constant(flags=flags):
-                return "joints" if flags is None and len(node.values) < 3 else "position"
-            case s.Pallet():
-                return "position"
-            case s.Variable(component=component) if component:
-                return "integer" if component.startswith("FL") else "number"
-            case s.Variable():
-                return self.type_of_name(node)
-            case s.Unary(operand=operand):
-                return self.type_of(operand)
-            case s.Binary(operator=operator, left=left, right=right):
-                name = operator_name(operator)
-                if name in RELATIONS:
-                    return "truth"
-                kinds = (self.type_of(left), self.type_of(right))
-                for kind in ("position", "joints", "text", "number"):
-                    if kind in kinds and not (kind == "number" and name in WHOLE):
-                        return kind
-                if name in WHOLE:
-                    return "integer"
-                return "number" if name in ("/", "^") else kinds[0]
-            case s.Number(value=value):
-                return "integer" if float(value).is_integer() else "number"
-        return "number"
-
-    def type_of_name(self, node: s.Variable) -> ValueType:
-        key = node.key
-        if node.arguments is not None and (known := function(key)) is not None:
-            if key in ("CINT", "FIX", "INT", "LEN", "ASC"):
-                return "integer"
-            return FROM_LETTER[known.result[0]]
-        if (known_status := status(key)) is not None:
-            return "integer" if key in SIGNALS else FROM_LETTER[known_status.type]
-        return self.m.type_of_key(key)
 
     # -------------------------------------------------------------------------- variables
 

@@ -11,6 +11,7 @@ from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MoveRows
 from assistant.languages.melfa_basic.header import Header
 from assistant.languages.melfa_basic.lift.blocks import Entry
+from assistant.languages.melfa_basic.lift.order import in_order
 from assistant.languages.melfa_basic.lift.positions import Positions
 from assistant.languages.melfa_basic.lift.settings import SETTINGS
 from assistant.languages.melfa_basic.lift.steps import with_labels
@@ -28,7 +29,7 @@ class File:
         self.tree = tree
         self.header, self.comments, code = _parts(tree)
         self.own = self.header.program is not None
-        self.code = code if self.own else with_labels(code)
+        self.code = code if self.own else in_order(with_labels(code))
         self.positions = Positions(tree)
 
     def touched(self) -> frozenset[int]:

@@ -148,7 +148,7 @@ def _starts(
         label = item.label.upper()
         if label not in wanted or item.statement is not None:
             continue
-        if own or _leaves(code, at):
+        if own or not goes_on_above(code, at):
             starts.append((at, label))
             wanted.discard(label)
     return starts if own else _closed(code, starts)
@@ -228,8 +228,8 @@ def _jumping(code: Sequence[object]) -> Iterator[object]:
             yield from nodes(statement) if isinstance(statement, s.If) else (statement,)
 
 
-def _leaves(code: Code, at: int) -> bool:
-    """Whether control never runs into the place from the line above it."""
+def goes_on_above(code: Code, at: int) -> bool:
+    """Whether control may run into the place from the line above it, or from the beginning."""
     at -= 1
     while at >= 0:
         item = code[at]
@@ -237,7 +237,7 @@ def _leaves(code: Code, at: int) -> bool:
             at -= 1
             continue
         statement = item.statement if isinstance(item, s.Line) else None
-        return (isinstance(statement, s.Command) and statement.keyword in ("End", "Return")) or (
-            isinstance(statement, s.Jump) and statement.keyword == "GoTo"
-        )
-    return False
+        leaves = isinstance(statement, s.Command) and statement.keyword in ("End", "Return")
+        jumps_away = isinstance(statement, s.Jump) and statement.keyword == "GoTo"
+        return not (leaves or jumps_away)
+    return True

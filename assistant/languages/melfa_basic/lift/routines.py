@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Final
+from typing import Any, Final, cast
 
 from assistant.languages.melfa_basic import printer
 from assistant.languages.melfa_basic import syntax as s
@@ -43,13 +43,13 @@ def routine_of(code: Code, region: Region, name: str, meanings: Meanings) -> Rou
         key = given.name.upper()
         whole = extents.get(key, set()) <= {1}  # no other number of subscripts than one
         if (not given.mode and key in assigned) or (given.array and not whole):
-            return Routine(name, result_type(function), None)
+            return Routine(name, result_type(function, meanings), None)
         mode: Any = "inout" if given.mode == "ByRef" else "in"
         known = meanings.header.variables.get(key) if meanings.own else None
         kind = known.type if known else SUFFIXES.get(given.suffix, letter_type(key))
         spelled = known.name if known else given.name
         parameters.append(Parameter(spelled, kind, mode, int(given.array)))
-    return Routine(name, result_type(function), tuple(parameters))
+    return Routine(name, result_type(function, meanings), tuple(parameters))
 
 
 def _extents(code: Code) -> dict[str, set[int]]:
@@ -62,11 +62,14 @@ def _extents(code: Code) -> dict[str, set[int]]:
     return found
 
 
-def result_type(function: s.Function) -> ValueType | None:
+def result_type(function: s.Function, meanings: Meanings) -> ValueType | None:
     """The type of a function's result, None for none."""
     written = function.result.upper()
     if written in ("", "V"):
         return None
+    stated = meanings.header.names["result"].get(function.name.upper()) if meanings.own else None
+    if stated in ("truth", "integer", "pose"):
+        return cast(ValueType, stated)
     return SUFFIXES.get(written[-1], LETTERS.get(written[0], "number"))
 
 

@@ -15,6 +15,7 @@ from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.dialects import Dialect
 from assistant.languages.melfa_basic.functions import (
     ANALOG,
+    BITS,
     FIRST_REGISTER,
     OF_ANGLE,
     OPERATORS,
@@ -188,6 +189,8 @@ class Expressions:
         if callee is not None and function not in e.FUNCTIONS:
             return self.own(callee, arguments)
         values = tuple(self.of(a) for a in arguments)
+        if function in BITS and len(values) == 2:
+            return s.Binary(BITS[function], *values)
         if function in PLAIN:
             return self.call(PLAIN[function], *values)
         if function in OF_ANGLE and len(values) == 1:

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from assistant.languages.melfa_basic import header as headers
 from assistant.languages.melfa_basic import syntax as s
-from assistant.program.program import Parameter, Variable
+from assistant.program.program import Parameter, ValueType, Variable
 from assistant.program.timers import timers
 
 if TYPE_CHECKING:
     from assistant.languages.melfa_basic.lower.program import Unit
+
+NO_LETTER: Final[tuple[ValueType, ...]] = ("truth", "integer", "pose")
+"""Types whose letter is that of another one."""
 
 
 def heading(unit: Unit) -> list[s.Item]:
@@ -29,7 +32,10 @@ def heading(unit: Unit) -> list[s.Item]:
     elif first is not None:
         head.names["first"] = {names.units[unit.unit]: first.name}
     for procedure in others:
-        head.names["procedure"][names.procedures[procedure.name.lower()]] = procedure.name
+        short = names.procedures[procedure.name.lower()]
+        head.names["procedure"][short] = procedure.name
+        if procedure.result in NO_LETTER and unit.writer.functions:
+            head.names["result"][short] = procedure.result
     head.names["timer"] = {
         str(names.timers[t.lower()]): t for t in timers(program) if t.lower() in names.timers
     }

@@ -71,6 +71,8 @@ class Writer:
         self.used, self.shared = self._used()
         self.elsewhere = {word for d in program.declarations for word in words(d.text)}
         """Words of declarations that were refused already: what they declare is no news."""
+        self.mounts = {name.lower() for name in (*program.tools, *program.frames)}
+        """Tools and frames, which are no values here."""
 
     def _used(self) -> tuple[set[str], list[str]]:
         """Names that the unit refers to: targets, tools and frames; shared constants."""
@@ -104,7 +106,13 @@ class Writer:
         except NoNumber as signal:
             self.report(rules.NO_NUMBER(name=signal.what, place=place))
         except Undeclared as name:
-            if name.what.lower() not in self.elsewhere:
+            if name.what.lower() in self.mounts:
+                self.cannot(
+                    f"`{name.what}` as a value, which is a tool or frame",
+                    "declare one for each value that it has, and name these in the moves",
+                    place,
+                )
+            elif name.what.lower() not in self.elsewhere:
                 self.report(rules.UNDECLARED(name=name.what, place=place))
         except Unsayable as unsayable:
             self.cannot(unsayable.what, unsayable.cure, place)
@@ -151,6 +159,16 @@ class Writer:
         if not isinstance(statement, MOVES):  # they hold under their own anyway, see `places`
             self.stand(head(statement))
         self.write[type(statement)](self, statement)
+        if any(map(self._is_call, records(head(statement)))):
+            self.forget()
+
+    def _is_call(self, record: Any) -> bool:
+        """Whether it is a function of the program in an expression, which may set anything."""
+        return (
+            isinstance(record, e.Apply)
+            and record.function not in e.FUNCTIONS
+            and self.program.procedure(record.function) is not None
+        )
 
     def stand(self, value: Any) -> None:
         """Sets the tool and frame in which a value reads the position, if it does."""

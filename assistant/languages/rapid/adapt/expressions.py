@@ -52,6 +52,16 @@ def sayable_expression(x: e.Expression, findings: Findings) -> e.Expression:
     return x
 
 
+def floor(x: e.Expression) -> e.Expression:
+    """The whole number below: one less than the whole part where that is above.
+
+    What is left of a number without its whole part is over -1 and under 1.
+    """
+    whole = e.Apply("trunc", (x,))
+    rest = e.Binary("+", e.Binary("-", x, whole), e.Number(1))
+    return e.Binary("-", e.Binary("+", whole, e.Apply("trunc", (rest,))), e.Number(1))
+
+
 def _understood(x: e.Verbatim) -> e.Expression:
     try:
         known = lift(verbatim.expression(x.text), str)

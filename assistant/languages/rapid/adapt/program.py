@@ -23,7 +23,7 @@ from assistant.languages.rapid.loops import counted
 from assistant.languages.rapid.lower.program import build
 from assistant.languages.rapid.naming import naming, units
 from assistant.languages.rapid.sequences import with_paths
-from assistant.languages.rapid.signals import uses, with_used
+from assistant.languages.rapid.signals import read_by_another_name, uses, with_used
 from assistant.languages.rapid.tables import LONGEST_NAME, MOST_TARGETS, PREDEFINED, RESERVED
 from assistant.program import statements as p
 from assistant.program.diagnostics import Refused, has_errors
@@ -40,6 +40,7 @@ def adapt(program: Program, most_targets: int | None = None) -> Adapted:
         findings += loops
         adapted = split(with_paths(adapted), most_targets or MOST_TARGETS, findings)
         _find_names(adapted, findings)
+        _find_shared_outputs(adapted, findings)
         _find_unbuildable(adapted, findings)
     except Refused as refused:
         findings += refused.findings
@@ -93,6 +94,15 @@ def _find_names(program: Program, findings: Findings) -> None:
     for short, name in naming(program).changed:
         why = _why(name)
         findings.append(rules.SHORTENED(name=name, short=short, why=why, place=name))
+
+
+def _find_shared_outputs(program: Program, findings: Findings) -> None:
+    for statement, name, other in read_by_another_name(program):
+        with findings.at(statement.span):
+            findings.append(rules.NO_MEANING(
+                what=f"that `{name}` is read, which is set as part of `{other}`",
+                hint="read and set the output by one name, or keep its value in a variable",
+            ))  # fmt: skip
 
 
 def _why(name: str) -> str:

@@ -16,7 +16,11 @@ from assistant.languages.rapid.adapt.conditions import (
     is_truth,
     with_conditions,
 )
-from assistant.languages.rapid.adapt.expressions import sayable_expression, sayable_variable
+from assistant.languages.rapid.adapt.expressions import (
+    floor,
+    sayable_expression,
+    sayable_variable,
+)
 from assistant.languages.rapid.adapt.findings import Findings
 from assistant.languages.rapid.adapt.motions import Motions
 from assistant.languages.rapid.lift.statements import statements_of
@@ -29,7 +33,7 @@ from assistant.program.diagnostics import has_errors
 from assistant.program.geometry import Target
 from assistant.program.path import Kind
 from assistant.program.program import Procedure, Program, identifier
-from assistant.program.rewriting import map_bodies, map_head
+from assistant.program.rewriting import is_repeatable, map_bodies, map_head
 
 
 class StatementAdapter:
@@ -79,6 +83,8 @@ class StatementAdapter:
 
     def _sayable(self, x: e.Expression) -> e.Expression:
         match x:
+            case e.Apply("floor", (inner,)) if is_repeatable(inner):
+                x = floor(inner)
             case e.Apply("inverse", (inner,)) if is_position(inner, self.known):
                 self.findings.cannot(
                     "the inverse of a target", "work it out beforehand, or take a pose for it"

@@ -72,9 +72,9 @@ class DataLift:
         if item.dimensions and type not in VALUE_OF_TYPE:
             return False
         value = numbers(item.value)
-        if type == "tooldata" and (tool := _tool(value)) and name.lower() != FLANGE:
+        if type == "tooldata" and (tool := tool_of(value)) and name.lower() != FLANGE:
             self.tools[name] = tool
-        elif type == "wobjdata" and (frame := _frame(value)) and name.lower() != BASE:
+        elif type == "wobjdata" and (frame := frame_of(value)) and name.lower() != BASE:
             self.frames[name] = frame
         elif type == "speeddata" and constant and _shape(value) == "nnnn":
             self.speeds[item.name.lower()] = speed_of(value)
@@ -167,7 +167,8 @@ def _pose(value: Any) -> Pose | None:
     return Pose.of(np.array(value[0], dtype=np.float64), rotations.canonical(value[1]))
 
 
-def _tool(value: Any) -> Tool | None:
+def tool_of(value: Any) -> Tool | None:
+    """The tool that nested lists of a tooldata say, None if they are none."""
     if _shape(value) != f"b{_POSE}[n[nnn][nnnn]nnn]":
         return None
     held, tip, load = value
@@ -186,7 +187,8 @@ def _tool(value: Any) -> Tool | None:
     return None if pose is None else Tool(pose, weight, held)
 
 
-def _frame(value: Any) -> Frame | None:
+def frame_of(value: Any) -> Frame | None:
+    """The frame that nested lists of a wobjdata say, None if they are none."""
     if _shape(value) != f"bbt{_POSE}{_POSE}":
         return None
     held, fixed, mechanism, user, object = value

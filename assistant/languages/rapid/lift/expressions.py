@@ -9,7 +9,7 @@ from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.gather import literal_number
 from assistant.languages.rapid.lower.expressions import AS_FUNCTIONS, BINARY
 from assistant.languages.rapid.printer import expression as printed
-from assistant.languages.rapid.tables import COMPONENTS, FUNCTIONS, UNUSED
+from assistant.languages.rapid.tables import BITS, COMPONENTS, FUNCTIONS, UNUSED
 from assistant.languages.rapid.verbatim import LANGUAGE
 from assistant.program import expressions as e
 from assistant.program import rotations
@@ -27,6 +27,7 @@ from assistant.robots.configurations import from_confdata
 
 _OPERATORS: Final = {row[0]: name for name, row in BINARY.items()}
 _FUNCTIONS: Final = {rapid.lower(): name for name, rapid in FUNCTIONS.items()}
+_BITS: Final = {rapid.lower(): name for name, rapid in BITS.items()}
 _POWERS: Final = {rapid.lower(): operator for operator, rapid in AS_FUNCTIONS.items()}
 _COMPONENTS: Final = {pair: name for name, pair in COMPONENTS.items()}
 ARITY: Final = {
@@ -141,6 +142,8 @@ def _call(node: s.FunctionCall, original: Original) -> e.Expression:
         return here(node, original) or verbatim
     if turned:
         return verbatim
+    if name == "dnumtonum" and (bits := _bits(node, original)) is not None:
+        return bits
     if name == "cjointt" and not given:
         return e.Apply("joints_here")
     if name == "distance" and len(plain) == 2:
@@ -162,6 +165,25 @@ def _call(node: s.FunctionCall, original: Original) -> e.Expression:
     if original(node.name) in e.FUNCTIONS:
         return verbatim
     return e.Apply(original(node.name), given)
+
+
+def _bits(node: s.FunctionCall, original: Original) -> e.Apply | None:
+    """The bits of two numbers: they go to wide ones, and what becomes of them back."""
+    match node.arguments:
+        case (
+            s.Positional(
+                s.FunctionCall(
+                    function,
+                    (
+                        s.Positional(s.FunctionCall(one, (s.Positional(left, None),)), None),
+                        s.Positional(s.FunctionCall(two, (s.Positional(right, None),)), None),
+                    ),
+                ),
+                None,
+            ),
+        ) if function.lower() in _BITS and one.lower() == two.lower() == "numtodnum":
+            return e.Apply(_BITS[function.lower()], (lift(left, original), lift(right, original)))
+    return None
 
 
 def here(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain
 from typing import Any, TypeVar
@@ -49,6 +49,11 @@ def lift(files: Sequence[s.File]) -> Program:
         starts += [start] * len(file.modules)
         start += len(file.source.text if file.source else "") + 1
     return _Lift(modules, starts).program() if modules else Program("empty", entry=None)
+
+
+def routines(nodes: Iterable[s.Routine]) -> tuple[Procedure, ...]:
+    """Routines of a module that says nothing else, without those that stay as their text."""
+    return lift((s.File((s.Module("module", (), tuple(nodes)),)),)).procedures
 
 
 class _Lift:

@@ -12,7 +12,7 @@ from assistant.languages.rapid import rules, verbatim
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.naming import Naming
 from assistant.languages.rapid.runs import JOINT_PLACES, PARTS, POSITION_PLACES, QUATERNION_PLACES
-from assistant.languages.rapid.tables import COMPONENTS, FUNCTIONS, LONGEST_STRING, UNUSED
+from assistant.languages.rapid.tables import BITS, COMPONENTS, FUNCTIONS, LONGEST_STRING, UNUSED
 from assistant.program import expressions as e
 from assistant.program.diagnostics import Refused, Rule
 from assistant.program.geometry import JointTarget, Pose, Target
@@ -120,6 +120,10 @@ class Expressions:
     def _apply(self, function: str, given: tuple[e.Expression, ...]) -> s.FunctionCall:
         if function in FUNCTIONS:
             return self._call(FUNCTIONS[function], given)
+        if function in BITS and len(given) == 2:
+            wide = (s.FunctionCall("NumToDnum", (s.Positional(self.lower(a)),)) for a in given)
+            bits = s.FunctionCall(BITS[function], tuple(map(s.Positional, wide)))
+            return s.FunctionCall("DnumToNum", (s.Positional(bits),))
         if function == "relative" and len(given) in (4, 7):
             call = self._call("RelTool", given[:4])
             turns = tuple(

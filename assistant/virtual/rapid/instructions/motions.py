@@ -34,11 +34,16 @@ def _displace_no_more(given: Given) -> None:
     given.machine.arm.displacement = IDENTITY
 
 
+def _stop(given: Given) -> None:
+    """The robot goes on to the very target of the motion before, and stops there."""
+    motion.stop(given.machine)
+
+
 def _nothing(given: Given) -> None:
     """What changes how the arm moves, and not where, or only what a person sees."""
 
 
-ANY: Final = "on off wrist lockaxis4 finepointramp inpos zerospeed tunevalue"
+ANY: Final = "on off wrist lockaxis4 finepointramp tunevalue"
 
 TABLE: Final[Mapping[str, Function]] = dict(
     (
@@ -61,7 +66,7 @@ TABLE: Final[Mapping[str, Function]] = dict(
         takes("GripLoad", 1, _nothing),
         takes("PathAccLim", 2, _nothing, "accmax decelmax"),
         takes("WorldAccLim", 0, _nothing, ANY),
-        takes("WaitRob", 0, _nothing, ANY),
+        takes("WaitRob", 0, _stop, "inpos zerospeed"),
         takes("EOffsOff", 0, _nothing),
     )
 )

@@ -6,6 +6,7 @@ import operator
 from collections.abc import Callable, Mapping
 from typing import Final
 
+from assistant.virtual.rapid import motion
 from assistant.virtual.rapid.ends import Fault, Over
 from assistant.virtual.rapid.expressions import place
 from assistant.virtual.rapid.given import Given, takes
@@ -56,6 +57,8 @@ def _wait_time(given: Given) -> None:
     seconds = given.number(0)
     if seconds < 0.0:
         raise Fault(f"a wait of {seconds:g} seconds")
+    if given.has("inpos"):
+        motion.stop(given.machine)
     given.machine.wait(seconds)
 
 

@@ -1,0 +1,79 @@
+"""Arguments and options that several commands share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from assistant.cli.presentation import FindingFormat, Format, FramesAs, answer_as
+
+
+def complete_language(incomplete: str) -> list[str]:
+    from assistant import languages
+
+    return [name for name in languages.names() if name.startswith(incomplete)]
+
+
+def complete_robot(incomplete: str) -> list[str]:
+    from assistant import robots
+
+    return [name for name in robots.names() if name.startswith(incomplete)]
+
+
+def complete_unit(incomplete: str) -> list[str]:
+    from assistant.sources.lengths import UNITS
+
+    return [name for name in UNITS if name.startswith(incomplete)]
+
+
+Source = Annotated[
+    str, typer.Argument(help="Drawing, table, .pseudo text or robot program; - for standard input.")
+]
+Sources = Annotated[list[str], typer.Argument(help="Drawings, tables or programs; - for input.")]
+LanguageOption = Annotated[
+    str,
+    typer.Option("--language", "-l", help="Language to write.", autocompletion=complete_language),
+]
+RobotOption = Annotated[
+    str | None,
+    typer.Option(
+        "--robot", "-r", help="Arm that runs it, or its file.", autocompletion=complete_robot
+    ),
+]
+FromRobot = Annotated[
+    str | None,
+    typer.Option("--from-robot", help="Arm that a vendor program was written for.",
+                 autocompletion=complete_robot),
+]  # fmt: skip
+FromLanguage = Annotated[
+    str | None,
+    typer.Option("--from", help="Language of the input if its name does not tell.",
+                 autocompletion=complete_language),
+]  # fmt: skip
+ProcessOption = Annotated[
+    Path | None,
+    typer.Option("--process", "-p", help="Process file; default NAME.process.toml beside it."),
+]
+EntryOption = Annotated[
+    str | None,
+    typer.Option("--entry", help="Procedure that the program begins with; default its main."),
+]
+UnitOption = Annotated[
+    str | None,
+    typer.Option("--unit", help="Unit that a drawing is in, whatever it says: mm, in, m …",
+                 autocompletion=complete_unit),
+]  # fmt: skip
+FramesOption = Annotated[
+    FramesAs,
+    typer.Option(help="Work objects in MELFA-BASIC: as Base, or as factors of the targets."),
+]
+FindingFormatOption = Annotated[
+    FindingFormat,
+    typer.Option("--format", help="For people, programs, code scanning or pull requests.",
+                 callback=answer_as),
+]  # fmt: skip
+FormatOption = Annotated[
+    Format, typer.Option("--format", help="For people or for programs.", callback=answer_as)
+]

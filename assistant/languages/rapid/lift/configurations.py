@@ -1,0 +1,83 @@
+r"""Configurations that `ConfL\Off` leaves to the arm.
+
+Behind it a straight move or an arc goes on in the configuration nearest to the one that it begins
+in, whatever its target states (RAPID reference manual, ConfL).
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from assistant.languages.rapid.lift.ways import LINES, Ways
+from assistant.languages.rapid.sequences import mentioned
+from assistant.program import statements as p
+from assistant.program.geometry import Target
+from assistant.program.path import Kind, Path, configuration_row
+from assistant.program.program import Program, walk
+from assistant.program.rewriting import Body, map_bodies, rewrite
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+
+
+def with_open_lines(program: Program, arm: Robot | None) -> Program:
+    """With the targets open that only straight moves behind it use, for an arm to choose."""
+    if arm is None:
+        return program
+    ways = Ways(program, _is_straight)
+    free = {
+        id(node)
+        for procedure in program.procedures
+        for node in walk(procedure.body)
+        if _is_straight(node) and ways.at(procedure, node)[LINES] == {"off"}
+    }
+    if not free:
+        return program
+    uses, open_uses = Counter[str](), Counter[str]()
+    for part in (program.procedures, program.variables):
+        uses.update(name.lower() for name in mentioned(part))
+    for declaration in program.declarations:
+        uses.update(re.findall(r"\w+", declaration.text.lower()))
+    for node in program.statements():
+        if id(node) in free:
+            open_uses.update(name.lower() for name in mentioned(node))
+    targets = {
+        name: replace(target, configuration=None)
+        if 0 < uses[name.lower()] == open_uses[name.lower()]
+        else target
+        for name, target in program.targets.items()
+    }
+
+    def opened(body: Body) -> Body:
+        return tuple(
+            rewrite(node, _opened, ()) if id(node) in free else map_bodies(node, opened)
+            for node in body
+        )
+
+    procedures = tuple(replace(q, body=opened(q.body)) for q in program.procedures)
+    return replace(program, targets=targets, procedures=procedures)
+
+
+def _is_straight(record: Any) -> bool:
+    match record:
+        case p.Move(kind="linear") | p.MoveCircular():
+            return True
+        case p.Follow(path):
+            return bool((path.kinds != Kind.JOINT).any())
+    return False
+
+
+def _opened(part: Any) -> Any:
+    match part:
+        case Target():
+            return replace(part, configuration=None)
+        case Path():
+            rows = part.configurations.copy()
+            rows[part.kinds != Kind.JOINT] = np.array(configuration_row(None), rows.dtype)
+            return replace(part, configurations=rows)
+    return part

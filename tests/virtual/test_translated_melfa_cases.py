@@ -1,0 +1,113 @@
+"""Small MELFA-BASIC programs that were refused, or did something else in RAPID, once."""
+
+from __future__ import annotations
+
+import pytest
+
+import assistant
+from assistant.compiler.loading import load_text
+from assistant.program.diagnostics import Severity
+from assistant.program.text import SourceText
+from tests.virtual.random_melfa_values import DATA
+from tests.virtual.test_translated_melfa import SCENARIOS, SIGNALS, run_melfa, run_rapid
+from tests.virtual.translating import Tally, judge
+
+CASES = {
+    "subroutines in front of the main part": """Spd 100
+GoTo *S
+*A
+Mvs P1
+GoSub *B
+Return
+' the other one
+*B
+Mvs P2
+Return
+*S
+GoSub *A
+If M_In(1)=1 Then GoTo *E
+GoSub *B
+GoTo *S2
+*C
+Mvs P4
+Return
+*E
+Mvs P5
+*S2
+GoSub *C
+Mvs P3
+End""",
+    "bits of numbers": """M1=Abs(M_Inb(8)-3.6)
+M_Outb(16)=(M1 And 7) Or (M_Inb(24) Xor 255)
+If M1 And 2 Then M_Out(1)=1
+If M_Inb(8) Xor 1 Then M_Out(2)=1
+M2=(M1 And 6)\\2+1
+Dly M2
+End""",
+    "whole numbers below": """For M1=-2 To 2 Step 0.25
+M2=Int(M1)
+Dly M2+3
+Next M1
+Dly Int(2.999)
+Dly Int(M_Inb(8)/3)
+End""",
+    "numbers that stand behind the program": """Dim MA(2)
+M2=M2+M1
+Dly M2
+Dly MA(2)
+End
+M1=+2.50
+M2=+1
+MA(1)=+3
+MA(2)=+4""",
+}
+
+
+@pytest.mark.parametrize("level", [4, 5, 6])
+@pytest.mark.parametrize("name", CASES)
+def test_it_does_the_same(name: str, level: int) -> None:
+    lines = CASES[name].split("\n")
+    code = lines[: lines.index("End") + 1]
+    numbered = [f"{at * 10} {line}" for at, line in enumerate(code, 1)]
+    text = "\n".join([*numbered, *lines[len(code) :], DATA.strip(), ""])
+    tally = Tally()
+    judge(
+        tally,
+        name,
+        text.upper() if level == 4 else text,
+        SCENARIOS,
+        source=(f"melfa-basic-{level}", lambda *given: run_melfa(level, None, *given)),
+        target=("rapid", lambda *given: run_rapid(None, *given)),
+        signals=SIGNALS,
+    )
+    assert tally.kept == []
+    assert not tally.reasons
+    assert tally.counts["equal"] == 1
+
+
+@pytest.mark.parametrize(
+    ("read", "refused"),
+    [
+        ("If M_Out(17)=1 Then M_Out(30)=1", True),
+        ("If M_Out(24)=1 Then M_Out(30)=1", False),  # beside the eight
+        ("If M_Outb(16)=5 Then M_Out(30)=1", False),
+        ("If M_Outb(20)=5 Then M_Out(30)=1", True),
+        ("M_Out(17)=1", False),
+        ("If M_In(17)=1 Then M_Out(30)=1", False),
+    ],
+)
+def test_an_output_is_read_by_the_name_that_it_is_set_by(read: str, refused: bool) -> None:
+    source = SourceText(f"M_Outb(16)=5\n{read}\nEnd\n")
+    found = assistant.translate(load_text(source, language="melfa-basic-5"), to="rapid")
+    assert [f.code for f in found.findings if f.severity is Severity.ERROR] == ["RA305"] * refused
+    assert found.ok != refused
+
+
+@pytest.mark.parametrize(("line", "refused"), [("MA(F())=F()", True), ("MA(2)=F()+F()", False)])
+def test_no_order_of_evaluation_is_made_up(line: str, refused: bool) -> None:
+    text = f"Def Float MN\nDim MA(3)\nFunction V Main()\nMN=0\n{line}\nFEnd\n"
+    source = SourceText(text + "Function M F()\nMN=MN+1\nF=MN\nFEnd\n")
+    found = assistant.translate(load_text(source, language="melfa-basic-6"), to="rapid")
+    errors = [f.message for f in found.findings if f.severity is Severity.ERROR]
+    assert [message for message in errors if "worked out first" in message] == errors
+    assert bool(errors) == refused
