@@ -15,15 +15,13 @@ from assistant.checks.way import Way, way_of
 from assistant.program.diagnostics import Diagnostic, Rule, Span
 from assistant.program.expressions import Number
 from assistant.program.program import Program, walk
-from assistant.program.statements import Follow, Move, MoveCircular, MoveJoints, SetOverride
+from assistant.program.statements import Moving, SetOverride
 from assistant.robots import Journey, Robot
 from assistant.robots.journey import Leg, Stretch
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
-Moving: Final = (Move, MoveCircular, MoveJoints, Follow)
-"""The statements that have legs."""
 NEIGHBOURS: Final = 2
 """Rows that are at most so far apart are told of together; the points of an arc are two apart."""
 MOST_GROUPS: Final = 5

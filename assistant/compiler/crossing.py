@@ -16,6 +16,7 @@ from assistant.program.geometry import JointTarget, Target
 from assistant.program.path import Path, configuration_row
 from assistant.program.program import Declaration, Program, Variable, walk
 from assistant.program.rewriting import head, records, rewrite
+from assistant.program.text import words_of
 
 if TYPE_CHECKING:
     from assistant.languages import Language
@@ -134,7 +135,7 @@ def _words(program: Program) -> set[str]:
         if isinstance(part, e.Name):
             found.add(part.name.lower())
         elif isinstance(part, p.Opaque | e.Verbatim | Declaration):
-            found |= {word.lower() for word in re.findall(r"\w+", part.text)}
+            found |= set(words_of(part.text))
     return found
 
 
@@ -183,7 +184,7 @@ def unsaid(
         for part in records((program.procedures, program.declarations, program.variables)):
             if isinstance(part, p.Opaque | e.Verbatim | Declaration):
                 spoken = language_of(part.language)
-                words = {word.lower() for word in re.findall(r"\w+", part.text)}
+                words = set(words_of(part.text))
                 telling = spoken.joint_words.search(part.text) or not names.isdisjoint(words)
                 if spoken.family == language.family and telling:
                     span = getattr(part, "span", None)

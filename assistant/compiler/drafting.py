@@ -21,7 +21,7 @@ from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, Rule, Severity, Span
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import Body, map_bodies, records
-from assistant.program.text import lines_of
+from assistant.program.text import lines_of, words_of
 
 LEFT_OUT = Rule(
     "CO007",
@@ -79,7 +79,7 @@ def _declared_names(program: Program) -> set[str]:
     """Names in lower case of what is declared, or what a declaration as text speaks of."""
     names = {name.lower() for table in TABLES for name in getattr(program, table)}
     for declaration in program.declarations:
-        names.update(word.lower() for word in re.findall(r"\w+", declaration.text))
+        names.update(words_of(declaration.text))
     return names
 
 

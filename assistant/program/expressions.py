@@ -13,6 +13,9 @@ BinaryOperator = Literal[
 ]  # fmt: skip
 """`@` composes poses; the rest means what it says, `and` … `xor` on truth values."""
 
+RELATIONS: Final = ("=", "<>", "<", "<=", ">", ">=")
+LOGICAL: Final = ("and", "or", "xor")
+
 UnaryOperator = Literal["-", "not"]
 
 FUNCTIONS: Final[dict[str, str]] = {

@@ -250,6 +250,11 @@ class Opaque(Spanned):
     reason: Reason | None = field(default=None, compare=False, repr=False, kw_only=True)
 
 
+MoveStatement = Move | MoveCircular | MoveJoints
+"""Moves to one target."""
+Moving = MoveStatement | Follow
+"""Moves the robot."""
+
 Statement = (
     Move
     | MoveCircular

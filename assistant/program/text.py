@@ -60,6 +60,7 @@ _INSIDE: Final = {
 }
 """What may end a line sooner, by what ends the lines of the text."""
 
+_WORD: Final = re.compile(r"\w+")
 SEVERAL_CODES: Final = ("cp932", japanese.CODEC)
 """Encodings that have characters twice, so that a text need not give its bytes back."""
 
@@ -144,6 +145,11 @@ def lines_of(text: str) -> list[str]:
 def one_line(text: str) -> str:
     """The text with a blank for what may end a line: see LINE_ENDS."""
     return _ANY.sub(" ", text)
+
+
+def words_of(text: str) -> list[str]:
+    """Names and numbers in a text, in lower case and in their order."""
+    return _WORD.findall(text.lower())
 
 
 def dominant_newline(text: str) -> str:

@@ -31,6 +31,7 @@ from assistant.program.statements import (
     Move,
     MoveCircular,
     MoveJoints,
+    Moving,
     Opaque,
     Statement,
 )
@@ -84,7 +85,6 @@ def journey(program: Program, robot: Robot) -> Journey:
     return Journey(configured, robot, survey.legs, fold([*robot.findings, *survey.findings]))
 
 
-Moving = Move | MoveCircular | MoveJoints | Follow
 UNMOVED: Final = Motion(MAXIMUM_SPEED, FINE)
 """How a target would be reached that no move names."""
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.program import Program
-from assistant.program.statements import Follow, Move, MoveCircular, MoveJoints
+from assistant.program.statements import Moving
 from assistant.robots.robot import Robot
 from assistant.robots.run import Floats, Run
 
@@ -36,7 +36,7 @@ class Leg:
     where there are none. before: (a,) deg where it starts, None where that is not known.
     """
 
-    statement: Move | MoveCircular | MoveJoints | Follow
+    statement: Moving
     stretch: Stretch | None
     rows: slice
     joints: Floats

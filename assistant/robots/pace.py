@@ -21,7 +21,7 @@ from assistant.program.motion import Speed
 from assistant.program.path import Kind
 from assistant.program.program import Program
 from assistant.program.rewriting import Body, map_bodies
-from assistant.program.statements import Follow, Motion, Move, MoveCircular, MoveJoints
+from assistant.program.statements import Follow, Motion, MoveCircular, Moving
 from assistant.robots.journey import Journey, Leg
 from assistant.robots.naming import Names
 from assistant.robots.robot import Robot
@@ -29,7 +29,6 @@ from assistant.robots.run import from_flange
 from assistant.robots.timing.drive import drive_of
 
 Floats = NDArray[np.float64]
-Moving = Move | MoveCircular | MoveJoints | Follow
 
 STEPS: Final = 24
 """Parts of a joint move between which its way is taken as straight."""

@@ -28,6 +28,10 @@ Running = Callable[[str, Inputs, int], Run]
 """Runs a text with inputs by the names of the source, for at most some steps."""
 
 
+RUN = ("equal", "different", "not judged", "failing")
+"""What may become of a program that is translated and run."""
+
+
 @dataclass(slots=True)
 class Tally:
     """What became of programs. kept: a line on each that is different or crashed.
@@ -40,7 +44,7 @@ class Tally:
     kept: list[str] = field(default_factory=list)
 
     def __str__(self) -> str:
-        words = ("tried", "translated", "equal", "different", "not judged", "refused", "crashed")
+        words = ("tried", "translated", *RUN, "refused", "crashed")
         return ", ".join(f"{self.counts[word]} {word}" for word in words)
 
 
@@ -59,12 +63,12 @@ def judge(
     """Translates a program and compares both; the word that it is counted under.
 
     source, target: a language and what runs its texts. arms: for which robot it is written, and for
-    which it is to be. A program whose source comes to nothing
-    that its interpreter knows is `not judged`.
+    which it is to be. A program that comes to nothing its interpreter knows is `not judged`, one
+    whose source stops with an error whatever its inputs are is `failing`.
     """
     tally.counts["tried"] += 1
     word, said = _judged(text, scenarios, source, target, process, signals, arms, tally)
-    if word in ("equal", "different", "not judged"):
+    if word in RUN:
         tally.counts["translated"] += 1
     tally.counts[word] += 1
     if word in ("different", "crashed"):
@@ -97,9 +101,10 @@ def _judged(
         return "refused", ""
     (data,) = translation.files.values()
     written = languages.get(target[0]).decode(data).text
-    judged = False
+    judged, ends = False, set()
     for inputs in scenarios:
         one = source[1](text, inputs, MOST_STEPS)
+        ends.add(one.ended)
         if one.ended in ("unknown", "error"):
             continue
         two = target[1](written, inputs, MORE_STEPS)
@@ -107,7 +112,9 @@ def _judged(
         if found is not None:
             return "different", found
         judged = judged or two.ended != "unknown"
-    return ("equal", "") if judged else ("not judged", "")
+    if judged:
+        return "equal", ""
+    return ("failing" if ends == {"error"} else "not judged"), ""
 
 
 CRASHES = ("CL900", "CO102", "CO103")

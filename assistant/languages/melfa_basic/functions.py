@@ -18,7 +18,6 @@ OF_ANGLE: Final = {"sin": "Sin", "cos": "Cos", "tan": "Tan"}
 TO_ANGLE: Final = {"atan": "Atn", "atan2": "Atn2", "asin": "ASin", "acos": "ACos"}
 
 OPERATORS: Final = {"div": "\\", "mod": "MOD", "and": "AND", "or": "OR", "xor": "XOR", "@": "*"}
-RELATIONS: Final = ("=", "<>", "<", "<=", ">", ">=")
 
 ANALOG: Final = ("M_DIn", "M_DOut")
 """Registers of the network that an analog signal stands in: input, output."""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from typing import Any, Final
+from collections.abc import Callable
+from typing import Any, Final, TypeVar
 
 from assistant.languages.rapid import rules
 from assistant.languages.rapid import syntax as s
@@ -11,6 +12,8 @@ from assistant.program.diagnostics import Refused
 from assistant.program.expressions import Verbatim
 from assistant.program.program import Declaration
 from assistant.program.statements import Opaque
+
+T = TypeVar("T")
 
 LANGUAGE: Final = "rapid"
 _HANDLER: Final = re.compile(r"(?:ERROR|UNDO|BACKWARD)\b", re.IGNORECASE)
@@ -65,6 +68,14 @@ def expression(text: str) -> s.Expression:
     if len(read) == 1 and isinstance(read[0], s.Assignment):
         return read[0].value
     raise Refused(rules.NOT_RAPID(text=text[:60], why="no expression"))
+
+
+def understood(read: Callable[[str], T], text: str) -> T | None:
+    """What `items`, `statements` or `expression` reads in a text, None if it is no RAPID."""
+    try:
+        return read(text)
+    except Refused:
+        return None
 
 
 def of_item(node: s.Item) -> str:

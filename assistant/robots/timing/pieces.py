@@ -11,7 +11,7 @@ from assistant.program.geometry import BASE, FLANGE, Frame, Tool
 from assistant.program.path import UNSTATED, Kind, configuration_row
 from assistant.program.program import Procedure, walk
 from assistant.program.pseudo.expressions import expression_text
-from assistant.program.statements import Follow, Motion, Move, MoveCircular, MoveJoints
+from assistant.program.statements import Follow, Motion, Move, MoveCircular, MoveJoints, Moving
 from assistant.robots.configurations import BACK
 from assistant.robots.journey import Journey, Leg
 from assistant.robots.naming import Names, Place
@@ -19,8 +19,6 @@ from assistant.robots.run import Floats, Pace
 from assistant.robots.timing.rows import Mount, Moves, Settings, moves_of, placed
 from assistant.robots.timing.values import Values
 from assistant.robots.timing.way import Joints
-
-Moving = Move | MoveCircular | MoveJoints | Follow
 
 
 @dataclass(frozen=True, slots=True, eq=False)

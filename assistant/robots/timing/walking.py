@@ -17,13 +17,10 @@ from assistant.program.rewriting import records
 from assistant.program.statements import (
     Assign,
     Call,
-    Follow,
     For,
     Goto,
     If,
-    Move,
-    MoveCircular,
-    MoveJoints,
+    Moving,
     Opaque,
     Return,
     SetAcceleration,
@@ -36,6 +33,7 @@ from assistant.program.statements import (
     WaitUntil,
     While,
 )
+from assistant.program.text import words_of
 from assistant.robots.journey import Journey
 from assistant.robots.naming import Names
 from assistant.robots.timing.drive import Drive
@@ -44,7 +42,7 @@ from assistant.robots.timing.pieces import Piece, Pieces, label_of
 from assistant.robots.timing.plan import Plan, plan_of
 from assistant.robots.timing.rows import Rows, joined
 from assistant.robots.timing.values import Known, Values, first_values, local_values, rounds
-from assistant.robots.timing.variables import mentions, root, words
+from assistant.robots.timing.variables import mentions, root
 from assistant.robots.timing.way import Duration, Joints, Trace, Way, met
 
 MOST_STATEMENTS: Final = 50_000
@@ -108,7 +106,7 @@ class Walker:
                 return None
             self.statements += 1
             self.names.own = dict(way.known)
-            if isinstance(statement, Move | MoveCircular | MoveJoints | Follow):
+            if isinstance(statement, Moving):
                 way = self.moving(statement, way)
             elif (quick := self.setting(statement, way)) is not None:
                 way = quick
@@ -125,7 +123,7 @@ class Walker:
 
     # ------------------------------------------------------------------------------- moves
 
-    def moving(self, statement: Move | MoveCircular | MoveJoints | Follow, way: Way) -> Way:
+    def moving(self, statement: Moving, way: Way) -> Way:
         """A motion statement, which waits to be timed together with those that follow it."""
         if id(statement) not in self.pieces.numbers:
             return way  # along a path of no targets
@@ -246,7 +244,7 @@ class Walker:
                 self.note(f"the jump to {label} is not followed")
             case Opaque(text=text):
                 line = text.strip().splitlines()[0] if text.strip() else text
-                way = way.without(words(text))
+                way = way.without(set(words_of(text)))
                 if MOVING.match(text):
                     self.note(f"`{line}` is a motion whose time is not known")
                     return replace(way, places=())

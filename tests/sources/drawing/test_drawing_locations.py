@@ -1,4 +1,4 @@
-"""Locations: points, attributes, orientation through inserts, names, order."""
+"""Locations: attributes, orientation through inserts, names, order."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.program import Program
 from assistant.program.statements import Call, Motion, Move
 from assistant.sources.drawing import read, read_contents
-from assistant.sources.process import NO_PROCESS, Defaults, Layer, Process
+from assistant.sources.process import NO_PROCESS, Defaults, Process
 
 Save = Callable[..., Path]
 
@@ -86,58 +86,6 @@ def moves(program: Program) -> list[Move]:
     found = [s for s in procedure.body if isinstance(s, Move)]
     assert len(found) == len(procedure.body)
     return found
-
-
-# Points.
-
-
-@pytest.mark.parametrize(
-    ("extrusion", "expected"),
-    [
-        ((0, 0, 1), [(1, 0, 0), (0, -1, 0), (0, 0, -1)]),
-        ((1, 0, 0), [(0, 1, 0), (0, 0, -1), (-1, 0, 0)]),
-        ((0, 1, 0), [(-1, 0, 0), (0, 0, -1), (0, -1, 0)]),
-    ],
-)
-def test_point_faces_its_extrusion(
-    save: Save, drawing: Drawing, extrusion: tuple[float, ...], expected: list[tuple[int, ...]]
-) -> None:
-    drawing.modelspace().add_point((10, 20, 30), dxfattribs={"extrusion": extrusion})
-    pose = one(save(drawing))
-    assert pose.position == (10, 20, 30)
-    assert np.allclose(matrix(pose).T, expected, atol=ROUNDING)
-
-
-def test_points_are_named_by_layer(save: Save, drawing: Drawing) -> None:
-    model = drawing.modelspace()
-    for i, layer in enumerate(["DRILL", "SPOT", "DRILL"]):
-        model.add_point((i, 0), dxfattribs={"layer": layer, "angle": 30, "thickness": 2})
-    path = save(drawing)
-    assert list(program(path).targets) == ["DRILL_1", "SPOT_1", "DRILL_2"]
-    assert codes(path).count("DX204") == 2
-
-
-def test_point_in_a_block(save: Save, drawing: Drawing) -> None:
-    drawing.blocks.new("PLATE", base_point=(1, 0)).add_point((3, 4, 5))
-    drawing.modelspace().add_blockref("PLATE", (100, 0), dxfattribs={"rotation": 90})
-    pose = one(save(drawing))
-    assert pose.position == pytest.approx((96, 2, 5), abs=ROUNDING)
-    # x along the turned x, tool down.
-    assert np.allclose(matrix(pose).T, [(0, 1, 0), (1, 0, 0), (0, 0, -1)], atol=ROUNDING)
-
-
-def test_point_on_a_layer_with_a_process(save: Save, drawing: Drawing) -> None:
-    model = drawing.modelspace()
-    model.add_point((1, 2), dxfattribs={"layer": "GLUE"})
-    model.add_point((1, 2), dxfattribs={"layer": "GLUE", "extrusion": (1, 0, 0)})
-    motion = Motion(Speed(25.0), FINE, "nozzle", "base")
-    layer = Layer("gluing", motion, direction=(0.0, 1.0, 0.0))
-    process = Process(tools={"nozzle": Tool()}, layers={"glue": layer})
-    result = program(save(drawing), process)
-    flat, slope = (matrix(t.pose) for t in result.targets.values())
-    assert np.allclose(flat[:, 2], (0, 1, 0), atol=ROUNDING)
-    assert np.allclose(slope[:, 2], (-1, 0, 0), atol=ROUNDING)
-    assert [m.motion for m in moves(result)] == [motion, motion]
 
 
 # Orientation.

@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from assistant.languages.melfa_basic.adapt.evaluation import base, indices_of, named
-from assistant.languages.melfa_basic.lower.writer import words
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Procedure, Program, bodies
 from assistant.program.rewriting import Body, head, records
+from assistant.program.text import words_of
 
 Element = tuple[str, tuple[int, ...]]
 Known = frozenset[str | Element]
@@ -78,7 +78,7 @@ class Assigning:
                 case p.For(variable):
                     yield variable.lower()
                 case p.Opaque(_, text) | e.Verbatim(_, text):
-                    yield from words(text)
+                    yield from words_of(text)
                 case p.Call(name, arguments) | e.Apply(name, arguments):
                     callee = self.program.procedure(name)
                     given = zip(callee.parameters, arguments, strict=False) if callee else ()
@@ -170,7 +170,7 @@ class _Reading:
                 case e.Name(name):
                     self.read({name.lower()}, state)
                 case p.Opaque(_, text) | e.Verbatim(_, text):
-                    self.read(set(words(text)), state)
+                    self.read(set(words_of(text)), state)
                 case e.Apply(name):
                     self.called(name, state)
         return state

@@ -117,7 +117,7 @@ class _Targets:
 def _read_elsewhere(node: p.Statement) -> set[e.Expression]:
     """Present positions that a statement reads in a tool or frame that cannot hold for it."""
     found = {r for r in records(head(node)) if isinstance(r, e.Here)}
-    if isinstance(node, p.Move | p.MoveCircular | p.MoveJoints):
+    if isinstance(node, p.MoveStatement):
         own = node.motion.tool.lower(), node.motion.frame.lower()
         return {r for r in found if (r.tool.lower(), r.frame.lower()) != own}
     return set(found) if len(found) > 1 else set()

@@ -11,19 +11,18 @@ from dataclasses import fields, is_dataclass
 from typing import Any, Final
 
 from assistant.languages.melfa_basic import rules
-from assistant.languages.melfa_basic.lower.writer import words
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, Findings
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import records
+from assistant.program.text import words_of
 
 POSITION: Final = "<position>"
 """Stands among names for where the robot is."""
 TIME: Final = "<time>"
 """Stands among names for what timers count."""
-_MOVING: Final = (p.Move, p.MoveCircular, p.MoveJoints, p.Follow)
-_LASTING: Final = (*_MOVING, p.Wait, p.WaitSignal, p.WaitUntil, p.Gripper, p.Stop, p.StartTimer)
+_LASTING = p.Moving | p.Wait | p.WaitSignal | p.WaitUntil | p.Gripper | p.Stop | p.StartTimer
 _CALLED: Final = {POSITION: "the position of the robot", TIME: "a timer"}
 
 
@@ -219,7 +218,7 @@ def _changed(procedure: Procedure, procedures: Mapping[str, Procedure]) -> froze
                 callee = procedures[name.lower()]
                 names |= {base(place) for place in handed_over(callee, arguments)}
             case p.Opaque(_, text):
-                names.update(words(text))
+                names.update(words_of(text))
     return frozenset(names)
 
 
@@ -231,8 +230,8 @@ def _acts(procedure: Procedure, inputs: frozenset[str]) -> frozenset[str]:
             case p.SetSignal(signal):
                 names.add(signal.lower())
             case p.Opaque(_, text):
-                names |= {POSITION, TIME, *inputs, *words(text)}
-        if isinstance(record, _MOVING):
+                names |= {POSITION, TIME, *inputs, *words_of(text)}
+        if isinstance(record, p.Moving):
             names.add(POSITION)
         if isinstance(record, _LASTING):
             names |= {TIME, *inputs}
@@ -249,5 +248,5 @@ def named(procedure: Procedure) -> frozenset[str]:
             case p.For(variable):
                 names.add(variable.lower())
             case p.Opaque(_, text) | e.Verbatim(_, text):
-                names.update(words(text))
+                names.update(words_of(text))
     return frozenset(names)

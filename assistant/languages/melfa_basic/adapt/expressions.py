@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.adapt.vendor_text import plain_verbatim
-from assistant.languages.melfa_basic.functions import RELATIONS
 from assistant.languages.melfa_basic.vocabulary.timers import MILLISECONDS
 from assistant.program import expressions as e
 from assistant.program.geometry import BASE
@@ -43,9 +42,9 @@ def plain_expression(context: Context, value: e.Expression, deep: bool = True) -
         case e.Here(tool, frame):
             return _here(context, e.Here(context.tool(tool), context.frame(frame)))
         case e.Binary(operator, e.Binary("*", e.Elapsed() as seconds, e.Number(1000)), e.Number(n)):
-            return e.Binary(operator, seconds, _seconds(n)) if operator in RELATIONS else value
+            return e.Binary(operator, seconds, _seconds(n)) if operator in e.RELATIONS else value
         case e.Binary(operator, e.Number(n), e.Binary("*", e.Elapsed() as seconds, e.Number(1000))):
-            return e.Binary(operator, _seconds(n), seconds) if operator in RELATIONS else value
+            return e.Binary(operator, _seconds(n), seconds) if operator in e.RELATIONS else value
         case e.Apply(function, arguments) if function.lower() in e.FUNCTIONS:
             return _function(context, function.lower(), arguments)
         case e.Text(text):

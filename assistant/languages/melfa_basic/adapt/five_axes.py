@@ -71,7 +71,7 @@ def in_base(context: Context, program: Program) -> Program:
         ))  # fmt: skip
         return value
 
-    def move(node: p.Move | p.MoveCircular | p.MoveJoints) -> p.Statement:
+    def move(node: p.MoveStatement) -> p.Statement:
         frame = node.motion.frame.lower()
         if frame == BASE or frame not in frames:
             if isinstance(node, p.Move) and isinstance(node.target, e.Name):

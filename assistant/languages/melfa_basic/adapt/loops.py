@@ -12,11 +12,11 @@ from dataclasses import replace
 from typing import Final
 
 from assistant.languages.melfa_basic.adapt.evaluation import base
-from assistant.languages.melfa_basic.lower.writer import words
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Procedure, Program, Variable, identifier
 from assistant.program.rewriting import Body, map_bodies, records
+from assistant.program.text import words_of
 
 _PLAIN: Final = (e.Number, e.Truth, e.Name, e.Unary, e.Binary)
 """Expressions that give the same each time, as long as nothing is assigned to their names."""
@@ -128,7 +128,7 @@ class _Loops:
                 case p.Call(_, arguments) | e.Apply(_, arguments):
                     yield from map(base, arguments)
                 case p.Opaque(_, text) | e.Verbatim(_, text):
-                    yield from words(text)
+                    yield from words_of(text)
 
 
 def _own(procedure: Procedure) -> Iterator[str]:

@@ -17,7 +17,7 @@ from assistant.program import statements as p
 from assistant.program.program import Procedure, Program, Signal, Variable
 from assistant.program.rewriting import Body, map_bodies
 
-RELATIONS: Final = ("=", "<>", "<", "<=", ">", ">=", "and", "or")
+_TRUTHS: Final = (*e.RELATIONS, "and", "or")
 ZERO: Final = e.Number(0)
 FOR_GOOD: Final = p.While(e.Number(1), (p.Stop(),))
 """A start goes on behind one `Hlt` alone."""
@@ -91,7 +91,7 @@ class _Checking:
             case e.Number() | e.Truth() | e.Verbatim() | e.Unary("not"):
                 return True
             case e.Binary(operator):
-                return operator in RELATIONS
+                return operator in _TRUTHS
             case e.Apply(name):
                 return self.results.get(name.lower()) == "truth"
             case e.Name(name) if name.lower() not in self.kinds:

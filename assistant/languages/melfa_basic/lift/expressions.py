@@ -11,8 +11,6 @@ from assistant.languages.melfa_basic.functions import ANALOG, OF_ANGLE, PLAIN, T
 from assistant.languages.melfa_basic.lift.constants import INITIAL
 from assistant.languages.melfa_basic.lift.meanings import SIGNALS, Unliftable
 from assistant.languages.melfa_basic.lift.operators import (
-    LOGICAL,
-    RELATIONS,
     WHOLE,
     are_truths,
     is_comparison,
@@ -89,7 +87,7 @@ class Expressions(Types):
     def number(self, node: s.Expression) -> e.Expression:
         """A value that is no truth, as the operand of a sum."""
         if not self.m.own and isinstance(node, s.Binary):
-            if operator_name(node.operator) in RELATIONS:
+            if operator_name(node.operator) in e.RELATIONS:
                 raise Unliftable
         return self.plain(node)
 
@@ -105,7 +103,7 @@ class Expressions(Types):
             return self.placed(operator, left, right)
         if operator in ("<<", ">>") or ("joints" in kinds and not self.m.own):
             raise Unliftable
-        if operator in LOGICAL:
+        if operator in e.LOGICAL:
             if self.joins_bits(left, right):
                 return e.Apply(f"bit{operator}", (self.rounded(left), self.rounded(right)))
             if not (self.m.own and are_truths(left, right)):
@@ -131,7 +129,7 @@ class Expressions(Types):
         match node:
             case s.Binary(operator=written, left=left, right=right):
                 operator = operator_name(written)
-                if operator in LOGICAL and self.group(operator, left, right) is None:
+                if operator in e.LOGICAL and self.group(operator, left, right) is None:
                     if operator == "or" and not self.m.own:  # a bit is set where one has one
                         return e.Binary("or", self.nonzero(left), self.nonzero(right))
                     if not self.m.own and self.joins_bits(left, right):
@@ -139,7 +137,7 @@ class Expressions(Types):
                     if not (self.is_truth(left) and self.is_truth(right)):
                         raise Unliftable
                     return e.Binary(operator, self.truth(left), self.truth(right))  # type: ignore[arg-type]
-                if operator in RELATIONS:
+                if operator in e.RELATIONS:
                     return self.binary(operator, left, right)
             case s.Number(value=value) if not self.m.own:
                 return e.Truth(value != 0)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import Final
 
 from assistant.languages.melfa_basic import syntax as s
+from assistant.program import expressions as e
 
 _OPERATORS: Final = {
     "\\": "div", "MOD": "mod", "AND": "and", "OR": "or", "XOR": "xor", "><": "<>", "=<": "<=",
     "=>": ">=",
 }  # fmt: skip
-RELATIONS: Final = ("=", "<>", "<", "<=", ">", ">=")
-LOGICAL: Final = ("and", "or", "xor")
+_TRUTHS: Final = (*e.RELATIONS, *e.LOGICAL)
 WHOLE: Final = ("div", "mod")
 """Operators that round their operands first."""
 
@@ -25,8 +25,9 @@ def is_comparison(node: s.Expression) -> bool:
     match node:
         case s.Binary(operator=written, left=left, right=right):
             operator = operator_name(written)
-            joins = operator in LOGICAL
-            return operator in RELATIONS or (joins and is_comparison(left) and is_comparison(right))
+            if operator in e.LOGICAL:
+                return is_comparison(left) and is_comparison(right)
+            return operator in e.RELATIONS
         case s.Unary(operator=sign, operand=operand):
             return sign.upper() == "NOT" and is_comparison(operand)
     return False
@@ -40,6 +41,6 @@ def are_truths(*operands: s.Expression) -> bool:
                 return False
             case s.Unary():
                 return False
-            case s.Binary(operator=written) if operator_name(written) not in (*RELATIONS, *LOGICAL):
+            case s.Binary(operator=written) if operator_name(written) not in _TRUTHS:
                 return False
     return True

@@ -7,7 +7,6 @@ from typing import Any
 
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MoveRows
-from assistant.languages.melfa_basic.functions import RELATIONS
 from assistant.languages.melfa_basic.header import Header
 from assistant.languages.melfa_basic.vocabulary.timers import MILLISECONDS, MOST_TIMERS, timer_of
 from assistant.languages.melfa_basic.walk import nodes
@@ -84,9 +83,9 @@ def timed(
         case e.Elapsed() as timer, None, _, s.Number(value):
             if operator == "/" and value == MILLISECONDS:
                 return timer
-            if operator in RELATIONS:
+            if operator in e.RELATIONS:
                 return e.Binary(operator, timer, seconds_of(value))  # type: ignore[arg-type]
-        case None, e.Elapsed() as timer, s.Number(value), _ if operator in RELATIONS:
+        case None, e.Elapsed() as timer, s.Number(value), _ if operator in e.RELATIONS:
             return e.Binary(operator, seconds_of(value), timer)  # type: ignore[arg-type]
     return None
 

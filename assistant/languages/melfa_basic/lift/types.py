@@ -7,8 +7,6 @@ from typing import Final
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.lift.meanings import SIGNALS, Meanings
 from assistant.languages.melfa_basic.lift.operators import (
-    LOGICAL,
-    RELATIONS,
     WHOLE,
     are_truths,
     is_comparison,
@@ -16,6 +14,7 @@ from assistant.languages.melfa_basic.lift.operators import (
 )
 from assistant.languages.melfa_basic.vocabulary import function, status
 from assistant.languages.melfa_basic.walk import nodes
+from assistant.program import expressions as e
 from assistant.program.program import ValueType
 
 FROM_LETTER: Final[dict[str, ValueType]] = {
@@ -48,13 +47,13 @@ class Types:
                 return self.type_of(operand)
             case s.Binary(operator=operator, left=left, right=right):
                 name = operator_name(operator)
-                if name in RELATIONS:
+                if name in e.RELATIONS:
                     return "truth"
                 kinds = (self.type_of(left), self.type_of(right))
                 for kind in ("position", "joints", "text", "number"):
-                    if kind in kinds and not (kind == "number" and name in (*WHOLE, *LOGICAL)):
+                    if kind in kinds and not (kind == "number" and name in (*WHOLE, *e.LOGICAL)):
                         return kind
-                if name in WHOLE or (name in LOGICAL and "truth" not in kinds):
+                if name in WHOLE or (name in e.LOGICAL and "truth" not in kinds):
                     return "integer"
                 return "number" if name in ("/", "^") else kinds[0]
             case s.Number(value=value):
@@ -76,9 +75,9 @@ class Types:
         match node:
             case s.Binary(operator=written, left=left, right=right):
                 operator = operator_name(written)
-                if operator in LOGICAL:
+                if operator in e.LOGICAL:
                     return self.is_truth(left) and self.is_truth(right)
-                return operator in RELATIONS
+                return operator in e.RELATIONS
             case s.Variable():
                 return self.is_bit(node) or self.type_of(node) == "truth" or self.m.own
             case s.Unary():

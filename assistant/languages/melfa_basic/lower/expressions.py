@@ -20,7 +20,6 @@ from assistant.languages.melfa_basic.functions import (
     OF_ANGLE,
     OPERATORS,
     PLAIN,
-    RELATIONS,
     TEXTS,
     TO_ANGLE,
 )
@@ -55,8 +54,6 @@ class NoNumber(Unsayable):
 class Undeclared(Unsayable):
     """A name that stands for nothing; `what` is the name."""
 
-
-COMPARISONS: Final = frozenset(("=", "<>", "<", "<=", ">", ">="))
 
 MOST_TEXT: Final = 127
 """Characters of a text."""
@@ -137,16 +134,16 @@ class Expressions:
             case e.Binary("*", e.Elapsed(timer), e.Number(1000)):
                 return self.timer(timer)
             case e.Binary(operator, e.Elapsed(timer), e.Number(seconds)) if (
-                operator in RELATIONS and (limit := _milliseconds(seconds)) is not None
+                operator in e.RELATIONS and (limit := _milliseconds(seconds)) is not None
             ):
                 return s.Binary(operator, self.timer(timer), s.Number(limit))
             case e.Binary(operator, e.Number(seconds), e.Elapsed(timer)) if (
-                operator in RELATIONS and (limit := _milliseconds(seconds)) is not None
+                operator in e.RELATIONS and (limit := _milliseconds(seconds)) is not None
             ):
                 return s.Binary(operator, s.Number(limit), self.timer(timer))
             case e.Binary(operator=operator, left=left, right=right):
                 sides = self.of(left), self.of(right)
-                if operator in COMPARISONS and any(map(_is_position, sides)):
+                if operator in e.RELATIONS and any(map(_is_position, sides)):
                     raise Unsayable("a comparison of positions", "compare their components")
                 return s.Binary(OPERATORS.get(operator, operator), *sides)
             case e.Apply(function=function, arguments=arguments):

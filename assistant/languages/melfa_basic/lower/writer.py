@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic import syntax as s
@@ -24,13 +24,10 @@ from assistant.program.geometry import BASE
 from assistant.program.path import Path
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import head, records
+from assistant.program.text import words_of
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
-
-
-MOVES: Final = (p.Move, p.MoveCircular, p.MoveJoints)
-"""Statements that say a tool and a frame of their own."""
 
 
 class Writer:
@@ -69,7 +66,7 @@ class Writer:
         self.owner: Procedure | None = None
         self.expressions = Expressions(program, dialect, names, robot, self.next_number)
         self.used, self.shared = self._used()
-        self.elsewhere = {word for d in program.declarations for word in words(d.text)}
+        self.elsewhere = {word for d in program.declarations for word in words_of(d.text)}
         """Words of declarations that were refused already: what they declare is no news."""
         self.mounts = {name.lower() for name in (*program.tools, *program.frames)}
         """Tools and frames, which are no values here."""
@@ -156,7 +153,7 @@ class Writer:
 
     def statement(self, statement: p.Statement) -> None:
         """Writes a statement; one that reads the position, under the tool and frame it names."""
-        if not isinstance(statement, MOVES):  # they hold under their own anyway, see `places`
+        if not isinstance(statement, p.MoveStatement):  # which hold under their own, see `places`
             self.stand(head(statement))
         self.write[type(statement)](self, statement)
         if any(map(self._is_call, records(head(statement)))):
@@ -191,12 +188,6 @@ class Writer:
         if procedure.unit is None:
             return procedure.name.lower() == (self.program.entry or "").lower()
         return procedure is next(q for q in self.program.procedures if q.unit == procedure.unit)
-
-
-def words(text: str) -> Iterator[str]:
-    """The words of a text, in lower case."""
-    plain = "".join(c if c.isalnum() or c == "_" else " " for c in text)
-    return iter(plain.lower().split())
 
 
 def mentioned(value: Any) -> set[str]:

@@ -11,7 +11,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 
 _ARITHMETIC: Final = ("+", "-", "*", "/", "div", "mod", "^")
-_LOGICAL: Final = ("and", "or", "xor", "=", "<>", "<", "<=", ">", ">=")
+_TRUTHS: Final = (*e.LOGICAL, *e.RELATIONS)
 _NUMBERS: Final = ("number", "integer")
 
 
@@ -47,7 +47,7 @@ def is_truth(x: e.Expression, known: Kinds) -> bool:
         case e.Name(name) | e.Index(e.Name(name)):
             return known.get(name.lower()) == "truth"
         case e.Binary(operator):
-            return operator in _LOGICAL
+            return operator in _TRUTHS
         case e.Unary("not") | e.Truth():
             return True
     return False

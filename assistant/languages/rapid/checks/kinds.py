@@ -15,12 +15,12 @@ from assistant.languages.rapid import predefined
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.checks.scope import Declaration, Look
 from assistant.languages.rapid.signatures import Parameter, Slot, signature
+from assistant.program import expressions as e
 
 NUMBER: Final = "number"
 """Type of a numeric literal, which is a num or a dnum as the place wants it."""
 NUMERIC: Final = frozenset({"num", "dnum", NUMBER})
 LOGICAL: Final = frozenset({"OR", "XOR", "AND"})
-RELATIONS: Final = frozenset({"<", "<=", "=", ">", ">=", "<>"})
 MOST_ALIASES: Final = 8
 """Aliases behind each other that are followed; RAPID forbids two."""
 
@@ -251,7 +251,7 @@ class Scope:
         return self.of(standard.result) if standard and standard.result else None
 
     def _infix(self, operator: str, left: s.Expression, right: s.Expression) -> Kind | None:
-        if operator in LOGICAL or operator in RELATIONS:
+        if operator in LOGICAL or operator in e.RELATIONS:
             return Kind("bool")
         one, other = self.read(left), self.read(right)
         if one is None or other is None or one.dimensions or other.dimensions:

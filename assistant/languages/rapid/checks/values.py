@@ -11,12 +11,12 @@ from assistant.languages.rapid.checks.kinds import (
     LOGICAL,
     NUMERIC,
     OPERATIONS,
-    RELATIONS,
     Kind,
     Scope,
     fits,
 )
 from assistant.languages.rapid.gather import literal_number
+from assistant.program import expressions as e
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]
@@ -157,7 +157,7 @@ def operands(node: s.Infix, scope: Scope) -> Found:
 
 
 def _joins(operator: str, one: Kind, other: Kind) -> bool:
-    if operator not in RELATIONS:
+    if operator not in e.RELATIONS:
         plain = not (one.dimensions or other.dimensions)
         return plain and (operator, one.type, other.type) in OPERATIONS
     if operator in ("=", "<>"):

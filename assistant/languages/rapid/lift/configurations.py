@@ -6,7 +6,6 @@ in, whatever its target states (RAPID reference manual, ConfL).
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -20,6 +19,7 @@ from assistant.program.geometry import Target
 from assistant.program.path import Kind, Path, configuration_row
 from assistant.program.program import Program, walk
 from assistant.program.rewriting import Body, map_bodies, rewrite
+from assistant.program.text import words_of
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
@@ -42,7 +42,7 @@ def with_open_lines(program: Program, arm: Robot | None) -> Program:
     for part in (program.procedures, program.variables):
         uses.update(name.lower() for name in mentioned(part))
     for declaration in program.declarations:
-        uses.update(re.findall(r"\w+", declaration.text.lower()))
+        uses.update(words_of(declaration.text))
     for node in program.statements():
         if id(node) in free:
             open_uses.update(name.lower() for name in mentioned(node))

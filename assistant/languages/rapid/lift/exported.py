@@ -35,7 +35,7 @@ from assistant.languages.rapid.sequences import mentioned
 from assistant.languages.rapid.tables import VALUE_OF_TYPE
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Findings, Refused
+from assistant.program.diagnostics import Findings
 from assistant.program.geometry import Frame, Tool
 from assistant.program.motion import FINE
 from assistant.program.program import Procedure, Program, Variable, identifier, walk
@@ -44,12 +44,10 @@ from assistant.program.rewriting import Body, map_bodies, records, rewrite
 if TYPE_CHECKING:
     from assistant.robots import Robot
 
-NOTHING: Final = frozenset(
-    {
-        *("confj", "confj on", "confl", "confl on", "singarea", "singarea off"),
-        *("gripload load0", "cornerpathwarning true", "cornerpathwarning false"),
-    }
-)
+NOTHING: Final = {
+    "confj", "confj on", "confl", "confl on", "singarea", "singarea off", "gripload load0",
+    "cornerpathwarning true", "cornerpathwarning false",
+}  # fmt: skip
 """Instructions that set what holds anyway, or concern the controller's own log alone.
 
 With their options and arguments, in lower case (RAPID reference manual: ConfJ, ConfL, SingArea,
@@ -110,11 +108,7 @@ def _call(node: p.Statement) -> s.ProcedureCall | None:
     """The one instruction that a text of RAPID says."""
     if not isinstance(node, p.Opaque) or node.language != verbatim.LANGUAGE:
         return None
-    try:
-        read = verbatim.statements(node.text)
-    except Refused:
-        return None
-    match read:
+    match verbatim.understood(verbatim.statements, node.text):
         case (s.ProcedureCall(name=str()) as call,):
             return call
     return None
@@ -145,7 +139,7 @@ def _with_stops(program: Program, arm: Robot | None, findings: Findings) -> Prog
         for node in body:
             call = _call(node)
             with findings.at(node.span):
-                if isinstance(node, p.Move | p.MoveCircular | p.MoveJoints):
+                if isinstance(node, p.MoveStatement):
                     made.append(_stop(node) if corner_of(node) in stopping else node)
                 elif call is None:
                     made.append(map_bodies(node, lambda inner: said(owner, inner)))
@@ -171,7 +165,7 @@ def _stopping(program: Program, ways: Ways) -> set[str]:
     return found - ways.cut - {UNKNOWN, STOP}
 
 
-def _stop(move: p.Move | p.MoveCircular | p.MoveJoints) -> p.Statement:
+def _stop(move: p.MoveStatement) -> p.Statement:
     return replace(move, motion=replace(move.motion, blend=FINE))
 
 
@@ -220,7 +214,7 @@ def _with_plain_moves(program: Program, findings: Findings) -> Program:
         if call is None or near is None:
             return record
         move = instruction(near, Meaning())
-        if not isinstance(move, p.Move | p.MoveCircular | p.MoveJoints):
+        if not isinstance(move, p.MoveStatement):
             return record
         with findings.at(record.span):
             findings.append(rules.LEFT_OUT(
@@ -339,11 +333,7 @@ ROW_OF: Final[Mapping[str, Callable[[Any], Tool | Frame | None]]] = {
 
 def _table(text: str) -> tuple[str, list[Tool | Frame | None]]:
     """The lower-case name and the rows of a table that a declaration says, else nothing."""
-    try:
-        read = verbatim.items(text)
-    except Refused:
-        return "", []
-    match read:
+    match verbatim.understood(verbatim.items, text):
         case (s.Data(type=type, name=str(name), dimensions=(_,), value=s.AggregateNode(values)),):
             row = ROW_OF.get(type.lower())
             if row is not None:

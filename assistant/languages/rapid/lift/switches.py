@@ -15,7 +15,6 @@ from assistant.languages.rapid import verbatim
 from assistant.languages.rapid.lift.expressions import lift as expression
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Refused
 from assistant.program.program import Declaration, Procedure, Program
 from assistant.program.rewriting import map_spans, rewrite
 
@@ -52,11 +51,7 @@ def _routine(declaration: Declaration) -> s.Routine | None:
     """The routine with switches that a declaration says."""
     if declaration.language != verbatim.LANGUAGE:
         return None
-    try:
-        read = verbatim.items(declaration.text)
-    except Refused:
-        return None
-    match read:
+    match verbatim.understood(verbatim.items, declaration.text):
         case (s.Routine() as routine,) if list(_switches(routine)):
             return routine
     return None
@@ -106,23 +101,16 @@ def _called(x: Any, switches: Switches) -> Any:
         case e.Apply(name, given) if name.lower() in switches:
             return replace(x, arguments=(*given, *_told((), switches[name.lower()])))
         case p.Opaque(verbatim.LANGUAGE, text):
-            match _read(verbatim.statements, text):
+            match verbatim.understood(verbatim.statements, text):
                 case (s.ProcedureCall(str(name), arguments),) if name.lower() in switches:
                     values = _values(arguments, switches[name.lower()], switches)
                     return x if values is None else p.Call(name, values, span=x.span)
         case e.Verbatim(verbatim.LANGUAGE, text):
-            match _read(verbatim.expression, text):
+            match verbatim.understood(verbatim.expression, text):
                 case s.FunctionCall(name, arguments) if name.lower() in switches:
                     values = _values(arguments, switches[name.lower()], switches)
                     return x if values is None else e.Apply(name, values)
     return x
-
-
-def _read(reads: Callable[[str], Any], text: str) -> Any:
-    try:
-        return reads(text)
-    except Refused:
-        return None
 
 
 def _values(

@@ -15,7 +15,6 @@ from assistant.languages.rapid import verbatim
 from assistant.languages.rapid.signatures import signature
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Refused
 from assistant.program.motion import Blend
 from assistant.program.program import Procedure, Program, bodies
 from assistant.program.rewriting import Body, head, records
@@ -219,9 +218,8 @@ class Ways:
 
     def opaque(self, text: str, state: State) -> State:
         """Behind a statement that is kept as its text."""
-        try:
-            read = verbatim.statements(text)
-        except Refused:  # an error handler, for one
+        read = verbatim.understood(verbatim.statements, text)
+        if read is None:  # an error handler, for one
             self.handled.add(self.owner)
             return self.lost(state)
         for node in read:

@@ -26,7 +26,7 @@ BINARY: Final[dict[str, tuple[str, int, int, int]]] = {
     "or": ("OR", OR, OR, AND),
     "xor": ("XOR", OR, OR, AND),
     "and": ("AND", AND, AND, RELATION),
-    **{o: (o, RELATION, SUM, SUM) for o in ("=", "<>", "<", "<=", ">", ">=")},
+    **{o: (o, RELATION, SUM, SUM) for o in e.RELATIONS},
     "+": ("+", SUM, SUM, TERM),
     "-": ("-", SUM, SUM, TERM),
     "*": ("*", TERM, TERM, PRIMARY),

@@ -66,7 +66,7 @@ def motion_names(
 def motions(program: Program) -> Iterator[tuple[Speed | e.Name, Blend | e.Name]]:
     """Every speed and blend that a move states, each table entry of a path once."""
     for statement in program.statements():
-        if isinstance(statement, p.Move | p.MoveCircular | p.MoveJoints):
+        if isinstance(statement, p.MoveStatement):
             yield statement.motion.speed, statement.motion.blend
         elif isinstance(statement, p.Follow):
             path = statement.path
