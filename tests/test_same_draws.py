@@ -30,7 +30,12 @@ def draws(folder: Path, module: str) -> str:
     subprocess.run(
         [sys.executable, "-m", "pytest", *settings, str(folder / "test_drawing.py")],
         cwd=PROJECT,
-        env={**os.environ, "PYTHONPATH": f"{PROJECT}{os.pathsep}{folder}", "DRAWN": str(drawn)},
+        env={
+            **os.environ,
+            "PYTEST_ADDOPTS": "",
+            "PYTHONPATH": f"{PROJECT}{os.pathsep}{folder}",
+            "DRAWN": str(drawn),
+        },
         check=True,
     )
     return drawn.read_text("utf-8")

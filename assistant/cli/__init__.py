@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from contextvars import copy_context
 from typing import Final
 
 from assistant.program.diagnostics import Refused, Rule, Severity
@@ -21,6 +22,11 @@ INTERRUPTED: Final = 130
 
 def main(arguments: list[str] | None = None) -> None:
     """Runs one command; exits 0 clean, 1 with findings, 2 for wrong usage or unreadable input."""
+    # In a context of its own: what one command was asked for, the next one was not.
+    copy_context().run(_run, arguments)
+
+
+def _run(arguments: list[str] | None) -> None:
     from assistant.cli.app import app
     from assistant.cli.presentation import print_findings, print_refused
 
