@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, Generic, Literal, Protocol, Self, 
 
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.program import Origin, Program
-from assistant.program.text import SourceText, decode, read_bytes
+from assistant.program.text import SourceText, decode, encode, read_bytes
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
@@ -158,16 +158,20 @@ class Language(abc.ABC, Generic[T]):
     def decode(self, data: bytes, path: str | None = None) -> SourceText:
         return decode(data, path, self.encodings)
 
-    @abc.abstractmethod
-    def recognises(self, data: bytes, suffix: str = "") -> bool:
+    def recognises(self, data: bytes, suffix: str = "") -> bool:  # noqa: ARG002
         """Whether a file's bytes look like this language.
 
         suffix: of its name in lower case with the dot, which may tell dialects apart.
         """
+        return suffix in self.suffixes
 
-    @abc.abstractmethod
     def encode(self, tree: T) -> bytes:
-        """The rendered tree as the controller wants its bytes."""
+        """The rendered tree as the controller wants its bytes.
+
+        In the encoding that it was read in, ASCII for a new one. Raises Refused where a character
+        is not in that encoding.
+        """
+        return encode(replace(tree.source or SourceText(""), text=self.render(tree)))
 
     @abc.abstractmethod
     def parse(self, source: SourceText | str) -> T:
@@ -268,13 +272,13 @@ class Language(abc.ABC, Generic[T]):
     def build(self, program: Program, robot: Robot | None = None, unit: str | None = None) -> T:
         """The tree of one unit of an adapted program."""
 
-    @abc.abstractmethod
     def file_name(self, program: Program, unit: str | None = None) -> str:
         """Name of the file that holds a unit of an adapted program."""
+        return (unit or program.name) + self.suffixes[0]
 
-    @abc.abstractmethod
-    def called_files(self, tree: T) -> tuple[str, ...]:
+    def called_files(self, tree: T) -> tuple[str, ...]:  # noqa: ARG002
         """Names of the files that a tree loads or calls, each once."""
+        return ()
 
     @abc.abstractmethod
     def check(self, trees: Sequence[T]) -> tuple[Diagnostic, ...]:

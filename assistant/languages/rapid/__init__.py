@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from pathlib import Path as FilePath
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
@@ -13,7 +12,7 @@ from assistant.languages.language import ARITHMETIC, Adapted, Language, Part, Pr
 from assistant.languages.rapid.syntax import File
 from assistant.program.diagnostics import Diagnostic, has_errors
 from assistant.program.program import Program
-from assistant.program.text import SourceText, encode
+from assistant.program.text import SourceText
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
@@ -56,14 +55,6 @@ class Rapid(Language[File]):
         from assistant.languages.rapid.files import read_text
 
         return read_text(data, path, self.encodings)
-
-    def encode(self, tree: File) -> bytes:
-        """The rendered tree in the encoding that it was read in, ASCII for a new one.
-
-        Raises Refused where a character is not in that encoding.
-        """
-        source = tree.origin.source if tree.origin else SourceText("")
-        return encode(replace(source, text=self.render(tree)))
 
     def parse(self, source: SourceText | str) -> File:
         from assistant.languages.rapid.reading.parser import parse
