@@ -121,7 +121,7 @@ def corner_of(speed: Speed) -> float:
     """
     if not math.isfinite(speed.tcp):
         return WIDEST_CHOSEN
-    braking = speed.tcp**2 / (2.0 * BRAKING)
+    braking = speed.tcp * speed.tcp / (2.0 * BRAKING)  # `**` would raise where that is too large
     sizes = (b.radius for b in tables.ZONES.values() if b.radius and b.radius <= WIDEST_CHOSEN)
     return max((radius for radius in sizes if radius <= braking), default=LEAST_CHOSEN)
 

@@ -131,6 +131,8 @@ class _Plain:
         yield map_bodies(replace(node, variable=self.context.spelled(node.variable)), self.body)
 
     def switch(self, node: p.Switch) -> Iterator[p.Statement]:
+        """A case of no value is never chosen."""
+        node = replace(node, cases=tuple(case for case in node.cases if case.values))
         nested = self.selects and not self.context.dialect.nested_select
         if nested or not _selectable(node):
             if sum(len(c.values) for c in node.cases) > 1:

@@ -323,10 +323,13 @@ class Expressions:
     def constant(self, value: e.TargetValue | e.JointValue | e.PoseValue) -> s.Constant:
         """A position or joint constant, as it stands right of `=`."""
         if isinstance(value, e.PoseValue):
-            return s.Constant(poses.plain_values(value.pose), (0, 0))
-        if isinstance(value, e.JointValue):
-            return joint_constant(value.target, self.robot)
-        return position_constant(value.target, self.robot)
+            made = s.Constant(poses.plain_values(value.pose), (0, 0))
+        elif isinstance(value, e.JointValue):
+            made = joint_constant(value.target, self.robot)
+        else:
+            made = position_constant(value.target, self.robot)
+        _need_finite(*(number for number in made.values if number is not None))
+        return made
 
 
 def _is_position(value: s.Expression) -> bool:
@@ -339,12 +342,16 @@ def _is_position(value: s.Expression) -> bool:
 
 def numeric(value: float) -> s.Expression:
     """A number with its sign in front; raises Unsayable for what is not finite."""
-    if not math.isfinite(value) or abs(value) > 1e30:
-        raise Unsayable("a number that is not finite", "correct the number")
+    _need_finite(value)
     number = s.Number(int(value) if float(value).is_integer() and abs(value) < 1e15 else value)
     if value < 0 or math.copysign(1.0, value) < 0:
         return s.Unary("-", s.Number(abs(number.value))) if value else s.Number(0)
     return number
+
+
+def _need_finite(*values: float) -> None:
+    if not all(abs(value) <= 1e30 for value in values):  # nor is a NaN
+        raise Unsayable("a number that is not finite", "correct the number")
 
 
 def _milliseconds(seconds: float) -> float | int | None:

@@ -192,6 +192,11 @@ def _message(a: StatementAdapter, x: p.Message) -> Changed:
     return [p.Message(tuple(row), span=x.span) for row in rows]
 
 
+def _switch(_: StatementAdapter, x: p.Switch) -> Changed:
+    """A case of no value is never chosen, and there are no words for it."""
+    return [replace(x, cases=tuple(case for case in x.cases if case.values))]
+
+
 def _opaque(a: StatementAdapter, x: p.Opaque) -> Changed:
     if x.language != verbatim.LANGUAGE:
         a.findings.append(rules.OTHER_LANGUAGE(**verbatim.foreign(x)))
@@ -210,5 +215,6 @@ CHANGES: Final[dict[type, Callable[[StatementAdapter, Any], Changed]]] = {
     p.SetAcceleration: _acceleration,
     p.Comment: _comment,
     p.Message: _message,
+    p.Switch: _switch,
     p.Opaque: _opaque,
 }
