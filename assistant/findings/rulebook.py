@@ -9,6 +9,7 @@ import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from types import ModuleType
 from typing import Any, Final
 
 import assistant
@@ -72,10 +73,24 @@ def pages() -> Mapping[str, Page]:
 def rules() -> Mapping[str, Rule]:
     """Every rule by code; raises ValueError if two rules share one. Imports all of the package."""
     found: dict[str, Rule] = {}
-    for rule in _all_rules():
+    for rule in rules_in(assistant):
         if found.setdefault(rule.code, rule) != rule:
             raise ValueError(f"two rules have the code {rule.code}")
     return dict(sorted(found.items()))
+
+
+def rules_in(package: ModuleType) -> Iterator[Rule]:
+    """Every rule in a package, some several times. Imports all of it."""
+    for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
+        if not module.name.endswith("__main__"):
+            try:
+                members = vars(importlib.import_module(module.name))
+            except ModuleNotFoundError as error:
+                if (error.name or "").startswith(package.__name__):
+                    raise
+                continue  # a module that needs an optional package has no say without it
+            for value in members.values():
+                yield from _in(value)
 
 
 def page_address(code: str) -> str:
@@ -129,19 +144,6 @@ def language_of(code: str) -> Language[Any] | None:
 def _is_check(code: str) -> bool:
     language = language_of(code)
     return language is not None and not code.startswith(language.fixed)
-
-
-def _all_rules() -> Iterator[Rule]:
-    for module in pkgutil.walk_packages(assistant.__path__, "assistant."):
-        if not module.name.endswith("__main__"):
-            try:
-                members = vars(importlib.import_module(module.name))
-            except ModuleNotFoundError as error:
-                if (error.name or "").startswith("assistant"):
-                    raise
-                continue  # a module that needs an optional package has no say without it
-            for value in members.values():
-                yield from _in(value)
 
 
 def _in(value: Any) -> Iterator[Rule]:
