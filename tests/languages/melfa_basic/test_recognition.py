@@ -5,8 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from assistant import languages
 from assistant.program.diagnostics import Refused, Unreadable
@@ -88,13 +86,6 @@ def test_bytes_come_back(comment: str, encoding: str, newline: str) -> None:
     assert not tree.findings
     assert len(tree.items) == 3
     assert FIVE.encode(tree) == text.encode(encoding)
-
-
-@given(st.binary(max_size=300).filter(lambda data: not data.startswith(b"ROBPRG")))
-def test_any_bytes_are_read_and_come_back(data: bytes) -> None:
-    for language in (FOUR, FIVE, SIX):
-        language.recognises(data)
-        assert language.encode(language.parse(language.decode(data))) == data
 
 
 @pytest.mark.parametrize(

@@ -74,15 +74,6 @@ def test_tokenised_file_is_named() -> None:
     assert FIVE.render(tree) == "ROBPRG\x00\x01\x02"
 
 
-@given(st.text(max_size=200))
-@settings(max_examples=150, deadline=None)
-def test_any_text_is_read_and_kept(text: str) -> None:
-    tree = FIVE.parse(text)
-    assert FIVE.render(tree) == text
-    FIVE.check([tree])
-    FIVE.lift(tree)
-
-
 @given(st.lists(st.sampled_from(IDENTITY), max_size=30))
 @settings(max_examples=60, deadline=None)
 def test_any_lines_are_checked_and_lifted(lines: list[str]) -> None:

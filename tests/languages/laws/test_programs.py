@@ -1,0 +1,201 @@
+"""Laws of programs: what is written is read back, says the same, and under legal names."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from assistant import compile, languages
+from assistant.compiler.proof import prove
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.comparison import Tolerance, compare
+from assistant.program.geometry import Configuration, Frame, Pose, Target, Tool
+from assistant.program.motion import FINE, FULL_BLEND, Speed
+from assistant.program.path import Path
+from assistant.program.program import Procedure, Program, Signal
+from tests.languages.laws.subjects import (
+    PARTS,
+    TURNED,
+    WAITS,
+    errors,
+    every_language,
+    few,
+    many,
+    programs,
+    written,
+)
+
+
+def proven(name: str, program: Program) -> Program:
+    """What a language says of a program once it is adapted, written and read back."""
+    language = languages.get(name)
+    adapted = language.adapt(program)
+    assert not errors(adapted.findings), adapted.findings
+    again = language.adapt(adapted.program)
+    assert compare(adapted.program, again.program).same
+    assert not errors(again.findings)
+    tree = language.lower(program)
+    text = language.render(tree)
+    read = language.parse(text)
+    assert language.same(read, tree)
+    assert language.render(read) == text
+    assert not errors((*read.findings, *language.check([read])))
+    assert language.same(language.parse(language.format(read)), read)
+    tolerance = Tolerance(
+        language.precision.position, language.precision.angle, language.precision.number
+    )
+    assert compare(adapted.program, language.lift(tree), tolerance).same
+    proof = prove(language, adapted.program, written(language, adapted.program))
+    assert proof.holds, proof.findings
+    assert proof.lifted is not None
+    return proof.lifted
+
+
+@every_language
+@given(program=programs)
+@few
+def test_what_all_can_say_is_proven(name: str, program: Program) -> None:
+    proven(name, program)
+
+
+@pytest.mark.slow
+@every_language
+@given(program=programs)
+@many
+def test_much_that_all_can_say_is_proven(name: str, program: Program) -> None:
+    proven(name, program)
+
+
+# ------------------------------------------------------------------------------------ names
+
+WORDS = (
+    *("end", "End", "MOVEL", "fine", "if", "dly", "P1", "j1", "m_out", "main", "program", "v100"),
+    *("set", "on", "proc", "Function", "a_", "_x", "_", "ü", "Ü", "ue", "日本", "İ", "ß", "ſ", "Ω"),
+    *("x" * 70, "x" * 71, "x" * 16, "x" * 17),
+)
+"""Names that are words somewhere, that are written alike, and that are long."""
+NAMES = st.lists(
+    st.sampled_from(WORDS) | st.from_regex(r"[^\W\d]\w{0,8}", fullmatch=True),
+    min_size=5,
+    max_size=15,
+    unique_by=str.lower,
+)
+
+
+def naming(names: list[str]) -> Program:
+    """A program whose points, frames, tools, signals and procedures have these names.
+
+    A frame has the name of a point as well, in capitals.
+    """
+    points, tools, signals, called = (names[start::4] for start in range(4))
+    frames = [upper for name in points if (upper := name.upper()).lower() == name.lower()]
+    moves = [
+        p.Move("linear", e.Name(point), p.Motion(Speed(100.0), FINE, tool, frame))
+        for point in points
+        for tool in tools
+        for frame in frames or ["base"]
+    ]
+    sets = [p.SetSignal(signal, e.Number(1)) for signal in signals]
+    body = (*moves, *sets, *map(p.Call, called))
+    part = (p.Wait(e.Number(1)),)
+    return Program(
+        "job",
+        (Procedure("start_here", body), *(Procedure(name, part) for name in called)),
+        "start_here",
+        targets={name: Target(place(row), Configuration()) for row, name in enumerate(points)},
+        frames={name: Frame(place(row)) for row, name in enumerate(frames)},
+        tools={name: Tool(place(row)) for row, name in enumerate(tools)},
+        signals={name: Signal("digital", "output", row) for row, name in enumerate(signals, 1)},
+    )
+
+
+def place(row: int) -> Pose:
+    return Pose((10.0 * row, 0.0, 500.0), TURNED)
+
+
+def keeps_names_apart(name: str, names: list[str]) -> None:
+    program = naming(names)
+    lifted = proven(name, program)
+    for table in ("targets", "frames", "tools", "signals", "procedures"):
+        assert len(getattr(lifted, table)) == len(getattr(program, table)), table
+
+
+@every_language
+@given(names=NAMES)
+@example(["_x", "_", "a_", "end", "ß", "ſ", "ss", "x" * 70, "x" * 71])
+@few
+def test_any_names_become_legal_and_stay_apart(name: str, names: list[str]) -> None:
+    keeps_names_apart(name, names)
+
+
+@pytest.mark.slow
+@every_language
+@given(names=NAMES)
+@many
+def test_many_names_become_legal_and_stay_apart(name: str, names: list[str]) -> None:
+    keeps_names_apart(name, names)
+
+
+# --------------------------------------------------------------------------------- comments
+
+LETTERS = st.characters(codec="utf-8", categories=("L", "N", "P", "S"))
+COMMENTS = st.one_of(
+    st.text(LETTERS, max_size=20),
+    st.text("aeÄÖüéñøÃ¼¶Å½", max_size=20),
+    st.text("aｱ日本語ソ表", max_size=20),
+    st.text(LETTERS, max_size=9).map(lambda t: t.encode("utf-8").decode("latin-1")),
+)
+
+
+@every_language
+@given(text=COMMENTS)
+@settings(max_examples=25)
+def test_a_comment_in_any_script_is_proven(name: str, text: str) -> None:
+    program = Program("job", (Procedure("main", (p.Comment(text),)),), comments=(text,))
+    compiled = compile(program, language=name)
+    assert compiled.proof.holds, compiled.proof.findings
+
+
+# ------------------------------------------------------------------- what cannot be said
+
+
+@every_language
+@pytest.mark.parametrize(
+    "statement",
+    [
+        p.Opaque("another language", "do it"),
+        p.Wait(e.Verbatim("another language", "a while")),
+        p.Wait(e.Number(math.nan)),
+        p.Assign(e.Name("spot"), e.PoseValue(Pose((math.inf, 0.0, 0.0)))),
+        p.If((p.Branch(e.Truth(True), (p.Opaque("another language", "do it"),)),)),
+    ],
+    ids=lambda statement: type(statement).__name__,
+)
+def test_what_cannot_be_said_is_an_error_that_keeps_all_from_being_written(
+    name: str, statement: p.Statement
+) -> None:
+    language = languages.get(name)
+    program = Program("job", (Procedure("main", (statement,)),), **PARTS)
+    assert errors(language.adapt(program).findings)
+    assert not compile(program, language=name).files
+
+
+ODD = {
+    "a case of no value": p.Switch(e.Number(1), (p.Case((), WAITS[:1]),), WAITS[1:2]),
+    "no case": p.Switch(e.Number(1), (), WAITS[:1]),
+    "a speed beyond all": p.Move("linear", e.Name("home"), p.Motion(Speed(1e300), FULL_BLEND)),
+    "a block of nothing": p.While(e.Binary("=", e.Name("ready"), e.Number(1)), ()),
+    "a path of nothing": p.Follow(Path.of("seam", [], [], speeds=[Speed(100.0)])),
+}
+
+
+@every_language
+@pytest.mark.parametrize("statement", ODD.values(), ids=ODD)
+def test_what_is_odd_is_an_error_or_proven(name: str, statement: p.Statement) -> None:
+    program = Program("job", (Procedure("main", (statement,)),), **PARTS)
+    if not errors(languages.get(name).adapt(program).findings):
+        proven(name, program)
