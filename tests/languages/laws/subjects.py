@@ -27,7 +27,7 @@ few = settings(
     suppress_health_check=list(HealthCheck),
     phases=[Phase.explicit, Phase.reuse, Phase.generate],
 )
-many = settings(few, max_examples=300)
+many = settings(few, max_examples=100)
 TESTS: Final = Path(__file__).parents[2]
 
 

@@ -17,6 +17,7 @@ from assistant.program import statements as p
 from assistant.program.comparison import compare
 from assistant.program.diagnostics import Unreadable
 from assistant.program.program import Program
+from assistant.program.text import LINE_ENDS
 from tests.languages.laws.subjects import (
     LANGUAGES,
     TEXTS,
@@ -123,9 +124,13 @@ def test_no_words_raise(name: str, data: st.DataObject) -> None:
 
 @cache
 def words_of(name: str) -> list[str]:
-    """The words and marks of the texts of a language, and ends of lines."""
+    """The words and marks of the texts of a language, and what may end a line."""
     texts = (languages.get(name).read(file).text for told, file in TEXTS if told == name)
-    return ["\n", *sorted({word for text in texts for word in re.findall(r"\w+|[^\w\s]", text)})]
+    return [
+        "\n",
+        *LINE_ENDS,
+        *sorted({word for text in texts for word in re.findall(r"\w+|[^\w\s]", text)}),
+    ]
 
 
 @every_language

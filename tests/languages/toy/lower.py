@@ -69,9 +69,9 @@ def _line(part: Any, word: str, name: str) -> Line:
             return Line(word, (name, *_numbers(*pose.position, *pose.quaternion)))
         case Target(pose, None) if part == Target(pose):
             return Line(word, (name, *_numbers(*pose.position, *pose.quaternion)))
-        case JointTarget(joints) if part == JointTarget(joints):
+        case JointTarget((_, *_) as joints) if part == JointTarget(joints):
             return Line(word, (name, *_numbers(*joints)))
-        case Signal("digital", direction, number):
+        case Signal("digital", direction, number) if 0 <= (number or 0) <= tables.LARGEST:
             return Line(direction, (name,) if number is None else (name, number))
         case Procedure(parameters=(), result=None, unit=None) if not part.variables:
             return Line("procedure", (part.name,))
@@ -109,7 +109,7 @@ def _motion(motion: p.Motion) -> tuple[Value, ...]:
 
 def _numbers(*values: float) -> tuple[float, ...]:
     for value in values:
-        if not abs(value) < tables.LARGEST:  # nor is a NaN
+        if not abs(value) <= tables.LARGEST:  # nor is a NaN
             raise _refusal(e.Number(value))
     return tuple(round(float(value), tables.DECIMALS) for value in values)
 

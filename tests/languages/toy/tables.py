@@ -11,8 +11,7 @@ NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,19}")
 STEM: Final = 16
 """Characters of a longer name that stay, so that a number behind them still fits."""
 DECIMALS: Final = 6
-LARGEST: Final = 1e9
-"""Numbers are smaller."""
+LARGEST: Final = 999_999_999
 MOST_BLOCKS: Final = 50
 """Blocks inside each other."""
 
