@@ -49,9 +49,10 @@ def _line(source: SourceText, span: Span, findings: list[Diagnostic]) -> Line:
     except UnexpectedToken as error:
         found = "" if error.token.type == "$END" else str(error.token)
         said = [tables.EXPECTED.get(one, f"`{one.lower()}`") for one in sorted(error.accepts)]
-        wrong = Span(span.end - max(len(found), 1), span.end)
+        start = span.start + error.token.start_pos if found else span.end - 1
+        wrong = Span(start, start + max(len(found), 1))
         wanted = "a word of the language" if "WORD" in error.accepts else " or ".join(said)
-        fields = {"found": found or "the end of the line", "expected": wanted}
+        fields = {"found": f"`{found}`" if found else "the end of the line", "expected": wanted}
         findings.append(source.finding(tables.UNREAD, wrong, **fields))
         return Line("", (text,), span)
     if word.type == "NOTE":

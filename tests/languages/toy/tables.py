@@ -41,7 +41,7 @@ EXPECTED: Final = {
 """What is said for a terminal of the grammar; any other is its own word."""
 
 ERROR, WARNING, INFO = Severity.ERROR, Severity.WARNING, Severity.INFO
-UNREAD = Rule("TY101", ERROR, "`{found}` cannot stand here", "write {expected}")
+UNREAD = Rule("TY101", ERROR, "{found} cannot stand here", "write {expected}")
 MISPLACED = Rule(
     "TY102", ERROR, "`{word}` {why}", "delete it, or mend the line that begins its block"
 )
