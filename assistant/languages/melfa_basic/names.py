@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from assistant.languages.melfa_basic.dialects import PROGRAM_NAME, Dialect
-from assistant.languages.melfa_basic.tables import RESERVED
+from assistant.languages.melfa_basic.tables import ARC_START, RESERVED, free
 from assistant.languages.melfa_basic.vocabulary.timers import MOST_TIMERS
 from assistant.program import expressions as e
 from assistant.program.program import (
@@ -27,9 +27,6 @@ from assistant.program.program import (
 from assistant.program.rewriting import head, records
 from assistant.program.statements import For, Label, Opaque
 from assistant.program.timers import timers
-
-ARC_START: Final = "PSTART"
-"""Holds the present position for an arc whose start is no known position."""
 
 MAIN: Final = "MAIN"
 """The `Function` that a program of MELFA-BASIC VI begins with."""
@@ -200,13 +197,3 @@ def _plain(given: str) -> str:
     """Letters and digits of a name, in upper case; letters beyond ASCII as those below them."""
     ascii = unicodedata.normalize("NFKD", given).encode("ascii", "ignore").decode()
     return re.sub(r"[^A-Z0-9]", "", ascii.upper())
-
-
-def free(name: str, most: int, taken: set[str]) -> str:
-    """A name of at most so many characters that begins like the given one; then it is taken."""
-    found, count = name[:most], 2
-    while found in taken:
-        tail = f"Z{count}" if name[-1:].isdigit() else str(count)
-        found, count = name[: most - len(tail)] + tail, count + 1
-    taken.add(found)
-    return found

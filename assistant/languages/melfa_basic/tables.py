@@ -24,3 +24,16 @@ PRECEDENCE: Final = {
 """Higher binds tighter (CR1D detailed specifications, order of operations)."""
 SIGN_PRECEDENCE: Final = 11
 POWER_PRECEDENCE: Final = 12
+
+ARC_START: Final = "PSTART"
+"""Holds the present position for an arc whose start is no known position."""
+
+
+def free(name: str, most: int, taken: set[str]) -> str:
+    """A name of at most so many characters that begins like the given one; then it is taken."""
+    found, count = name[:most], 2
+    while found in taken:
+        tail = f"Z{count}" if name[-1:].isdigit() else str(count)
+        found, count = name[: most - len(tail)] + tail, count + 1
+    taken.add(found)
+    return found

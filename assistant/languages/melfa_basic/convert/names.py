@@ -10,8 +10,7 @@ from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic import vocabulary
 from assistant.languages.melfa_basic.columnar import MoveRows, PositionRows
 from assistant.languages.melfa_basic.dialects import Dialect
-from assistant.languages.melfa_basic.names import free
-from assistant.languages.melfa_basic.tables import RESERVED
+from assistant.languages.melfa_basic.tables import RESERVED, free
 from assistant.program.rewriting import records, rewrite
 
 

@@ -16,7 +16,7 @@ from assistant.languages.melfa_basic.lift.paths import Runs
 from assistant.languages.melfa_basic.lift.positions import joints_of, target_of
 from assistant.languages.melfa_basic.lift.reasons import DELAYED
 from assistant.languages.melfa_basic.lift.scopes import TYPES
-from assistant.languages.melfa_basic.vocabulary.timers import timer_of
+from assistant.languages.melfa_basic.timers import timer_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Signal

@@ -26,7 +26,7 @@ from assistant.languages.melfa_basic.lift.meanings import Meanings
 from assistant.languages.melfa_basic.lift.positions import configurations
 from assistant.languages.melfa_basic.lift.products import unframed
 from assistant.languages.melfa_basic.lift.settings import FRAME, JOINT, TCP, TOOL, UNKNOWN
-from assistant.languages.melfa_basic.names import ARC_START
+from assistant.languages.melfa_basic.tables import ARC_START
 from assistant.languages.melfa_basic.walk import nodes
 from assistant.program import statements as p
 from assistant.program.diagnostics import Span, over

@@ -8,7 +8,7 @@ from typing import Any
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.header import Header
 from assistant.languages.melfa_basic.lift.settings import FRAME
-from assistant.languages.melfa_basic.names import ARC_START
+from assistant.languages.melfa_basic.tables import ARC_START
 
 
 def unframed(

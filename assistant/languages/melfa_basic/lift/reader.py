@@ -15,7 +15,7 @@ from assistant.languages.melfa_basic.lift.paths import Values
 from assistant.languages.melfa_basic.lift.regions import Region
 from assistant.languages.melfa_basic.lift.settings import FRAME, TOOL
 from assistant.languages.melfa_basic.lift.statements import Statements
-from assistant.languages.melfa_basic.names import ARC_START
+from assistant.languages.melfa_basic.tables import ARC_START
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Span

@@ -8,7 +8,8 @@ from typing import Any
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.columnar import MoveRows
 from assistant.languages.melfa_basic.header import Header
-from assistant.languages.melfa_basic.vocabulary.timers import MILLISECONDS, MOST_TIMERS, timer_of
+from assistant.languages.melfa_basic.timers import timer_of
+from assistant.languages.melfa_basic.vocabulary.timers import MILLISECONDS, MOST_TIMERS
 from assistant.languages.melfa_basic.walk import nodes
 from assistant.program import expressions as e
 

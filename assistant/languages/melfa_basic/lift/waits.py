@@ -10,7 +10,7 @@ from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.lift.blocks import Code
 from assistant.languages.melfa_basic.lift.expressions import Expressions
 from assistant.languages.melfa_basic.lift.meanings import SIGNALS, Unliftable
-from assistant.languages.melfa_basic.vocabulary.timers import timer_of
+from assistant.languages.melfa_basic.timers import timer_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Span

@@ -24,12 +24,8 @@ from assistant.languages.melfa_basic.functions import (
     TO_ANGLE,
 )
 from assistant.languages.melfa_basic.names import Names
-from assistant.languages.melfa_basic.vocabulary.timers import (
-    MILLISECONDS,
-    MOST_TIMERS,
-    WORD,
-    timer,
-)
+from assistant.languages.melfa_basic.timers import timer
+from assistant.languages.melfa_basic.vocabulary.timers import MILLISECONDS, MOST_TIMERS, WORD
 from assistant.program import expressions as e
 from assistant.program.geometry import JointTarget, Target
 from assistant.program.path import configuration_row

@@ -15,7 +15,7 @@ from assistant.languages.melfa_basic.columnar import MOV, MVR, MVS, MoveRows
 from assistant.languages.melfa_basic.lift.gathering import rows_as_lines
 from assistant.languages.melfa_basic.lower.expressions import Unsayable, plain_number
 from assistant.languages.melfa_basic.lower.settings import changes
-from assistant.languages.melfa_basic.names import ARC_START
+from assistant.languages.melfa_basic.tables import ARC_START
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import BASE

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.lower.expressions import Unsayable, numeric, plain_number
+from assistant.languages.melfa_basic.timers import timer
 from assistant.languages.melfa_basic.vocabulary import timers
 from assistant.languages.melfa_basic.vocabulary.timers import MOST_TIMERS
 from assistant.program import expressions as e
@@ -57,13 +58,13 @@ def _limited(w: Writer, condition: s.Expression, timeout: e.Expression) -> None:
     """A wait that ends with an error when its time is over."""
     if not w.names.wait_timer:
         raise Unsayable(f"a time limit beside {MOST_TIMERS} timers", "use fewer timers")
-    timer = timers.timer(w.expressions.word(timers.WORD), w.names.wait_timer)
+    passed = timer(w.expressions.word(timers.WORD), w.names.wait_timer)
     limit = _milliseconds(w, timeout)
     label = w.made_label("W")
-    w.add(s.Assign(timer, s.Number(0)))
+    w.add(s.Assign(passed, s.Number(0)))
     w.items.append(s.Line(label=label))
     w.add(s.If(condition, s.Target(label + "Z")))
-    w.add(s.If(s.Binary("<", timer, limit), s.Target(label)))
+    w.add(s.If(s.Binary("<", passed, limit), s.Target(label)))
     w.add(s.Command("Error", (s.Number(TIMED_OUT),)))
     w.items.append(s.Line(label=label + "Z"))
 

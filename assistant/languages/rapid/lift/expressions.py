@@ -7,7 +7,7 @@ from typing import Final
 
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.gather import literal_number
-from assistant.languages.rapid.lower.expressions import AS_FUNCTIONS, BINARY
+from assistant.languages.rapid.operators import AS_FUNCTIONS, BINARY
 from assistant.languages.rapid.printer import expression as printed
 from assistant.languages.rapid.tables import BITS, COMPONENTS, FUNCTIONS, UNUSED
 from assistant.languages.rapid.verbatim import LANGUAGE

@@ -4,13 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 
 from assistant.languages.rapid import rules, verbatim
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.naming import Naming
+from assistant.languages.rapid.operators import (
+    AND,
+    AS_FUNCTIONS,
+    BINARY,
+    OR,
+    PRIMARY,
+    SUM,
+    TERM,
+)
 from assistant.languages.rapid.runs import JOINT_PLACES, PARTS, POSITION_PLACES, QUATERNION_PLACES
 from assistant.languages.rapid.tables import BITS, COMPONENTS, FUNCTIONS, LONGEST_STRING, UNUSED
 from assistant.program import expressions as e
@@ -18,25 +27,6 @@ from assistant.program.diagnostics import Refused, Rule
 from assistant.program.geometry import JointTarget, Pose, Target
 from assistant.program.path import configuration_row
 from assistant.robots.configurations import to_confdata
-
-OR, AND, RELATION, SUM, TERM, PRIMARY = range(6)
-"""How tightly an expression holds together; what is looser than its place gets parentheses."""
-
-BINARY: Final[dict[str, tuple[str, int, int, int]]] = {
-    "or": ("OR", OR, OR, AND),
-    "xor": ("XOR", OR, OR, AND),
-    "and": ("AND", AND, AND, RELATION),
-    **{o: (o, RELATION, SUM, SUM) for o in e.RELATIONS},
-    "+": ("+", SUM, SUM, TERM),
-    "-": ("-", SUM, SUM, TERM),
-    "*": ("*", TERM, TERM, PRIMARY),
-    "/": ("/", TERM, TERM, PRIMARY),
-    "div": ("DIV", TERM, TERM, PRIMARY),
-    "mod": ("MOD", TERM, TERM, PRIMARY),
-}
-"""Operator → RAPID's, its own level, and the levels that its operands must have."""
-
-AS_FUNCTIONS: Final = {"^": "Pow", "@": "PoseMult"}
 
 
 def refuse(rule: Rule, **fields: Any) -> Refused:

@@ -9,10 +9,11 @@ from assistant.languages.rapid import rules, verbatim
 from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.gather import gathered
 from assistant.languages.rapid.loops import ascends
-from assistant.languages.rapid.lower.expressions import OR, SUM, TERM, Expressions, refuse
+from assistant.languages.rapid.lower.expressions import Expressions, refuse
 from assistant.languages.rapid.lower.motions import motion_names, path_moves
 from assistant.languages.rapid.messages import is_value, kinds, parts
 from assistant.languages.rapid.naming import Naming, spelt
+from assistant.languages.rapid.operators import OR, SUM, TERM
 from assistant.languages.rapid.tables import GRIPPER_SIGNAL, GRIPPER_VALUE, LOADED_FROM, SPEED_CAP
 from assistant.program import expressions as e
 from assistant.program import statements as p
