@@ -185,7 +185,7 @@ def melfa_basic_trees() -> Callable[[str], Any]:
     Its words become patterns of whole words, those of `vocabulary` with them, since lark has no
     lexer of ours to tell them from names. Step numbers are cut off, as they are before ours.
     """
-    vocabulary = import_module("assistant.languages.melfa_basic.vocabulary")
+    vocabulary = import_module("assistant.languages.melfa_basic.tables.vocabulary")
     text = _LISTED.sub("", read_grammar("melfa_basic.lark"))
     text = _WORD.sub(lambda found: _whole(found[1], found[2].split("|")), text)
     for terminal in ("MOTION", "COMMAND"):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path as FilePath
@@ -38,6 +38,13 @@ ROOMS: dict[str, frozenset[str]] = {
     ),
 }
 """Room → the rooms that it may import."""
+
+LANGUAGE: tuple[str, ...] = (
+    *("rules", "tables", "tree", "reading", "text", "checks", "lift", "convert", "lower"),
+)
+"""Rooms of every language; each may import those before it, also lazily and for types."""
+NOT_IN_ALL = frozenset({"convert"})
+"""From one dialect to another: a language without dialects has none."""
 
 SHARED = frozenset({"resources"})
 """Modules of the top folder that every room may import."""
@@ -120,6 +127,34 @@ def faults(package: FilePath, rooms: Mapping[str, frozenset[str]] = ROOMS) -> li
     return found
 
 
+def language_faults(package: FilePath, rooms: Sequence[str] = LANGUAGE) -> Iterator[str]:
+    """What breaks the plan of a language: a room that is not in it or missing, an import of a later
+    one, a circle of any imports.
+    """
+    names = [f.name for f in (package / "languages").iterdir() if (f / "__init__.py").exists()]
+    for name in sorted(names):
+        inside = package / "languages" / name
+        there = {f.stem for f in inside.iterdir() if f.name not in ("__init__.py", "__pycache__")}
+        yield from (f"`{name}` has a room `{room}`" for room in sorted(there - set(rooms)))
+        missing = set(rooms) - there - NOT_IN_ALL
+        yield from (f"`{name}` has no room `{room}`" for room in sorted(missing))
+    graph: dict[str, set[str]] = {}
+    for one in imports(package):
+        by, of = one.by.split("."), one.of.split(".")
+        if by[1:2] != ["languages"] or of[1:2] != ["languages"]:
+            continue
+        if len(by) > 2:  # the tables of the package itself name languages, which are loaded late
+            graph.setdefault(one.by, set()).add(one.of)
+        if by[:3] == of[:3] and by[2] in names and len(by) > 3 and len(of) > 3:
+            known = {by[3], of[3]} <= set(rooms)
+            if known and rooms.index(by[3]) < rooms.index(of[3]):
+                yield str(one)
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        yield "circle: " + " -> ".join(error.args[1])
+
+
 def _is_allowed(by: str, of: str, rooms: Mapping[str, frozenset[str]]) -> bool:
     if by == "":
         return of in TOP_MAY_IMPORT
@@ -164,8 +199,12 @@ def test_the_house_keeps_its_order() -> None:
     assert faults(PACKAGE) == []
 
 
+def test_every_language_is_laid_out_alike() -> None:
+    assert list(language_faults(PACKAGE)) == []
+
+
 READINGS = re.compile(
-    r"assistant\.languages\.\w+\.(lift|adapt|lower|convert)\b"
+    r"assistant\.languages\.\w+\.(lift|lower|convert)\b"
     r"|assistant\.program\.(expressions|statements|program|pseudo)\b"
     r"|assistant\.compiler\b"
 )
@@ -259,3 +298,55 @@ def test_a_circle_that_only_types_close_is_none(house: FilePath) -> None:
     text = "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n  from .program import Program"
     (house / "program" / "path.py").write_text(text, encoding="utf-8")
     assert faults(house) == []
+
+
+# ---------------------------------------------------------------------- the plan of a language
+
+
+@pytest.fixture
+def spoken(house: FilePath) -> FilePath:
+    """A house with one language in order."""
+    for room in sorted(set(LANGUAGE) - NOT_IN_ALL):
+        file = house / "languages" / "plain" / room / "__init__.py"
+        file.parent.mkdir(parents=True)
+        file.touch()
+    (house / "languages" / "plain" / "__init__.py").touch()
+    (house / "languages" / "plain" / "lift" / "moves.py").touch()
+    return house
+
+
+def test_a_language_in_order_has_no_fault(spoken: FilePath) -> None:
+    assert list(language_faults(spoken)) == []
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "from assistant.languages.plain.lower import x",
+        "def f():\n  from assistant.languages.plain import lower",
+        "if TYPE_CHECKING:\n  import assistant.languages.plain.lower",
+    ],
+)
+def test_an_import_of_a_later_room_is_found(spoken: FilePath, text: str) -> None:
+    (spoken / "languages" / "plain" / "lift" / "moves.py").write_text(text, encoding="utf-8")
+    (found,) = language_faults(spoken)
+    assert found.endswith("imports assistant.languages.plain.lower")
+
+
+def test_a_room_that_is_not_in_the_plan_is_found(spoken: FilePath) -> None:
+    (spoken / "languages" / "plain" / "helpers.py").touch()
+    (spoken / "languages" / "plain" / "text" / "__init__.py").unlink()
+    (spoken / "languages" / "plain" / "text").rmdir()
+    assert list(language_faults(spoken)) == [
+        "`plain` has a room `helpers`",
+        "`plain` has no room `text`",
+    ]
+
+
+def test_a_circle_in_a_language_is_found_though_only_types_close_it(spoken: FilePath) -> None:
+    lift = spoken / "languages" / "plain" / "lift"
+    (lift / "moves.py").write_text("import assistant.languages.plain.lift.arcs", encoding="utf-8")
+    text = "if TYPE_CHECKING:\n  import assistant.languages.plain.lift.moves"
+    (lift / "arcs.py").write_text(text, encoding="utf-8")
+    (found,) = language_faults(spoken)
+    assert found.startswith("circle: ") and "plain.lift.arcs" in found

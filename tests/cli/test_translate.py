@@ -10,7 +10,7 @@ import pytest
 
 from assistant.cli import main
 from assistant.languages.melfa_basic import MelfaBasic
-from assistant.languages.melfa_basic.syntax import File
+from assistant.languages.melfa_basic.tree.syntax import File
 from assistant.program.text import SourceText
 from tests.cli.test_commands import run
 

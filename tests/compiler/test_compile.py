@@ -12,7 +12,7 @@ import pytest
 import assistant
 from assistant import languages
 from assistant.compiler.loading import load
-from assistant.languages.rapid import printer as rapid_printer
+from assistant.languages.rapid.text import printer as rapid_printer
 from assistant.program import rotations
 from assistant.program.comparison import Tolerance, compare
 from assistant.program.diagnostics import Refused, Severity

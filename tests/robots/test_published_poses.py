@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from assistant import robots
-from assistant.languages.melfa_basic.poses import to_values
+from assistant.languages.melfa_basic.tables.poses import to_values
 from assistant.program import rotations
 from assistant.robots import Robot
 from assistant.robots.arms import Lengths, SixAxis

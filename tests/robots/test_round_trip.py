@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from assistant import robots
-from assistant.languages.melfa_basic.poses import configurations_of, flags_of
+from assistant.languages.melfa_basic.tables.poses import configurations_of, flags_of
 from assistant.robots import Robot
 from assistant.robots.configurations import from_confdata, to_confdata
 

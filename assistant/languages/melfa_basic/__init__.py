@@ -19,9 +19,9 @@ from assistant.languages.language import (
     Precision,
     Setting,
 )
-from assistant.languages.melfa_basic.dialects import DIALECTS
-from assistant.languages.melfa_basic.files import READ, TOKENISED
-from assistant.languages.melfa_basic.syntax import CallP, File, Line, String
+from assistant.languages.melfa_basic.reading.files import READ, TOKENISED
+from assistant.languages.melfa_basic.tables.dialects import DIALECTS
+from assistant.languages.melfa_basic.tree.syntax import CallP, File, Line, String
 from assistant.program.comparison import Tolerance, compare
 from assistant.program.diagnostics import Diagnostic, Severity, has_errors
 from assistant.program.program import Program
@@ -92,12 +92,12 @@ class MelfaBasic(Language[File]):
 
     def recognises(self, data: bytes, suffix: str = "") -> bool:
         """Whether it looks like this dialect; a written file says which one it is in."""
-        from assistant.languages.melfa_basic.files import recognises
+        from assistant.languages.melfa_basic.reading.files import recognises
 
         return recognises(data, self.dialect.level, suffix)
 
     def decode(self, data: bytes, path: str | None = None) -> SourceText:
-        from assistant.languages.melfa_basic.files import read_text
+        from assistant.languages.melfa_basic.reading.files import read_text
 
         return read_text(data, path)
 
@@ -106,7 +106,7 @@ class MelfaBasic(Language[File]):
 
         Raises Refused where a character is not in that encoding.
         """
-        from assistant.languages.melfa_basic.files import write_text
+        from assistant.languages.melfa_basic.reading.files import write_text
 
         return write_text(self.render(tree), tree.source)
 
@@ -116,26 +116,26 @@ class MelfaBasic(Language[File]):
         return parse(source, self.name)
 
     def render(self, tree: File) -> str:
-        from assistant.languages.melfa_basic.layout.rendering import render
+        from assistant.languages.melfa_basic.text.rendering import render
 
         return render(tree)
 
     def format(self, tree: File) -> str:
         """The tree's text in the one layout; the text of a broken file as it is."""
-        from assistant.languages.melfa_basic.layout.lines import lay_out
+        from assistant.languages.melfa_basic.text.layout.lines import lay_out
 
         if tree.items is not tree.parsed:
             tree = self.parse(replace(tree.source or SourceText(""), text=self.render(tree)))
         return self.render(tree) if has_errors(tree.findings) else lay_out(tree)
 
     def renumber(self, tree: File, first: int, step: int) -> File:
-        from assistant.languages.melfa_basic.layout.renumbering import renumbered
+        from assistant.languages.melfa_basic.text.renumbering import renumbered
 
         return renumbered(tree, first, step)
 
     def same(self, tree: File, other: File) -> bool:
         """Whether two trees are one; lines are the same in a table and on their own."""
-        from assistant.languages.melfa_basic.lift.gathering import gathered
+        from assistant.languages.melfa_basic.tree.line_tables import gathered
 
         return tree == other or (
             tree.dialect == other.dialect
@@ -143,7 +143,7 @@ class MelfaBasic(Language[File]):
         )
 
     def parts(self, tree: File) -> Iterator[Part]:
-        from assistant.languages.melfa_basic.parts import parts
+        from assistant.languages.melfa_basic.tree.parts import parts
 
         return parts(tree)
 
@@ -160,7 +160,7 @@ class MelfaBasic(Language[File]):
         return conversion(program, self.name, names, robot)
 
     def assumed(self, program: Program, to: str) -> Iterator[Diagnostic]:
-        from assistant.languages.melfa_basic.lift.assumed import assumed
+        from assistant.languages.melfa_basic.lower.assumed import assumed
 
         return assumed(program, to)
 
@@ -169,8 +169,8 @@ class MelfaBasic(Language[File]):
 
         Also if it says what the program is once adapted, or what `after` is read as.
         """
-        from assistant.languages.melfa_basic.layout.merging import merge
-        from assistant.languages.melfa_basic.layout.places import places_in_order
+        from assistant.languages.melfa_basic.text.merging.places import places_in_order
+        from assistant.languages.melfa_basic.text.merging.trees import merge
 
         asked = (self.lift_trees((after,), None), program, self.adapt(program).program)
         wanted = [places_in_order(one) for one in asked]
@@ -191,7 +191,7 @@ class MelfaBasic(Language[File]):
     def adapt(
         self, program: Program, robot: Robot | None = None, *, most_targets: int | None = None
     ) -> Adapted:
-        from assistant.languages.melfa_basic.adapt.program import adapt
+        from assistant.languages.melfa_basic.lower.adapt.program import adapt
 
         return adapt(program, robot, self.name, most_targets, self._products)
 
@@ -201,7 +201,7 @@ class MelfaBasic(Language[File]):
         return build(program, robot, unit, self.name, self._products)
 
     def file_name(self, program: Program, unit: str | None = None) -> str:
-        from assistant.languages.melfa_basic.names import naming
+        from assistant.languages.melfa_basic.lower.names import naming
 
         return naming(program, self.dialect).units[unit] + ".prg"
 

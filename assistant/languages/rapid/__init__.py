@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.language import ARITHMETIC, Adapted, Language, Part, Precision
-from assistant.languages.rapid.syntax import File
+from assistant.languages.rapid.tree.syntax import File
 from assistant.program.diagnostics import Diagnostic, has_errors
 from assistant.program.program import Program
 from assistant.program.text import SourceText
@@ -47,12 +47,12 @@ class Rapid(Language[File]):
     settings = ARITHMETIC
 
     def recognises(self, data: bytes, suffix: str = "") -> bool:  # noqa: ARG002
-        from assistant.languages.rapid.files import recognises
+        from assistant.languages.rapid.reading.files import recognises
 
         return recognises(data)
 
     def decode(self, data: bytes, path: str | None = None) -> SourceText:
-        from assistant.languages.rapid.files import read_text
+        from assistant.languages.rapid.reading.files import read_text
 
         return read_text(data, path, self.encodings)
 
@@ -63,10 +63,10 @@ class Rapid(Language[File]):
 
     def render(self, tree: File) -> str:
         if tree.origin is None:
-            from assistant.languages.rapid.printer import print_file
+            from assistant.languages.rapid.text.printer import print_file
 
             return print_file(tree)
-        from assistant.languages.rapid.rendering import render
+        from assistant.languages.rapid.text.rendering import render
 
         return render(tree, tree.origin)
 
@@ -75,12 +75,12 @@ class Rapid(Language[File]):
         text = self.render(tree)
         if tree.origin is None or has_errors(tree.findings) or not tree.parts:
             return text
-        from assistant.languages.rapid.layout.lines import lay_out
+        from assistant.languages.rapid.text.layout.lines import lay_out
 
         return lay_out(text)
 
     def parts(self, tree: File) -> Iterator[Part]:
-        from assistant.languages.rapid.walk import data
+        from assistant.languages.rapid.tree.walk import data
 
         return data(tree)
 
@@ -101,7 +101,7 @@ class Rapid(Language[File]):
         after: File,
         program: Program,  # noqa: ARG002
     ) -> File:
-        from assistant.languages.rapid.merging import merge
+        from assistant.languages.rapid.text.merging import merge
 
         return merge(tree, before, after)
 
@@ -112,7 +112,7 @@ class Rapid(Language[File]):
         *,
         most_targets: int | None = None,
     ) -> Adapted:
-        from assistant.languages.rapid.adapt.program import adapt
+        from assistant.languages.rapid.lower.adapt.program import adapt
 
         return adapt(program, most_targets)
 
@@ -133,7 +133,7 @@ class Rapid(Language[File]):
 
     def called_files(self, tree: File) -> tuple[str, ...]:
         from assistant.languages.rapid.checks import loaded_files
-        from assistant.languages.rapid.files import is_list, listed
+        from assistant.languages.rapid.reading.files import is_list, listed
 
         text = "" if tree.origin is None else tree.origin.source.text
         return listed(text) if is_list(text) else loaded_files(tree)

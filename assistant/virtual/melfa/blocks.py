@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.virtual.melfa import expressions
 from assistant.virtual.melfa.code import nodes
 from assistant.virtual.melfa.expressions import RELATIONS, SPELLED

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any, Final
 
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.blocks import closed, divided, opened
-from assistant.languages.melfa_basic.columnar import KEYWORDS, MoveRows, PositionRows
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.blocks import closed, divided, opened
+from assistant.languages.melfa_basic.tree.columnar import KEYWORDS, MoveRows, PositionRows
 from assistant.virtual.melfa.memory import DEFINED, SUFFIXES, Scope
 from assistant.virtual.melfa.stops import Failed
 from assistant.virtual.melfa.values import Bare, Kind, Position, Value, eight

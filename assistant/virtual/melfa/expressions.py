@@ -7,8 +7,8 @@ import operator
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Final
 
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic import vocabulary
+from assistant.languages.melfa_basic.tables import vocabulary
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.virtual.melfa import functions, pallets, poses, status
 from assistant.virtual.melfa.code import constant
 from assistant.virtual.melfa.memory import Index, Place, is_external

@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Final
 
-from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.virtual.melfa import expressions
 from assistant.virtual.melfa.code import Block, Code
 from assistant.virtual.melfa.memory import (

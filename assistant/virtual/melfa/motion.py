@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.geometry import Pose, Vector
 from assistant.virtual.events import Moved
 from assistant.virtual.melfa import expressions, poses

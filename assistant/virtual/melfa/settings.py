@@ -6,8 +6,8 @@ import math
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Final
 
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic import vocabulary
+from assistant.languages.melfa_basic.tables import vocabulary
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.virtual.events import Stopped, Switched, Waited
 from assistant.virtual.melfa import blocks, expressions, pallets, poses
 from assistant.virtual.melfa.arm import FULL, OPTIMUM

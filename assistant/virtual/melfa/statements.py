@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Final
 
-from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.virtual.melfa import blocks, expressions, motion, settings, status
 from assistant.virtual.melfa.stops import Failed, Unknown, out_of_range
 from assistant.virtual.melfa.values import holds, text, whole, with_component

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.tree import syntax as s
 from assistant.virtual.rapid.ends import Fault, Jump, NotSimulated, Returned
 from assistant.virtual.rapid.expressions import declare
 from assistant.virtual.rapid.machine import MOST_CALLS, Machine

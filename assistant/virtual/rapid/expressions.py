@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from assistant.languages.rapid import predefined
-from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.tables import predefined
+from assistant.languages.rapid.tree import syntax as s
 from assistant.virtual.rapid.ends import Fault, NotSimulated
 from assistant.virtual.rapid.machine import Machine
 from assistant.virtual.rapid.operators import infix, prefix, whole

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.tree import syntax as s
 from assistant.virtual.rapid import poses
 from assistant.virtual.rapid.ends import Fault, NotSimulated
 from assistant.virtual.rapid.expressions import evaluate, place, signal

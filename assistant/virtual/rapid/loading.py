@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Final
 
-from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid.walk import nodes
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.walk import nodes
 from assistant.virtual.rapid.ends import Fault
 from assistant.virtual.rapid.rows import targets
 from assistant.virtual.rapid.scopes import Cell, Known, Meaning, Pending, Storage, Unit

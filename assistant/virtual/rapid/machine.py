@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.tree import syntax as s
 from assistant.program.diagnostics import Span
 from assistant.robots import Robot
 from assistant.virtual.events import Event, Waited

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
-from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.tree import syntax as s
 from assistant.virtual.rapid.ends import Fault
 from assistant.virtual.rapid.expressions import evaluate, place, signal
 from assistant.virtual.rapid.given import is_present

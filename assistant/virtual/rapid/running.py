@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.tree import syntax as s
 from assistant.program.diagnostics import has_errors
 from assistant.program.geometry import Pose
 from assistant.robots import Robot

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
-from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.tree import syntax as s
 from assistant.program.text import SourceText
 from assistant.virtual.rapid.ends import Fault
 from assistant.virtual.rapid.values import (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
 
-from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.tree import syntax as s
 from assistant.virtual.events import Stopped
 from assistant.virtual.rapid.ends import Fault, Jump, NotSimulated, Over, Returned
 from assistant.virtual.rapid.expressions import condition, evaluate, numeric, place

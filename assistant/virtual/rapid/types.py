@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from assistant.languages.rapid import predefined
-from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.tables import predefined
+from assistant.languages.rapid.tree import syntax as s
 from assistant.virtual.rapid.ends import NotSimulated
 from assistant.virtual.rapid.values import Array, Clock, Record, Shape, Value
 

@@ -14,8 +14,8 @@ from typing import Any, Final
 
 from hypothesis import strategies as st
 
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.lift.gathering import gathered
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.line_tables import gathered
 from tests.languages.melfa_basic.statements import (
     FUNCTIONS,
     command,

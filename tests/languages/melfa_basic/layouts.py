@@ -6,7 +6,7 @@ import random
 import re
 from typing import Final
 
-from assistant.languages.melfa_basic import vocabulary
+from assistant.languages.melfa_basic.tables import vocabulary
 
 TOKENS: Final = re.compile(
     r"""(?P<comment>'[^\r\n]*|\bREM(?![A-Z0-9_])[^\r\n]*) | (?P<string>"[^"\r\n]*")

@@ -8,8 +8,8 @@ from typing import Any, Final
 
 from hypothesis import strategies as st
 
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic import vocabulary
+from assistant.languages.melfa_basic.tables import vocabulary
+from assistant.languages.melfa_basic.tree import syntax as s
 from tests.languages.melfa_basic.values import (
     LEVELS,
     SMALL,

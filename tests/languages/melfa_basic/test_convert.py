@@ -9,8 +9,8 @@ import pytest
 import assistant
 from assistant import languages
 from assistant.compiler.loading import load_text
-from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.convert.conversion import Converted, convert
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.diagnostics import Severity
 from assistant.program.text import SourceText
 

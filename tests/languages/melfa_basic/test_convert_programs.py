@@ -11,12 +11,13 @@ import numpy as np
 from hypothesis import HealthCheck, assume, example, given, settings
 
 from assistant import languages
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.columnar import MoveRows
-from assistant.languages.melfa_basic.convert import memory, names, steps
+from assistant.languages.melfa_basic.convert import names, steps
+from assistant.languages.melfa_basic.convert import original_names as memory
 from assistant.languages.melfa_basic.convert.comparing import ROUNDING, compared
 from assistant.languages.melfa_basic.convert.conversion import convert
-from assistant.languages.melfa_basic.lift.gathering import gathered
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import MoveRows
+from assistant.languages.melfa_basic.tree.line_tables import gathered
 from assistant.program.comparison import compare
 from tests.languages.melfa_basic.files import files
 

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from assistant import languages
 from assistant.compiler.formatting import format_text
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic import vocabulary
+from assistant.languages.melfa_basic.tables import vocabulary
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.pseudo import parse as parse_pseudo
 from assistant.program.pseudo import print_program
 from assistant.program.text import SourceText

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 from assistant import languages
 from assistant.compiler.formatting import format_text
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.columnar import MoveRows
-from assistant.languages.melfa_basic.dialects import LAST_STEP
+from assistant.languages.melfa_basic.tables.dialects import LAST_STEP
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.program.diagnostics import Refused, has_errors
 from assistant.program.text import SourceText
 from tests.languages.melfa_basic.files import files, of_type

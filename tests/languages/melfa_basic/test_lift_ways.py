@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assistant import languages
-from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.motion import Blend, Speed

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from assistant import languages
-from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.tree import syntax as s
 
 FIVE = languages.get("melfa-basic-5")
 

@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.recovery.mistakes import MISTAKES, Mistake, foreign
+from assistant.languages.melfa_basic.reading.recovery.mistakes import MISTAKES, Mistake, foreign
+from assistant.languages.melfa_basic.tree import syntax as s
 
 FIVE = languages.get("melfa-basic-5")
 

@@ -12,8 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.columnar import MoveRows, PositionRows
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
 from assistant.program.diagnostics import has_errors
 from tests.languages.melfa_basic.files import files
 from tests.languages.melfa_basic.layouts import scattered

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from assistant import languages
-from assistant.languages.melfa_basic import vocabulary
-from assistant.languages.melfa_basic.dialects import DIALECTS
+from assistant.languages.melfa_basic.tables import vocabulary
+from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 
 
 @pytest.mark.parametrize(

@@ -14,10 +14,10 @@ from typing import Any, Final
 
 from hypothesis import strategies as st
 
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic import vocabulary
-from assistant.languages.melfa_basic.dialects import DIALECTS
-from assistant.languages.melfa_basic.tables import RESERVED
+from assistant.languages.melfa_basic.tables import vocabulary
+from assistant.languages.melfa_basic.tables.dialects import DIALECTS
+from assistant.languages.melfa_basic.tables.words import RESERVED
+from assistant.languages.melfa_basic.tree import syntax as s
 
 DEPTH: Final = 2
 """Operators and calls of an expression inside each other."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields, replace
 from random import Random
 from typing import Any
 
-from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.tree import syntax as s
 
 STATEMENTS = (
     s.ReturnFrom(),

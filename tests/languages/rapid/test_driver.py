@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 from lark.exceptions import UnexpectedInput
 
 from assistant import languages
-from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.reading.driver import drive
 from assistant.languages.rapid.reading.grammar import grammar
 from assistant.languages.rapid.reading.nodes import Nodes
+from assistant.languages.rapid.tree import syntax as s
 from tests.languages.rapid.layouts import scattered
 from tests.languages.rapid.modules import files
 

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import compiler, languages
-from assistant.languages.rapid.files import listed, newline_of
+from assistant.languages.rapid.reading.files import listed, newline_of
 from assistant.program.diagnostics import Refused
 
 RAPID = languages.get("rapid")

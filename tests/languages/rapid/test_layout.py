@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
-from assistant.languages.rapid.layout.tokens import Token, tokens
+from assistant.languages.rapid.text.layout.tokens import Token, tokens
 from assistant.program.diagnostics import has_errors
 from tests.languages.rapid.modules import files
 

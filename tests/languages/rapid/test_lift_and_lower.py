@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from assistant.languages import get
-from assistant.languages.rapid.syntax import File
+from assistant.languages.rapid.tree.syntax import File
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import Pose

@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, Phase, find, given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
-from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.tree import syntax as s
 from tests.languages.rapid.layouts import scattered
 from tests.languages.rapid.modules import files
 

@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, Phase, assume, example, given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
-from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.tree import syntax as s
 from assistant.program.diagnostics import Refused
 from tests.languages.rapid.changes import change, settled
 from tests.languages.rapid.modules import files

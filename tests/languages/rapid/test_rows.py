@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
-from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.reading.parser import parse
 from assistant.languages.rapid.reading.rows import find_runs
-from assistant.languages.rapid.runs import FEWEST
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.runs import FEWEST
 from assistant.program.diagnostics import Diagnostic
 
 RAPID = languages.get("rapid")

@@ -10,11 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
-from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.reading.parser import parse
-from assistant.languages.rapid.recovery.mistake import Mistake
-from assistant.languages.rapid.recovery.reading import MOST_FINDINGS
-from assistant.languages.rapid.recovery.statement_mistakes import MISTAKES
+from assistant.languages.rapid.reading.recovery.mistake import Mistake
+from assistant.languages.rapid.reading.recovery.reading import MOST_FINDINGS
+from assistant.languages.rapid.reading.recovery.statement_mistakes import MISTAKES
+from assistant.languages.rapid.tree import syntax as s
 
 RAPID = languages.get("rapid")
 PLACE = "¦"

@@ -10,11 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
-from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.reading.grammar import grammar
 from assistant.languages.rapid.reading.parser import parse
-from assistant.languages.rapid.runs import FEWEST
-from assistant.languages.rapid.tables import RESERVED
+from assistant.languages.rapid.tables.words import RESERVED
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.runs import FEWEST
 from assistant.program.diagnostics import Refused
 
 RAPID = languages.get("rapid")

@@ -12,8 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
-from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid.naming import units
+from assistant.languages.rapid.lower.names import units
+from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.comparison import Tolerance, compare

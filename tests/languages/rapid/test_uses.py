@@ -9,13 +9,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
-from assistant.languages.rapid import signatures
 from assistant.languages.rapid.checks import use_rules as rules
-from assistant.languages.rapid.checks.meaning import uses
-from assistant.languages.rapid.checks.scope import Look, Task
+from assistant.languages.rapid.checks.by_construct import uses
+from assistant.languages.rapid.checks.module_view import Look, Task
 from assistant.languages.rapid.checks.spelling import misspelt
-from assistant.languages.rapid.signatures import signature
-from assistant.languages.rapid.syntax import File
+from assistant.languages.rapid.tables import signatures
+from assistant.languages.rapid.tables.signatures import signature
+from assistant.languages.rapid.tree.syntax import File
 from assistant.program.diagnostics import Diagnostic, Rule, Severity
 from tests.languages.rapid import modules
 

@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import Final
 
-from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.checks import (
     corners,
     flow,
-    gaps,
     kinds,
     motions,
     names,
@@ -20,9 +18,11 @@ from assistant.languages.melfa_basic.checks import (
     values,
     words,
 )
+from assistant.languages.melfa_basic.checks import left_out as gaps
 from assistant.languages.melfa_basic.checks.damage import Damage, damage_of
-from assistant.languages.melfa_basic.checks.look import Calls, Look
-from assistant.languages.melfa_basic.dialects import DIALECTS, Dialect
+from assistant.languages.melfa_basic.checks.file_view import Calls, Look
+from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.diagnostics import Diagnostic
 
 __all__ = ["ADVICE", "RULES", "check"]

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.blocks import is_word
 from assistant.languages.melfa_basic.checks import motion_rules as rules
+from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.checks.kinds import literal
-from assistant.languages.melfa_basic.checks.look import Look
 from assistant.languages.melfa_basic.checks.steps import row_span
-from assistant.languages.melfa_basic.columnar import MoveRows
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.blocks import is_word
+from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.vocabulary import function, statements, status
+from assistant.languages.melfa_basic.tables.vocabulary import function, statements, status
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.diagnostics import Diagnostic, Severity
 from assistant.program.text import SourceText
 

@@ -7,10 +7,8 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Final
 
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.blocks import CLOSING, divided
 from assistant.languages.melfa_basic.checks import flow_rules as rules
-from assistant.languages.melfa_basic.checks.look import Look, Scope
+from assistant.languages.melfa_basic.checks.file_view import Look, Scope
 from assistant.languages.melfa_basic.checks.ways import (
     Block,
     Blocks,
@@ -20,7 +18,9 @@ from assistant.languages.melfa_basic.checks.ways import (
     ways_of,
     word_of,
 )
-from assistant.languages.melfa_basic.columnar import MoveRows
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.blocks import CLOSING, divided
+from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]

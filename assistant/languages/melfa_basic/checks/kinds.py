@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Final, Literal
 
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic import vocabulary
 from assistant.languages.melfa_basic.checks import value_rules as rules
-from assistant.languages.melfa_basic.checks.look import Look
+from assistant.languages.melfa_basic.checks.file_view import Look
+from assistant.languages.melfa_basic.tables import vocabulary
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]

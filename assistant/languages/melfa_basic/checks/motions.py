@@ -9,15 +9,15 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.checks import motion_rules as rules
+from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.checks.kinds import literal
-from assistant.languages.melfa_basic.checks.known import known
-from assistant.languages.melfa_basic.checks.look import Look
 from assistant.languages.melfa_basic.checks.steps import row_span
-from assistant.languages.melfa_basic.columnar import KEYWORDS, MOV, MVR, MoveRows
-from assistant.languages.melfa_basic.lift.positions import NO_FLAGS, Positions
-from assistant.languages.melfa_basic.vocabulary import commands
+from assistant.languages.melfa_basic.checks.variables_of import known
+from assistant.languages.melfa_basic.tables.vocabulary import commands
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import KEYWORDS, MOV, MVR, MoveRows
+from assistant.languages.melfa_basic.tree.positions import NO_FLAGS, Positions
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]

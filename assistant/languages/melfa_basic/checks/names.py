@@ -7,12 +7,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from assistant.languages.melfa_basic import rules, vocabulary
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.checks.look import Look, program_name
+from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.checks.file_view import Look, program_name
 from assistant.languages.melfa_basic.checks.steps import row_span
-from assistant.languages.melfa_basic.columnar import MoveRows, PositionRows
-from assistant.languages.melfa_basic.dialects import PROGRAM_NAME
+from assistant.languages.melfa_basic.tables import vocabulary
+from assistant.languages.melfa_basic.tables.dialects import PROGRAM_NAME
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from assistant.languages.melfa_basic import rules
-from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.checks import flow_rules, motion_rules
+from assistant.languages.melfa_basic.checks.file_view import Look, program_name
 from assistant.languages.melfa_basic.checks.kinds import literal
-from assistant.languages.melfa_basic.checks.look import Look, program_name
-from assistant.languages.melfa_basic.columnar import MoveRows
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]

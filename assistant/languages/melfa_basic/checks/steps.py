@@ -9,10 +9,10 @@ from typing import Final
 import numpy as np
 
 from assistant.languages.melfa_basic import rules
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.checks.look import Look
-from assistant.languages.melfa_basic.columnar import MoveRows
-from assistant.languages.melfa_basic.dialects import LAST_STEP
+from assistant.languages.melfa_basic.checks.file_view import Look
+from assistant.languages.melfa_basic.tables.dialects import LAST_STEP
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.program.diagnostics import Diagnostic, Span
 
 Found = Iterator[Diagnostic]

@@ -8,13 +8,14 @@ from typing import Final
 
 import numpy as np
 
-from assistant.languages.melfa_basic import rules, vocabulary
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.checks.known import Known, known
-from assistant.languages.melfa_basic.checks.look import Look
+from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.checks.steps import MOST_ROWS, row_span
-from assistant.languages.melfa_basic.columnar import MVR, MoveRows
-from assistant.languages.melfa_basic.walk import nodes
+from assistant.languages.melfa_basic.checks.variables_of import Known, known
+from assistant.languages.melfa_basic.tables import vocabulary
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import MVR, MoveRows
+from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]

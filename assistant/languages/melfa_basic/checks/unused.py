@@ -8,13 +8,20 @@ from typing import Final
 
 import numpy as np
 
-from assistant.languages.melfa_basic import printer, rules
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.checks.known import NUMBERED, Ints, Known, is_position, known
-from assistant.languages.melfa_basic.checks.look import Look
+from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.checks.steps import MOST_ROWS, row_span, targets
 from assistant.languages.melfa_basic.checks.uses import Use
-from assistant.languages.melfa_basic.columnar import MoveRows, PositionRows
+from assistant.languages.melfa_basic.checks.variables_of import (
+    NUMBERED,
+    Ints,
+    Known,
+    is_position,
+    known,
+)
+from assistant.languages.melfa_basic.text import printer
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
 from assistant.program.diagnostics import Diagnostic, Span
 
 Found = Iterator[Diagnostic]

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Final, Literal
 
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.vocabulary import ANY, commands, function, statements
-from assistant.languages.melfa_basic.walk import inside
+from assistant.languages.melfa_basic.tables.vocabulary import ANY, commands, function, statements
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.walk import inside
 
 Role = Literal["read", "written", "declared", "either"]
 """What is done with a variable; `either` where a statement may read or write it."""

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from math import inf
 from typing import Final
 
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic import vocabulary
 from assistant.languages.melfa_basic.checks import kinds
 from assistant.languages.melfa_basic.checks import value_rules as rules
+from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.checks.kinds import literal
-from assistant.languages.melfa_basic.checks.look import Look
+from assistant.languages.melfa_basic.tables import vocabulary
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.diagnostics import Diagnostic, Severity
 
 Found = Iterator[Diagnostic]

@@ -6,10 +6,10 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Final
 
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.blocks import closed, divided, opened
-from assistant.languages.melfa_basic.checks.look import Look, Scope
-from assistant.languages.melfa_basic.columnar import MoveRows
+from assistant.languages.melfa_basic.checks.file_view import Look, Scope
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.blocks import closed, divided, opened
+from assistant.languages.melfa_basic.tree.columnar import MoveRows
 
 
 @dataclass(slots=True)

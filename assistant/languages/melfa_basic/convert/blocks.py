@@ -12,12 +12,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Final
 
-from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.convert.chains import chained
 from assistant.languages.melfa_basic.convert.nesting import Block, Node, flat, nested
 from assistant.languages.melfa_basic.convert.steps import targets
-from assistant.languages.melfa_basic.dialects import Dialect
-from assistant.languages.melfa_basic.jumping import THEN, branches, goes_to
+from assistant.languages.melfa_basic.tables.dialects import Dialect
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.jumping import THEN, branches, goes_to
 
 _WAIT: Final = re.compile(r"W[0-9]+")
 _LEFT: Final = re.compile(r"B[0-9]+Z")

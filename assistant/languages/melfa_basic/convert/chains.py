@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
-from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.convert.steps import targets
-from assistant.languages.melfa_basic.jumping import goes_to
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.jumping import goes_to
 
 _FIRST: Final = re.compile(r"(S[0-9]+)C1")
 

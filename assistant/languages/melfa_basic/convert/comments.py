@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
-from assistant.languages.melfa_basic import printer
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.dialects import Dialect
+from assistant.languages.melfa_basic.tables.dialects import Dialect
+from assistant.languages.melfa_basic.text import printer
+from assistant.languages.melfa_basic.tree import syntax as s
 
 
 def fitted(items: Sequence[s.Item], dialect: Dialect) -> list[s.Item]:

@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
-from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.convert import comments, names, steps, words
-from assistant.languages.melfa_basic.convert import memory as memories
+from assistant.languages.melfa_basic.convert import original_names as memories
 from assistant.languages.melfa_basic.convert.conversion import convert
-from assistant.languages.melfa_basic.convert.memory import Memory
-from assistant.languages.melfa_basic.dialects import DIALECTS
+from assistant.languages.melfa_basic.convert.original_names import Memory
 from assistant.languages.melfa_basic.lift.program import lift, stem
+from assistant.languages.melfa_basic.tables.dialects import DIALECTS
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.comparison import Tolerance, compare

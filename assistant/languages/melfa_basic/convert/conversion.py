@@ -6,19 +6,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import PurePath
 
-from assistant.languages.melfa_basic import printer, rules
-from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.convert import comments, names, steps, words
-from assistant.languages.melfa_basic.convert import memory as memories
+from assistant.languages.melfa_basic.convert import original_names as memories
 from assistant.languages.melfa_basic.convert.blocks import to_blocks
 from assistant.languages.melfa_basic.convert.jumps import Jumps
-from assistant.languages.melfa_basic.convert.memory import Memory
 from assistant.languages.melfa_basic.convert.nesting import nested
-from assistant.languages.melfa_basic.dialects import DIALECTS, Dialect
-from assistant.languages.melfa_basic.files import recognises
-from assistant.languages.melfa_basic.layout.lines import lay_out
-from assistant.languages.melfa_basic.layout.rendering import render
+from assistant.languages.melfa_basic.convert.original_names import Memory
+from assistant.languages.melfa_basic.reading.files import recognises
 from assistant.languages.melfa_basic.reading.parser import parse
+from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
+from assistant.languages.melfa_basic.text import printer
+from assistant.languages.melfa_basic.text.layout.lines import lay_out
+from assistant.languages.melfa_basic.text.rendering import render
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.diagnostics import Diagnostic, has_errors
 from assistant.program.text import SourceText
 

@@ -20,12 +20,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from assistant.languages.melfa_basic import printer, vocabulary
-from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.convert.nesting import Block, Node, Part
-from assistant.languages.melfa_basic.dialects import EMITTED_LINE, Dialect
 from assistant.languages.melfa_basic.lift.settings import SETTINGS
-from assistant.languages.melfa_basic.walk import nodes
+from assistant.languages.melfa_basic.tables import vocabulary
+from assistant.languages.melfa_basic.tables.dialects import EMITTED_LINE, Dialect
+from assistant.languages.melfa_basic.text import printer
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.walk import nodes
 
 Complain = Callable[[s.Item, str, str], None]
 """Says of a line what cannot be said, and what to do."""

@@ -6,11 +6,11 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic import vocabulary
-from assistant.languages.melfa_basic.columnar import MoveRows, PositionRows
-from assistant.languages.melfa_basic.dialects import Dialect
-from assistant.languages.melfa_basic.tables import RESERVED, free
+from assistant.languages.melfa_basic.tables import vocabulary
+from assistant.languages.melfa_basic.tables.dialects import Dialect
+from assistant.languages.melfa_basic.tables.words import RESERVED, free
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
 from assistant.program.rewriting import records, rewrite
 
 

@@ -7,11 +7,11 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING
 
 from assistant.languages.language import Conversion
-from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.convert.comparing import compared
 from assistant.languages.melfa_basic.convert.conversion import convert
-from assistant.languages.melfa_basic.dialects import DIALECTS
 from assistant.languages.melfa_basic.lift.program import lift
+from assistant.languages.melfa_basic.tables.dialects import DIALECTS
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.diagnostics import has_errors
 from assistant.program.program import Program
 

@@ -9,9 +9,9 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.columnar import MoveRows
-from assistant.languages.melfa_basic.dialects import LAST_STEP
+from assistant.languages.melfa_basic.tables.dialects import LAST_STEP
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.program.rewriting import records, rewrite
 
 T = TypeVar("T")

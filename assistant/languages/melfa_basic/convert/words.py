@@ -6,10 +6,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
-from assistant.languages.melfa_basic import printer, vocabulary
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.blocks import is_word
-from assistant.languages.melfa_basic.convert.memory import Memory
 from assistant.languages.melfa_basic.convert.names import (
     SUFFIXES,
     Names,
@@ -19,8 +15,13 @@ from assistant.languages.melfa_basic.convert.names import (
     variables_of,
 )
 from assistant.languages.melfa_basic.convert.nesting import closes, opens
+from assistant.languages.melfa_basic.convert.original_names import Memory
 from assistant.languages.melfa_basic.convert.steps import targets
-from assistant.languages.melfa_basic.dialects import DIALECTS, Dialect
+from assistant.languages.melfa_basic.tables import vocabulary
+from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
+from assistant.languages.melfa_basic.text import printer
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.blocks import is_word
 from assistant.program.rewriting import records, rewrite
 
 Complain = Callable[[s.Item, str, str], None]

@@ -11,10 +11,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.lift.meanings import Meanings, Unliftable
 from assistant.languages.melfa_basic.lift.pallets import unchanged
-from assistant.languages.melfa_basic.lift.positions import target_of
+from assistant.languages.melfa_basic.lift.symbols import Meanings, Unliftable
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.positions import target_of
 from assistant.program import expressions as e
 from assistant.program.geometry import Pose, Target
 from assistant.program.statements import Reason

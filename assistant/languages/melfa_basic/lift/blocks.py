@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.blocks import closed, divided, opened
-from assistant.languages.melfa_basic.columnar import MoveRows
-from assistant.languages.melfa_basic.jumping import THEN, branches
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.blocks import closed, divided, opened
+from assistant.languages.melfa_basic.tree.columnar import MoveRows
+from assistant.languages.melfa_basic.tree.jumping import THEN, branches
 
 Entry = s.Line | MoveRows
 Code = Sequence[Entry]

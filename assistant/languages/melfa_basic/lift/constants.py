@@ -6,11 +6,11 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Final
 
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.blocks import opened
-from assistant.languages.melfa_basic.columnar import MoveRows
-from assistant.languages.melfa_basic.vocabulary import commands, function, status
-from assistant.languages.melfa_basic.walk import nodes
+from assistant.languages.melfa_basic.tables.vocabulary import commands, function, status
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.blocks import opened
+from assistant.languages.melfa_basic.tree.columnar import MoveRows
+from assistant.languages.melfa_basic.tree.walk import nodes
 
 Value = float | str
 

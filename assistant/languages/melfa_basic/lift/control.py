@@ -6,14 +6,14 @@ import itertools
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.blocks import opened
 from assistant.languages.melfa_basic.lift import waits
 from assistant.languages.melfa_basic.lift.blocks import Code
 from assistant.languages.melfa_basic.lift.expressions import Expressions
-from assistant.languages.melfa_basic.lift.meanings import Meanings, Unliftable
 from assistant.languages.melfa_basic.lift.operators import operator_name
 from assistant.languages.melfa_basic.lift.reasons import NO_LABEL
+from assistant.languages.melfa_basic.lift.symbols import Meanings, Unliftable
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.blocks import opened
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import identifier

@@ -6,17 +6,17 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from assistant.languages.melfa_basic import poses
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.functions import ANALOG
 from assistant.languages.melfa_basic.lift.expressions import Expressions
-from assistant.languages.melfa_basic.lift.meanings import IO_BITS, SIGNALS, Unliftable
 from assistant.languages.melfa_basic.lift.operators import is_comparison
 from assistant.languages.melfa_basic.lift.paths import Runs
-from assistant.languages.melfa_basic.lift.positions import joints_of, target_of
 from assistant.languages.melfa_basic.lift.reasons import DELAYED
 from assistant.languages.melfa_basic.lift.scopes import TYPES
-from assistant.languages.melfa_basic.timers import timer_of
+from assistant.languages.melfa_basic.lift.symbols import IO_BITS, SIGNALS, Unliftable
+from assistant.languages.melfa_basic.tables import poses
+from assistant.languages.melfa_basic.tables.functions import ANALOG
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.positions import joints_of, target_of
+from assistant.languages.melfa_basic.tree.timers import timer_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Signal

@@ -5,22 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Protocol, cast
 
-from assistant.languages.melfa_basic import poses
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.header import Header
 from assistant.languages.melfa_basic.lift.blocks import Entry
 from assistant.languages.melfa_basic.lift.data import value_of
 from assistant.languages.melfa_basic.lift.expressions import Expressions
-from assistant.languages.melfa_basic.lift.meanings import Meanings
 from assistant.languages.melfa_basic.lift.paths import Runs
-from assistant.languages.melfa_basic.lift.positions import (
+from assistant.languages.melfa_basic.lift.settings import Settings
+from assistant.languages.melfa_basic.lift.symbols import Meanings
+from assistant.languages.melfa_basic.tables import poses
+from assistant.languages.melfa_basic.text.header import Header
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.positions import (
     Elements,
     Plain,
     Positions,
     joints_of,
     target_of,
 )
-from assistant.languages.melfa_basic.lift.settings import Settings
 from assistant.program import expressions as e
 from assistant.program.geometry import Frame, JointTarget, Target, Tool
 from assistant.program.program import Variable, identifier

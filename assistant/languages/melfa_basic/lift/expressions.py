@@ -5,11 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any, Final
 
-from assistant.languages.melfa_basic import printer
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.functions import ANALOG, OF_ANGLE, PLAIN, TO_ANGLE
 from assistant.languages.melfa_basic.lift.constants import INITIAL
-from assistant.languages.melfa_basic.lift.meanings import SIGNALS, Unliftable
+from assistant.languages.melfa_basic.lift.moved_targets import amounts, fixed, is_inverse, shift
 from assistant.languages.melfa_basic.lift.operators import (
     WHOLE,
     are_truths,
@@ -17,13 +14,16 @@ from assistant.languages.melfa_basic.lift.operators import (
     operator_name,
 )
 from assistant.languages.melfa_basic.lift.pallets import declared
-from assistant.languages.melfa_basic.lift.positions import target_of
 from assistant.languages.melfa_basic.lift.reasons import WAYS
-from assistant.languages.melfa_basic.lift.shifts import amounts, fixed, is_inverse, shift
+from assistant.languages.melfa_basic.lift.symbols import SIGNALS, Unliftable
 from assistant.languages.melfa_basic.lift.timers import elapsed, timed
 from assistant.languages.melfa_basic.lift.types import Types
-from assistant.languages.melfa_basic.poses import JOINTS, is_angle, is_length
-from assistant.languages.melfa_basic.vocabulary.timers import MILLISECONDS
+from assistant.languages.melfa_basic.tables.functions import ANALOG, OF_ANGLE, PLAIN, TO_ANGLE
+from assistant.languages.melfa_basic.tables.poses import JOINTS, is_angle, is_length
+from assistant.languages.melfa_basic.tables.vocabulary.timers import MILLISECONDS
+from assistant.languages.melfa_basic.text import printer
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.positions import target_of
 from assistant.program import expressions as e
 from assistant.program.geometry import Target
 

@@ -6,17 +6,17 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from assistant.languages.melfa_basic import header as headers
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.columnar import MoveRows
-from assistant.languages.melfa_basic.header import Header
 from assistant.languages.melfa_basic.lift.blocks import Entry
 from assistant.languages.melfa_basic.lift.order import in_order
-from assistant.languages.melfa_basic.lift.positions import Positions
 from assistant.languages.melfa_basic.lift.settings import SETTINGS
 from assistant.languages.melfa_basic.lift.steps import with_labels
 from assistant.languages.melfa_basic.lift.waits import comment_text
-from assistant.languages.melfa_basic.walk import nodes
+from assistant.languages.melfa_basic.text import header as headers
+from assistant.languages.melfa_basic.text.header import Header
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import MoveRows
+from assistant.languages.melfa_basic.tree.positions import Positions
+from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program.program import identifier
 
 ALL_SETTINGS = frozenset(range(5))

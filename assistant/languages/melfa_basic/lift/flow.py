@@ -14,11 +14,11 @@ from copy import copy
 from dataclasses import dataclass
 from typing import Any, Final
 
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.blocks import is_word
 from assistant.languages.melfa_basic.lift.blocks import Code, innermost_ends
 from assistant.languages.melfa_basic.lift.regions import Region, odd_entries, place_name
 from assistant.languages.melfa_basic.lift.settings import UNKNOWN, Held, State
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.blocks import is_word
 
 Effect = Callable[[s.Statement | None], tuple[int, Any] | None]
 Calls = Callable[[s.Statement], Iterable[int | frozenset[int]]]

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.lift.arcs import via_of
 from assistant.languages.melfa_basic.lift.expressions import Expressions
-from assistant.languages.melfa_basic.lift.meanings import Unliftable
+from assistant.languages.melfa_basic.lift.framed_targets import unframed
 from assistant.languages.melfa_basic.lift.paths import Runs, Values, place, sayable, speed_of
-from assistant.languages.melfa_basic.lift.products import unframed
 from assistant.languages.melfa_basic.lift.reasons import TYPE, WAYS
 from assistant.languages.melfa_basic.lift.settings import BLEND, FRAME, TOOL
+from assistant.languages.melfa_basic.lift.symbols import Unliftable
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 
 _OPERATORS: Final = {

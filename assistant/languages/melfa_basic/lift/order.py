@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import itertools
 
-from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.lift.blocks import Entry, depths, labels_in, structure
 from assistant.languages.melfa_basic.lift.regions import called, goes_on_above, jumps
+from assistant.languages.melfa_basic.tree import syntax as s
 
 
 def in_order(code: list[Entry]) -> list[Entry]:

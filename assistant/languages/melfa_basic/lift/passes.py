@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from assistant.languages.melfa_basic.lift.contexts import Form
+from assistant.languages.melfa_basic.lift.forms import Form
 from assistant.program import statements as p
 from assistant.program.program import identifier
 

@@ -12,22 +12,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.languages.melfa_basic import poses
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.columnar import KEYWORDS, MOV, MVR, MoveRows
 from assistant.languages.melfa_basic.lift.blocks import Entry
-from assistant.languages.melfa_basic.lift.gathering import (
+from assistant.languages.melfa_basic.lift.framed_targets import unframed
+from assistant.languages.melfa_basic.lift.settings import FRAME, JOINT, TCP, TOOL, UNKNOWN
+from assistant.languages.melfa_basic.lift.symbols import Meanings
+from assistant.languages.melfa_basic.tables import poses
+from assistant.languages.melfa_basic.tables.words import ARC_START
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import KEYWORDS, MOV, MVR, MoveRows
+from assistant.languages.melfa_basic.tree.line_tables import (
     cut,
     rows_as_lines,
     split_name,
     split_numbered,
 )
-from assistant.languages.melfa_basic.lift.meanings import Meanings
-from assistant.languages.melfa_basic.lift.positions import configurations
-from assistant.languages.melfa_basic.lift.products import unframed
-from assistant.languages.melfa_basic.lift.settings import FRAME, JOINT, TCP, TOOL, UNKNOWN
-from assistant.languages.melfa_basic.tables import ARC_START
-from assistant.languages.melfa_basic.walk import nodes
+from assistant.languages.melfa_basic.tree.positions import configurations
+from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program import statements as p
 from assistant.program.diagnostics import Span, over
 from assistant.program.motion import Speed

@@ -7,9 +7,9 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING
 
 from assistant import robots
-from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.lift.file_lift import Unit
 from assistant.languages.melfa_basic.lift.files import File, touching
-from assistant.languages.melfa_basic.lift.units import Unit
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.program import Program, identifier
 from assistant.program.wholes import without_needless_rounding
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.languages.melfa_basic import printer
-from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.text import printer
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.statements import Reason
 
 WAYS: Final = Reason(

@@ -6,7 +6,6 @@ import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.lift.blocks import (
     Code,
     depths,
@@ -14,7 +13,8 @@ from assistant.languages.melfa_basic.lift.blocks import (
     is_command,
     labels_in,
 )
-from assistant.languages.melfa_basic.walk import nodes
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.walk import nodes
 
 
 @dataclass(frozen=True, slots=True)

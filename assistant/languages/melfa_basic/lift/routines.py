@@ -5,12 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any, Final, cast
 
-from assistant.languages.melfa_basic import printer
-from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.lift.blocks import Code
 from assistant.languages.melfa_basic.lift.constants import changed
 from assistant.languages.melfa_basic.lift.expressions import Expressions
-from assistant.languages.melfa_basic.lift.meanings import Inside, Meanings, Routine, Unliftable
 from assistant.languages.melfa_basic.lift.regions import Region
 from assistant.languages.melfa_basic.lift.scopes import (
     LETTERS,
@@ -19,7 +16,10 @@ from assistant.languages.melfa_basic.lift.scopes import (
     letter_type,
     scope_of,
 )
-from assistant.languages.melfa_basic.walk import nodes
+from assistant.languages.melfa_basic.lift.symbols import Inside, Meanings, Routine, Unliftable
+from assistant.languages.melfa_basic.text import printer
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program import statements as p
 from assistant.program.program import Parameter, Procedure, ValueType, Variable, identifier
 

@@ -6,10 +6,10 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.lift.blocks import Entry
-from assistant.languages.melfa_basic.vocabulary import function, status
-from assistant.languages.melfa_basic.walk import nodes
+from assistant.languages.melfa_basic.tables.vocabulary import function, status
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program.program import ValueType
 
 TYPES: Final[dict[str, ValueType]] = {

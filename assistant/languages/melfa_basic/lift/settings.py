@@ -7,10 +7,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final
 
-from assistant.languages.melfa_basic import poses
-from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.lift.constants import Constants
-from assistant.languages.melfa_basic.lift.positions import Positions
+from assistant.languages.melfa_basic.tables import poses
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.positions import Positions
 from assistant.program.geometry import BASE, FLANGE, Pose
 from assistant.program.motion import FINE, Blend
 

@@ -5,20 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
-from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.lift import data, reasons, waits
 from assistant.languages.melfa_basic.lift.blocks import Code
-from assistant.languages.melfa_basic.lift.contexts import Contexts, Form, depends
 from assistant.languages.melfa_basic.lift.control import Control
 from assistant.languages.melfa_basic.lift.expressions import Expressions
-from assistant.languages.melfa_basic.lift.meanings import Meanings, Routine, Unliftable
+from assistant.languages.melfa_basic.lift.forms import Contexts, Form, depends
 from assistant.languages.melfa_basic.lift.moves import Moves
 from assistant.languages.melfa_basic.lift.pallets import define as define_pallet
 from assistant.languages.melfa_basic.lift.paths import Ints, Runs, Values
 from assistant.languages.melfa_basic.lift.regions import Region
 from assistant.languages.melfa_basic.lift.settings import State
+from assistant.languages.melfa_basic.lift.symbols import Meanings, Routine, Unliftable
 from assistant.languages.melfa_basic.lift.unknown_settings import UnknownSettings
-from assistant.languages.melfa_basic.walk import nodes
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Span

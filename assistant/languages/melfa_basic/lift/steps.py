@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.columnar import MoveRows
 from assistant.languages.melfa_basic.lift.blocks import Code, Entry
-from assistant.languages.melfa_basic.lift.gathering import cut
-from assistant.languages.melfa_basic.walk import nodes
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import MoveRows
+from assistant.languages.melfa_basic.tree.line_tables import cut
+from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program.rewriting import rewrite
 
 _JUMPING = (s.Jump, s.If, s.OnJump, s.DefAct, s.OnCom)

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.columnar import MoveRows
-from assistant.languages.melfa_basic.header import Header
-from assistant.languages.melfa_basic.timers import timer_of
-from assistant.languages.melfa_basic.vocabulary.timers import MILLISECONDS, MOST_TIMERS
-from assistant.languages.melfa_basic.walk import nodes
+from assistant.languages.melfa_basic.tables.vocabulary.timers import MILLISECONDS, MOST_TIMERS
+from assistant.languages.melfa_basic.text.header import Header
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import MoveRows
+from assistant.languages.melfa_basic.tree.timers import timer_of
+from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program import expressions as e
 
 

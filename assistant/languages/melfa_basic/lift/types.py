@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.lift.meanings import SIGNALS, Meanings
 from assistant.languages.melfa_basic.lift.operators import (
     WHOLE,
     are_truths,
     is_comparison,
     operator_name,
 )
-from assistant.languages.melfa_basic.vocabulary import function, status
-from assistant.languages.melfa_basic.walk import nodes
+from assistant.languages.melfa_basic.lift.symbols import SIGNALS, Meanings
+from assistant.languages.melfa_basic.tables.vocabulary import function, status
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program import expressions as e
 from assistant.program.program import ValueType
 

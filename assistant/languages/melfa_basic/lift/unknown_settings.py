@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any, Final
 
-from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.lift.blocks import Code
 from assistant.languages.melfa_basic.lift.flow import Effect
 from assistant.languages.melfa_basic.lift.reasons import WAYS, text_of
 from assistant.languages.melfa_basic.lift.settings import JOINT, TCP, UNKNOWN, Held, State
-from assistant.languages.melfa_basic.walk import nodes
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program.motion import Blend
 from assistant.program.statements import Reason
 from assistant.program.text import SourceText

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final, TypeVar
 
-from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.lift.blocks import Code
 from assistant.languages.melfa_basic.lift.expressions import Expressions
-from assistant.languages.melfa_basic.lift.meanings import SIGNALS, Unliftable
-from assistant.languages.melfa_basic.timers import timer_of
+from assistant.languages.melfa_basic.lift.symbols import SIGNALS, Unliftable
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.timers import timer_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Span

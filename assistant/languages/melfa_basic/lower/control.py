@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from assistant.languages.melfa_basic import poses, printer, rules
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.dialects import EMITTED_LINE
+from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lower.expressions import Unsayable
+from assistant.languages.melfa_basic.tables import poses
+from assistant.languages.melfa_basic.tables.dialects import EMITTED_LINE
+from assistant.languages.melfa_basic.text import printer
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import statements as p
 from assistant.program.program import Procedure
 from assistant.program.rewriting import Body

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from assistant.languages.melfa_basic import poses
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.dialects import Dialect
-from assistant.languages.melfa_basic.functions import (
+from assistant.languages.melfa_basic.lower.names import Names
+from assistant.languages.melfa_basic.tables import poses
+from assistant.languages.melfa_basic.tables.dialects import Dialect
+from assistant.languages.melfa_basic.tables.functions import (
     ANALOG,
     BITS,
     FIRST_REGISTER,
@@ -23,9 +23,9 @@ from assistant.languages.melfa_basic.functions import (
     TEXTS,
     TO_ANGLE,
 )
-from assistant.languages.melfa_basic.names import Names
-from assistant.languages.melfa_basic.timers import timer
-from assistant.languages.melfa_basic.vocabulary.timers import MILLISECONDS, MOST_TIMERS, WORD
+from assistant.languages.melfa_basic.tables.vocabulary.timers import MILLISECONDS, MOST_TIMERS, WORD
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.timers import timer
 from assistant.program import expressions as e
 from assistant.program.geometry import JointTarget, Target
 from assistant.program.path import configuration_row

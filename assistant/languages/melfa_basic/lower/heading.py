@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
-from assistant.languages.melfa_basic import header as headers
-from assistant.languages.melfa_basic import syntax as s
+from assistant.languages.melfa_basic.lower.unit import Unit
+from assistant.languages.melfa_basic.text import header as headers
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.program import Parameter, ValueType, Variable
 from assistant.program.timers import timers
-
-if TYPE_CHECKING:
-    from assistant.languages.melfa_basic.lower.program import Unit
 
 NO_LETTER: Final[tuple[ValueType, ...]] = ("truth", "integer", "pose")
 """Types whose letter is that of another one."""

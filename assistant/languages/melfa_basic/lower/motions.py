@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from assistant.languages.melfa_basic import rules
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.columnar import MOV, MVR, MVS, MoveRows
-from assistant.languages.melfa_basic.lift.gathering import rows_as_lines
 from assistant.languages.melfa_basic.lower.expressions import Unsayable, plain_number
 from assistant.languages.melfa_basic.lower.settings import changes
-from assistant.languages.melfa_basic.tables import ARC_START
+from assistant.languages.melfa_basic.tables.words import ARC_START
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import MOV, MVR, MVS, MoveRows
+from assistant.languages.melfa_basic.tree.line_tables import rows_as_lines
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import BASE

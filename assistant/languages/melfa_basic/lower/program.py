@@ -8,19 +8,18 @@ from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
-from assistant.languages.melfa_basic import poses
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.columnar import MoveRows, PositionRows
-from assistant.languages.melfa_basic.dialects import DIALECTS, LAST_STEP, Dialect
-from assistant.languages.melfa_basic.lift.gathering import gathered
 from assistant.languages.melfa_basic.lower.expressions import joint_constant, position_constant
 from assistant.languages.melfa_basic.lower.heading import heading, named
-from assistant.languages.melfa_basic.lower.statements import STATEMENTS
-from assistant.languages.melfa_basic.lower.writer import Writer
-from assistant.languages.melfa_basic.names import LETTERS, Names, naming
+from assistant.languages.melfa_basic.lower.names import LETTERS, naming
+from assistant.languages.melfa_basic.lower.unit import Unit
+from assistant.languages.melfa_basic.tables import poses
+from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP, Dialect
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
+from assistant.languages.melfa_basic.tree.line_tables import gathered
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.diagnostics import Refused
 from assistant.program.path import configuration_row
 from assistant.program.program import Parameter, Procedure, Program, ValueType, Variable
 from assistant.program.rewriting import records
@@ -47,29 +46,13 @@ def build(
     products: targets are multiplied by their frames, else `Base` is set.
     """
     dialect = DIALECTS[dialect_name]
-    unit_of = Unit(program, robot, unit, dialect, naming(program, dialect, products))
-    code = unit_of.code()
-    findings = [f for f in unit_of.findings if f.severity == "error"]
+    lines = UnitLines(program, robot, unit, dialect, naming(program, dialect, products))
+    code = lines.code()
+    findings = [f for f in lines.findings if f.severity == "error"]
     if findings:
         raise Refused(*findings)
-    data = list(unit_of.data())
+    data = list(lines.data())
     return s.File(dialect_name, (*gathered(numbered(code, dialect)), *gathered(data)))
-
-
-def has_functions(program: Program, unit: str | None, dialect: Dialect) -> bool:
-    """Whether what a unit calls are functions; subroutines, if not, share all variables."""
-    _, others = _procedures(program, unit)
-    return dialect.functions and any(q.parameters or q.result is not None for q in others)
-
-
-def _procedures(program: Program, unit: str | None) -> tuple[Procedure | None, list[Procedure]]:
-    """The procedure that a unit begins with, and those that it calls."""
-    mine = [p for p in program.procedures if p.unit == unit]
-    if unit is not None:
-        return (mine[0], mine[1:]) if mine else (None, [])
-    entry = (program.entry or "").lower()
-    first = next((p for p in mine if p.name.lower() == entry), None)
-    return first, [p for p in mine if p is not first]
 
 
 def steps(items: list[s.Item]) -> int:
@@ -91,28 +74,8 @@ def numbered(items: list[s.Item], dialect: Dialect) -> Iterator[s.Item]:
             at += step
 
 
-class Unit:
-    """One program file of a program: its code lines and its variable lines."""
-
-    def __init__(
-        self,
-        program: Program,
-        robot: Robot | None,
-        unit: str | None,
-        dialect: Dialect,
-        names: Names,
-    ) -> None:
-        self.program, self.robot, self.unit = program, robot, unit
-        self.dialect, self.names = dialect, names
-        self.writer = Writer(program, dialect, names, robot, unit, STATEMENTS)
-        self.writer.functions = has_functions(program, unit, dialect)
-
-    @property
-    def findings(self) -> list[Diagnostic]:
-        return self.writer.findings
-
-    def procedures(self) -> tuple[Procedure | None, list[Procedure]]:
-        return _procedures(self.program, self.unit)
+class UnitLines(Unit):
+    """The code lines and the variable lines of a unit."""
 
     def code(self) -> list[s.Item]:
         """The code lines without step numbers."""
@@ -212,21 +175,6 @@ class Unit:
                 place = f"variable {name}" if of is None else f"procedure {of.name} variable {name}"
                 with writer.findings.at(variable.span), writer.saying(place):
                     writer.add(s.Assign(whole, writer.expressions.of(variable.initial)))
-
-    def variables(self) -> Iterator[tuple[str, str, Variable | Parameter]]:
-        """Owner (a procedure's name in lower case or empty), name and variable."""
-        if self.unit is None:
-            for name, variable in self.program.variables.items():
-                yield "", name, variable
-        else:
-            for name in self.writer.shared:
-                yield "", name, self.program.variables[name]
-        for procedure in self.program.procedures:
-            if procedure.unit == self.unit:
-                for parameter in procedure.parameters:
-                    yield procedure.name.lower(), parameter.name, parameter
-                for name, variable in procedure.variables.items():
-                    yield procedure.name.lower(), name, variable
 
     # ---------------------------------------------------------------------------- data
 

@@ -6,10 +6,10 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.dialects import Dialect
 from assistant.languages.melfa_basic.lower.expressions import numeric
-from assistant.languages.melfa_basic.names import Names
+from assistant.languages.melfa_basic.lower.names import Names
+from assistant.languages.melfa_basic.tables.dialects import Dialect
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.motion import Blend, Speed
 
 

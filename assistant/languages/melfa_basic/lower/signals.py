@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.lower.expressions import Unsayable, numeric, plain_number
-from assistant.languages.melfa_basic.timers import timer
-from assistant.languages.melfa_basic.vocabulary import timers
-from assistant.languages.melfa_basic.vocabulary.timers import MOST_TIMERS
+from assistant.languages.melfa_basic.tables.vocabulary import timers
+from assistant.languages.melfa_basic.tables.vocabulary.timers import MOST_TIMERS
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.timers import timer
 from assistant.program import expressions as e
 from assistant.program import statements as p
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Final
 
-from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.convert.words import reworded
-from assistant.languages.melfa_basic.dialects import DIALECTS, Dialect
 from assistant.languages.melfa_basic.lower import control, motions, signals
 from assistant.languages.melfa_basic.lower.expressions import Unsayable
 from assistant.languages.melfa_basic.lower.writer import Writer
 from assistant.languages.melfa_basic.reading.parser import statement as read_statement
+from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import statements as p
 
 

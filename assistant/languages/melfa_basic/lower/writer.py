@@ -7,16 +7,16 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from assistant.languages.melfa_basic import rules
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.dialects import Dialect
 from assistant.languages.melfa_basic.lower.expressions import (
     Expressions,
     NoNumber,
     Undeclared,
     Unsayable,
 )
+from assistant.languages.melfa_basic.lower.names import Names
 from assistant.languages.melfa_basic.lower.settings import Settings, places
-from assistant.languages.melfa_basic.names import Names
+from assistant.languages.melfa_basic.tables.dialects import Dialect
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, Findings, Span

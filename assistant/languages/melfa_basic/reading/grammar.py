@@ -8,7 +8,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Final
 
 from assistant.languages.lalr import Tables
-from assistant.languages.melfa_basic.vocabulary import words
+from assistant.languages.melfa_basic.tables.vocabulary import words
 from assistant.resources import load_grammar
 
 if TYPE_CHECKING:

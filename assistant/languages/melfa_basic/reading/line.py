@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import Final
 
-from assistant.languages.melfa_basic import syntax as s
 from assistant.languages.melfa_basic.reading.driver import Lexeme, Stop, drive
 from assistant.languages.melfa_basic.reading.nodes import Nodes
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.diagnostics import Span
 
 BLANKS: Final = " \t\f\x1a"

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any, Final
 
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.tables import spelled
+from assistant.languages.melfa_basic.tables.words import spelled
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.diagnostics import Span
 
 

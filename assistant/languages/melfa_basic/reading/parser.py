@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from typing import Final
 
 from assistant.languages.melfa_basic import rules
-from assistant.languages.melfa_basic import syntax as s
-from assistant.languages.melfa_basic.columnar import MoveRows, PositionRows, rows_at
-from assistant.languages.melfa_basic.files import TOKENISED
 from assistant.languages.melfa_basic.reading.driver import Stop
+from assistant.languages.melfa_basic.reading.files import TOKENISED
 from assistant.languages.melfa_basic.reading.line import TooLarge, code_start, read_line, statement
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows, rows_at
 from assistant.program.collecting import uncollected
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.text import SourceText
@@ -39,7 +39,7 @@ def parse(source: SourceText | str, dialect: str, *, runs: bool = True) -> s.Fil
         stop = start + len(text[start:end].rstrip("\r\n"))
         node = read_line(text, start, stop, end)
         if isinstance(node, Stop):
-            from assistant.languages.melfa_basic.recovery.lines import mended
+            from assistant.languages.melfa_basic.reading.recovery.lines import mended
 
             item, found = mended(source, start, stop, end, node, len(findings))
             items.append(item)

@@ -5,14 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import Final
 
-from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.checks import (
     arcs,
     configurations,
     flow,
-    fly,
     literals,
-    meaning,
     motions,
     names,
     order,
@@ -21,10 +18,13 @@ from assistant.languages.rapid.checks import (
     undeclared,
     unused,
 )
+from assistant.languages.rapid.checks import by_construct as meaning
+from assistant.languages.rapid.checks import timing as fly
 from assistant.languages.rapid.checks.damage import damage_of
-from assistant.languages.rapid.checks.scope import Look, Task
+from assistant.languages.rapid.checks.module_view import Look, Task
 from assistant.languages.rapid.checks.tasks import tasks
-from assistant.languages.rapid.walk import nodes
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.walk import nodes
 from assistant.program.diagnostics import Diagnostic, has_errors
 
 __all__ = ["ADVICE", "RULES", "check", "loaded_files"]

@@ -9,12 +9,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.checks import plain_rules as rules
-from assistant.languages.rapid.checks.scope import Look
-from assistant.languages.rapid.gather import literal_target, names_of
-from assistant.languages.rapid.runs import CIRCULAR, MotionNames, MoveRun, Names, TargetRun
-from assistant.languages.rapid.walk import lists
+from assistant.languages.rapid.checks.module_view import Look
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.gather import literal_target, names_of
+from assistant.languages.rapid.tree.runs import CIRCULAR, MotionNames, MoveRun, Names, TargetRun
+from assistant.languages.rapid.tree.walk import lists
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.checks import use_rules as rules
 from assistant.languages.rapid.checks.kinds import Scope
-from assistant.languages.rapid.checks.scope import Look
+from assistant.languages.rapid.checks.module_view import Look
 from assistant.languages.rapid.checks.spelling import misspelt
-from assistant.languages.rapid.signatures import Parameter, Signature, Slot, signature
+from assistant.languages.rapid.tables.signatures import Parameter, Signature, Slot, signature
+from assistant.languages.rapid.tree import syntax as s
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]

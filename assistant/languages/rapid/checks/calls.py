@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, Final
 
-from assistant.languages.rapid import predefined, signatures
-from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.checks import names_used
 from assistant.languages.rapid.checks import use_rules as rules
 from assistant.languages.rapid.checks.arguments import Bound, bind, signature_of
@@ -14,8 +12,10 @@ from assistant.languages.rapid.checks.kinds import Scope
 from assistant.languages.rapid.checks.motions import PREDEFINED, WORDS, nearest, unknown
 from assistant.languages.rapid.checks.spelling import misspelt
 from assistant.languages.rapid.checks.values import shaped
-from assistant.languages.rapid.signatures import Parameter, Signature, signature
-from assistant.languages.rapid.walk import root
+from assistant.languages.rapid.tables import predefined, signatures
+from assistant.languages.rapid.tables.signatures import Parameter, Signature, signature
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.walk import root
 from assistant.program.diagnostics import Diagnostic, Severity
 
 Found = Iterator[Diagnostic]

@@ -9,11 +9,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.checks import plain_rules
-from assistant.languages.rapid.checks.scope import Look
-from assistant.languages.rapid.gather import literal_target
-from assistant.languages.rapid.runs import MOVES
+from assistant.languages.rapid.checks.module_view import Look
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.gather import literal_target
+from assistant.languages.rapid.tree.runs import MOVES
 from assistant.program.diagnostics import Diagnostic
 
 MOST: Final = 127

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final
 
-from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid.standard import FUNCTIONS, INSTRUCTIONS, OF_OPTIONS
-from assistant.languages.rapid.tables import PREDEFINED, RESERVED, TYPES
+from assistant.languages.rapid.tables.standard import FUNCTIONS, INSTRUCTIONS, OF_OPTIONS
+from assistant.languages.rapid.tables.words import PREDEFINED, RESERVED, TYPES
+from assistant.languages.rapid.tree import syntax as s
 from assistant.program.diagnostics import Diagnostic, Severity
 
 MOST_LINES: Final = 50

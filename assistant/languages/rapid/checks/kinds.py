@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Final, cast
 
-from assistant.languages.rapid import predefined
-from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid.checks.scope import Declaration, Look
-from assistant.languages.rapid.signatures import Parameter, Slot, signature
+from assistant.languages.rapid.checks.module_view import Declaration, Look
+from assistant.languages.rapid.tables import predefined
+from assistant.languages.rapid.tables.signatures import Parameter, Slot, signature
+from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 
 NUMBER: Final = "number"

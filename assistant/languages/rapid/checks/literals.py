@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from assistant.languages.rapid import rules
-from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid.checks.scope import Look
-from assistant.languages.rapid.gather import literal_number
-from assistant.languages.rapid.tables import LONGEST_STRING
+from assistant.languages.rapid.checks.module_view import Look
+from assistant.languages.rapid.tables.words import LONGEST_STRING
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.gather import literal_number
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]

@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
 from assistant.languages.rapid import rules
-from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid.checks.scope import Look
-from assistant.languages.rapid.runs import MOVES
-from assistant.languages.rapid.tables import SPEEDS, ZONES
+from assistant.languages.rapid.checks.module_view import Look
+from assistant.languages.rapid.tables.words import SPEEDS, ZONES
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.runs import MOVES
 from assistant.program.diagnostics import Diagnostic, Rule, Severity
 
 WORDS: Final = frozenset(word.lower() for word in (*MOVES, "MoveAbsJ"))

@@ -9,12 +9,12 @@ from typing import Any, Final
 import numpy as np
 
 from assistant.languages.rapid import rules
-from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.checks import plain_rules
-from assistant.languages.rapid.checks.scope import Look, Task, declaration, parameters
-from assistant.languages.rapid.gather import join_names
-from assistant.languages.rapid.runs import Names
-from assistant.languages.rapid.tables import LONGEST_NAME, SPEEDS, ZONES
+from assistant.languages.rapid.checks.module_view import Look, Task, declaration, parameters
+from assistant.languages.rapid.tables.words import LONGEST_NAME, SPEEDS, ZONES
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.gather import join_names
+from assistant.languages.rapid.tree.runs import Names
 from assistant.program.diagnostics import Diagnostic, Severity
 
 Found = Iterator[Diagnostic]

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from assistant.languages.rapid import predefined
-from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.checks import use_rules as rules
 from assistant.languages.rapid.checks.kinds import Scope
 from assistant.languages.rapid.checks.spelling import misspelt
+from assistant.languages.rapid.tables import predefined
+from assistant.languages.rapid.tree import syntax as s
 from assistant.program.diagnostics import Diagnostic, Severity
 
 Found = Iterator[Diagnostic]

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
 from assistant.languages.rapid import rules
-from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.checks import plain_rules
-from assistant.languages.rapid.checks.scope import Look
+from assistant.languages.rapid.checks.module_view import Look
+from assistant.languages.rapid.tree import syntax as s
 from assistant.program.diagnostics import Diagnostic
 
 RANKS: Final[tuple[tuple[Any, int, str], ...]] = (

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from assistant.languages.rapid import predefined
-from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.checks import plain_rules as rules
-from assistant.languages.rapid.checks.scope import Look
-from assistant.languages.rapid.gather import literal_number
-from assistant.languages.rapid.tables import MOST_DIMENSIONS
-from assistant.languages.rapid.walk import blocks, nodes, root
+from assistant.languages.rapid.checks.module_view import Look
+from assistant.languages.rapid.tables import predefined
+from assistant.languages.rapid.tables.words import MOST_DIMENSIONS
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.gather import literal_number
+from assistant.languages.rapid.tree.walk import blocks, nodes, root
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import PurePosixPath
 from typing import Final
 
-from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.tree import syntax as s
 
 _TASK: Final = re.compile(r"(?:T_\w+|TASK\d+)", re.IGNORECASE)
 """Folders that a controller names after its tasks: `T_ROB1`, `TASK1` in a backup."""

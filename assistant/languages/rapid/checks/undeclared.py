@@ -12,12 +12,12 @@ from dataclasses import fields
 from typing import Any, Final
 
 from assistant.languages.rapid import rules
-from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.checks.module_view import Look, Task
 from assistant.languages.rapid.checks.motions import WORDS
-from assistant.languages.rapid.checks.scope import Look, Task
-from assistant.languages.rapid.header import opening
-from assistant.languages.rapid.standard import INSTRUCTIONS, OF_OPTIONS
-from assistant.languages.rapid.tables import GRIPPER_SIGNAL, PREDEFINED
+from assistant.languages.rapid.tables.standard import INSTRUCTIONS, OF_OPTIONS
+from assistant.languages.rapid.tables.words import GRIPPER_SIGNAL, PREDEFINED
+from assistant.languages.rapid.text.header import opening
+from assistant.languages.rapid.tree import syntax as s
 from assistant.program.diagnostics import Diagnostic
 
 WRITTEN: Final = frozenset(

@@ -9,12 +9,12 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.checks import plain_rules as rules
-from assistant.languages.rapid.checks.scope import Look, Task
-from assistant.languages.rapid.gather import split
-from assistant.languages.rapid.runs import Names
-from assistant.languages.rapid.walk import nodes
+from assistant.languages.rapid.checks.module_view import Look, Task
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.gather import split
+from assistant.languages.rapid.tree.runs import Names
+from assistant.languages.rapid.tree.walk import nodes
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from assistant.languages.rapid import predefined
-from assistant.languages.rapid import syntax as s
 from assistant.languages.rapid.checks import use_rules as rules
 from assistant.languages.rapid.checks.kinds import (
     LOGICAL,
@@ -15,7 +13,9 @@ from assistant.languages.rapid.checks.kinds import (
     Scope,
     fits,
 )
-from assistant.languages.rapid.gather import literal_number
+from assistant.languages.rapid.tables import predefined
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.gather import literal_number
 from assistant.program import expressions as e
 from assistant.program.diagnostics import Diagnostic
 

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from assistant.languages.rapid.lift.sequences import mentioned
 from assistant.languages.rapid.lift.ways import LINES, Ways
-from assistant.languages.rapid.sequences import mentioned
 from assistant.program import statements as p
 from assistant.program.geometry import Target
 from assistant.program.path import Kind, Path, configuration_row

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid.gather import literal_number
 from assistant.languages.rapid.lift.expressions import lift
-from assistant.languages.rapid.motions import BLENDS, SPEEDS, speed_of, zone_of
-from assistant.languages.rapid.tables import VALUE_OF_TYPE
-from assistant.languages.rapid.walk import lists
+from assistant.languages.rapid.tables.motions import BLENDS, SPEEDS, speed_of, zone_of
+from assistant.languages.rapid.tables.words import VALUE_OF_TYPE
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.gather import literal_number
+from assistant.languages.rapid.tree.walk import lists
 from assistant.program import expressions as e
 from assistant.program import rotations
 from assistant.program.geometry import BASE, FLANGE, Frame, JointTarget, Load, Pose, Target, Tool

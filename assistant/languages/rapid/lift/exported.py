@@ -13,13 +13,12 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.language import Adapted
-from assistant.languages.rapid import rules, verbatim
-from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid.gather import literal_number
+from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.configurations import with_open_lines
 from assistant.languages.rapid.lift.data import frame_of, numbers, tool_of
 from assistant.languages.rapid.lift.instructions import Meaning, instruction
 from assistant.languages.rapid.lift.program import routines
+from assistant.languages.rapid.lift.sequences import mentioned
 from assistant.languages.rapid.lift.switches import with_switches
 from assistant.languages.rapid.lift.ways import (
     CORNER,
@@ -30,9 +29,11 @@ from assistant.languages.rapid.lift.ways import (
     options,
     stands_at_target,
 )
-from assistant.languages.rapid.predefined import data as predefined
-from assistant.languages.rapid.sequences import mentioned
-from assistant.languages.rapid.tables import VALUE_OF_TYPE
+from assistant.languages.rapid.tables.predefined import data as predefined
+from assistant.languages.rapid.tables.words import VALUE_OF_TYPE
+from assistant.languages.rapid.text import verbatim
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.gather import literal_number
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Findings

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Final
 
-from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid.gather import literal_number
-from assistant.languages.rapid.operators import AS_FUNCTIONS, BINARY
-from assistant.languages.rapid.printer import expression as printed
-from assistant.languages.rapid.tables import BITS, COMPONENTS, FUNCTIONS, UNUSED
-from assistant.languages.rapid.verbatim import LANGUAGE
+from assistant.languages.rapid.tables.operators import AS_FUNCTIONS, BINARY
+from assistant.languages.rapid.tables.words import BITS, COMPONENTS, FUNCTIONS, UNUSED
+from assistant.languages.rapid.text.printer import expression as printed
+from assistant.languages.rapid.text.verbatim import LANGUAGE
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.gather import literal_number
 from assistant.program import expressions as e
 from assistant.program import rotations
 from assistant.program.geometry import (

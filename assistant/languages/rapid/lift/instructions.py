@@ -6,12 +6,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
-from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid.gather import literal_number
 from assistant.languages.rapid.lift.expressions import frame_name, lift, tool_name
-from assistant.languages.rapid.motions import BLENDS, SPEEDS, speed_of, zone_of
-from assistant.languages.rapid.signals import gripper
-from assistant.languages.rapid.tables import SPEED_CAP
+from assistant.languages.rapid.lift.signals import gripper
+from assistant.languages.rapid.tables.motions import BLENDS, SPEEDS, speed_of, zone_of
+from assistant.languages.rapid.tables.words import SPEED_CAP
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.gather import literal_number
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.motion import Blend, Speed

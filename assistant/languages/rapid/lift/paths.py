@@ -8,11 +8,12 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid.gather import join_names, names_of
 from assistant.languages.rapid.lift.data import DataLift
 from assistant.languages.rapid.lift.expressions import target
-from assistant.languages.rapid.runs import (
+from assistant.languages.rapid.tables.words import UNUSED
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.gather import join_names, names_of
+from assistant.languages.rapid.tree.runs import (
     CIRCULAR,
     JOINT,
     PARTS,
@@ -21,8 +22,7 @@ from assistant.languages.rapid.runs import (
     TargetRun,
     concatenate,
 )
-from assistant.languages.rapid.tables import UNUSED
-from assistant.languages.rapid.walk import nodes
+from assistant.languages.rapid.tree.walk import nodes
 from assistant.program import expressions as e
 from assistant.program import rotations
 from assistant.program import statements as p

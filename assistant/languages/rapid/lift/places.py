@@ -11,10 +11,10 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Final
 
-from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid import verbatim
 from assistant.languages.rapid.lift.expressions import here
 from assistant.languages.rapid.lift.ways import Ways
+from assistant.languages.rapid.text import verbatim
+from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Procedure, Program

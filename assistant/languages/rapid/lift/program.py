@@ -7,22 +7,22 @@ from dataclasses import replace
 from itertools import chain
 from typing import Any, TypeVar
 
-from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid import verbatim
-from assistant.languages.rapid.constants import with_constants
-from assistant.languages.rapid.header import Header, opening
+from assistant.languages.rapid.lift.constants import with_constants
 from assistant.languages.rapid.lift.data import DataLift
 from assistant.languages.rapid.lift.instructions import Meaning
+from assistant.languages.rapid.lift.loops import apart
+from assistant.languages.rapid.lift.messages import with_values
 from assistant.languages.rapid.lift.paths import PathLift
 from assistant.languages.rapid.lift.places import with_places
+from assistant.languages.rapid.lift.sequences import with_paths
+from assistant.languages.rapid.lift.signals import uses, with_used
 from assistant.languages.rapid.lift.statements import StatementLift, opaque
-from assistant.languages.rapid.loops import apart
-from assistant.languages.rapid.messages import with_values
-from assistant.languages.rapid.sequences import with_paths
-from assistant.languages.rapid.signals import uses, with_used
-from assistant.languages.rapid.tables import VALUE_OF_TYPE
-from assistant.languages.rapid.timers import clocks, with_timers
-from assistant.languages.rapid.walk import nodes
+from assistant.languages.rapid.lift.timers import clocks, with_timers
+from assistant.languages.rapid.tables.words import VALUE_OF_TYPE
+from assistant.languages.rapid.text import verbatim
+from assistant.languages.rapid.text.header import Header, opening
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.walk import nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import JointTarget

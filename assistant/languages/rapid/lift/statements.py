@@ -7,16 +7,16 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from typing import Final
 
-from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid import verbatim
 from assistant.languages.rapid.lift.data import DataLift
 from assistant.languages.rapid.lift.instructions import Meaning, instruction, plain_arguments
+from assistant.languages.rapid.lift.loops import ascends
 from assistant.languages.rapid.lift.paths import PathLift
-from assistant.languages.rapid.loops import ascends
-from assistant.languages.rapid.standard import INSTRUCTIONS, OF_OPTIONS
-from assistant.languages.rapid.tables import LOADED_FROM
-from assistant.languages.rapid.timers import restarted
-from assistant.languages.rapid.walk import nodes as tree_nodes
+from assistant.languages.rapid.lift.timers import restarted
+from assistant.languages.rapid.tables.standard import INSTRUCTIONS, OF_OPTIONS
+from assistant.languages.rapid.tables.words import LOADED_FROM
+from assistant.languages.rapid.text import verbatim
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.walk import nodes as tree_nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Refused, over

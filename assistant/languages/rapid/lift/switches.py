@@ -10,9 +10,9 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import Any, Final
 
-from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid import verbatim
 from assistant.languages.rapid.lift.expressions import lift as expression
+from assistant.languages.rapid.text import verbatim
+from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Declaration, Procedure, Program

@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any, Final
 
-from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid import verbatim
-from assistant.languages.rapid.signatures import signature
+from assistant.languages.rapid.tables.signatures import signature
+from assistant.languages.rapid.text import verbatim
+from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.motion import Blend

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Final
 
-from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid.lift.timers import TYPE as CLOCK
 from assistant.languages.rapid.lower.expressions import (
     Expressions,
     finite,
@@ -16,18 +16,23 @@ from assistant.languages.rapid.lower.expressions import (
     target_node,
 )
 from assistant.languages.rapid.lower.motions import motions
-from assistant.languages.rapid.motions import speed_name, speed_values, zone_name, zone_values
-from assistant.languages.rapid.naming import Naming
-from assistant.languages.rapid.runs import POSITION_PLACES, QUATERNION_PLACES
-from assistant.languages.rapid.tables import (
+from assistant.languages.rapid.lower.names import Naming
+from assistant.languages.rapid.tables.motions import (
+    speed_name,
+    speed_values,
+    zone_name,
+    zone_values,
+)
+from assistant.languages.rapid.tables.words import (
     LEAST_CENTRE,
     LEAST_MASS,
     SPEEDS,
     TYPE_OF_VALUE,
     ZONES,
 )
-from assistant.languages.rapid.timers import TYPE as CLOCK
-from assistant.languages.rapid.verbatim import LANGUAGE
+from assistant.languages.rapid.text.verbatim import LANGUAGE
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.runs import POSITION_PLACES, QUATERNION_PLACES
 from assistant.program.geometry import BASE, FLANGE, Frame, Load, Tool
 from assistant.program.motion import Blend, Speed
 from assistant.program.program import Program, Variable

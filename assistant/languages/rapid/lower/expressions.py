@@ -8,10 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from assistant.languages.rapid import rules, verbatim
-from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid.naming import Naming
-from assistant.languages.rapid.operators import (
+from assistant.languages.rapid import rules
+from assistant.languages.rapid.lower.names import Naming
+from assistant.languages.rapid.tables.operators import (
     AND,
     AS_FUNCTIONS,
     BINARY,
@@ -20,8 +19,21 @@ from assistant.languages.rapid.operators import (
     SUM,
     TERM,
 )
-from assistant.languages.rapid.runs import JOINT_PLACES, PARTS, POSITION_PLACES, QUATERNION_PLACES
-from assistant.languages.rapid.tables import BITS, COMPONENTS, FUNCTIONS, LONGEST_STRING, UNUSED
+from assistant.languages.rapid.tables.words import (
+    BITS,
+    COMPONENTS,
+    FUNCTIONS,
+    LONGEST_STRING,
+    UNUSED,
+)
+from assistant.languages.rapid.text import verbatim
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.runs import (
+    JOINT_PLACES,
+    PARTS,
+    POSITION_PLACES,
+    QUATERNION_PLACES,
+)
 from assistant.program import expressions as e
 from assistant.program.diagnostics import Refused, Rule
 from assistant.program.geometry import JointTarget, Pose, Target

@@ -7,12 +7,14 @@ from typing import Final
 
 import numpy as np
 
-from assistant.languages.rapid import rules, verbatim
-from assistant.languages.rapid import syntax as s
+from assistant.languages.rapid import rules
 from assistant.languages.rapid.lower.expressions import refuse
-from assistant.languages.rapid.motions import speed_name, zone_name
-from assistant.languages.rapid.naming import Naming
-from assistant.languages.rapid.runs import (
+from assistant.languages.rapid.lower.names import Naming
+from assistant.languages.rapid.tables.motions import speed_name, zone_name
+from assistant.languages.rapid.tables.words import UNUSED
+from assistant.languages.rapid.text import verbatim
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.runs import (
     JOINT_PLACES,
     POSITION_PLACES,
     QUATERNION_PLACES,
@@ -23,7 +25,6 @@ from assistant.languages.rapid.runs import (
     moves_text,
     targets_text,
 )
-from assistant.languages.rapid.tables import UNUSED
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import BASE

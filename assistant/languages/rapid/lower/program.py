@@ -5,16 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from assistant.languages.rapid import rules, verbatim
-from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid.gather import gathered
-from assistant.languages.rapid.header import header_lines
+from assistant.languages.rapid import rules
 from assistant.languages.rapid.lower.data import data, variable_node
 from assistant.languages.rapid.lower.expressions import refuse
 from assistant.languages.rapid.lower.motions import path_targets
+from assistant.languages.rapid.lower.names import Naming, naming, spelt
 from assistant.languages.rapid.lower.statements import Body
-from assistant.languages.rapid.naming import Naming, naming, spelt
-from assistant.languages.rapid.tables import TYPE_OF_VALUE
+from assistant.languages.rapid.tables.words import TYPE_OF_VALUE
+from assistant.languages.rapid.text import verbatim
+from assistant.languages.rapid.text.header import header_lines
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.gather import gathered
 from assistant.program import statements as p
 from assistant.program.diagnostics import Refused
 from assistant.program.program import Parameter, Procedure, Program, walk

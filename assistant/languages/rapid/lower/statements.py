@@ -5,16 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any, Final
 
-from assistant.languages.rapid import rules, verbatim
-from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid.gather import gathered
-from assistant.languages.rapid.loops import ascends
+from assistant.languages.rapid import rules
+from assistant.languages.rapid.lift.loops import ascends
+from assistant.languages.rapid.lift.messages import is_value, kinds, parts
 from assistant.languages.rapid.lower.expressions import Expressions, refuse
 from assistant.languages.rapid.lower.motions import motion_names, path_moves
-from assistant.languages.rapid.messages import is_value, kinds, parts
-from assistant.languages.rapid.naming import Naming, spelt
-from assistant.languages.rapid.operators import OR, SUM, TERM
-from assistant.languages.rapid.tables import GRIPPER_SIGNAL, GRIPPER_VALUE, LOADED_FROM, SPEED_CAP
+from assistant.languages.rapid.lower.names import Naming, spelt
+from assistant.languages.rapid.tables.operators import OR, SUM, TERM
+from assistant.languages.rapid.tables.words import (
+    GRIPPER_SIGNAL,
+    GRIPPER_VALUE,
+    LOADED_FROM,
+    SPEED_CAP,
+)
+from assistant.languages.rapid.text import verbatim
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.gather import gathered
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Findings, Refused

@@ -8,10 +8,10 @@ import re
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
-from assistant.languages.rapid import syntax as s
-from assistant.languages.rapid.gather import gathered
 from assistant.languages.rapid.reading.rows import Found
-from assistant.languages.rapid.runs import TargetRun
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.gather import gathered
+from assistant.languages.rapid.tree.runs import TargetRun
 from assistant.program.diagnostics import Span
 
 if TYPE_CHECKING:

@@ -6,11 +6,12 @@ import re
 from collections.abc import Sequence
 from typing import Any, Final
 
-from assistant.languages.rapid import files, rules
+from assistant.languages.rapid import rules
+from assistant.languages.rapid.reading import files
 from assistant.languages.rapid.reading.rows import Found, find_runs
 from assistant.languages.rapid.reading.shortened import MARKS, RunInTheWay, Shortened
-from assistant.languages.rapid.syntax import File, Item, Origin, StatementNode
-from assistant.languages.rapid.tables import MOST_NESTING, MOST_OPERATORS
+from assistant.languages.rapid.tables.words import MOST_NESTING, MOST_OPERATORS
+from assistant.languages.rapid.tree.syntax import File, Item, Origin, StatementNode
 from assistant.program.collecting import uncollected
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.text import SourceText
@@ -84,7 +85,7 @@ def _read(
     """What the typed tree is made of, and the findings; or why the text cannot be read."""
     from assistant.languages.rapid.reading.driver import drive
     from assistant.languages.rapid.reading.nodes import Nodes
-    from assistant.languages.rapid.recovery.reading import read_damaged
+    from assistant.languages.rapid.reading.recovery.reading import read_damaged
 
     text = files.with_line_feeds(source.text)
     found = list(find_runs(text)) if runs else []

@@ -20,7 +20,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.languages.rapid.runs import (
+from assistant.languages.rapid.tables.words import LONGEST_NAME, RESERVED, UNUSED
+from assistant.languages.rapid.tree.runs import (
     CIRCULAR,
     FEWEST,
     JOINT,
@@ -32,7 +33,6 @@ from assistant.languages.rapid.runs import (
     Store,
     TargetRun,
 )
-from assistant.languages.rapid.tables import LONGEST_NAME, RESERVED, UNUSED
 from assistant.program.slots import WORD, Offsets, Slots
 
 MOST: Final = 8192

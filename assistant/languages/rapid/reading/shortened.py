@@ -9,7 +9,7 @@ from itertools import accumulate
 from typing import Final
 
 from assistant.languages.rapid.reading.rows import Found
-from assistant.languages.rapid.runs import TargetRun
+from assistant.languages.rapid.tree.runs import TargetRun
 
 MARKS: Final = ("\x02", "\x03", "\x04", "\x05")
 """Characters that stand for runs in what the grammar reads."""

@@ -1,0 +1,263 @@
+"""A program of several files, and one of them as its rules see it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import PurePath
+from typing import Any, Final, TypeVar, cast
+
+from assistant.languages.melfa_basic.checks.damage import Damage
+from assistant.languages.melfa_basic.checks.uses import Use, uses
+from assistant.languages.melfa_basic.tables.dialects import Dialect
+from assistant.languages.melfa_basic.text import printer
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
+from assistant.languages.melfa_basic.tree.walk import nodes
+from assistant.program.diagnostics import Diagnostic, Rule, Span
+
+N = TypeVar("N")
+T = TypeVar("T")
+Entry = s.Line | MoveRows
+Named = s.Variable | s.Target
+"""Nodes that know where they stand."""
+
+_TOKEN: Final = re.compile(r"\"[^\"\r\n]*\"?|'.*|(?i:\brem\b.*)|[^\s]")
+"""A string, a comment, or any other character of a line."""
+_BODY: Final = re.compile(r"[ \t]*[0-9]*[ \t]*")
+_HEADING: Final = re.compile(r"'\s*robot-assistant:", re.IGNORECASE)
+HEAD: Final = 40
+"""Lines at the top of a file, one of which tells that it was compiled."""
+
+
+@dataclass(frozen=True, slots=True)
+class Scope:
+    """The main part of a file, or one Function of it: its labels are its own.
+
+    entries: places of its lines in `Look.code`. function: None for the main part.
+    """
+
+    entries: tuple[int, ...]
+    function: s.Function | None = None
+
+
+@dataclass(slots=True)
+class Calls:
+    """What the files of a program call: name in upper case → the tree, and whether several came."""
+
+    trees: Sequence[s.File]
+    by_name: dict[str, s.File] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for tree in self.trees:
+            name = program_name(tree)
+            if name:
+                self.by_name.setdefault(name.upper(), tree)
+
+
+def program_name(tree: s.File) -> str:
+    """The name that other programs call a file by, empty if it has none."""
+    path = tree.source.path if tree.source else None
+    return PurePath(path.replace("\\", "/")).stem if path else ""
+
+
+class Look:
+    """One file, as a rule sees it. calls: the files that stand beside it. damage: in them."""
+
+    def __init__(
+        self, tree: s.File, dialect: Dialect, calls: Calls, damage: Damage | None = None
+    ) -> None:
+        self.tree, self.dialect, self.calls, self.damage = tree, dialect, calls, damage
+        self.code: list[Entry] = [i for i in tree.items if isinstance(i, s.Line | MoveRows)]
+
+    # ------------------------------------------------------------------------- what is in it
+
+    @cached_property
+    def lines(self) -> list[s.Line]:
+        return [item for item in self.code if isinstance(item, s.Line)]
+
+    @cached_property
+    def _by_type(self) -> dict[type, list[tuple[s.Line, Any]]]:
+        found: dict[type, list[tuple[s.Line, Any]]] = {}
+        for line in self.lines:
+            for node in nodes(line.statement):
+                found.setdefault(type(node), []).append((line, node))
+        return found
+
+    def all(self, kind: type[N]) -> Sequence[tuple[s.Line, N]]:
+        """Every node of one class with its line, as they stand in the text."""
+        return self._by_type.get(kind, ())
+
+    @cached_property
+    def uses(self) -> list[tuple[s.Line, Use]]:
+        """Every variable of the code lines, with what is done with it."""
+        return [(line, use) for line in self.lines for use in uses(line.statement)]
+
+    @cached_property
+    def data(self) -> list[s.Data | PositionRows]:
+        return [i for i in self.tree.items if isinstance(i, s.Data | PositionRows)]
+
+    @cached_property
+    def scopes(self) -> list[Scope]:
+        """The main part first, then each Function."""
+        main: list[int] = []
+        inner: list[int] | None = None
+        function: s.Function | None = None
+        found: list[Scope] = []
+        for at, item in enumerate(self.code):
+            statement = item.statement if isinstance(item, s.Line) else None
+            if isinstance(statement, s.Function):
+                if inner is not None:
+                    found.append(Scope(tuple(inner), function))
+                inner, function = [], statement
+            (main if inner is None else inner).append(at)
+            if inner is not None and statement == s.Command("FEnd"):
+                found.append(Scope(tuple(inner), function))
+                inner, function = None, None
+        if inner is not None:
+            found.append(Scope(tuple(inner), function))
+        return [Scope(tuple(main)), *found]
+
+    @cached_property
+    def functions(self) -> dict[str, s.Function]:
+        """Functions of MELFA-BASIC VI that the file and those it includes define, by name."""
+        found: dict[str, s.Function] = {}
+        for tree in self.included:
+            for item in tree.items:
+                if isinstance(item, s.Line) and isinstance(item.statement, s.Function):
+                    found.setdefault(item.statement.name.upper(), item.statement)
+        return found
+
+    @cached_property
+    def included(self) -> list[s.File]:
+        """The file itself and the files that it includes, as far as they are there."""
+        found, pending = [self.tree], [self.tree]
+        while pending:
+            for item in pending.pop().items:
+                if isinstance(item, s.Line) and isinstance(item.statement, s.Include):
+                    other = self.calls.by_name.get(item.statement.program.upper())
+                    if other is not None and not any(other is one for one in found):
+                        found.append(other)
+                        pending.append(other)
+        return found
+
+    @cached_property
+    def has_strangers(self) -> bool:
+        """Whether the file includes one that is not among those that are checked."""
+        return any(
+            isinstance(item, s.Line)
+            and isinstance(item.statement, s.Include)
+            and item.statement.program.upper() not in self.calls.by_name
+            for tree in self.included
+            for item in tree.items
+        )
+
+    @cached_property
+    def compiled(self) -> bool:
+        """Whether the heading says that this compiler wrote the file."""
+        comments = (line.comment for line in self.lines[:HEAD] if line.comment)
+        return any(_HEADING.match(comment) for comment in comments)
+
+    def once(self, work: Callable[[Look], T]) -> T:
+        """What a function makes of the file, worked out when it is first asked for."""
+        if work not in self._worked:
+            self._worked[work] = work(self)
+        return cast("T", self._worked[work])
+
+    @cached_property
+    def _worked(self) -> dict[Callable[[Look], Any], Any]:
+        return {}
+
+    # ------------------------------------------------------------------------------ findings
+
+    def finding(self, rule: Rule, where: s.Item | Span | None, /, **words: Any) -> Diagnostic:
+        """The rule's finding at an item, or at a span of the text."""
+        span = where if isinstance(where, Span) or where is None else where.span
+        source = self.tree.source
+        if source is None or span is None:
+            return rule(path=source.path if source else None, **words)
+        if not isinstance(where, Span):
+            span = self._trimmed(span)
+        return source.finding(rule, span, **words)
+
+    def at(self, rule: Rule, line: s.Item, what: str | Named, /, **words: Any) -> Diagnostic:
+        """The rule's finding at a word or node of an item; at all of it if that is not found."""
+        where = self.word(line, what) if isinstance(what, str) else self.place(line, what)
+        return self.finding(rule, where or line, **words)
+
+    def place(self, item: s.Item, node: Named) -> Span | None:
+        """Where the name of a node stands; a node that came from elsewhere is looked for."""
+        name = node.name + node.suffix if isinstance(node, s.Variable) else f"*{node.place}"
+        source, span = self.tree.source, node.span
+        if source is not None and span is not None and item.span is not None:
+            end = span.start + len(name)
+            inside = item.span.start <= span.start and end <= item.span.end
+            if inside and source.text[span.start : end].upper() == name.upper():
+                return Span(span.start, end)
+        return self.word(item, node.name if isinstance(node, s.Variable) else name)
+
+    def word(self, item: s.Item, word: str) -> Span | None:
+        """Where a word first stands in an item: not in a string or comment, in any case."""
+        if item.span is None or self.tree.source is None:
+            return None
+        text = self.tree.source.text
+        end = min(item.span.end, item.span.start + LONGEST)
+        low = " ".join(word.split()).lower()
+        pattern = re.compile(re.escape(low).replace(r"\ ", r"[ \t]+"), re.IGNORECASE)
+        at = item.span.start
+        if isinstance(item, s.Line):
+            at = _begin(text, item.span)
+        while at < end:
+            token = _TOKEN.search(text, at, end)
+            if token is None:
+                return None
+            found = pattern.match(text, token.start(), end)
+            if found and _is_whole(text, found.start(), found.end()):
+                return Span(*found.span())
+            at = token.end()
+            if text[token.start()].isalnum():  # the rest of a name is no name
+                while at < end and (text[at].isalnum() or text[at] == "_"):
+                    at += 1
+        return None
+
+    def _trimmed(self, span: Span) -> Span:
+        """What of a line says something: without its step number, comment and line end."""
+        source = self.tree.source
+        if source is None:
+            return span
+        text = source.text
+        start = _begin(text, span)
+        end = last = start
+        for token in _TOKEN.finditer(text, start, min(span.end, start + LONGEST)):
+            if last != start and "\n" in text[last : token.start()]:
+                break
+            last = token.end()
+            if token.group()[0] != "'" and token.group()[:3].lower() != "rem":
+                end = token.end()
+        return Span(start, end if end > start else max(last, start))
+
+    def text_of(self, line: s.Line) -> str:
+        """A line as it stands in the file, without its line end."""
+        if line.span is not None and self.tree.source is not None:
+            return self.tree.source.text[line.span.start : line.span.end].rstrip("\r\n")
+        return printer.line(line, self.dialect.upper)
+
+
+LONGEST: Final = 1000
+"""Characters of an item that are searched for a word."""
+
+
+def _begin(text: str, span: Span) -> int:
+    found = _BODY.match(text, span.start, span.end)
+    at = found.end() if found else span.start
+    return at if at < span.end and not text[at : at + 1].isspace() else span.start
+
+
+def _is_whole(text: str, start: int, end: int) -> bool:
+    """Whether a range of a text is not a part of a longer name or number."""
+    before, after = text[start - 1 : start], text[end : end + 1]
+    if text[start].isalnum() and (before.isalnum() or before == "_"):
+        return False
+    return not (text[end - 1].isalnum() and (after.isalnum() or after == "_"))

@@ -1,0 +1,207 @@
+"""Arrays: `Dim` gives no values, so the elements are given theirs, one by one or by loops."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Final
+
+from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.lower.adapt.procedures import NOTHING
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.diagnostics import Findings
+from assistant.program.program import Procedure, Program, Variable, identifier
+from assistant.program.rewriting import Body, map_bodies
+
+MOST_DIMENSIONS: Final = 3
+MOST_ELEMENTS: Final = 999
+"""Of one dimension (COSIMIR help, Dim)."""
+MOST_ALIKE: Final = 4
+"""Elements that are given the same value one by one: a loop takes no more steps."""
+
+
+def with_filled_arrays(program: Program, findings: Findings) -> Program:
+    """The program with the first values of its arrays as assignments.
+
+    Those of the program stand at the head of its entry, which one without is given; those of a
+    procedure at its own.
+    """
+    taken = {q.name for q in program.procedures} | _names(program)
+    counters = [identifier(name, taken) for name in "ijk"]
+    variables, first = _filled(program.variables, counters, findings)
+    if first and program.entry is None:
+        entry = Procedure(identifier("main", taken), ())
+        program = replace(program, procedures=(entry, *program.procedures), entry=entry.name)
+    procedures = []
+    for procedure in program.procedures:
+        own, filling = _filled(procedure.variables, counters, findings)
+        if procedure.name == program.entry and procedure.unit is None:
+            filling = [*first, *filling]
+        if filling:
+            procedure = replace(procedure, body=(*filling, *procedure.body))
+        procedures.append(procedure if own == procedure.variables else _with(procedure, own))
+    return replace(program, variables=variables, procedures=tuple(procedures))
+
+
+def with_copied_arrays(program: Program, findings: Findings) -> Program:
+    """The program that assigns arrays element by element, as the language has to."""
+    taken = {q.name for q in program.procedures} | _names(program)
+    counters = [identifier(name, taken) for name in "ijk"]
+    shared = {name.lower(): v.size for name, v in program.variables.items()}
+    procedures = []
+    for procedure in program.procedures:
+        own = {q.name.lower(): (0,) * q.dimensions for q in procedure.parameters}
+        own |= {name.lower(): v.size for name, v in procedure.variables.items()}
+        body = _copied(procedure.body, {**shared, **own}, counters, findings)
+        procedures.append(replace(procedure, body=body))
+    return replace(program, procedures=tuple(procedures))
+
+
+def _copied(
+    body: Body, sizes: Mapping[str, tuple[int, ...]], counters: Sequence[str], findings: Findings
+) -> Body:
+    """sizes: of variables by lower-case name, 0 for extents that are not known."""
+    made: list[p.Statement] = []
+    for node in body:
+        match node:
+            case p.Assign(e.Name(name) as target, value) if size := sizes.get(name.lower(), ()):
+                other = sizes.get(value.name.lower()) if isinstance(value, e.Name) else None
+                if other != size or 0 in size:
+                    with findings.at(node.span):
+                        findings.append(rules.CANNOT_SAY(
+                            what=f"what the whole array `{name}` is given here",
+                            cure="assign its elements, in a loop",
+                        ))  # fmt: skip
+                    made.append(node)
+                    continue
+
+                def give(
+                    at: tuple[e.Expression, ...], node: p.Assign = node, to: e.Name = target
+                ) -> p.Statement:
+                    return replace(node, target=e.Index(to, at), value=e.Index(node.value, at))
+
+                made += _each(size, counters, give)
+            case _:
+                made.append(map_bodies(node, lambda b: _copied(b, sizes, counters, findings)))
+    return tuple(made)
+
+
+def with_array_parameters(program: Program, functions: bool, findings: Findings) -> Program:
+    """The program with the types of its array parameters that arrays have.
+
+    functions: whether the dialect has them; others hand over no arrays, `CallP` no whole ones.
+    """
+    firsts = {q.unit: q.name for q in reversed(program.procedures)}
+    procedures = []
+    for procedure in program.procedures:
+        first = procedure.unit is not None and firsts[procedure.unit] == procedure.name
+        called = first or not functions
+        for q in procedure.parameters:
+            if not q.dimensions or (q.dimensions == 1 and not called):
+                continue
+            with findings.at(procedure.span):
+                findings.append(rules.CANNOT_SAY(
+                    what=f"the array parameter `{q.name}` of `{procedure.name}`",
+                    cure="use an array of the program" if called else "give it one dimension",
+                    place=procedure.name,
+                ))  # fmt: skip
+        parameters = tuple(
+            replace(q, type="number") if q.dimensions and q.type == "integer" else q
+            for q in procedure.parameters
+        )
+        procedures.append(replace(procedure, parameters=parameters))
+    return replace(program, procedures=tuple(procedures))
+
+
+def _with(procedure: Procedure, variables: dict[str, Variable]) -> Procedure:
+    return replace(procedure, variables=variables)
+
+
+def _names(program: Program) -> set[str]:
+    """Every name that a counter may not have."""
+    names = {*program.variables, *program.targets, *program.joint_targets, *program.signals}
+    for procedure in program.procedures:
+        names |= {*procedure.variables, *(q.name for q in procedure.parameters)}
+    return names | {r.variable for r in program.statements() if isinstance(r, p.For)}
+
+
+def _filled(
+    variables: Mapping[str, Variable], counters: Sequence[str], findings: Findings
+) -> tuple[dict[str, Variable], list[p.Statement]]:
+    made: dict[str, Variable] = {}
+    first: list[p.Statement] = []
+    for name, variable in variables.items():
+        made[name] = variable
+        if not variable.size:
+            continue
+        if len(variable.size) > MOST_DIMENSIONS or max(variable.size) > MOST_ELEMENTS:
+            extents = " x ".join(map(str, variable.size))
+            findings.append(rules.CANNOT_SAY(
+                what=f"the array `{name}` of {extents} elements",
+                cure=f"use at most {MOST_DIMENSIONS} dimensions of {MOST_ELEMENTS} elements",
+                place=name,
+            ))  # fmt: skip
+            continue
+        values = list(_elements(name, variable, counters))
+        if variable.initial is not None and not values:
+            findings.append(rules.CANNOT_SAY(
+                what=f"the first values of the array `{name}`",
+                cure="write a value for each element",
+                place=name,
+            ))  # fmt: skip
+        first += values
+        type = "number" if variable.type == "integer" else variable.type
+        storage = "variable" if variable.storage == "constant" else variable.storage
+        made[name] = replace(variable, type=type, initial=None, storage=storage)
+    return made, first
+
+
+def _elements(name: str, variable: Variable, counters: Sequence[str]) -> Iterator[p.Statement]:
+    """The assignments, none if the first value is no list for each dimension."""
+    if variable.initial is not None and variable.initial == NOTHING[variable.type]:
+        yield from _alike(name, variable, variable.initial, counters)
+        return
+    places = list(itertools.product(*(range(1, n + 1) for n in variable.size)))
+    values = []
+    for place in places:
+        value = variable.initial
+        for index in place:
+            if not isinstance(value, e.Aggregate) or index > len(value.items):
+                return
+            value = value.items[index - 1]
+        values.append(value)
+    for place, value in zip(places, values, strict=True):
+        if value is not None and value != e.NEVER_GIVEN:
+            indices = tuple(e.Number(i) for i in place)
+            yield p.Assign(e.Index(e.Name(name), indices), value, span=variable.span)
+
+
+def _alike(
+    name: str, variable: Variable, value: e.Expression, counters: Sequence[str]
+) -> Iterator[p.Statement]:
+    """Every element given the same value, by loops where there are many."""
+
+    def give(element: tuple[e.Expression, ...]) -> p.Statement:
+        return p.Assign(e.Index(e.Name(name), element), value, span=variable.span)
+
+    yield from _each(variable.size, counters, give)
+
+
+def _each(
+    size: tuple[int, ...],
+    counters: Sequence[str],
+    give: Callable[[tuple[e.Expression, ...]], p.Statement],
+) -> Iterator[p.Statement]:
+    """What is done with every element, by loops where there are many. give: by its indices."""
+    if math.prod(size) <= MOST_ALIKE:
+        for place in itertools.product(*(range(1, n + 1) for n in size)):
+            yield give(tuple(map(e.Number, place)))
+        return
+    used = counters[: len(size)]
+    inner = give(tuple(map(e.Name, used)))
+    for counter, extent in reversed(list(zip(used, size, strict=True))):
+        inner = p.For(counter, e.Number(1), e.Number(extent), (inner,), span=inner.span)
+    yield inner

@@ -1,0 +1,47 @@
+"""First values of variables: given at the top of the program, and so again at each cycle.
+
+A controller for MELFA-BASIC begins the next cycle at the first line. Where a cycle may read what
+the one before left there, that is another program: a finding tells of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.lower.adapt.assigning import Assigning
+from assistant.languages.melfa_basic.lower.adapt.procedures import NOTHING
+from assistant.languages.melfa_basic.lower.names import is_external
+from assistant.languages.melfa_basic.tables.dialects import DIALECTS
+from assistant.program.diagnostics import Findings
+from assistant.program.program import Program, Variable
+
+
+def with_first_values(program: Program, findings: Findings) -> Program:
+    """The program with values for the variables that it reads before it gives them one.
+
+    What a program of MELFA-BASIC leaves without a value keeps the one that it has there.
+    """
+    entry = program.procedure(program.entry) if program.entry else None
+    if entry is None:
+        return program
+    assigning = Assigning(program)
+    run = assigning.run(entry)
+    kept = program.origin is not None and program.origin.language in DIALECTS
+    variables: dict[str, Variable] = {}
+    for name, variable in program.variables.items():
+        key = name.lower()
+        variables[name] = variable
+        if variable.storage == "constant" or key not in run.read or is_external(name, variable):
+            continue
+        if variable.storage == "variable" and variable.initial is None and not kept:
+            variable = replace(variable, initial=NOTHING[variable.type])
+            variables[name] = variable
+        if variable.initial is not None:
+            changes = key in assigning.written and run.ends
+            with findings.at(variable.span):
+                if variable.storage == "persistent":
+                    findings.append(rules.PERSISTENT(name=name, place=name))
+                elif changes:
+                    findings.append(rules.CARRIED(name=name, place=name))
+    return replace(program, variables=variables)

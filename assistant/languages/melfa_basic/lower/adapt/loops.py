@@ -1,0 +1,137 @@
+"""Counting loops whose bounds and direction are settled before their first turn.
+
+A `for` of the pseudo-program works its bounds out once and may count towards its end, whichever
+way that is. `For` of MELFA-BASIC counts upwards unless a step says otherwise, and what it makes
+of a bound that changes while it runs is not stated: such values get variables of their own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterator
+from dataclasses import replace
+from typing import Final
+
+from assistant.languages.melfa_basic.lower.adapt.evaluation import base
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.program import Procedure, Program, Variable, identifier
+from assistant.program.rewriting import Body, map_bodies, records
+from assistant.program.text import words_of
+
+_PLAIN: Final = (e.Number, e.Truth, e.Name, e.Unary, e.Binary)
+"""Expressions that give the same each time, as long as nothing is assigned to their names."""
+_BACKWARDS: Final = e.Number(-1)
+
+
+def with_settled_loops(program: Program) -> Program:
+    """The program with a step for each loop, and with bounds that stay as they are."""
+    if not any(isinstance(node, p.For) for node in program.statements()):
+        return program
+    loops = _Loops(program)
+    return replace(program, procedures=tuple(map(loops.procedure, program.procedures)))
+
+
+class _Loops:
+    """Names are in lower case.
+
+    written: those that anything in the program assigns to. own: those of the procedure's own
+    variables, which no call changes unless it is given them.
+    """
+
+    def __init__(self, program: Program) -> None:
+        self.program = program
+        self.signals = {name.lower() for name in program.signals}
+        self.written = {name for q in program.procedures for name in self._written(q.body)}
+        tables = (program.variables, program.targets, program.joint_targets, program.signals)
+        self.taken = {name.lower() for table in tables for name in table}
+        self.taken |= {name.lower() for q in program.procedures for name in _own(q)}
+        self.variables: dict[str, Variable] = {}
+        self.own: set[str] = set()
+
+    def procedure(self, procedure: Procedure) -> Procedure:
+        self.variables = {}
+        self.own = {name.lower() for name in procedure.variables}
+        body = self._body(procedure.body)
+        if body == procedure.body:
+            return procedure
+        return replace(procedure, body=body, variables={**procedure.variables, **self.variables})
+
+    def _body(self, body: Body) -> Body:
+        made: list[p.Statement] = []
+        for node in body:
+            node = map_bodies(node, self._body)
+            settled = self._settled(node) if isinstance(node, p.For) else (node,)
+            made += (x if x.span else replace(x, span=node.span) for x in settled)
+        return tuple(made)
+
+    def _settled(self, node: p.For) -> Iterator[p.Statement]:
+        match node.first, node.last:
+            case e.Number(low), e.Number(high) if node.step is None:
+                yield replace(node, step=p.ONE if low <= high else _BACKWARDS)
+                return
+        changed = self._changed(node)
+        first, last, step = node.first, node.last, node.step
+        bounds = (last,) if step is None else (last, step)
+        if step is not None and all(self._stays(x, changed) for x in bounds):
+            yield node
+            return
+        if not self._stays(first, set()):
+            first = yield from self._kept(node, "first", first)
+        if not self._stays(last, changed):
+            last = yield from self._kept(node, "last", last)
+        if step is None:
+            step = yield from self._kept(node, "by", p.ONE)
+            backwards = p.Branch(e.Binary(">", first, last), (p.Assign(step, _BACKWARDS),))
+            yield p.If((backwards,))
+        elif not self._stays(step, changed):
+            step = yield from self._kept(node, "by", step)
+        yield replace(node, first=first, last=last, step=step)
+
+    def _kept(
+        self, node: p.For, part: str, value: e.Expression
+    ) -> Generator[p.Statement, None, e.Name]:
+        """Assigns a value to a variable of the procedure's own, and gives that."""
+        name = identifier(f"{node.variable}_{part}", self.taken)
+        self.taken.add(name.lower())
+        self.variables[name] = Variable("number")
+        yield p.Assign(e.Name(name), value)
+        return e.Name(name)
+
+    def _stays(self, value: e.Expression, changed: set[str]) -> bool:
+        for record in records(value):
+            if not isinstance(record, _PLAIN):
+                return False
+            if isinstance(record, e.Name):
+                key = record.name.lower()
+                if key in changed or key in self.signals:
+                    return False
+        return True
+
+    def _changed(self, node: p.For) -> set[str]:
+        """Names that may be assigned to while a loop runs."""
+        changed = set(self._written((node,)))
+        for record in records(node.body):
+            match record:
+                case p.Call() | p.Opaque() | e.Verbatim():
+                    return changed | (self.written - self.own)
+                case e.Apply(name) if self.program.procedure(name):
+                    return changed | (self.written - self.own)
+        return changed
+
+    def _written(self, body: Body) -> Iterator[str]:
+        for record in records(body):
+            match record:
+                case p.Assign(target):
+                    yield base(target)
+                case p.For(variable):
+                    yield variable.lower()
+                case p.Call(_, arguments) | e.Apply(_, arguments):
+                    yield from map(base, arguments)
+                case p.Opaque(_, text) | e.Verbatim(_, text):
+                    yield from words_of(text)
+
+
+def _own(procedure: Procedure) -> Iterator[str]:
+    yield from procedure.variables
+    yield from (q.name for q in procedure.parameters)
+    yield from (r.variable for r in records(procedure.body) if isinstance(r, p.For))

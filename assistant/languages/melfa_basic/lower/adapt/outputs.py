@@ -1,0 +1,119 @@
+"""Outputs that are given a value that the program works out, as another language means it.
+
+Of a number MELFA-BASIC writes the bits that there is room for; RAPID takes any number but 0 for
+1 in a digital signal, and stops where a group cannot hold it.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Final
+
+from assistant.languages.melfa_basic.tables.dialects import DIALECTS
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.program import Procedure, Program, Signal, Variable
+from assistant.program.rewriting import Body, map_bodies
+
+_TRUTHS: Final = (*e.RELATIONS, "and", "or")
+ZERO: Final = e.Number(0)
+FOR_GOOD: Final = p.While(e.Number(1), (p.Stop(),))
+"""A start goes on behind one `Hlt` alone."""
+
+
+def with_checked_outputs(program: Program) -> Program:
+    """The program with a choice of 0 and 1, or a stop behind a group's range, before each.
+
+    One that MELFA-BASIC itself said stays as it is.
+    """
+    origin = program.origin
+    if origin is not None and origin.language in DIALECTS:
+        return program
+    taken = {n.lower() for t in (program.variables, program.targets, program.signals) for n in t}
+    taken |= {name.lower() for q in program.procedures for name in q.variables}
+    return replace(
+        program,
+        procedures=tuple(_Checking(program, q, taken).checked() for q in program.procedures),
+    )
+
+
+class _Checking:
+    """One procedure. taken: names in lower case that a variable may not have."""
+
+    def __init__(self, program: Program, procedure: Procedure, taken: set[str]) -> None:
+        self.procedure, self.taken = procedure, taken
+        self.signals = {name.lower(): signal for name, signal in program.signals.items()}
+        self.kinds = {name.lower(): v.type for name, v in program.variables.items()}
+        self.kinds |= {q.name.lower(): q.type for q in procedure.parameters}
+        self.kinds |= {name.lower(): v.type for name, v in procedure.variables.items()}
+        self.results = {q.name.lower(): q.result for q in program.procedures}
+        self.kept: dict[str, Variable] = {}
+
+    def checked(self) -> Procedure:
+        body = self.body(self.procedure.body)
+        if body == self.procedure.body:
+            return self.procedure
+        variables = {**self.procedure.variables, **self.kept}
+        return replace(self.procedure, body=body, variables=variables)
+
+    def body(self, body: Body) -> Body:
+        made: list[p.Statement] = []
+        for node in body:
+            node = map_bodies(node, self.body)
+            parts = self.set(node, made) if isinstance(node, p.SetSignal) else (node,)
+            made += (x if x.span else replace(x, span=node.span) for x in parts)
+        return tuple(made)
+
+    def set(self, node: p.SetSignal, above: list[p.Statement]) -> Iterator[p.Statement]:
+        signal = self.signals.get(node.signal.lower())
+        if signal is None or signal.kind == "analog" or self.fits(node.value, signal):
+            yield node
+        elif signal.kind == "digital":
+            one, zero = (replace(node, value=e.Number(n)) for n in (1, 0))
+            is_set = p.Branch(e.Binary("<>", node.value, ZERO), (one,))
+            yield p.If((is_set,), (zero,))
+        else:
+            value = node.value
+            if not isinstance(value, e.Name):
+                value = self.keep()
+                yield p.Assign(value, node.value)
+            most = e.Number((1 << signal.bits) - 1)
+            outside = e.Binary("or", e.Binary("<", value, ZERO), e.Binary(">", value, most))
+            if not (above and _is_behind(above[-1], outside)):
+                yield p.If((p.Branch(outside, (FOR_GOOD,)),))
+            yield replace(node, value=value)
+
+    def fits(self, value: e.Expression, signal: Signal) -> bool:
+        """Whether it is known to be a truth, or what as many bits can hold; or is no number."""
+        match value:
+            case e.Number() | e.Truth() | e.Verbatim() | e.Unary("not"):
+                return True
+            case e.Binary(operator):
+                return operator in _TRUTHS
+            case e.Apply(name):
+                return self.results.get(name.lower()) == "truth"
+            case e.Name(name) if name.lower() not in self.kinds:
+                other = self.signals.get(name.lower())
+                return other is not None and other.kind != "analog" and other.bits <= signal.bits
+            case e.Name(name):
+                return self.kinds[name.lower()] == "truth"
+        return False
+
+    def keep(self) -> e.Name:
+        """A variable of the procedure's own that a value is kept in while it is looked at."""
+        if not self.kept:
+            free = (f"out_{n}" for n in itertools.count(1))
+            name = next(n for n in free if n not in self.taken)
+            self.taken.add(name)
+            self.kept[name] = Variable("number")
+        return e.Name(next(iter(self.kept)))
+
+
+def _is_behind(node: p.Statement, outside: e.Expression) -> bool:
+    """Whether a statement leaves the program where a condition holds: it is checked already."""
+    match node:
+        case p.If((p.Branch(condition, (stop,)),), ()):
+            return condition == outside and stop == FOR_GOOD
+    return False

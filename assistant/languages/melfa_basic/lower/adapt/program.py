@@ -1,0 +1,163 @@
+"""A program as MELFA-BASIC will say it: what is said differently is a finding."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from assistant.languages.language import Adapted
+from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.lower.adapt.arrays import (
+    with_array_parameters,
+    with_copied_arrays,
+    with_filled_arrays,
+)
+from assistant.languages.melfa_basic.lower.adapt.computed import with_computed_targets
+from assistant.languages.melfa_basic.lower.adapt.context import Context
+from assistant.languages.melfa_basic.lower.adapt.data import with_plain_data
+from assistant.languages.melfa_basic.lower.adapt.evaluation import with_stated_order
+from assistant.languages.melfa_basic.lower.adapt.first_values import with_first_values
+from assistant.languages.melfa_basic.lower.adapt.five_axes import in_base
+from assistant.languages.melfa_basic.lower.adapt.loops import with_settled_loops
+from assistant.languages.melfa_basic.lower.adapt.outputs import with_checked_outputs
+from assistant.languages.melfa_basic.lower.adapt.parameters import without_parameters
+from assistant.languages.melfa_basic.lower.adapt.procedures import recursive, with_fresh_variables
+from assistant.languages.melfa_basic.lower.adapt.splitting import MOST_TARGETS, split
+from assistant.languages.melfa_basic.lower.adapt.statements import comment_lines, plain_procedure
+from assistant.languages.melfa_basic.lower.adapt.vendor_text import check_names
+from assistant.languages.melfa_basic.lower.names import is_external, naming
+from assistant.languages.melfa_basic.lower.program import UnitLines, branches_in, steps
+from assistant.languages.melfa_basic.lower.unit import has_functions
+from assistant.languages.melfa_basic.lower.writer import mentioned
+from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP, Dialect
+from assistant.languages.melfa_basic.text import printer
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.program.diagnostics import Diagnostic, Findings, Span
+from assistant.program.geometry import BASE
+from assistant.program.program import Procedure, Program
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+
+
+def adapt(
+    program: Program,
+    robot: Robot | None,
+    dialect_name: str,
+    most_targets: int | None = None,
+    products: bool = False,
+) -> Adapted:
+    """The program in this dialect's terms; idempotent.
+
+    products: targets are multiplied by their frames, else `Base` is set.
+    """
+    dialect, findings = DIALECTS[dialect_name], Findings()
+    program = _with_plain_procedures(_headed(program, robot), dialect, findings)
+    context = Context(program, dialect, robot, findings, products)
+    if context.five_axis:
+        context.program = in_base(context, context.program)
+    adapted = with_plain_data(context, context.program)
+    most = MOST_TARGETS if most_targets is None else max(2, most_targets)
+    procedures: list[Procedure] = []
+    for procedure in context.program.procedures:
+        procedures += split(context, plain_procedure(context, procedure), most)
+    adapted = replace(adapted, procedures=_grouped(procedures))
+    if adapted.procedures and adapted.entry is None:
+        context.findings.append(rules.NO_ENTRY(name=adapted.name))
+    context.findings += _shared(adapted)
+    context.findings += _long(adapted, dialect)
+    context.findings += _written(context, adapted)
+    if context.unstated:
+        context.findings.append(rules.NO_CONFIGURATION(count=context.unstated))
+    if context.named:
+        context.findings.append(rules.NAMED(count=context.named))
+    return Adapted(adapted, tuple(context.findings))
+
+
+def _with_plain_procedures(program: Program, dialect: Dialect, findings: Findings) -> Program:
+    """With variables, parameters and computed targets as the dialect has them."""
+    program = with_first_values(program, findings)
+    program = with_array_parameters(program, dialect.functions, findings)
+    program = with_checked_outputs(program)
+    program = with_fresh_variables(program)
+    program = with_copied_arrays(with_filled_arrays(program, findings), findings)
+    program = with_settled_loops(program)
+    for procedure in recursive(program):
+        if not has_functions(program, procedure.unit, dialect):
+            with findings.at(procedure.span):
+                findings.append(rules.RECURSIVE(name=procedure.name, place=procedure.name))
+    program = (with_stated_order if dialect.functions else without_parameters)(program, findings)
+    return with_computed_targets(program)
+
+
+def _headed(program: Program, robot: Robot | None) -> Program:
+    """With plain comments, its robot, and its entry first."""
+    entry = program.procedure(program.entry) if program.entry else None
+    return replace(
+        program,
+        robot=robot.name if robot is not None else program.robot,
+        entry=entry.name if entry else None,
+        comments=tuple(line for text in program.comments for line in comment_lines(text)),
+        procedures=tuple(sorted(program.procedures, key=lambda q: q is not entry)),
+    )
+
+
+def _grouped(procedures: list[Procedure]) -> tuple[Procedure, ...]:
+    """Procedures of one unit together, the main unit first."""
+    units: dict[str | None, list[Procedure]] = {None: []}
+    for procedure in procedures:
+        units.setdefault(procedure.unit, []).append(procedure)
+    return tuple(procedure for unit in units.values() for procedure in unit)
+
+
+def _shared(program: Program) -> Iterator[Diagnostic]:
+    """Variables that several programs use, which each of them would have for itself."""
+    units: dict[str | None, set[str]] = {}
+    for procedure in program.procedures:
+        if procedure.unit is not None:
+            units.setdefault(procedure.unit, set()).update(mentioned(procedure.body))
+    for name, variable in program.variables.items():
+        own = variable.storage != "constant" and not is_external(name, variable)
+        if own and any(name.lower() in w for w in units.values()):
+            yield rules.LOCAL_DATA(name=name, place=name)
+
+
+def _long(program: Program, dialect: Dialect) -> Iterator[Diagnostic]:
+    """External variables whose names, which stay, are longer than the controller takes."""
+    for name, variable in program.variables.items():
+        if is_external(name, variable) and len(name) > dialect.longest:
+            yield rules.LONG_NAME(name=name, most=dialect.longest, place=name, span=variable.span)
+
+
+def _written(context: Context, program: Program) -> Iterator[Diagnostic]:
+    """What is found as each unit is written."""
+    names = naming(program, context.dialect, context.products)
+    check_names(program, names, context.findings)
+    if context.products:
+        for name, branches in branches_in(program, context.robot).items():
+            if name != BASE and len(branches) > 1:
+                yield rules.SHARED_BRANCH(name=name, place=name)
+    for unit in dict.fromkeys([None, *(q.unit for q in program.procedures)]):
+        writing = UnitLines(program, context.robot, unit, context.dialect, names)
+        code = writing.code()
+        yield from writing.findings
+        yield from _too_long(code, context.dialect, writing.writer.spans)
+        if (count := steps(code)) > LAST_STEP:
+            name = names.units[unit]
+            yield rules.TOO_MANY_STEPS(name=name, count=count, most=LAST_STEP, place=name)
+
+
+def _too_long(
+    code: Iterable[s.Item], dialect: Dialect, spans: Mapping[int, Span]
+) -> Iterator[Diagnostic]:
+    """Lines that a step cannot hold, such as long conditions. spans: see Writer."""
+    most = dialect.line - len(f"{LAST_STEP} ")
+    for item in code:
+        if isinstance(item, s.Line) and (text := printer.line(item, dialect.upper)):
+            length = len(text.encode("utf-8"))
+            if length > most:
+                place = text[:40] + "..."
+                yield rules.LONG_LINE(
+                    length=length, most=most, place=place, span=spans.get(id(item))
+                )

@@ -1,0 +1,199 @@
+"""What each thing of a program is called in MELFA-BASIC: short, upper case, by type.
+
+A variable's first letter is its type: P positions, J joints, M numbers, C texts. Names
+share one space with the controller's own words; labels have a space of their own.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Final
+
+from assistant.languages.melfa_basic.tables.dialects import PROGRAM_NAME, Dialect
+from assistant.languages.melfa_basic.tables.vocabulary.timers import MOST_TIMERS
+from assistant.languages.melfa_basic.tables.words import ARC_START, RESERVED, free
+from assistant.program import expressions as e
+from assistant.program.program import (
+    Parameter,
+    Procedure,
+    Program,
+    ValueType,
+    Variable,
+    walk,
+)
+from assistant.program.rewriting import head, records
+from assistant.program.statements import For, Label, Opaque
+from assistant.program.timers import timers
+
+MAIN: Final = "MAIN"
+"""The `Function` that a program of MELFA-BASIC VI begins with."""
+
+LETTERS: Final[dict[ValueType, str]] = {
+    "number": "M", "integer": "M", "truth": "M", "text": "C",
+    "position": "P", "pose": "P", "joints": "J",
+}  # fmt: skip
+
+_MADE_LABEL: Final = re.compile(r"[IW][0-9]+([TN][0-9]+|Z)?")
+"""Labels that a lowered `If` and `Wait` make."""
+
+
+@dataclass(slots=True)
+class Names:
+    """MELFA-BASIC names by original name (lower case); variables also by procedure.
+
+    products: a target is multiplied by its frame; else `Base` is set to the frame.
+
+    timers: their numbers by lower-case name. wait_timer: of those that time limits make.
+    position: the first number that `P<number>` and `J<number>` may have.
+    """
+
+    targets: dict[str, str] = field(default_factory=dict)
+    joints: dict[str, str] = field(default_factory=dict)
+    tools: dict[str, str] = field(default_factory=dict)
+    frames: dict[str, str] = field(default_factory=dict)
+    variables: dict[tuple[str, str], str] = field(default_factory=dict)
+    loops: dict[tuple[str, str], str] = field(default_factory=dict)
+    procedures: dict[str, str] = field(default_factory=dict)
+    labels: dict[tuple[str, str], str] = field(default_factory=dict)
+    units: dict[str | None, str] = field(default_factory=dict)
+    original_labels: dict[str, str] = field(default_factory=dict)
+    original_loops: dict[str, str] = field(default_factory=dict)
+    timers: dict[str, int] = field(default_factory=dict)
+    wait_timer: int = 1
+    position: int = 1
+    products: bool = False
+
+
+def naming(program: Program, dialect: Dialect, products: bool = False) -> Names:
+    """The names of a whole program; the same program always gets the same."""
+    names, taken = Names(products=products), {ARC_START, *RESERVED}
+    for group, letter, given in (
+        (names.targets, "P", program.targets),
+        (names.joints, "J", program.joint_targets),
+        (names.tools, "P", program.tools),
+        (names.frames, "P", program.frames),
+    ):
+        for name in given:
+            group[name.lower()] = _variable(name, letter, dialect.names, taken)
+    for procedure, owner in _owners(program):
+        variables: Iterable[tuple[str, Variable | Parameter]] = program.variables.items()
+        if procedure is not None:
+            variables = [*((q.name, q) for q in procedure.parameters), *procedure.variables.items()]
+        for name, variable in variables:
+            letter = LETTERS[variable.type]
+            if isinstance(variable, Variable) and is_external(name, variable):
+                names.variables[owner, name.lower()] = name.upper()
+                taken.add(name.upper())
+                continue
+            names.variables[owner, name.lower()] = _variable(name, letter, dialect.names, taken)
+        for name in _loop_variables(program, procedure):
+            short = _variable(name, "M", dialect.names, taken)
+            names.loops[owner, name.lower()] = short
+            names.original_loops[short] = name
+    labels = taken if dialect.functions else set(RESERVED)
+    labels.add(MAIN)
+    for entry in program.procedures:
+        names.procedures[entry.name.lower()] = _label(entry.name, dialect.labels, labels)
+    for entry in program.procedures:
+        for statement in walk(entry.body):
+            if isinstance(statement, Label):
+                key = (entry.name.lower(), statement.name.lower())
+                if key not in names.labels:
+                    short = _label(statement.name, dialect.labels, labels)
+                    names.labels[key] = short
+                    names.original_labels[short] = statement.name
+    files: set[str] = set()
+    names.units[None] = program_name(program.name, files)
+    for entry in program.procedures:
+        if entry.unit is not None and entry.unit not in names.units:
+            names.units[entry.unit] = program_name(entry.unit, files)
+    _number_timers(names, program)
+    numbers = (re.fullmatch(r"[PJ]([0-9]{1,8})", name) for name in taken)
+    names.position = 1 + max((int(n.group(1)) for n in numbers if n), default=0)
+    return names
+
+
+_TIMER: Final = re.compile(r"M_TIMER\s*\(\s*([0-9]+)", re.IGNORECASE)
+_NUMBERED: Final = re.compile(r"timer_([0-9])")
+
+
+def _number_timers(names: Names, program: Program) -> None:
+    """Numbers that no verbatim text has; a timer whose name says its number keeps it."""
+    texts = [d.text for d in program.declarations]
+    for statement in program.statements():
+        parts = records(head(statement))
+        texts += [part.text for part in parts if isinstance(part, e.Verbatim | Opaque)]
+    numbers = range(1, MOST_TIMERS + 1)
+    taken = {int(n) for text in texts for n in _TIMER.findall(text)}
+    wanted = [name.lower() for name in timers(program)]
+    for name in wanted:
+        match = _NUMBERED.fullmatch(name)
+        if match and int(match[1]) in numbers:
+            names.timers[name] = int(match[1])
+    taken |= set(names.timers.values())
+    free = [n for n in (*numbers[1:], 1) if n not in taken]
+    left = [name for name in wanted if name not in names.timers]
+    names.timers.update(zip(left, free, strict=False))
+    taken |= set(names.timers.values())
+    names.wait_timer = next((n for n in numbers if n not in taken), 0)
+
+
+def is_external(name: str, variable: Variable) -> bool:
+    """Whether it is one variable of all programs of a controller, which its name must stay for.
+
+    The second character of such a name is `_` (CR1D 4.3.7); first values of its own it has none.
+    """
+    written = re.fullmatch(r"[PJMC]_[A-Z0-9_]+", name.upper())
+    return (
+        written is not None
+        and variable.storage == "persistent"
+        and (variable.initial is None or re.fullmatch(r"._[01][0-9]", name) is not None)
+        and name[0].upper() == LETTERS[variable.type]
+    )
+
+
+def _owners(program: Program) -> Iterable[tuple[Procedure | None, str]]:
+    yield None, ""
+    for procedure in program.procedures:
+        yield procedure, procedure.name.lower()
+
+
+def _loop_variables(program: Program, procedure: Procedure | None) -> Iterable[str]:
+    """Loop variables that are declared nowhere, once each."""
+    if procedure is None:
+        return
+    declared = {v.lower() for v in (*program.variables, *procedure.variables)}
+    seen: set[str] = set()
+    for statement in walk(procedure.body):
+        if isinstance(statement, For) and (name := statement.variable.lower()) not in declared:
+            if name not in seen:
+                yield statement.variable
+            seen.add(name)
+
+
+def _variable(given: str, letter: str, most: int, taken: set[str]) -> str:
+    plain = _plain(given)
+    name = plain if plain.startswith(letter) and len(plain) > 1 else letter + plain
+    return free(name, most, taken)
+
+
+def _label(given: str, most: int, taken: set[str]) -> str:
+    plain = _plain(given)
+    if not plain[:1].isalpha() or _MADE_LABEL.fullmatch(plain):
+        plain = "L" + plain
+    return free(plain, most, taken)
+
+
+def program_name(given: str, taken: set[str]) -> str:
+    """A program name: upper-case letters and digits, at most twelve."""
+    plain = _plain(given)
+    return free(plain or "MAIN", PROGRAM_NAME, taken)
+
+
+def _plain(given: str) -> str:
+    """Letters and digits of a name, in upper case; letters beyond ASCII as those below them."""
+    ascii = unicodedata.normalize("NFKD", given).encode("ascii", "ignore").decode()
+    return re.sub(r"[^A-Z0-9]", "", ascii.upper())

@@ -1,0 +1,202 @@
+"""Files of MELFA-BASIC as bytes: whether they look like it, which version, which encoding."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cache
+from typing import Final
+
+from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.tables.vocabulary import functions, statements, variables
+from assistant.program import japanese
+from assistant.program.diagnostics import Unreadable
+from assistant.program.text import SourceText, decode, dominant_newline, encode
+
+TOKENISED: Final = b"ROBPRG"
+"""What a controller's own .MB4, .MB5 and .MB6 files begin with."""
+
+LEVELS: Final = {".mb4": 4, ".mb5": 5, ".mb6": 6}
+"""Suffixes that say the version."""
+
+JAPANESE: Final = ("cp932", japanese.CODEC)
+WESTERN: Final = ("cp1252", "cp1250", "cp1254")
+READ: Final = ("ascii", "utf-8-sig", "utf-8", *JAPANESE, *WESTERN, "latin-1")
+"""What the maker's tools write is in the code page of their Windows."""
+WRITTEN: Final = (WESTERN[0], JAPANESE[0], "utf-8")
+"""New text beyond ASCII: the first that has all its characters, and is read as what it is."""
+
+_MARK: Final = re.compile(r"' robot-assistant: melfa-basic-([456])")
+_LOOKED_AT: Final = 1 << 17
+_RAPID: Final = re.compile(
+    r"^[ \t]*(%%%|MODULE[ \t]+[A-Za-z]|ENDMODULE|(LOCAL[ \t]+)?PROC[ \t]+[A-Za-z])",
+    re.IGNORECASE | re.MULTILINE,
+)
+LEAST: Final = 0.5
+"""Share of a file's lines, blank ones and comments aside, that look like the language."""
+
+
+# ------------------------------------------------------------------------- recognition
+
+
+def recognises(data: bytes, level: int, suffix: str = "") -> bool:
+    """Whether bytes look like one version; a written file and some suffixes say which it is.
+
+    suffix: of the file's name in lower case, with its dot.
+    """
+    stated = LEVELS.get(suffix)
+    if data.startswith(TOKENISED):
+        return stated in (level, None)
+    text = data[:_LOOKED_AT].decode("latin-1").removeprefix("\xef\xbb\xbf")
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
+    if marked := _MARK.search(text):
+        return int(marked[1]) == level
+    return is_program(text) and level == (stated or version(text))
+
+
+def is_program(text: str) -> bool:
+    """Whether a text looks like MELFA-BASIC in any version, or like a list of positions."""
+    if _RAPID.search(text):
+        return False
+    sure = likely = lines = 0
+    for line in text.split("\n"):
+        if _SILENT.match(line):
+            continue
+        lines += 1
+        found = _looks().match(line)
+        if found is not None:
+            likely += 1
+            sure += found["sure"] is not None or found["step"] is not None
+    return sure > 0 and likely >= LEAST * lines
+
+
+_SILENT: Final = re.compile(r"\s*(?:'|\x1a|$)")
+
+
+@cache
+def _looks() -> re.Pattern[str]:
+    """A line of code or a variable line; `sure` where no other language writes it."""
+    first = {row.word.split()[0] for row in statements().values() if row.role != "part"}
+    own = "|".join(
+        re.escape(row.word)
+        for row in statements().values()
+        if row.role in ("motion", "command") and row.word not in _COMMON
+    )
+    word = "|".join(map(re.escape, sorted(first, key=len, reverse=True)))
+    status = "|".join(variables())
+    name = r"[A-Za-z]\w*[$%&!#]?(?:\([^()=]*\))?(?:\.\w+)?"
+    return re.compile(
+        r"(?P<step>[ \t]*\d{1,5}(?=[ \t*']))?[ \t]*"
+        r"(?:(?P<sure>\*[A-Za-z]\w*[ \t]*(?::|'|$)"
+        rf"|(?:{own})(?!\w)[^;{{}}]*$"
+        rf"|(?:{status})\b\$?[ \t]*(?:\([^()=]*\))?[ \t]*="
+        r"|(?:DEF[ \t]+(?:POS|JNT)[ \t]+)?[A-Za-z]\w*[ \t]*(?:\([\d, ]+\))?[ \t]*="
+        r"[ \t]*\((?=[^A-Za-z(),]*+,)[^A-Za-z()]*+\)(?:[ \t]*\([^()]*+\))?[ \t]*$"
+        r"|(?:If|ElseIf|While|Wait)\b.*\b(?:M_In|M_Out)\w*[ \t]*\()"
+        rf"|(?:{word})(?!\w)(?!.*;[ \t]*$)|{name}[ \t]*=(?!=)[^;{{}}]*$|'|\*[A-Za-z])",
+        re.IGNORECASE,
+    )
+
+
+_COMMON: Final = frozenset(
+    {"Base", "Break", "Default", "Else", "End", "EndIf", "Error", "Fine", "Remove", "Return"}
+    | {"Skip", "Title", "Tool", "Wait", "While"}
+)
+"""Commands that other languages have as well."""
+
+
+def version(text: str) -> int:
+    """The oldest version that a text may be: IV is numbered and in upper case throughout."""
+    if _SIX.search(text):
+        return 6
+    code = _QUIET.sub("", text)
+    least = max((at for pattern, at in _newer() if pattern.search(code)), default=4)
+    words = _NUMBERED.findall(code)
+    if words and all(word.isupper() for word in words):
+        return least
+    listed = not words and "=(" in text and not re.search(r"(?i)\b(mov|mvs|if)\b", code)
+    return least if listed else max(least, 5)
+
+
+_SIX: Final = re.compile(r"^[ \t]*\d*[ \t]*(FUNCTION|#INCLUDE|STATIC)\b", re.I | re.M)
+_NUMBERED: Final = re.compile(r"^[ \t]*\d+[ \t]+([A-Za-z]+)", re.MULTILINE)
+_QUIET: Final = re.compile(r"'[^\n]*|\"[^\"\n]*\"|\bREM\b[^\n]*", re.IGNORECASE)
+
+
+@cache
+def _newer() -> tuple[tuple[re.Pattern[str], int], ...]:
+    """What only a newer version has, with that version: statements, functions, variables."""
+    return tuple((re.compile("|".join(_of(level)), re.I | re.M), level) for level in (6, 5))
+
+
+def _of(level: int) -> Iterator[str]:
+    def new(dialects: frozenset[int]) -> bool:
+        return min(dialects) == level
+
+    heads = [r.word for r in statements().values() if r.role != "part" and new(r.dialects)]
+    plain = [word.replace(" ", "[ \\t]+") for word in heads if not word.startswith("#")]
+    yield rf"^[ \t]*\d*[ \t]*(?:\*\w+:)?[ \t]*(?:{'|'.join(plain)})\b(?![ \t]*=)"
+    called = [f.name.removesuffix("$") for f in functions().values() if new(f.dialects)]
+    yield rf"\b(?:{'|'.join(called)})\$?\("
+    yield rf"\b(?:{'|'.join(v.name for v in variables().values() if new(v.dialects))})\b"
+
+
+# --------------------------------------------------------------------------- encodings
+
+
+def read_text(data: bytes, path: str | None) -> SourceText:
+    """The text of a file; raises Unreadable for what a controller keeps, which is none.
+
+    What European programs hold is not taken for Japanese.
+    """
+    if data.startswith(TOKENISED):
+        raise Unreadable(rules.TOKENISED(path=path))
+    source = decode(data, path, READ)
+    if source.encoding in JAPANESE and not _is_japanese(source.text):
+        others = [name for name in WESTERN if _fits(data, name)]
+        source = decode(data, path, others or JAPANESE)
+    if source.encoding == "cp1252":
+        for encoding, sign in _ELSEWHERE.items():
+            if sign.search(source.text) and _fits(data, encoding):
+                source = replace(source, text=data.decode(encoding), encoding=encoding)
+                break
+    return replace(source, newline=dominant_newline(source.text))
+
+
+_ELSEWHERE: Final = {
+    "cp1250": re.compile(r"[A-Za-z][\xb9\xb3\xbf\xbe\x9f]|[\xb9\xb3\xbf\xbe][a-z]"),
+    "cp1254": re.compile(r"[A-Za-z][\xf0\xfe\xfd\xdd\xde\xd0]|[\xfe\xde][a-z]"),
+}
+"""Code pages by what their letters look like in cp1252: signs and Icelandic inside of words."""
+
+
+def _is_japanese(text: str) -> bool:
+    """Japanese stands in rows; a letter with an accent stands among plain ones."""
+    rows = re.findall(r"[^\x00-\x7f]+", text)
+    if any("\ue000" <= character <= "\uf8ff" for row in rows for character in row):
+        return False  # of nobody's language
+    return 2 * sum(len(row) for row in rows if len(row) > 1) > sum(map(len, rows))
+
+
+def _fits(data: bytes, encoding: str) -> bool:
+    try:
+        return data.decode(encoding).encode(encoding) == data
+    except UnicodeError:
+        return False
+
+
+def write_text(text: str, source: SourceText | None) -> bytes:
+    """The bytes of a text: in its source's encoding, else in one that controllers take.
+
+    Raises Refused where that of the source does not have all the characters.
+    """
+    if source is not None and source.encoding != "ascii":
+        return encode(replace(source, text=text))
+    if text.isascii():
+        return text.encode("ascii")
+    for encoding in WRITTEN:
+        data = text.encode(encoding, errors="ignore")
+        if read_text(data, None).text == text:
+            return data
+    return encode(replace(source or SourceText(""), text=text, encoding="utf-8"))

@@ -1,0 +1,172 @@
+"""The comment lines above a written program: what the language cannot say otherwise.
+
+    ' robot-assistant: melfa-basic-4
+    ' program: seam_program
+    ' robot: rv-2aj
+    ' target: PHOME = home, PPARK = park
+    ' path: P1-P35 = seam
+    ' robot-assistant: end
+
+Names are written in ASCII. Whatever is malformed is left out: it is only a comment.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import Any, Final, cast
+
+from assistant.languages.ascii_names import NAME, from_ascii, in_ascii
+from assistant.languages.melfa_basic.tables.dialects import EMITTED_LINE
+from assistant.program.program import Signal, ValueType
+
+MARK: Final = "robot-assistant: "
+END: Final = MARK + "end"
+
+PRODUCTS: Final = "frames: product"
+"""Says that frames are no `Base`, but what targets are multiplied by."""
+
+AS_IS: Final = ("robot",)
+"""Items that are no names of the program."""
+
+NAME_KINDS: Final = (
+    "target", "joints", "tool", "frame", "loop", "procedure", "label", "unit", "first", "timer",
+    "result",
+)  # fmt: skip
+"""Kinds of `SHORT = original` entries. `first` is the procedure that a unit begins with,
+the SHORT of a `timer` its number; a `result` has a type, where the letter of a Function says
+another one."""
+
+
+@dataclass(slots=True)
+class Declared:
+    """A variable: original name, type, storage, procedure it belongs to, and marks.
+
+    storage: that of a `Variable`, or `parameter`. initial: the code begins with its first value.
+    size: of an array; a parameter takes one of any extents, written as 0.
+    """
+
+    name: str
+    type: ValueType
+    storage: str
+    owner: str = ""
+    local: bool = False
+    initial: bool = False
+    size: tuple[int, ...] = ()
+
+
+@dataclass(slots=True)
+class Header:
+    """program, entry, robot, unit: None where not stated. names: by kind, short → original.
+
+    products: whether targets are multiplied by frames. paths: (first, last, name) ranges of P
+    numbers. inline: position and joint variables that stand for a value. signals in their
+    order. variables: short → declaration.
+    """
+
+    program: str | None = None
+    robot: str | None = None
+    entry: str | None = None
+    unit: str | None = None
+    products: bool = False
+    names: dict[str, dict[str, str]] = field(default_factory=lambda: {k: {} for k in NAME_KINDS})
+    paths: list[tuple[int, int, str]] = field(default_factory=list)
+    inline: dict[str, None] = field(default_factory=dict)
+    signals: dict[str, Signal] = field(default_factory=dict)
+    variables: dict[str, Declared] = field(default_factory=dict)
+
+
+def lines(header: Header, dialect: str) -> Iterator[str]:
+    """The comment texts, without their mark."""
+    yield MARK + dialect
+    for key in ("program", "robot", "entry", "unit"):
+        if (value := getattr(header, key)) is not None:
+            yield f"{key}: {value if key in AS_IS else in_ascii(value)}"
+    if header.products:
+        yield PRODUCTS
+    for kind in NAME_KINDS:
+        yield from packed(kind, (f"{s} = {in_ascii(o)}" for s, o in header.names[kind].items()))
+    yield from packed("path", (f"P{a}-P{b} = {in_ascii(n)}" for a, b, n in header.paths))
+    yield from packed("inline", header.inline)
+    for name, signal in header.signals.items():
+        number = "-" if signal.number is None else signal.number
+        yield f"signal: {signal.kind} {signal.direction} {number} {signal.bits} = {in_ascii(name)}"
+    for short, v in header.variables.items():
+        words = [v.type, v.storage, *(["x".join(map(str, v.size))] if v.size else [])]
+        words += ["local"] if v.local else []
+        words += ["initial"] if v.initial else []
+        words += [f"of {in_ascii(v.owner)}"] if v.owner else []
+        yield f"variable: {short} = {in_ascii(v.name)} {' '.join(words)}"
+    yield END
+
+
+def packed(kind: str, entries: Iterable[str]) -> Iterator[str]:
+    """Lines `kind: entry, entry …`, as many entries on each as there is room for."""
+    line = ""
+    for entry in entries:
+        if line and len(line) + 2 + len(entry) > EMITTED_LINE - 10:
+            yield line
+            line = ""
+        line = f"{line}, {entry}" if line else f"{kind}: {entry}"
+    if line:
+        yield line
+
+
+_PAIR: Final = re.compile(rf"([A-Za-z0-9_-]+) = ({NAME})")
+_PATH: Final = re.compile(rf"P([0-9]{{1,9}})-P([0-9]{{1,9}}) = ({NAME})")
+_SIGNAL: Final = re.compile(
+    rf"(digital|analog|group) (input|output) (-|[0-9]{{1,6}}) ([0-9]{{1,3}}) = ({NAME})"
+)
+_VARIABLE: Final = re.compile(
+    rf"([A-Z][A-Z0-9_]*) = ({NAME}) (number|integer|truth|text|position|pose|joints) "
+    r"(constant|variable|persistent|parameter)( [0-9]{1,3}(?:x[0-9]{1,3}){0,2})?"
+    rf"( local)?( initial)?(?: of ({NAME}))?"
+)
+
+
+def read(texts: Iterable[str]) -> Header:
+    """The header that comment texts between the two marks hold."""
+    header = Header()
+    for text in texts:
+        key, _, value = text.partition(": ")
+        if key in ("program", "unit") and re.fullmatch(NAME, value):
+            setattr(header, key, from_ascii(value))
+        elif key == "entry" and (value == "-" or re.fullmatch(NAME, value)):
+            header.entry = from_ascii(value)
+        elif text == PRODUCTS:
+            header.products = True
+        elif key == "robot" and re.fullmatch(r"[A-Za-z0-9._/-]{1,64}", value):
+            header.robot = value
+        elif key in NAME_KINDS:
+            found = (_PAIR.fullmatch(entry) for entry in value.split(", "))
+            header.names[key].update({f.group(1): from_ascii(f.group(2)) for f in found if f})
+        elif key == "path":
+            ranges = (_PATH.fullmatch(entry) for entry in value.split(", "))
+            header.paths += [
+                (int(f.group(1)), int(f.group(2)), from_ascii(f.group(3)))
+                for f in ranges
+                if f and int(f.group(1)) <= int(f.group(2))
+            ]
+        elif key == "inline":
+            header.inline.update(dict.fromkeys(re.findall(r"[PJ][0-9]{1,9}", value)))
+        elif key == "signal" and (signal := _SIGNAL.fullmatch(value)):
+            kind, direction, number, bits, name = signal.groups()
+            header.signals[from_ascii(name)] = Signal(
+                cast(Any, kind),
+                cast(Any, direction),
+                None if number == "-" else int(number),
+                int(bits),
+            )
+        elif key == "variable" and (v := _VARIABLE.fullmatch(value)):
+            short, name, kind, storage, size, local, initial, owner = v.groups()
+            header.variables[short] = Declared(
+                from_ascii(name),
+                cast(ValueType, kind),
+                storage,
+                from_ascii(owner or ""),
+                bool(local),
+                bool(initial),
+                tuple(int(n) for n in size.split("x")) if size else (),
+            )
+    return header

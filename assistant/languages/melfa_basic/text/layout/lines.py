@@ -1,0 +1,211 @@
+"""One layout for every MELFA-BASIC text: blanks, indentation, comments, position lines.
+
+    1 Function Main
+    2     If M_In(8)=1 Then      ' comments behind lines that stood aligned
+    3         Mov P1,-50         ' stay aligned
+    4     EndIf
+    5 FEnd
+    P1=(+400.00,-200.00,+438.33,+180.00,+0.00,+88.09)(7,0)
+
+Step numbers, names, numbers and strings stay as they are written, keywords become as the
+makers' tools spell them. Programs of MELFA-BASIC IV are not indented.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Final
+
+from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
+from assistant.languages.melfa_basic.text.layout.levels import Levels, is_comment
+from assistant.languages.melfa_basic.text.layout.printing import decimals, exact, item_text
+from assistant.languages.melfa_basic.text.layout.tokens import COMMENTS, code, tokens
+from assistant.languages.melfa_basic.text.printer import INDENT, constant
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.blocks import divided, opened
+from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
+from assistant.program.text import dominant_newline
+
+TAB: Final = 4
+"""Columns between the tab stops of a text that is read."""
+
+_STEP: Final = re.compile(r"[ \t]*([0-9]*)[ \t]?")
+
+
+def lay_out(file: s.File) -> str:
+    """The text of a file that was read and has no syntax error in the one layout; idempotent.
+
+    Line ends become the ones that most lines have.
+    """
+    assert file.source is not None
+    return "".join(_Pages(file, file.source.text).pieces())
+
+
+@dataclass(slots=True)
+class _Line:
+    """lead: what no column counts. code: with its indentation. comment: behind it.
+
+    column, gap: of the comment in the text that was read, and how far it stood from the code.
+    """
+
+    lead: str
+    code: str
+    comment: str = ""
+    column: int = 0
+    gap: int = 0
+
+
+def _before(items: Sequence[s.Item]) -> list[s.Line | None]:
+    """For each item the next line of code in front of it, no table or data between them."""
+    found: list[s.Line | None] = []
+    code: s.Line | None = None
+    for item in items:
+        found.append(code)
+        if not isinstance(item, s.Line | s.Blank):
+            code = None
+        elif isinstance(item, s.Line) and not is_comment(item):
+            code = item
+    return found
+
+
+class _Pages:
+    """The lines of one file."""
+
+    def __init__(self, file: s.File, text: str) -> None:
+        self._file, self._text = file, text
+        self._dialect: Dialect = DIALECTS[file.dialect]
+        self._newline = dominant_newline(text)
+        self._places = decimals(file.items)
+        assert file.source is not None
+        self._encoding = file.source.encoding
+        self._above = _before(file.items)
+        self._below = _before(file.items[::-1])[::-1]
+
+    def pieces(self) -> Iterator[str]:
+        """Lines with their ends; a table is one piece."""
+        waiting: list[_Line] = []
+        levels = Levels()
+        for at, item in enumerate(self._file.items):
+            if isinstance(item, s.Line):
+                waiting.append(self._line(item, self._level(item, at, levels)))
+                continue
+            yield from self._aligned(waiting)
+            waiting = []
+            yield self._other(item, self._places[at], levels)
+        yield from self._aligned(waiting)
+
+    # Levels
+
+    def _level(self, item: s.Line, at: int, levels: Levels) -> int:
+        level = levels.of(item)
+        if level == levels.inside and is_comment(item):
+            level -= self._heads_division(item, at)
+        return level if self._dialect.blocks else 0
+
+    def _heads_division(self, comment: s.Line, at: int) -> bool:
+        """Whether a comment belongs to an `Else` or `Case` below rather than to what is above.
+
+        It does where it stands at that word's column and what is above does not.
+        """
+        below = self._below[at]
+        if below is None or not divided(below.statement):
+            return False
+        above = self._above[at]
+        column = self._column(comment)
+        if above is not None and (divided(above.statement) or opened(above.statement)):
+            return False  # that one comes to stand at the same column
+        return column == self._column(below) and (above is None or column != self._column(above))
+
+    def _column(self, item: s.Line) -> int:
+        """The column at which the text behind the step number begins."""
+        text = self._source(item)
+        start = self._behind_step(text)
+        return len(text[start:].expandtabs(TAB)) - len(text[start:].expandtabs(TAB).lstrip())
+
+    @staticmethod
+    def _behind_step(text: str) -> int:
+        found = _STEP.match(text)
+        return found.end() if found and found[1] else 0
+
+    # Lines
+
+    def _source(self, item: s.Item) -> str:
+        assert item.span is not None
+        return self._text[item.span.start : item.span.end].rstrip("\r\n")
+
+    def _line(self, item: s.Line, level: int) -> _Line:
+        text = self._source(item)
+        start = self._behind_step(text)
+        listed = tokens(text[start:].strip(" \t\f"))
+        words = [t for t in listed if t.kind not in COMMENTS]
+        step = "" if item.number is None else str(item.number)
+        body = code(words, self._dialect.upper)
+        comment = item.comment or ""
+        if not words:
+            body, comment = comment, ""
+        lead = f"{step} " if step and body else step
+        indented = " " * (INDENT * level) + body
+        line = _Line(lead, indented, comment)
+        if not self._dialect.blocks:
+            line.lead, line.code = "", lead + indented  # comments stand under each other as a whole
+        if comment:
+            offset = len(text) - len(text.rstrip()) + len(comment)
+            before = text[0 if not self._dialect.blocks else start : len(text) - offset]
+            before = before.expandtabs(TAB)
+            line.column, line.gap = len(before), max(len(before) - len(before.rstrip()), 1)
+        return line
+
+    def _aligned(self, lines: Sequence[_Line]) -> Iterator[str]:
+        """The lines with their comments; neighbours that stood in one column do so again."""
+        for (commented, _), group in groupby(
+            lines, key=lambda line: (bool(line.comment), line.column)
+        ):
+            together = list(group)
+            if commented:
+                yield from (self._fitting(text) for text in self._columns(together))
+            else:
+                yield from (self._fitting(line.lead + line.code) for line in together)
+
+    def _columns(self, lines: Sequence[_Line]) -> list[str]:
+        for gap in (min(line.gap for line in lines), 0):
+            column = max(len(line.code) for line in lines) + gap if gap else 0
+            texts = [
+                line.lead + line.code.ljust(max(column, len(line.code) + 1)) + line.comment
+                for line in lines
+            ]
+            if max(map(self._bytes, texts)) <= self._dialect.line:
+                break
+        return texts
+
+    def _fitting(self, text: str) -> str:
+        """A line that the controller takes, if need be without its indentation."""
+        if self._bytes(text) > self._dialect.line:
+            text = re.sub(r"^([0-9]*) +", r"\1 " if text[:1].isdigit() else "", text)
+        return text + self._newline
+
+    def _bytes(self, text: str) -> int:
+        return len(text.encode(self._encoding, "replace"))
+
+    # What is no line of code
+
+    def _other(self, item: s.Item, places: int, levels: Levels) -> str:
+        if isinstance(item, PositionRows | MoveRows):
+            level = levels.inside if self._dialect.blocks else 0
+            try:
+                return item_text(item, self._dialect.upper, self._newline, places, level)
+            except ValueError:  # more digits than a number of that table holds
+                return self._source(item).replace("\r", "").replace("\n", self._newline)
+        if isinstance(item, s.Data):
+            return self._data(item, places) + self._newline
+        return self._source(item).strip(" \t\f") + self._newline
+
+    def _data(self, item: s.Data, places: int) -> str:
+        listed = tokens(self._source(item).strip(" \t\f"), "data" if item.type else "line")
+        value = item.value
+        if isinstance(value, s.Constant) and exact(value, places):
+            head = [t for t in listed if t.kind != "POSITION"]
+            return code(head, self._dialect.upper) + constant(value, places)
+        return code(listed, self._dialect.upper)

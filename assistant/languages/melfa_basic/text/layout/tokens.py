@@ -1,0 +1,98 @@
+"""Words and marks of one code line, found by the grammar itself, and the blanks between them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+from typing import Final, NamedTuple
+
+from assistant.languages.melfa_basic.reading.line import lexemes
+from assistant.languages.melfa_basic.tables.words import spelled
+
+_BLANKS: Final = re.compile(r"[ \t\f]+")
+_MARKS: Final = frozenset(("NAME", "FN_NAME", "SUFFIX", "REM", "HASH"))
+"""Kinds of tokens that may begin like a keyword and are none; all other words are keywords."""
+_TIGHT: Final = frozenset(("POSITION", "EMPTY", "LABEL"))
+"""Kinds of tokens that lose the blanks within them."""
+COMMENTS: Final = frozenset(("COMMENT", "REM"))
+_OPERATORS: Final = frozenset(
+    ("EQUALS", "SIGN", "TIMES", "BACKSLASH", "SHIFT", "COMPARISON", "CIRCUMFLEX")
+)
+_TIGHT_BEFORE: Final = frozenset(("COLON", "RPAR", "SEMICOLON", "SUFFIX", "DOT"))
+_TIGHT_BEHIND: Final = frozenset(("COLON", "LPAR", "COMMA", "SEMICOLON", "HASH", "DOT"))
+_CLAUSES: Final = frozenset(("ELSE", "WTH", "WTHIF", "TYPE_OF", "GOTO", "GOSUB", "TO", "STEP_OF"))
+"""Words that begin a part of a statement, also where the last argument before is left out."""
+_HEADS: Final = frozenset(("MOTION", "COMMAND"))
+"""Statements whose first argument may be left out: `Mvs ,-100`."""
+
+
+class Token(NamedTuple):
+    """kind: the grammar's name for it. start: offset in the line."""
+
+    kind: str
+    text: str
+    start: int
+
+    @property
+    def keyword(self) -> bool:
+        return self.kind not in _MARKS and (self.text[0].isalpha() or self.text[0] == "#")
+
+
+@lru_cache(maxsize=1 << 14)
+def tokens(line: str, start: str = "line") -> tuple[Token, ...]:
+    """The tokens of a line that the grammar takes, without step number.
+
+    start: the grammar's rule, `line` or `data`.
+    """
+    return tuple(Token(type, line[begin:end], begin) for type, begin, end in lexemes(line, start))
+
+
+def code(listed: Sequence[Token], upper: bool) -> str:
+    """Tokens with the blanks that belong between them, keywords spelt as the tools do.
+
+    upper: keywords in upper case. Names, numbers, strings and comments stay as they are.
+    """
+    return "".join(_spaced(listed, upper))
+
+
+def _spaced(listed: Sequence[Token], upper: bool) -> Iterator[str]:
+    for before, token, at in zip([None, *listed], listed, range(len(listed)), strict=False):
+        within_is = at > 0 and "IS" in (listed[at - 1].kind, listed[at - 2].kind if at > 1 else "")
+        if before is not None and (within_is or _apart(before, token)):
+            yield " "
+        yield _spelt(token, upper)
+
+
+def _spelt(token: Token, upper: bool) -> str:
+    if token.keyword:
+        word = spelled(token.text)
+        return word.upper() if upper else word
+    return _BLANKS.sub("", token.text) if token.kind in _TIGHT else token.text
+
+
+def _apart(before: Token, token: Token) -> bool:
+    """Whether a blank stands between two neighbours."""
+    if token.kind in _CLAUSES and before.kind != "COLON":
+        return True
+    if token.kind in _TIGHT_BEFORE or before.kind in _TIGHT_BEHIND:
+        return False
+    if token.kind == "COMMA":
+        return before.kind in _HEADS
+    if before.keyword:
+        return not (before.kind == "COM" and token.kind == "LPAR")
+    if token.keyword:
+        return before.kind not in _OPERATORS
+    if before.kind in _OPERATORS or token.kind in _OPERATORS:
+        return False
+    if "LABEL" in (before.kind, token.kind):
+        return True
+    return _ends_word(before) and _begins_word(token)
+
+
+def _begins_word(token: Token) -> bool:
+    return token.text[0].isalnum() or token.text[0] in '"&.'
+
+
+def _ends_word(token: Token) -> bool:
+    return token.kind != "HASH" and (token.text[-1].isalnum() or token.text[-1] in '")$%&!#.')

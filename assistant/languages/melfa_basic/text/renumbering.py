@@ -1,0 +1,208 @@
+"""Steps numbered anew, with every jump to them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import fields, is_dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.tables.dialects import LAST_STEP
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import MoveRows
+from assistant.program.diagnostics import Diagnostic, Refused, Rule
+
+Steps = NDArray[np.int64]
+UNNUMBERED = 0
+"""Stands for the number of a step that has none."""
+EMPTY = "'"
+"""The step that a blank line between others becomes: a bare one would end the program."""
+
+
+def renumbered(file: s.File, first: int, step: int) -> s.File:
+    """The program with its steps numbered first, first + step …, jumps to them included.
+
+    Lines without a number get one, but for variable lines; so does a program without any.
+    Raises Refused where a jump has no destination, where numbers do not ascend (which of two
+    lines comes first is open then), or where the last number would be too high.
+    """
+    items = _with_steps(file.items)
+    old = _numbers(items)
+    new = first + step * np.arange(len(old), dtype=np.int64)
+    findings = [*_order(file, items), *_range(file, new, first, step)]
+    known = np.flatnonzero(old != UNNUMBERED)
+    places = {int(number): int(new[at]) for number, at in _jumped_to(items, old, known)}
+
+    def moved(number: int) -> int:
+        return places.get(number, number)
+
+    made: list[s.Item] = []
+    at = 0
+    for item in items:
+        match item:
+            case MoveRows():
+                made.append(_rows(item, new[at : at + len(item)]))
+                at += len(item)
+            case s.Line() if _is_step(item):
+                findings += _lost(file, item, places)
+                made.append(_line(item, int(new[at]), moved))
+                at += 1
+            case _:
+                made.append(item)
+    if findings:
+        raise Refused(*findings)
+    kept = len(made) == len(file.items) and all(
+        a is b for a, b in zip(made, file.items, strict=True)
+    )
+    return file if kept else replace(file, items=tuple(made))
+
+
+# Which lines are steps
+
+
+def _with_steps(items: Sequence[s.Item]) -> tuple[s.Item, ...]:
+    """The items with every line that is to be a step marked as one, blank lines included."""
+    numbered = [
+        isinstance(i, MoveRows) or (isinstance(i, s.Line) and i.number is not None) for i in items
+    ]
+    code = [at for at, item in enumerate(items) if isinstance(item, s.Line | MoveRows)]
+    last = code[-1] if code and not any(numbered) else -1
+    made: list[s.Item] = []
+    for at, item in enumerate(items):
+        if isinstance(item, s.Blank) and at < last:
+            item = s.Line(UNNUMBERED, comment=EMPTY)
+        elif isinstance(item, s.Line) and item.number is None:
+            if not (any(numbered) and _looks_like_data(item)):
+                item = replace(item, number=UNNUMBERED)
+        made.append(item)
+    return tuple(made)
+
+
+def _looks_like_data(item: s.Line) -> bool:
+    """Whether an unnumbered line is a variable line that somebody put a comment behind."""
+    match item.statement:
+        case s.Assign(value=s.Constant() | s.Number() | s.String() | s.Unary(operand=s.Number())):
+            return item.label is None
+    return False
+
+
+def _is_step(item: s.Item) -> bool:
+    return isinstance(item, s.Line) and item.number is not None
+
+
+# Numbers
+
+
+def _numbers(items: Sequence[s.Item]) -> Steps:
+    parts: list[Steps] = [np.empty(0, dtype=np.int64)]
+    for item in items:
+        if isinstance(item, MoveRows):
+            parts.append(item.steps)
+        elif isinstance(item, s.Line) and item.number is not None:
+            parts.append(np.array([item.number], dtype=np.int64))
+    return np.concatenate(parts)
+
+
+def _order(file: s.File, items: Sequence[s.Item]) -> list[Diagnostic]:
+    """A finding for each line or table whose first number does not follow the one before it."""
+    before, found = 0, []
+    for item in items:
+        if isinstance(item, MoveRows) and len(item):
+            steps = np.concatenate([[before], item.steps])
+            falls = np.flatnonzero(np.diff(steps) <= 0)
+            if len(falls):
+                number, last = int(steps[falls[0] + 1]), int(steps[falls[0]])
+                found.append(_finding(file, item, rules.NOT_ASCENDING, number=number, before=last))
+            before = int(item.steps[-1])
+        elif isinstance(item, s.Line) and item.number:
+            if item.number <= before:
+                fields = {"number": item.number, "before": before}
+                found.append(_finding(file, item, rules.NOT_ASCENDING, **fields))
+            before = item.number
+    return found
+
+
+def _range(file: s.File, new: Steps, first: int, step: int) -> list[Diagnostic]:
+    if not len(new) or new[-1] <= LAST_STEP:
+        return []
+    path = file.source.path if file.source else None
+    finding = rules.PAST_LAST_STEP(
+        path=path, count=len(new), first=first, step=step, last=int(new[-1]), most=LAST_STEP
+    )
+    return [finding]
+
+
+def _jumped_to(items: Sequence[s.Item], old: Steps, known: Steps) -> list[tuple[int, int]]:
+    """Each number that a jump names, with the place of its line; few of many lines are named."""
+    named: set[int] = set()
+    for item in items:
+        if isinstance(item, s.Line) and item.statement is not None:
+            named |= _named(item.statement)
+    if not named or not len(known):
+        return []
+    numbers = old[known]
+    order = np.argsort(numbers, kind="stable")
+    wanted = np.array(sorted(named), dtype=np.int64)
+    places = order[np.minimum(np.searchsorted(numbers, wanted, sorter=order), len(order) - 1)]
+    there = numbers[places] == wanted
+    return [(int(n), int(known[p])) for n, p in zip(wanted[there], places[there], strict=True)]
+
+
+def _lost(file: s.File, item: s.Line, places: dict[int, int]) -> list[Diagnostic]:
+    named = sorted(_named(item.statement)) if item.statement is not None else []
+    return [_finding(file, item, rules.NO_STEP, name=n) for n in named if n not in places]
+
+
+def _finding(file: s.File, item: s.Line | MoveRows, rule: Rule, **fields: Any) -> Diagnostic:
+    if file.source is None or item.span is None:
+        return rule(**fields)
+    return file.source.finding(rule, item.span, **fields)
+
+
+# New lines
+
+
+def _rows(rows: MoveRows, steps: Steps) -> MoveRows:
+    return rows if np.array_equal(rows.steps, steps) else replace(rows, steps=steps)
+
+
+def _line(line: s.Line, number: int, moved: Callable[[int], int]) -> s.Line:
+    statement = line.statement
+    if statement is not None and _named(statement):
+        statement = with_jumps(statement, moved)
+    if number == line.number and statement == line.statement:
+        return line
+    return replace(line, number=number, statement=statement)
+
+
+def _named(statement: Any) -> set[int]:
+    """The step numbers that a statement jumps to."""
+    if isinstance(statement, s.Target):
+        return {statement.place} if isinstance(statement.place, int) else set()
+    found: set[int] = set()
+    if isinstance(statement, tuple):
+        for one in statement:
+            found |= _named(one)
+    elif is_dataclass(statement) and not isinstance(statement, _NO_JUMPS):
+        for field in fields(statement):
+            found |= _named(getattr(statement, field.name))
+    return found
+
+
+_NO_JUMPS = (s.Variable, s.Number, s.String, s.Constant, s.Binary, s.Unary, s.Motion, s.Command)
+
+
+def with_jumps(statement: Any, moved: Callable[[int], int]) -> Any:
+    """A statement whose jumps to step numbers go elsewhere."""
+    if isinstance(statement, s.Target):
+        place = statement.place
+        return s.Target(moved(place)) if isinstance(place, int) else statement
+    if isinstance(statement, tuple):
+        return tuple(with_jumps(one, moved) for one in statement)
+    if is_dataclass(statement) and not isinstance(statement, (type, *_NO_JUMPS)):
+        changed = {f.name: with_jumps(getattr(statement, f.name), moved) for f in fields(statement)}
+        return replace(statement, **changed)
+    return statement

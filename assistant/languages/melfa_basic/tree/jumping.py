@@ -1,0 +1,66 @@
+"""An `If` that is written with jumps, for dialects without blocks.
+
+IF M1>0 THEN *I1T1 ELSE *I1N1
+*I1T1
+…
+GOTO *I1Z
+*I1N1
+…
+*I1Z
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+from assistant.languages.melfa_basic.tree import syntax as s
+
+THEN: Final = re.compile(r"(I[0-9]+)T1")
+"""The label of the first branch, in upper case; the group is what all its labels begin with."""
+
+
+def branches(
+    lines: Sequence[object], labels: Mapping[str, int], at: int, name: str
+) -> list[int] | None:
+    """Places: for each branch its `If`, the jump to the end, the label of the next; then the end.
+
+    None where one of them is not as it should be. labels: places of lines that are a label and
+    nothing else, by upper-case name. at: of the first `If`. name: group of THEN.
+    """
+    places: list[int] = []
+    branch, end = 1, labels.get(name + "Z", -1)
+    while True:
+        then, other = f"{name}T{branch}", f"{name}N{branch}"
+        after = labels.get(other, -1)
+        if not _tests(lines[at], then, other) or labels.get(then) != at + 1:
+            return None
+        if not at + 2 <= after - 1 < end or not goes_to(lines[after - 1], name + "Z"):
+            return None
+        places += [at, after - 1, after]
+        branch += 1
+        if labels.get(f"{name}T{branch}") != after + 2:
+            return [*places, end]
+        at = after + 1
+
+
+def _tests(line: object, then: str, other: str) -> bool:
+    """Whether a line is an `If` that jumps to either label."""
+    match line:
+        case s.Line(
+            label=None,
+            statement=s.If(
+                then=s.Target(place=str() as yes), otherwise=s.Target(place=str() as no)
+            ),
+        ):
+            return (yes.upper(), no.upper()) == (then, other)
+    return False
+
+
+def goes_to(line: object, label: str) -> bool:
+    """Whether a line is a jump to a label, in upper case, and nothing else but a comment."""
+    match line:
+        case s.Line(label=None, statement=s.Jump("GoTo", s.Target(place=str() as place))):
+            return place.upper() == label
+    return False

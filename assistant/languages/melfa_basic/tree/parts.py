@@ -1,0 +1,30 @@
+"""What of a program a report on it names beside what is lifted: data and settings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+from assistant.languages.language import Part
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import PositionRows
+from assistant.program.diagnostics import Span
+
+ENDS: Final = frozenset({"Else", "EndIf", "WEnd", "Default", "End Select", "FEnd", "End", "Return"})
+"""Commands that only close or divide a block, or end a program or subroutine."""
+
+
+def parts(file: s.File) -> Iterator[Part]:
+    """Data and statements as they stand in the text; moves are all lifted."""
+    for item in file.items:
+        match item:
+            case s.Data(variable=variable, span=Span() as span):
+                yield Part(span, variable.name)
+            case PositionRows(span=Span() as span):
+                yield Part(span, count=len(item))
+            case s.Line(statement=s.Command(keyword=word)) if word in ENDS:
+                pass
+            case s.Line(statement=None | s.Motion() | s.ElseIf() | s.Next() | s.Case()):
+                pass
+            case s.Line(span=Span() as span):
+                yield Part(span)

@@ -1,0 +1,173 @@
+"""The position variables of a file, found by name or, for thousands, by column."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.languages.melfa_basic.tables import poses
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import PositionRows
+from assistant.languages.melfa_basic.tree.line_tables import split_name
+from assistant.program import expressions as e
+from assistant.program.geometry import UNUSED_AXIS, JointTarget, Pose, Target
+from assistant.program.path import UNSTATED, configuration_of
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+
+NO_FLAGS: Final = -1
+
+Elements = dict[tuple[int, ...], s.Constant]
+"""Constants of an array by their indices."""
+
+Plain = dict[tuple[int, ...], e.Expression]
+"""Numbers and texts of an array by their indices; of a single variable by none."""
+
+
+class Positions:
+    """Values (n, 8), NaN where undefined, and flags (n, 2), NO_FLAGS where absent.
+
+    names: constants that stand alone, by name in upper case, in their order. elements: those of
+    arrays, by name in upper case. plain: numbers and texts that the file keeps, likewise.
+    """
+
+    def __init__(self, file: s.File) -> None:
+        self.names: dict[str, tuple[str, s.Constant]] = {}
+        self.tables: dict[str, list[PositionRows]] = {}
+        self.elements: dict[str, tuple[str, Elements]] = {}
+        self.plain: dict[str, tuple[str, Plain]] = {}
+        for item in file.items:
+            match item:
+                case PositionRows():
+                    self.tables.setdefault(item.stem.upper(), []).append(item)
+                case s.Data(variable=variable, value=s.Constant() as constant):
+                    undefined = constant.flags == (None, None) and not any(constant.values)
+                    if variable.arguments is None and not undefined:
+                        self.names.setdefault(variable.key, (variable.name, constant))
+                    at = _indices(variable)
+                    if at and not undefined:
+                        known = self.elements.setdefault(variable.key, (variable.name, {}))
+                        known[1][at] = constant
+                case s.Data(variable=variable, value=value) if (kept := _kept(value)) is not None:
+                    values = self.plain.setdefault(variable.key, (variable.name, {}))
+                    values[1][_indices(variable)] = kept
+        single: dict[str, list[tuple[int, s.Constant]]] = {stem: [] for stem in self.tables}
+        for key, (_, constant) in self.names.items():
+            name = split_name(s.Variable(key))
+            if name is not None:
+                single.setdefault(name[0].upper(), []).append((name[1], constant))
+        self.columns = {stem: self._columns(stem, found) for stem, found in single.items()}
+
+    def _columns(
+        self, stem: str, single: Sequence[tuple[int, s.Constant]]
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]:
+        """Sorted numbers of a stem with their values and flags."""
+        numbers, values, flags = (
+            [np.empty(0, np.int64)],
+            [np.empty((0, 8))],
+            [np.empty((0, 2), np.int64)],
+        )
+        for rows in self.tables.get(stem, ()):
+            wide = np.full((len(rows), 8), np.nan)
+            wide[:, : rows.values.shape[1]] = rows.values
+            numbers.append(rows.numbers)
+            values.append(wide)
+            flags.append(rows.flags)
+        for at, constant in single if stem[0] == "P" else ():
+            one, two = _row(constant)
+            numbers.append(np.array([at]))
+            values.append(one)
+            flags.append(two)
+        number = np.concatenate(numbers)
+        order = np.argsort(number, kind="stable")
+        return number[order], np.concatenate(values)[order], np.concatenate(flags)[order]
+
+    def find(
+        self, stem: str, numbers: NDArray[np.int64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.bool_]]:
+        """Values, flags and whether there are any, of the positions of these numbers."""
+        known, values, flags = self.columns.get(
+            stem.upper(), (np.empty(0, np.int64), np.empty((0, 8)), np.empty((0, 2), np.int64))
+        )
+        if not len(known):
+            n = len(numbers)
+            return np.full((n, 8), np.nan), np.zeros((n, 2), np.int64), np.zeros(n, bool)
+        at = np.minimum(np.searchsorted(known, numbers), len(known) - 1)
+        return values[at], flags[at], known[at] == numbers
+
+    def constant(self, name: str) -> s.Constant | None:
+        """The constant of one variable."""
+        if name.upper() in self.names:
+            return self.names[name.upper()][1]
+        split = split_name(s.Variable(name))
+        if split is None or split[0].upper() not in self.tables:
+            return None
+        values, flags, found = self.find(split[0], np.array([split[1]]))
+        if not found[0]:
+            return None
+        numbers = tuple(float(v) for v in values[0] if v == v)
+        return s.Constant(numbers, (int(flags[0, 0]), int(flags[0, 1])))
+
+    def all_names(self) -> Iterator[str]:
+        """Every name as written, tables expanded."""
+        for written, _ in self.names.values():
+            yield written
+        for tables in self.tables.values():
+            for rows in tables:
+                for number in rows.numbers.tolist():
+                    yield f"{rows.stem}{number}"
+
+
+def _indices(variable: s.Variable) -> tuple[int, ...]:
+    """Of an element of an array; none of a single variable."""
+    return tuple(int(a.value) for a in variable.arguments or () if isinstance(a, s.Number))
+
+
+def _kept(value: s.Expression) -> e.Expression | None:
+    """The number or text that stands behind a variable's name."""
+    match value:
+        case s.Number(value=number):
+            return e.Number(number)
+        case s.Unary(operator=sign, operand=s.Number(value=number)):
+            return e.Number(-number if sign == "-" else number)
+        case s.String(value=text):
+            return e.Text(text)
+    return None
+
+
+def _row(constant: s.Constant) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    values = np.full((1, 8), np.nan)
+    for i, value in enumerate(constant.values[:8]):
+        values[0, i] = np.nan if value is None else value
+    one, two = constant.flags or (None, None)
+    if one is None:
+        return values, np.array([[NO_FLAGS, 0]])
+    return values, np.array([[one, two or 0]])
+
+
+def configurations(flags: NDArray[np.int64], robot: Robot | None) -> NDArray[np.int8]:
+    """(n, 6) neutral columns; UNSTATED where there are no flags."""
+    absent = flags[:, 0] == NO_FLAGS
+    columns = poses.configurations_of(np.where(absent[:, None], 7, flags), robot)
+    columns[absent] = (UNSTATED, 0, 0, 0, 0, 0)
+    return columns
+
+
+def target_of(constant: s.Constant, robot: Robot | None) -> Target:
+    values, flags = _row(constant)
+    position, quaternion, external = poses.from_values(values, robot)
+    configuration = configuration_of(configurations(flags, robot)[0])
+    pose = Pose.of(position[0], quaternion[0])
+    return Target(pose, configuration, tuple(float(v) for v in external[0]))
+
+
+def joints_of(constant: s.Constant, robot: Robot | None) -> JointTarget:
+    values = [0.0 if v is None else v for v in constant.values]
+    joints, more = values[:6], values[6:8]
+    if robot is not None and len(robot.axes) < 6 and len(joints) > max(robot.places):
+        joints = [joints[place] for place in robot.places]
+    return JointTarget(tuple(joints), tuple([*more, *[UNUSED_AXIS] * 6][:6]))

@@ -1,0 +1,248 @@
+"""What the modules of a task declare together, and one of them as its rules see it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import islice, takewhile
+from typing import Any, Final, TypeVar, cast
+
+import numpy as np
+
+from assistant.languages.rapid.text.header import opening
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.gather import split
+from assistant.languages.rapid.tree.runs import Names, TargetRun
+from assistant.languages.rapid.tree.walk import nodes
+from assistant.program.diagnostics import Diagnostic, Rule, Span
+
+N = TypeVar("N", bound=s.Node)
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Declaration:
+    """One declared name.
+
+    kind: `VAR`, `PERS`, `CONST`, `PROC`, `FUNC`, `TRAP`, `RECORD` or `ALIAS`; of parameters
+    `IN`, `VAR`, `PERS` or `INOUT`; `FOR` for the variable of a loop.
+    type: of data, functions, parameters and aliases, as written; else empty.
+    node: None for a row of a long run of robtargets.
+    """
+
+    name: str
+    kind: str
+    type: str = ""
+    local: bool = False
+    node: s.Node | None = None
+    module: s.Module | None = None
+
+
+class Task:
+    """What all modules of a task declare: names that are global, and those of each module."""
+
+    def __init__(self, files: Sequence[s.File], common: Sequence[s.File] = ()) -> None:
+        """common: those of the files that other tasks have as well."""
+        self.files, self.common = tuple(files), tuple(common)
+        self.modules = tuple(module for file in files for module in file.modules)
+        self.shared: dict[str, list[Declaration]] = {}
+        """Global declarations by lower-case name; rows of runs are in `runs`."""
+        self.own: dict[int, dict[str, Declaration]] = {}
+        """LOCAL ones by lower-case name, by the `id` of their module."""
+        self.runs: list[tuple[s.Module, s.TargetRunNode]] = []
+        for module in self.modules:
+            own = self.own.setdefault(id(module), {})
+            for item in module.items:
+                if isinstance(item, s.TargetRunNode):
+                    self.runs.append((module, item))
+                elif (declared := declaration(item, module)) is not None:
+                    name = declared.name.lower()
+                    if declared.local:
+                        own.setdefault(name, declared)
+                    else:
+                        self.shared.setdefault(name, []).append(declared)
+
+    def find(self, name: str, module: s.Module | None = None) -> Declaration | None:
+        """What a name means at the level of a module: its own LOCAL one, else the global one."""
+        low = name.lower()
+        found = self.own.get(id(module), {}).get(low)
+        if found is None:
+            found = next(iter(self.shared.get(low, ())), None)
+        return found or self.row(name, module)
+
+    def row(self, name: str, module: s.Module | None = None) -> Declaration | None:
+        """The row of a long run of robtargets that declares a name, as a module sees it."""
+        if not name.isascii():
+            return None
+        for of, item in self._by_stem.get(split(name)[0].lower(), ()):
+            local = item.scope == "LOCAL"
+            if (not local or of is module) and row_of(item.run.names, name) is not None:
+                return Declaration(name, "CONST", "robtarget", local, None, of)
+        return None
+
+    @cached_property
+    def _by_stem(self) -> dict[bytes, list[tuple[s.Module, s.TargetRunNode]]]:
+        found: dict[bytes, list[tuple[s.Module, s.TargetRunNode]]] = {}
+        for module, item in self.runs:
+            for stem in {stem.lower() for stem in item.run.names.stems}:
+                found.setdefault(stem, []).append((module, item))
+        return found
+
+    def main(self, module: s.Module) -> s.Routine | None:
+        """The procedure of a module that a task may start at."""
+        return self._mains.get(id(module))
+
+    @cached_property
+    def _mains(self) -> dict[int, s.Routine]:
+        return {
+            id(declared.module): declared.node
+            for declared in self.shared.get("main", ())
+            if declared.kind == "PROC" and isinstance(declared.node, s.Routine)
+        }
+
+    @property
+    def has_main(self) -> bool:
+        return bool(self._mains)
+
+    @cached_property
+    def mixed(self) -> bool:
+        """Whether the modules cannot all be of one task: two have a `main` or the same name."""
+        names = [module.name.lower() for module in self.modules]
+        return len(self._mains) > 1 or len(set(names)) < len(names)
+
+    def once(self, work: Callable[[Task], T]) -> T:
+        """What a function makes of the task, worked out when it is first asked for."""
+        if work not in self._worked:
+            self._worked[work] = work(self)
+        return cast("T", self._worked[work])
+
+    @cached_property
+    def _worked(self) -> dict[Callable[[Task], Any], Any]:
+        return {}
+
+
+def row_of(names: Names, name: str) -> int | None:
+    """The first row of a name in columns of names, None if it is not among them."""
+    stem, number = split(name)
+    stems = [i for i, text in enumerate(names.stems) if text.lower() == stem.lower()]
+    if not stems:
+        return None
+    rows = np.flatnonzero(np.isin(names.stem, stems) & (names.number == number))
+    return int(rows[0]) if len(rows) else None
+
+
+def declaration(item: Any, module: s.Module | None = None) -> Declaration | None:
+    """What an item of a module or of a routine's body declares, None if it declares nothing."""
+    match item:
+        case s.Data(scope, storage, type, name):
+            return Declaration(name, storage, type, scope == "LOCAL", item, module)
+        case s.Routine(kind, local, name, _, type):
+            return Declaration(name, kind, type, local, item, module)
+        case s.Record(local, name):
+            return Declaration(name, "RECORD", "", local, item, module)
+        case s.Alias(local, type, name):
+            return Declaration(name, "ALIAS", type, local, item, module)
+        case s.ParameterNode(mode, type, name):
+            return Declaration(name, mode or "IN", type, True, item, module)
+    return None
+
+
+def parameters(routine: s.Routine) -> Iterator[s.ParameterNode]:
+    for group in routine.parameters:
+        for one in group.alternatives:
+            if isinstance(one, s.ParameterNode):
+                yield one
+
+
+class Look:
+    """One module, as a rule sees it."""
+
+    def __init__(self, file: s.File, module: s.Module, task: Task) -> None:
+        self.file, self.module, self.task = file, module, task
+
+    @cached_property
+    def compiled(self) -> bool:
+        """Whether the module's header says that it is a whole program or a unit of one.
+
+        What others wrote may need modules that are not given, or come with others that are
+        never loaded together: what modules say of each other is certain in a compiled one only.
+        """
+        header = opening(self.module)
+        return bool(header.program or header.unit)
+
+    def find(self, name: str, routine: s.Routine | None = None) -> Declaration | None:
+        """What a name means in this module, inside one of its routines if that is given."""
+        if routine is not None:
+            if (inner := self.frame(routine).get(name.lower())) is not None:
+                return inner
+            for run in self._runs(routine) if name.isascii() else ():
+                if row_of(run.names, name) is not None:
+                    return Declaration(name, "CONST", "robtarget", True, None, self.module)
+        return self.task.find(name, self.module)
+
+    def frame(self, routine: s.Routine) -> dict[str, Declaration]:
+        """Parameters and data of a routine by lower-case name."""
+        frame = self._frames.get(id(routine))
+        if frame is None:
+            frame = self._frames[id(routine)] = {}
+            for item in (*parameters(routine), *routine.body):
+                if (declared := declaration(item, self.module)) is not None:
+                    frame.setdefault(declared.name.lower(), declared)
+        return frame
+
+    @cached_property
+    def _frames(self) -> dict[int, dict[str, Declaration]]:
+        return {}
+
+    def _runs(self, routine: s.Routine) -> tuple[TargetRun, ...]:
+        """Long runs of targets that a routine declares."""
+        if id(routine) not in self._local_runs:
+            runs = (item.run for item in routine.body if isinstance(item, s.TargetRunNode))
+            self._local_runs[id(routine)] = tuple(runs)
+        return self._local_runs[id(routine)]
+
+    @cached_property
+    def _local_runs(self) -> dict[int, tuple[TargetRun, ...]]:
+        return {}
+
+    @cached_property
+    def routines(self) -> tuple[s.Routine, ...]:
+        return tuple(item for item in self.module.items if isinstance(item, s.Routine))
+
+    @cached_property
+    def _by_type(self) -> dict[type, list[Any]]:
+        found: dict[type, list[Any]] = {}
+        for node in nodes(self.module):
+            found.setdefault(type(node), []).append(node)
+        return found
+
+    def all(self, kind: type[N]) -> Sequence[N]:
+        """Every node of one class, as they stand in the text."""
+        return self._by_type.get(kind, ())
+
+    @property
+    def before(self) -> Iterator[s.Module]:
+        """The modules of the task that stand before this one."""
+        return takewhile(lambda other: other is not self.module, self.task.modules)
+
+    def finding(
+        self, rule: Rule, node: s.Node, *, row: int | None = None, **given: Any
+    ) -> Diagnostic:
+        """The rule's finding at a node. row: which one, of a node that is a long run."""
+        if self.file.origin is None or node.span is None:
+            return rule(path=self.file.path, place=self.module.name, **given)
+        source, span = self.file.origin.source, node.span
+        if row is not None and isinstance(node, s.TargetRunNode | s.MoveRunNode):
+            span = _row_span(source.text, span, row)
+        return source.finding(rule, span, **given)
+
+
+_ROW: Final = re.compile(r"(?:\s++|![^\n]*+)*+((?:[^;!]|![^\n]*+)*+;)")
+
+
+def _row_span(text: str, run: Span, row: int) -> Span:
+    """Where one row of a long run stands, its `;` included."""
+    match = next(islice(_ROW.finditer(text, run.start, run.end), row, None), None)
+    return Span(*match.span(1)) if match else run

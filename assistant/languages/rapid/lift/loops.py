@@ -1,0 +1,339 @@
+"""Counting loops: the pseudo-program's count a variable, RAPID's have one of their own.
+
+The variable of a RAPID `FOR` is read-only, is seen in the loop only and hides what has its name
+outside. A `for` of the pseudo-program counts an ordinary variable: what the loop changes in it is
+seen outside, and afterwards it holds the value past the end. Both mean the same where nothing but
+the loop uses the variable.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+from assistant.languages.rapid import rules
+from assistant.languages.rapid.lift.sequences import mentioned
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.diagnostics import Diagnostic
+from assistant.program.program import Procedure, Program, Variable, bodies, identifier, walk
+from assistant.program.rewriting import Body, head, map_bodies, map_head, records
+
+Found = dict[tuple[str, str], Diagnostic]
+
+
+def counted(program: Program) -> tuple[Program, list[Diagnostic]]:
+    """The program with loops that RAPID counts as meant, and a finding for each other one.
+
+    A loop whose variable is used outside becomes a `while`, as RAPID has no other way to say it.
+    """
+    found: Found = {}
+    while True:
+        uses = _Uses(program)
+        rewriter = _Whiles(program, uses, found)
+        changed = tuple(replace(q, body=rewriter.body(q.body, q)) for q in program.procedures)
+        if not rewriter.changed:
+            return program, list(found.values())
+        program = replace(program, procedures=changed)
+
+
+def apart(program: Program) -> Program:
+    """A program lifted from RAPID, in which a loop that hides a name that is used has its own."""
+    uses = _Uses(program)
+    taken = {n.lower() for n in (*_globals(program), *(q.name for q in program.procedures))}
+    for procedure in program.procedures:
+        taken |= {*_own(procedure), *uses.of[id(procedure)].touched}
+
+    def body(statements: Body, procedure: Procedure) -> Body:
+        out: list[p.Statement] = []
+        for x in statements:
+            x = map_bodies(x, lambda b: body(b, procedure))
+            if isinstance(x, p.For) and uses.outside(x, procedure, verbatim=False):
+                name = identifier(x.variable, taken)
+                taken.add(name.lower())
+                x = replace(x, variable=name, body=_renamed(x.body, x.variable, name))
+            out.append(x)
+        return tuple(out)
+
+    if not any(isinstance(x, p.For) for x in program.statements()):
+        return program
+    procedures = tuple(replace(q, body=body(q.body, q)) for q in program.procedures)
+    return replace(program, procedures=procedures)
+
+
+def _renamed(body: Body, old: str, new: str) -> Body:
+    """The body with another name for a variable, but for loops inside that hide it."""
+    word = re.compile(rf'"[^"]*"|(?<![\\.\w]){re.escape(old)}(?!\w)', re.IGNORECASE)
+
+    def other(text: str) -> str:
+        return word.sub(lambda m: m[0] if m[0].startswith('"') else new, text)
+
+    def change(x: e.Expression) -> e.Expression:
+        match x:
+            case e.Name(name) if name.lower() == old.lower():
+                return e.Name(new)
+            case e.Verbatim(language, text):
+                return e.Verbatim(language, other(text))
+        return x
+
+    out: list[p.Statement] = []
+    for x in body:
+        hides = isinstance(x, p.For) and x.variable.lower() == old.lower()
+        x = map_head(x, change)
+        if isinstance(x, p.Opaque):
+            x = replace(x, text=other(x.text))
+        out.append(x if hides else map_bodies(x, lambda b: _renamed(b, old, new)))
+    return tuple(out)
+
+
+# What uses what
+
+
+@dataclass(slots=True)
+class _Use:
+    """Lower-case names. read: outside loops that count them. called: of procedures, functions."""
+
+    read: set[str]
+    touched: set[str]
+    called: set[str]
+
+    @classmethod
+    def of(cls, body: Body) -> _Use:
+        use = cls(set(), set(), set())
+        use.body(body, frozenset())
+        return use
+
+    def body(self, body: Body, counts: frozenset[str]) -> None:
+        for x in body:
+            if isinstance(x, p.Follow):
+                continue
+            used: Any = head(x)
+            if isinstance(x, p.Assign) and isinstance(x.target, e.Name):
+                self.touched.add(x.target.name.lower())
+                used = x.value
+            names = {n.lower() for n in mentioned(used)}
+            self.touched |= names
+            self.read |= names - counts
+            self.called |= _called(used)
+            inner = counts
+            if isinstance(x, p.For):
+                self.touched.add(x.variable.lower())
+                inner = counts | {x.variable.lower()}
+            for held in bodies(x):
+                self.body(held, inner)
+
+
+class _Uses:
+    def __init__(self, program: Program) -> None:
+        self.program = program
+        self.of = {id(q): _Use.of(q.body) for q in program.procedures}
+        self.known = {n.lower() for n in _globals(program)}
+        self.words = {
+            w.lower() for d in program.declarations for w in re.findall(r"[A-Za-z]\w*", d.text)
+        }
+
+    def outside(self, x: p.For, procedure: Procedure, *, verbatim: bool) -> str:
+        """What tells the loop's variable from one of the loop's own, empty if nothing does.
+
+        verbatim: whether statements of RAPID inside could assign it.
+        """
+        name = x.variable.lower()
+        if name in writes(x.body, self.program, verbatim=verbatim):
+            return "is assigned inside the loop"
+        if name in self.of[id(procedure)].read:
+            return "is used outside the loop"
+        own = next((q for q in procedure.parameters if q.name.lower() == name), None)
+        if own is not None:
+            return "is handed back to the caller" if own.mode == "inout" else ""
+        if name in _own(procedure) or name not in self.known:
+            return ""
+        others = [q for q in self.program.procedures if name not in _own(q)]
+        called = self.reached(_Use.of(x.body).called)
+        if (
+            name in self.words
+            or any(name in self.of[id(q)].read for q in others)
+            or any(name in self.of[id(q)].touched for q in others if q.name.lower() in called)
+        ):
+            return "is used in another procedure"
+        return ""
+
+    def reached(self, called: set[str]) -> set[str]:
+        """The names called, and those that procedures of these names call."""
+        found, pending = set(called), set(called)
+        while pending:
+            name = pending.pop()
+            for q in self.program.procedures:
+                if q.name.lower() == name:
+                    new = self.of[id(q)].called - found
+                    found |= new
+                    pending |= new
+        return found
+
+
+def writes(body: Body, program: Program, *, verbatim: bool = True) -> set[str]:
+    """Lower-case names that a body assigns, counts or hands over to be assigned.
+
+    verbatim: whether every name in a statement of RAPID counts as one.
+    """
+    found: set[str] = set()
+    for x in walk(body):
+        match x:
+            case p.Follow():
+                continue
+            case p.Assign(target):
+                while isinstance(target, e.Member | e.Index):
+                    target = target.value
+                if isinstance(target, e.Name):
+                    found.add(target.name.lower())
+            case p.For():
+                found.add(x.variable.lower())
+            case p.Opaque() if verbatim:
+                found |= {n.lower() for n in mentioned(x)}
+        for part in records(head(x)):
+            if isinstance(part, p.Call | e.Apply):
+                name = part.procedure if isinstance(part, p.Call) else part.function
+                called = program.procedure(name)
+                pairs = zip(part.arguments, called.parameters if called else (), strict=False)
+                for argument, parameter in pairs:
+                    if parameter.mode == "inout":
+                        found |= {n.lower() for n in mentioned(argument)}
+    return found
+
+
+def _called(node: Any) -> set[str]:
+    found: set[str] = set()
+    for part in records(node):
+        match part:
+            case p.Call():
+                found.add(part.procedure.lower())
+            case e.Apply():
+                found.add(part.function.lower())
+            case e.Verbatim() | p.Opaque():
+                found |= {n.lower() for n in mentioned(part)}
+    return found
+
+
+def _globals(program: Program) -> Iterator[str]:
+    for table in (program.variables, program.targets, program.joint_targets, program.signals):
+        yield from table
+
+
+def _own(procedure: Procedure) -> set[str]:
+    """Lower-case names of its parameters and variables."""
+    names = (*(q.name for q in procedure.parameters), *procedure.variables)
+    return {n.lower() for n in names}
+
+
+# Loops as RAPID can say them
+
+
+class _Whiles:
+    def __init__(
+        self, program: Program, uses: _Uses, found: dict[tuple[str, str], Diagnostic]
+    ) -> None:
+        self.program, self.uses, self.found = program, uses, found
+        self.changed = False
+
+    def body(self, body: Body, procedure: Procedure) -> Body:
+        out: list[p.Statement] = []
+        for x in body:
+            if isinstance(x, p.For):
+                why = self.uses.outside(x, procedure, verbatim=self.declared(x, procedure))
+                if why:
+                    as_while = self.as_while(x, procedure)
+                    place = f"{procedure.name}, `for {x.variable}`"
+                    if as_while is None:
+                        found = rules.COUNTER(name=x.variable, why=why, place=place, span=x.span)
+                        self.found[place, "refused"] = found
+                    else:
+                        self.found[place, "changed"] = rules.CHANGED(
+                            what=f"the `for` over `{x.variable}`, which {why},",
+                            instead="a `while`",
+                            hint="a loop of RAPID has a variable of its own; "
+                            "use another name if that is meant",
+                            place=place,
+                            span=x.span,
+                        )
+                        self.changed = True
+                        out += as_while
+                        continue
+            out.append(map_bodies(x, lambda b: self.body(b, procedure)))
+        return tuple(out)
+
+    def declared(self, x: p.For, procedure: Procedure) -> bool:
+        return x.variable.lower() in self.uses.known | _own(procedure)
+
+    def as_while(self, x: p.For, procedure: Procedure) -> list[p.Statement] | None:
+        """The same counting said with a variable, None where that cannot be told."""
+        if not isinstance(x.step, e.Number) or not x.step.value:
+            return None
+        if not _countable(x.variable, procedure, self.program):
+            return None
+        assigned = writes(x.body, self.program) | {x.variable.lower()}
+        if not self.steady(x.last, procedure, x.body, assigned):
+            return None
+        name, step = e.Name(x.variable), x.step.value
+        relation, operator = ("<=", "+") if step > 0 else (">=", "-")
+        further = e.Binary(operator, name, e.Number(abs(step)))  # type: ignore[arg-type]
+        condition = e.Binary(relation, name, x.last)  # type: ignore[arg-type]
+        body = (*x.body, p.Assign(name, further))
+        return [p.Assign(name, x.first, span=x.span), p.While(condition, body, span=x.span)]
+
+    def steady(
+        self, last: e.Expression, procedure: Procedure, body: Body, assigned: set[str]
+    ) -> bool:
+        """Whether the last value is the same however often it is computed."""
+        match last:
+            case e.Number():
+                return True
+            case e.Unary(_, operand):
+                return self.steady(operand, procedure, body, assigned)
+            case e.Binary(_, left, right):
+                return all(self.steady(q, procedure, body, assigned) for q in (left, right))
+            case e.Name(name) if name.lower() not in assigned:
+                variable = _variable(name, procedure, self.program)
+                if variable is None:
+                    return False
+                alone = name.lower() in _own(procedure) or variable.storage == "constant"
+                return alone or not _Use.of(body).called
+        return False
+
+
+def _variable(name: str, procedure: Procedure, program: Program) -> Variable | None:
+    """The variable or parameter of that name as a procedure sees it."""
+    for q in procedure.parameters:
+        if q.name.lower() == name.lower():
+            return Variable(q.type)
+    tables: tuple[Mapping[str, Variable], ...] = (procedure.variables, program.variables)
+    found = (v for table in tables for n, v in table.items() if n.lower() == name.lower())
+    return next(found, None)
+
+
+def _countable(name: str, procedure: Procedure, program: Program) -> bool:
+    variable = _variable(name, procedure, program)
+    return (
+        variable is not None
+        and variable.type in COUNTABLE
+        and variable.storage != "constant"
+        and not variable.size
+    )
+
+
+COUNTABLE: Final = ("number", "integer")
+
+
+def ascends(first: e.Expression, last: e.Expression) -> bool | None:
+    """Whether the bounds of a loop go upwards; None if they are not plain numbers."""
+    bounds = [_plain_number(x) for x in (first, last)]
+    return None if bounds[0] is None or bounds[1] is None else bounds[0] <= bounds[1]
+
+
+def _plain_number(x: e.Expression) -> float | None:
+    match x:
+        case e.Number(value):
+            return value
+        case e.Unary("-", e.Number(value)):
+            return -value
+    return None

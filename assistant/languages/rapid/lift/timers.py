@@ -1,0 +1,97 @@
+"""Clocks that are restarted and read, and nothing else: timers of the pseudo-program.
+
+`ClkReset` stops a clock that runs and sets it to 0, `ClkStart` lets it run from there (RAPID
+reference manual, instructions). A clock that is stopped, or started without a reset, stays as
+it is written.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import replace
+from itertools import chain, pairwise
+from typing import Final
+
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.walk import lists, nodes
+from assistant.program import expressions as e
+from assistant.program.program import Program
+from assistant.program.rewriting import map_expressions
+
+TYPE: Final = "clock"
+READ: Final = "clkread"
+
+
+def clocks(modules: Sequence[s.Module]) -> frozenset[str]:
+    """Lower-case names of the clocks that are timers: of a module, restarted and read only."""
+    items = tuple(item for module in modules for item in module.items)
+    declared = Counter(
+        item.name.lower() for item in items if isinstance(item, s.Data) and _is_clock(item)
+    )
+    if not declared:
+        return frozenset()
+    named: Counter[str] = Counter()
+    meant: Counter[str] = Counter()
+    for node in nodes(items):
+        match node:
+            case s.NameRef(name):
+                named[name.lower()] += 1
+            case s.FunctionCall() if (clock := read(node)) is not None:
+                meant[clock] += 1
+            case s.Data(name=str(name)) | s.ParameterNode(name=str(name)):
+                named[name.lower()] += 1
+            case s.ForLoop(variable=str(name)):
+                named[name.lower()] += 2  # hides it
+    routines = (item for item in items if isinstance(item, s.Routine))
+    started: set[str] = set()
+    for body in chain.from_iterable(map(lists, routines)):
+        for pair in pairwise(body):
+            if (again := restarted(*pair)) is not None:
+                meant[again] += 2
+                started.add(again)
+    alone = {name for name, count in declared.items() if count == 1}
+    return frozenset(n for n in alone & started if named[n] == meant[n] + 1)
+
+
+def restarted(first: s.Node, second: s.Node) -> str | None:
+    """The lower-case name of the clock that `ClkReset c; ClkStart c;` restarts."""
+    match first, second:
+        case (
+            s.ProcedureCall(str(reset), (s.Positional(s.NameRef(name), None),)),
+            s.ProcedureCall(str(start), (s.Positional(s.NameRef(same), None),)),
+        ) if (reset.lower(), start.lower(), name.lower()) == ("clkreset", "clkstart", same.lower()):
+            return name.lower()
+    return None
+
+
+def read(node: s.FunctionCall) -> str | None:
+    """The lower-case name of the clock that `ClkRead(c)` reads."""
+    match node:
+        case s.FunctionCall(str(word), (s.Positional(s.NameRef(name), None),)) if (
+            word.lower() == READ
+        ):
+            return name.lower()
+    return None
+
+
+def _is_clock(item: s.Data) -> bool:
+    plain = item.storage == "VAR" and item.scope != "TASK" and item.value is None
+    return plain and item.type.lower() == TYPE and not item.dimensions
+
+
+def with_timers(
+    program: Program, timers: Collection[str], original: Callable[[str], str]
+) -> Program:
+    """The program with what reads a clock as what reads a timer. timers: lower-case names."""
+    if not timers:
+        return program
+    known = {original(name).lower() for name in timers}
+
+    def elapsed(value: e.Expression) -> e.Expression:
+        match value:
+            case e.Apply(function, (e.Name(name),)) if function.lower() == READ:
+                return e.Elapsed(name) if name.lower() in known else value
+        return value
+
+    return replace(program, procedures=map_expressions(program.procedures, elapsed))

@@ -1,0 +1,88 @@
+"""Conditions: RAPID's are truth values, while elsewhere a number that is not 0 holds as well."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+from assistant.languages.rapid.lift.messages import Kinds
+from assistant.languages.rapid.tables.words import COMPONENTS
+from assistant.program import expressions as e
+from assistant.program import statements as p
+
+_ARITHMETIC: Final = ("+", "-", "*", "/", "div", "mod", "^")
+_TRUTHS: Final = (*e.LOGICAL, *e.RELATIONS)
+_NUMBERS: Final = ("number", "integer")
+
+
+def with_conditions(statement: p.Statement, known: Kinds) -> p.Statement:
+    """The statement with its own conditions as truth values; bodies are left alone."""
+    match statement:
+        case p.If(branches):
+            made = tuple(replace(b, condition=condition(b.condition, known)) for b in branches)
+            return replace(statement, branches=made)
+        case p.While() | p.WaitUntil():
+            return replace(statement, condition=condition(statement.condition, known))
+    return statement
+
+
+def compared(x: e.Expression, known: Kinds) -> e.Expression:
+    """A truth that is compared with 0 or 1 as itself: RAPID compares it with truths only."""
+    match x:
+        case e.Binary("=" | "<>" as operator, left, e.Number(value)) if value in (
+            0,
+            1,
+        ) and is_truth(left, known):
+            return e.Unary("not", left) if (operator == "=") == (value == 0) else left
+    return x
+
+
+def as_truth(x: e.Expression) -> e.Expression:
+    """The value of a truth: 0 and 1 stand for them elsewhere."""
+    return e.Truth(x.value != 0) if isinstance(x, e.Number) else x
+
+
+def is_truth(x: e.Expression, known: Kinds) -> bool:
+    match x:
+        case e.Name(name) | e.Index(e.Name(name)):
+            return known.get(name.lower()) == "truth"
+        case e.Binary(operator):
+            return operator in _TRUTHS
+        case e.Unary("not") | e.Truth():
+            return True
+    return False
+
+
+def condition(x: e.Expression, known: Kinds) -> e.Expression:
+    """The expression, or that it is not 0 if it is a number."""
+    match x:
+        case e.Number(value):
+            return e.Truth(value != 0)
+        case e.Binary("and" | "or" | "xor", left, right):
+            return replace(x, left=condition(left, known), right=condition(right, known))
+        case e.Unary("not", operand):
+            return e.Unary("not", condition(operand, known))
+    return e.Binary("<>", x, e.Number(0)) if _is_number(x, known) else x
+
+
+def is_position(x: e.Expression, known: Kinds) -> bool:
+    """Whether it is a target, which has more than the pose that it is at."""
+    match x:
+        case e.Name(name) | e.Index(e.Name(name)):
+            return known.get(name.lower()) == "position"
+    return isinstance(x, e.TargetValue)
+
+
+def _is_number(x: e.Expression, known: Kinds) -> bool:
+    match x:
+        case e.Name(name):
+            return known.get(name.lower()) in _NUMBERS
+        case e.Index(value):
+            return _is_number(value, known)
+        case e.Member(_, field):
+            return field in COMPONENTS
+        case e.Unary("-") | e.Number():
+            return True
+        case e.Binary(operator):
+            return operator in _ARITHMETIC
+    return False

@@ -1,0 +1,93 @@
+"""Poses, tools, frames and targets as RAPID can say them, with a finding for each change."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from assistant.languages.rapid import rules
+from assistant.languages.rapid.lower.adapt.findings import Findings
+from assistant.languages.rapid.lower.data import SIZES_PLACES
+from assistant.languages.rapid.tables.words import LEAST_CENTRE, LEAST_MASS, UNUSED
+from assistant.languages.rapid.tree.runs import JOINT_PLACES, POSITION_PLACES, QUATERNION_PLACES
+from assistant.program import rotations
+from assistant.program.geometry import (
+    Configuration,
+    Frame,
+    JointTarget,
+    Load,
+    Pose,
+    Target,
+    Tool,
+)
+
+
+def sayable_tool(tool: Tool, name: str, findings: Findings) -> Tool:
+    """With a load that the controller takes."""
+    load = tool.load
+    if load is None:
+        findings.append(rules.NO_LOAD(name=name, place=name))
+        load = Load(LEAST_MASS, LEAST_CENTRE)
+    if load.mass < LEAST_MASS:
+        findings.changed(
+            f"the mass of tool `{name}`", f"{LEAST_MASS} kg", "state the tool's mass", name
+        )
+        load = replace(load, mass=LEAST_MASS)
+    if not any(load.centre):
+        findings.changed(
+            f"the centre of gravity of tool `{name}`, which is none",
+            "0.001 mm before the flange",
+            "state the tool's centre of gravity",
+            name,
+        )
+        load = replace(load, centre=LEAST_CENTRE)
+    return replace(tool, tip=sayable_pose(tool.tip, findings), load=_printed(load))
+
+
+def sayable_frame(frame: Frame, findings: Findings) -> Frame:
+    user, object = (sayable_pose(x, findings) for x in (frame.user, frame.object))
+    return replace(frame, user=user, object=object)
+
+
+def sayable_target(target: Target, place: str, findings: Findings) -> Target:
+    """With a configuration."""
+    configuration = target.configuration
+    if configuration is None:
+        findings.append(rules.NO_CONFIGURATION(place=place))
+        configuration = Configuration()
+    return Target(sayable_pose(target.pose, findings), configuration, _axes(target.external))
+
+
+def sayable_joints(target: JointTarget, place: str, findings: Findings) -> JointTarget:
+    """With six joints."""
+    joints = target.joints
+    if len(joints) > 6:
+        findings.cannot(f"{len(joints)} joints", "use six; further axes are external", place)
+    if len(joints) < 6 or any(j != j for j in joints):
+        findings.changed("a joint that is not stated", "0 degrees", "state every joint", place)
+        joints = tuple(0.0 if j != j else j for j in joints) + (0.0,) * (6 - len(joints))
+    joints = tuple(round(j, JOINT_PLACES) + 0.0 for j in joints)
+    return JointTarget(joints, _axes(target.external))
+
+
+def sayable_pose(pose: Pose, findings: Findings) -> Pose:
+    """With a quaternion of one spelling."""
+    quaternion = np.array(pose.quaternion)
+    if not np.isfinite(quaternion).all() or np.linalg.norm(quaternion) < 0.5:
+        findings.append(rules.NOT_FINITE(what="an orientation"))
+        return pose
+    return Pose.of(np.array(pose.position), rotations.canonical(quaternion))
+
+
+def _axes(values: tuple[float, ...]) -> tuple[float, ...]:
+    """External axes as they are printed, NaN for an unused one."""
+    return tuple(float("nan") if v >= UNUSED else round(v, JOINT_PLACES) + 0.0 for v in values)
+
+
+def _printed(load: Load) -> Load:
+    """A load as it is printed."""
+    x, y, z = (round(v, POSITION_PLACES) + 0.0 for v in load.centre)
+    a, b, c, d = (round(v, QUATERNION_PLACES) + 0.0 for v in load.axes)
+    i, j, k = (round(v, SIZES_PLACES) + 0.0 for v in load.inertia)
+    return Load(round(load.mass, SIZES_PLACES), (x, y, z), (a, b, c, d), (i, j, k))

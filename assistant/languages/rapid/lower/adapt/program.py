@@ -1,0 +1,135 @@
+"""A pseudo-program as RAPID can say it: what is rewritten, and a finding for each change."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from assistant.languages.language import Adapted
+from assistant.languages.rapid import rules
+from assistant.languages.rapid.lift.data import fixed_target
+from assistant.languages.rapid.lift.loops import counted
+from assistant.languages.rapid.lift.places import with_places
+from assistant.languages.rapid.lift.sequences import with_paths
+from assistant.languages.rapid.lift.signals import read_by_another_name, uses, with_used
+from assistant.languages.rapid.lower.adapt.data import (
+    sayable_frame,
+    sayable_joints,
+    sayable_target,
+    sayable_tool,
+)
+from assistant.languages.rapid.lower.adapt.expressions import sayable_variable
+from assistant.languages.rapid.lower.adapt.findings import Findings
+from assistant.languages.rapid.lower.adapt.motions import Motions
+from assistant.languages.rapid.lower.adapt.splitting import split
+from assistant.languages.rapid.lower.adapt.statements import StatementAdapter, sayable_comment
+from assistant.languages.rapid.lower.names import naming, units
+from assistant.languages.rapid.lower.program import build
+from assistant.languages.rapid.tables.words import LONGEST_NAME, MOST_TARGETS, PREDEFINED, RESERVED
+from assistant.languages.rapid.text import verbatim
+from assistant.program import statements as p
+from assistant.program.diagnostics import Refused, has_errors
+from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
+from assistant.program.program import Procedure, Program
+from assistant.program.rewriting import map_bodies
+
+
+def adapt(program: Program, most_targets: int | None = None) -> Adapted:
+    """most_targets: of one module, None for MOST_TARGETS."""
+    findings = Findings()
+    try:
+        adapted, loops = counted(with_places(_sayable(program, findings)))
+        findings += loops
+        adapted = split(with_paths(adapted), most_targets or MOST_TARGETS, findings)
+        _find_names(adapted, findings)
+        _find_shared_outputs(adapted, findings)
+        _find_unbuildable(adapted, findings)
+    except Refused as refused:
+        findings += refused.findings
+        adapted = program
+    return Adapted(adapted, tuple(findings))
+
+
+def _sayable(program: Program, findings: Findings) -> Program:
+    for declaration in program.declarations:
+        if declaration.language != verbatim.LANGUAGE:
+            with findings.at(declaration.span):
+                findings.append(rules.OTHER_LANGUAGE(**verbatim.foreign(declaration)))
+    motions = Motions(program, findings)
+    targets = {n: sayable_target(t, n, findings) for n, t in program.targets.items()}
+    joints = {n: sayable_joints(t, n, findings) for n, t in program.joint_targets.items()}
+    variables = {n: sayable_variable(v, n, findings) for n, v in program.variables.items()}
+    for name, variable in list(variables.items()):
+        match None if variable.local else fixed_target(variable):
+            case Target() as target:
+                targets[name] = target
+                del variables[name]
+            case JointTarget() as joint_target:
+                joints[name] = joint_target
+                del variables[name]
+    statements = StatementAdapter(program, motions, findings)
+    procedures = tuple(map(statements.procedure, program.procedures))
+    entry = program.entry
+    if entry is not None and program.procedure(entry) is None:
+        entry = None
+    frames = {n: f for n, f in program.frames.items() if n.lower() != BASE}
+    tools = {n: t for n, t in program.tools.items() if n.lower() != FLANGE}
+    return replace(
+        program,
+        entry=entry,
+        comments=tuple(sayable_comment(c, findings) for c in program.comments),
+        frames={n: sayable_frame(f, findings) for n, f in frames.items()},
+        tools={n: sayable_tool(t, n, findings) for n, t in tools.items()},
+        speeds=motions.speeds.table(),
+        blends=motions.blends.table(),
+        signals=with_used(
+            program.signals, uses(replace(program, procedures=procedures).statements())
+        ),
+        targets={**targets, **statements.targets},
+        joint_targets=joints,
+        variables=variables,
+        procedures=procedures,
+    )
+
+
+def _find_names(program: Program, findings: Findings) -> None:
+    for short, name in naming(program).changed:
+        why = _why(name)
+        findings.append(rules.SHORTENED(name=name, short=short, why=why, place=name))
+
+
+def _find_shared_outputs(program: Program, findings: Findings) -> None:
+    for statement, name, other in read_by_another_name(program):
+        with findings.at(statement.span):
+            findings.append(rules.NO_MEANING(
+                what=f"that `{name}` is read, which is set as part of `{other}`",
+                hint="read and set the output by one name, or keep its value in a variable",
+            ))  # fmt: skip
+
+
+def _why(name: str) -> str:
+    """Why something cannot have its own name."""
+    if len(name) > LONGEST_NAME:
+        return "it has more than 32 characters"
+    return "it is a word of RAPID" if name.lower() in RESERVED | PREDEFINED else "it is taken"
+
+
+def _find_unbuildable(program: Program, findings: Findings) -> None:
+    """A finding for each procedure or declaration that cannot be built."""
+    data = [] if has_errors(findings) else [replace(program, procedures=())]
+    for tried in (*data, *(_alone(program, q) for q in program.procedures)):
+        try:
+            for unit in (None, *units(tried)):
+                build(tried, unit)
+        except Refused as refused:
+            known = {(f.code, f.message, f.span) for f in findings}
+            findings += [f for f in refused.findings if (f.code, f.message, f.span) not in known]
+
+
+def _alone(program: Program, procedure: Procedure) -> Program:
+    """A program of one procedure, without its paths."""
+
+    def few(body: tuple[p.Statement, ...]) -> tuple[p.Statement, ...]:
+        return tuple(map_bodies(x, few) for x in body if not isinstance(x, p.Follow))
+
+    one = replace(procedure, body=few(procedure.body))
+    return Program(program.name, (one,), procedure.name, signals=program.signals)

@@ -1,0 +1,221 @@
+"""Procedures and statements as RAPID can say them, with a finding for each change."""
+
+from __future__ import annotations
+
+import unicodedata
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import Any, Final, Literal
+
+from assistant.languages.rapid import rules
+from assistant.languages.rapid.lift.messages import Kinds, kinds, lines, parts
+from assistant.languages.rapid.lift.signals import gripper
+from assistant.languages.rapid.lift.statements import statements_of
+from assistant.languages.rapid.lower.adapt.conditions import (
+    as_truth,
+    compared,
+    is_position,
+    is_truth,
+    with_conditions,
+)
+from assistant.languages.rapid.lower.adapt.expressions import (
+    floor,
+    sayable_expression,
+    sayable_variable,
+)
+from assistant.languages.rapid.lower.adapt.findings import Findings
+from assistant.languages.rapid.lower.adapt.motions import Motions
+from assistant.languages.rapid.tables.words import LEAST_ACCELERATION, LONGEST_STRING
+from assistant.languages.rapid.text import verbatim
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.diagnostics import has_errors
+from assistant.program.geometry import Target
+from assistant.program.path import Kind
+from assistant.program.program import Procedure, Program, identifier
+from assistant.program.rewriting import is_repeatable, map_bodies, map_head
+
+
+class StatementAdapter:
+    """targets: those that paths of a single one become, filled as procedures are adapted."""
+
+    def __init__(self, program: Program, motions: Motions, findings: Findings) -> None:
+        self.program, self.motions, self.findings = program, motions, findings
+        self.signals = {n.lower(): g for n, g in program.signals.items()}
+        self.targets: dict[str, Target] = {}
+        self.known: Kinds = {}
+        self._expression = partial(sayable_expression, findings=findings)
+
+    def procedure(self, procedure: Procedure) -> Procedure:
+        with self.findings.at(procedure.span):
+            return self._procedure(procedure)
+
+    def _procedure(self, procedure: Procedure) -> Procedure:
+        self.known = kinds(self.program, procedure)
+        variables = {
+            n: sayable_variable(v, n, self.findings) for n, v in procedure.variables.items()
+        }
+        for name, variable in variables.items():
+            if variable.storage == "persistent":
+                self.findings.cannot(
+                    f"the persistent `{name}` inside a procedure", "declare it outside"
+                )
+            if variable.local:
+                variables[name] = replace(variable, local=False)
+        parameters = tuple(
+            replace(q, type="number") if q.type == "integer" else q for q in procedure.parameters
+        )
+        result = "number" if procedure.result == "integer" else procedure.result
+        return replace(
+            procedure,
+            body=self._body(procedure.body),
+            variables=variables,
+            parameters=parameters,
+            result=result,
+        )
+
+    def _body(self, body: tuple[p.Statement, ...]) -> tuple[p.Statement, ...]:
+        out: list[p.Statement] = []
+        for statement in body:
+            with self.findings.at(statement.span):
+                out += self._statement(statement)
+        return tuple(out)
+
+    def _sayable(self, x: e.Expression) -> e.Expression:
+        match x:
+            case e.Apply("floor", (inner,)) if is_repeatable(inner):
+                x = floor(inner)
+            case e.Apply("inverse", (inner,)) if is_position(inner, self.known):
+                self.findings.cannot(
+                    "the inverse of a target", "work it out beforehand, or take a pose for it"
+                )
+        return compared(self._expression(x), self.known)
+
+    def _statement(self, statement: p.Statement) -> Changed:
+        change = CHANGES.get(type(statement))
+        node = map_head(map_bodies(statement, self._body), self._sayable)
+        node = with_conditions(node, self.known)
+        made = [node] if change is None else change(self, node)
+        return [x if x.span else replace(x, span=statement.span) for x in made]
+
+
+def sayable_comment(text: str, findings: Findings) -> str:
+    """One line of ASCII."""
+    letters = (c for c in unicodedata.normalize("NFKD", text) if not unicodedata.combining(c))
+    plain = "".join(letters).encode("ascii", "replace").decode("ascii")
+    plain = "".join(c if c.isprintable() else " " for c in plain).strip()
+    if plain != text.strip():
+        findings.changed("a comment", f"`{plain[:40]}`", "use one line of ASCII")
+    return plain
+
+
+Changed = list[p.Statement]
+
+
+def _motion(a: StatementAdapter, x: Any) -> Changed:
+    return [replace(x, motion=a.motions.motion(x.motion))]
+
+
+def _follow(a: StatementAdapter, x: p.Follow) -> Changed:
+    if not len(x.path):
+        a.findings.changed(
+            f"the path `{x.path.name}`, which has no targets", "nothing", "leave it out"
+        )
+        return []
+    path = a.motions.path(x.path)
+    if len(path) > 1 or has_errors(a.findings):
+        return [replace(x, path=path)]
+    name = identifier(f"{path.name}_1", {*a.program.targets, *a.targets, *a.program.variables})
+    a.targets[name] = path.target(0)
+    kind: Literal["joint", "linear"] = "joint" if path.kinds[0] == Kind.JOINT else "linear"
+    speed, blend = path.speeds[path.speed[0]], path.blends[path.blend[0]]
+    motion = p.Motion(speed, blend, path.tools[path.tool[0]], path.frames[path.frame[0]])
+    return [p.Move(kind, e.Name(name), motion, span=x.span)]
+
+
+def _wait_signal(a: StatementAdapter, x: p.WaitSignal) -> Changed:
+    value = _bit(x.value)
+    signal = a.signals.get(x.signal.lower())
+    if signal is not None and signal.kind == "analog":
+        condition = e.Binary("=", e.Name(x.signal), value)
+        return [p.WaitUntil(condition, x.timeout, span=x.span)]
+    return [replace(x, value=value)]
+
+
+def _bit(value: e.Expression) -> e.Expression:
+    return e.Number(int(value.value)) if isinstance(value, e.Truth) else value
+
+
+def _assign(a: StatementAdapter, x: p.Assign) -> Changed:
+    return [replace(x, value=as_truth(x.value)) if is_truth(x.target, a.known) else x]
+
+
+def _set_signal(_: StatementAdapter, x: p.SetSignal) -> Changed:
+    value = _bit(x.value)
+    hand = gripper(x.signal, value) if x.pulse is None else None
+    if hand is not None:
+        return [replace(hand, span=x.span)]
+    return [replace(x, value=value)]
+
+
+def _acceleration(a: StatementAdapter, x: p.SetAcceleration) -> Changed:
+    one, two = x.acceleration, x.deceleration
+    if isinstance(one, e.Number) and isinstance(two, e.Number):
+        least = max(min(one.value, two.value), LEAST_ACCELERATION)
+        if (least, least) != (one.value, two.value):
+            a.findings.changed(
+                f"acceleration {one.value} and deceleration {two.value} percent",
+                f"{least} percent for both",
+                "AccSet has one value of 20 percent or more",
+            )
+        value: e.Expression = e.Number(least)
+    else:
+        if one != two:
+            a.findings.changed(
+                "the deceleration", "the acceleration", "AccSet has one value for both"
+            )
+        value = one
+    return [replace(x, acceleration=value, deceleration=value)]
+
+
+def _comment(a: StatementAdapter, x: p.Comment) -> Changed:
+    return [replace(x, text=sayable_comment(x.text, a.findings))]
+
+
+def _message(a: StatementAdapter, x: p.Message) -> Changed:
+    """As many messages as it takes for 80 characters each."""
+    rows = lines(parts(x, a.known) or (e.Text(""),), LONGEST_STRING)
+    if len(rows) > 1:
+        a.findings.changed(
+            "a message of more than 80 characters", f"{len(rows)} messages", "write a shorter one"
+        )
+    return [p.Message(tuple(row), span=x.span) for row in rows]
+
+
+def _switch(_: StatementAdapter, x: p.Switch) -> Changed:
+    """A case of no value is never chosen, and there are no words for it."""
+    return [replace(x, cases=tuple(case for case in x.cases if case.values))]
+
+
+def _opaque(a: StatementAdapter, x: p.Opaque) -> Changed:
+    if x.language != verbatim.LANGUAGE:
+        a.findings.append(rules.OTHER_LANGUAGE(**verbatim.foreign(x)))
+        return [x]
+    return list(statements_of(x.text, a.program))
+
+
+CHANGES: Final[dict[type, Callable[[StatementAdapter, Any], Changed]]] = {
+    p.Move: _motion,
+    p.MoveCircular: _motion,
+    p.MoveJoints: _motion,
+    p.Follow: _follow,
+    p.WaitSignal: _wait_signal,
+    p.Assign: _assign,
+    p.SetSignal: _set_signal,
+    p.SetAcceleration: _acceleration,
+    p.Comment: _comment,
+    p.Message: _message,
+    p.Switch: _switch,
+    p.Opaque: _opaque,
+}

@@ -1,0 +1,152 @@
+"""A damaged place of a text, and a change that may mend it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Final
+
+from assistant.languages.lalr import Tables
+from assistant.languages.rapid.reading.recovery import indentation
+from assistant.languages.rapid.reading.recovery.lexemes import Lexeme
+
+
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """The stack as it was at an IF without THEN.
+
+    line_end: of the line that IF stands on. values: each with the length of its list.
+    """
+
+    at: int
+    line_end: int
+    states: tuple[Any, ...]
+    values: tuple[tuple[Any, int], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Repair:
+    """A change of the stack and of the place where reading goes on.
+
+    kind: a key of `wording.SAYING`. keep: values that stay. put: words to shift then.
+    resume: offset to go on from. start, end: the place to show. what: the word concerned.
+    kept: a stack to go back to instead of keeping `keep` values.
+    """
+
+    kind: str
+    keep: int
+    put: tuple[Lexeme, ...]
+    resume: int
+    start: int
+    end: int
+    what: str = ""
+    silent: bool = False
+    kept: Kept | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Broken:
+    """A damaged place.
+
+    words: from the begin of the statement to some words behind the error. error: row of the word
+    that does not fit. states, types, begins: the parser's stack; of each value on it its terminal
+    (empty for a tree) and its offset (-1 if it was put in). base: values before the statement.
+    """
+
+    text: str
+    words: list[Lexeme]
+    error: int
+    tables: Tables
+    states: list[int]
+    types: tuple[str, ...]
+    begins: tuple[int, ...]
+    base: int
+    kept: tuple[Kept, ...]
+
+    @property
+    def word(self) -> Lexeme:
+        return self.words[self.error]
+
+    @property
+    def before(self) -> str:
+        """The statement as far as it was read."""
+        return self.text[self.words[0].start : self.word.start]
+
+    @property
+    def behind_module(self) -> bool:
+        """Whether a module ends before the place."""
+        return _ENDMODULE.search(self.text, 0, self.word.start) is not None
+
+    @property
+    def closes(self) -> bool:
+        """Whether the word that does not fit begins a line and ends a block that is open."""
+        return self.word.first and any(
+            self.word.type == "_END" + opener[1:] for opener, _ in self.openers()
+        )
+
+    @property
+    def at_file_level(self) -> bool:
+        return self.error == 0 and self.fits(("_MODULE",))
+
+    @property
+    def block(self) -> int:
+        """Begin of the line on which the innermost open block begins."""
+        begin = max((begin for _, begin in self.openers()), default=0)
+        return self.text.rfind("\n", 0, begin) + 1
+
+    @property
+    def previous_end(self) -> int:
+        """Where the word before the error ends."""
+        if self.error:
+            return self.words[self.error - 1].end
+        return indentation.code_end(self.text, self.word.start)
+
+    def accepts(self, terminal: str) -> bool:
+        return self.tables.after(self.states, (terminal,)) is not None
+
+    def fits(self, terminals: Iterable[str]) -> bool:
+        """Whether the statement may be these words."""
+        return self.tables.after(self.states[: self.base + 1], terminals) is not None
+
+    def accepted(self) -> frozenset[str]:
+        return self.tables.fitting(self.states)
+
+    def openers(self) -> list[tuple[str, int]]:
+        """Blocks that are open before the statement, the outermost first: word and offset."""
+        found: list[tuple[str, int]] = []
+        for type, begin in zip(self.types[: self.base], self.begins, strict=False):
+            if "_END" + type[1:] in ENDS:
+                found.append((type, begin))
+            elif type in ENDS:  # read, but not yet put together
+                found.pop()
+        return found
+
+    def reach(self, keep: int, put: Iterable[str], index: int) -> int:
+        """Row of the first word that does not fit behind a change; -1 if the change does not."""
+        stack = self.tables.after(self.states[: keep + 1], put)
+        if stack is None:
+            return -1
+        for row in range(index, len(self.words)):
+            if not self.tables.shift(stack, self.words[row].type):
+                return row
+        return len(self.words)
+
+    def rest_left_out(self) -> Repair:
+        at = len(self.text)
+        return Repair("hole", self.base, (), at, self.word.start, self.word.end)
+
+
+_ENDMODULE: Final = re.compile(r"^[ \t]*endmodule\b", re.IGNORECASE | re.MULTILINE)
+BLOCKS: Final = ("_IF", "_FOR", "_WHILE", "_TEST", "_PROC", "_FUNC", "_TRAP", "_RECORD", "_MODULE")
+ENDS: Final = frozenset("_END" + block[1:] for block in BLOCKS)
+CLAUSES: Final = frozenset(
+    {"_ELSEIF", "_ELSE", "_CASE", "_DEFAULT", "_ERROR", "_BACKWARD", "_UNDO"}
+)
+TEXTS: Final = {"EXP": "<EXP>", "NAME": "<ID>", "SMT": "<SMT>", "DDN": "<DDN>", "RDN": "<RDN>"}
+"""Terminals that stand for what is not there, with their text."""
+
+
+def put(types: Iterable[str], at: int) -> tuple[Lexeme, ...]:
+    """Words of no width at an offset."""
+    return tuple(Lexeme(type, TEXTS.get(type, ""), at, at) for type in types)

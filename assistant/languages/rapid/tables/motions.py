@@ -1,0 +1,147 @@
+"""Speeds and zones between physical values and RAPID's names and records."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, Generic, TypeVar
+
+from assistant.languages.rapid.tables import words as tables
+from assistant.languages.rapid.tables.words import usual_sizes
+from assistant.program.motion import Blend, Speed
+
+T = TypeVar("T")
+
+_SPEED_NAMES: Final = {speed: name for name, speed in tables.SPEEDS.items()}
+_ZONE_NAMES: Final = {blend: name for name, blend in tables.ZONES.items()}
+PLACES: Final = 3
+FASTEST: Final = max(s.tcp for s in tables.SPEEDS.values() if math.isfinite(s.tcp))
+
+WIDEST_CHOSEN: Final = 10.0
+"""mm of a corner without a size, at most: where it is known to lead along, somebody says so."""
+LEAST_CHOSEN: Final = 0.3
+"""mm of one at a crawl: z0."""
+BRAKING: Final = 5000.0
+"""mm/s², as much as arms brake by along a line: with less the way that it takes were longer."""
+
+
+@dataclass(frozen=True, slots=True)
+class Words(Generic[T]):
+    """How RAPID calls speeds, or blends.
+
+    kind: what they are. predefined: by name. name: of a value, predefined or to be declared.
+    """
+
+    kind: str
+    predefined: Mapping[str, T]
+    name: Callable[[T], str]
+
+    def meant(self, name: str, declared: Mapping[str, T]) -> T | None:
+        """The value that stands for a name: one that is called so; None for a name of its own.
+
+        declared: by lower-case name.
+        """
+        value = declared.get(name.lower())
+        if value is None:
+            return self.predefined.get(name.lower())
+        return value if self.name(value) == name.lower() else None
+
+    def named(self, declared: Mapping[str, T]) -> dict[str, T]:
+        """Those with names of their own."""
+        return {n: v for n, v in declared.items() if n.lower() != self.name(v)}
+
+
+def speed_name(speed: Speed) -> str:
+    """`v150` if predefined, else the name under which it is declared: `speed_147`."""
+    if speed in _SPEED_NAMES:
+        return _SPEED_NAMES[speed]
+    usual = Speed(speed.tcp)
+    rest = (speed.rotation, speed.external_linear, speed.external_rotary)
+    if rest == (usual.rotation, usual.external_linear, usual.external_rotary):
+        return f"speed_{_in_name(speed.tcp)}"
+    return "speed_" + "_".join(_in_name(v).replace("_", "d") for v in (speed.tcp, *rest))
+
+
+def zone_name(blend: Blend) -> str:
+    """`z100` or `fine` if predefined, else the name under which it is declared: `zone_2_5`."""
+    if blend in _ZONE_NAMES:
+        return _ZONE_NAMES[blend]
+    radius = blend.radius or 0.0
+    if blend.details is None:
+        return f"zone_{_in_name(radius)}"
+    return "zone_" + "_".join(_in_name(v).replace("_", "d") for v in (radius, *blend.details))
+
+
+def _in_name(value: float) -> str:
+    return f"{value:.{PLACES}f}".rstrip("0").rstrip(".").replace(".", "_")
+
+
+def speed_values(speed: Speed) -> list[float]:
+    return [speed.tcp, speed.rotation, speed.external_linear, speed.external_rotary]
+
+
+def zone_values(blend: Blend) -> list[float]:
+    """The six sizes of a zonedata that is no stop point."""
+    if blend.radius is None:
+        return [0.0] * 6
+    return [blend.radius, *(blend.details or usual_sizes(blend.radius))]
+
+
+def speed_of(values: Sequence[float]) -> Speed:
+    return Speed(*(float(v) for v in values))
+
+
+def zone_of(stop: bool, values: Sequence[float]) -> Blend:
+    """A zone without details if these are the usual ones of its radius."""
+    if stop:
+        return Blend()
+    radius, a, b, c, d, e = (float(v) for v in values)
+    if (a, b, c, d, e) == usual_sizes(radius):
+        return Blend(radius)
+    return Blend(radius, details=(a, b, c, d, e))
+
+
+def sayable_speed(speed: Speed) -> tuple[Speed, str | None]:
+    """The speed as RAPID has it, and what was changed."""
+    changed = None
+    if speed.joint is not None:
+        changed, speed = "a joint speed in percent", replace(speed, joint=None)
+    if math.isinf(speed.tcp) and speed != Speed(math.inf):
+        changed, speed = "an unlimited speed", replace(speed, tcp=FASTEST)
+    rounded = [v if math.isinf(v) else round(v, PLACES) for v in speed_values(speed)]
+    return speed_of(rounded), changed
+
+
+def corner_of(speed: Speed) -> float:
+    """Radius in mm of a corner that the controller is to choose, for a move of that speed.
+
+    A controller that chooses leaves the path where braking begins: v² / 2a, by BRAKING. The largest
+    predefined size below that, so that the corner is never wider, and at most WIDEST_CHOSEN.
+    """
+    if not math.isfinite(speed.tcp):
+        return WIDEST_CHOSEN
+    braking = speed.tcp * speed.tcp / (2.0 * BRAKING)  # `**` would raise where that is too large
+    sizes = (b.radius for b in tables.ZONES.values() if b.radius and b.radius <= WIDEST_CHOSEN)
+    return max((radius for radius in sizes if radius <= braking), default=LEAST_CHOSEN)
+
+
+def sayable_blend(blend: Blend) -> tuple[Blend, str | None]:
+    """The blend as RAPID has it, and what was changed."""
+    if blend.radius is None:
+        return Blend(), None
+    changed = None
+    radius, details = blend.radius, blend.details
+    if blend.exit is not None and blend.exit != blend.radius:
+        changed, radius, details = "a corner of two sizes", min(radius, blend.exit), None
+    if math.isinf(radius):
+        changed, radius, details = "a corner without size", LEAST_CHOSEN, None
+    radius = round(radius, PLACES)
+    if details is not None:
+        a, b, c, d, e = (round(v, PLACES) for v in details)
+        return zone_of(False, [radius, a, b, c, d, e]), changed
+    return Blend(radius), changed
+
+
+SPEEDS: Final = Words("speed", tables.SPEEDS, speed_name)
+BLENDS: Final = Words("blend", tables.ZONES, zone_name)

@@ -1,0 +1,86 @@
+"""Types and data that every controller knows, read from `predefined.txt`.
+
+Sources: the data types of the RobotWare 6 manual (3HAC050917); component orders checked against
+rpiRobotics/abb_motion_program_exec; names of constants as KnoP-01/rapid-for-vim lists them.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from importlib.resources import files
+from typing import Final
+
+WORDS: Final = ("VALUE", "OTHER", "ALIAS", "HANDLE", "DEVICE", "RECORD")
+_LINE: Final = re.compile(r"^([A-Z]+)(?: (\w+))?: (.*)$", re.MULTILINE)
+
+
+@dataclass(frozen=True, slots=True)
+class Type:
+    """A predefined type.
+
+    kind: `VALUE`, `ALIAS`, `RECORD`, `HANDLE` (without a value), `DEVICE` (named in the
+    controller's configuration) or `OTHER`. of: what an alias stands for.
+    components: type by name of a record, in order; None if they are not known.
+    """
+
+    name: str
+    kind: str
+    of: str = ""
+    components: Mapping[str, str] | None = field(default=None, hash=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Datum:
+    """Predefined data. storage: `CONST`, `PERS` or `VAR`."""
+
+    name: str
+    storage: str
+    type: str
+
+
+@cache
+def types() -> Mapping[str, Type]:
+    """Every predefined type by lower-case name."""
+    return dict(_types())
+
+
+def is_handle(type: str) -> bool:
+    """Whether data of a type has no value: it is a VAR, without an initial one."""
+    known = types().get(type.lower())
+    return known is not None and known.kind == "HANDLE"
+
+
+@cache
+def data() -> Mapping[str, Datum]:
+    """All predefined data by lower-case name."""
+    return {
+        name.lower(): Datum(name, word, of)
+        for word, of, text in _lines()
+        if word not in WORDS
+        for name in text.split()
+    }
+
+
+def _types() -> Iterator[tuple[str, Type]]:
+    for word, of, text in _lines():
+        if word == "RECORD":
+            yield of.lower(), Type(of, word, components=_components(text))
+        elif word in WORDS:
+            for name in text.split():
+                yield name.lower(), Type(name, word, of)
+
+
+def _components(text: str) -> Mapping[str, str] | None:
+    if text == "...":
+        return None
+    pairs = (part.split() for part in text.split(", "))
+    return {name: type for type, name in pairs}
+
+
+@cache
+def _lines() -> tuple[tuple[str, str, str], ...]:
+    text = files("assistant.languages.rapid.tables").joinpath("predefined.txt").read_text("utf-8")
+    return tuple((m[1], m[2] or "", m[3]) for m in _LINE.finditer(text.replace("\n    ", " ")))

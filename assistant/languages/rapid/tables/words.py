@@ -1,0 +1,186 @@
+"""Data of RAPID: limits, reserved words, predefined speeds and zones, types, operators.
+
+Sources: the RAPID kernel manual (3HAC050946) for words and limits; the instruction and
+data type manual (3HAC050917) for predefined data, checked against two open tables
+(RobotComponents, rpiRobotics/abb_motion_program_exec).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Final
+
+from assistant.languages.rapid.tables import standard
+from assistant.program.motion import Blend, Speed
+from assistant.program.program import ValueType
+
+LONGEST_NAME: Final = 32
+LONGEST_STRING: Final = 80
+MOST_DIMENSIONS: Final = 3
+MOST_TARGETS: Final = 5000
+"""Targets of one module. ABB states no number; production backups run 1,084 and RoboDK's
+post-processor splits its files at 5,000 lines."""
+MOST_NESTING: Final = 60
+"""Brackets or blocks inside each other that the parser takes; no program comes near it."""
+
+MOST_OPERATORS: Final = 150
+"""In a row in one expression, component dots included; no program comes near it."""
+
+LEAST_MASS: Final = 0.001
+LEAST_CENTRE: Final = (0.0, 0.0, 0.001)
+"""Load of `tool0`: the least that the controller takes; 0 kg stops it with event 41438."""
+
+LEAST_ACCELERATION: Final = 20
+"""AccSet takes 20 to 100 percent."""
+SPEED_CAP: Final = 5000
+"""mm/s; second argument of VelSet at program start."""
+UNUSED: Final = 9e9
+LOADED_FROM: Final = "HOME:/"
+"""Where a unit that is loaded for a call stands on the controller."""
+
+RESERVED: Final = frozenset(
+    """
+    alias and backward case connect const default div do else elseif endfor endfunc endif
+    endmodule endproc endrecord endtest endtrap endwhile error exit false for from func goto if
+    inout local mod module nostepin not noview or pers proc raise readonly record retry return
+    step sysmodule task test then to trap true trynext undo var viewonly while with xor
+    """.split()  # noqa: SIM905
+)
+
+TYPES: Final = frozenset(
+    """
+    num dnum bool string byte errnum pos orient pose confdata extjoint robjoint robtarget
+    jointtarget speeddata zonedata tooldata wobjdata loaddata stoppointdata listitem tasks
+    identno taskid clock iodev socketdev dir rawbytes triggdata shapedata trapdata mecunit
+    egmident syncident loadsession wztemporary wzstationary corrdescr rmqslot rmqmessage
+    signaldi signaldo signalgi signalgo signalai signalao switch anytype intnum dionum symnum
+    opnum event_type exec_level datapos datetime egm_minmax egmframetype egmstopmode errdomain
+    errtype errstr buttondata icondata iodev paridnum paridvalidnum progdisp robtype tunetype
+    triggios triggiosdnum triggstrgo tpnum uishownum zonedata socketstatus inposdata
+    """.split()  # noqa: SIM905
+)
+
+PREDEFINED_DATA: Final = frozenset(
+    """
+    tool0 wobj0 load0 reg1 reg2 reg3 reg4 reg5 clock1 pi stempty diskhome disktemp diskram eof
+    eof_bin eof_num wait_max str_digit str_lower str_upper str_white rob_1 rob_2 rob_3 rob_4
+    inpos20 inpos50 inpos100 stoptime0_5 stoptime1_0 stoptime1_5 fllwtime0_5 fllwtime1_0
+    fllwtime1_5 edge high low intno errno
+    vrot1 vrot2 vrot5 vrot10 vrot20 vrot50 vrot100
+    vlin10 vlin20 vlin50 vlin100 vlin200 vlin500 vlin1000
+    """.split()  # noqa: SIM905
+)
+
+_SPEEDS: Final = (
+    *(5, 10, 20, 30, 40, 50, 60, 80, 100, 150, 200, 300, 400, 500, 600, 800),
+    *(1000, 1500, 2000, 2500, 3000, 4000, 5000, 6000, 7000),
+)
+
+SPEEDS: Final[Mapping[str, Speed]] = {
+    **{f"v{v}": Speed(float(v)) for v in _SPEEDS},
+    "vmax": Speed(math.inf),
+}
+"""Every predefined speeddata: [v, 500, 5000, 1000]."""
+
+_ZONE_SIZES: Final = {
+    0.3: (0.3, 0.3, 0.03, 0.3, 0.03),
+    1: (1, 1, 0.1, 1, 0.1),
+    5: (8, 8, 0.8, 8, 0.8),
+    10: (15, 15, 1.5, 15, 1.5),
+    15: (23, 23, 2.3, 23, 2.3),
+    20: (30, 30, 3.0, 30, 3.0),
+    30: (45, 45, 4.5, 45, 4.5),
+    40: (60, 60, 6.0, 60, 6.0),
+    50: (75, 75, 7.5, 75, 7.5),
+    60: (90, 90, 9.0, 90, 9.0),
+    80: (120, 120, 12, 120, 12),
+    100: (150, 150, 15, 150, 15),
+    150: (225, 225, 23, 225, 23),
+    200: (300, 300, 30, 300, 30),
+}
+
+ZONES: Final[Mapping[str, Blend]] = {
+    "fine": Blend(),
+    "z0": Blend(0.3),
+    **{f"z{radius}": Blend(float(radius)) for radius in _ZONE_SIZES if radius >= 1},
+}
+"""Every predefined zonedata; its further sizes are `usual_sizes` of its radius."""
+
+
+def usual_sizes(radius: float) -> tuple[float, float, float, float, float]:
+    """Sizes of a zone that go with its radius: as predefined, else in the same proportion.
+
+    Reorientation mm, external mm, reorientation deg, external linear mm, external rotary deg.
+    """
+    if radius in _ZONE_SIZES:
+        a, b, c, d, e = _ZONE_SIZES[radius]
+        return float(a), float(b), float(c), float(d), float(e)
+    length, angle = round(1.5 * radius, 3), round(0.15 * radius, 3)
+    return length, length, angle, length, angle
+
+
+PREDEFINED: Final = frozenset(
+    {
+        *TYPES,
+        *PREDEFINED_DATA,
+        *SPEEDS,
+        *ZONES,
+        *standard.INSTRUCTIONS,
+        *standard.FUNCTIONS,
+        *standard.OF_OPTIONS,
+    }
+)
+"""Lower-case names that are taken on every controller."""
+
+TYPE_OF_VALUE: Final[Mapping[ValueType, str]] = {
+    "number": "num",
+    "truth": "bool",
+    "text": "string",
+    "position": "robtarget",
+    "pose": "pose",
+    "joints": "jointtarget",
+}
+
+VALUE_OF_TYPE: Final[Mapping[str, ValueType]] = {t: v for v, t in TYPE_OF_VALUE.items()}
+
+FUNCTIONS: Final[Mapping[str, str]] = {
+    "abs": "Abs",
+    "sqrt": "Sqrt",
+    "sin": "Sin",
+    "cos": "Cos",
+    "tan": "Tan",
+    "asin": "ASin",
+    "acos": "ACos",
+    "atan": "ATan",
+    "atan2": "ATan2",
+    "exp": "Exp",
+    "round": "Round",
+    "trunc": "Trunc",
+    "min": "Min",
+    "max": "Max",
+    "text": "ValToStr",
+    "fixed": "NumToStr",
+    "part": "StrPart",
+    "length": "StrLen",
+    "offset": "Offs",
+    "inverse": "PoseInv",
+}
+"""Functions of the pseudo-program that RAPID has under another name, argument by argument."""
+
+BITS: Final[Mapping[str, str]] = {
+    "bitand": "BitAndDnum",
+    "bitor": "BitOrDnum",
+    "bitxor": "BitXOrDnum",
+}
+"""Functions of bits, of whole numbers up to 52 bits; those of a byte have other names."""
+
+COMPONENTS: Final[Mapping[str, tuple[str, str]]] = {
+    **{axis: ("trans", axis) for axis in "xyz"},
+    **{f"j{i}": ("robax", f"rax_{i}") for i in range(1, 7)},
+}
+"""Components of positions and joints: pseudo-program → RAPID."""
+
+GRIPPER_SIGNAL: Final = "hand{hand}_open"
+"""Output that opens a hand when 1 and closes it when 0."""
+GRIPPER_VALUE: Final = {"open": 1, "close": 0}

@@ -1,0 +1,1 @@
+"""The typed tree, and how to walk it."""

@@ -1,0 +1,303 @@
+"""The typed tree of RAPID: one small frozen record a construct, columns for long runs.
+
+A node's span is where it stood in the text; it does not count when trees are compared.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from assistant.languages.rapid.tree.expressions import (
+    AggregateNode as AggregateNode,
+    Argument as Argument,
+    BoolLiteral as BoolLiteral,
+    Component as Component,
+    Conditional as Conditional,
+    Element as Element,
+    Expression as Expression,
+    FunctionCall as FunctionCall,
+    Group as Group,
+    Infix as Infix,
+    NameRef as NameRef,
+    Node as Node,
+    NumberLiteral as NumberLiteral,
+    Option as Option,
+    Placeholder as Placeholder,
+    Positional as Positional,
+    Prefix as Prefix,
+    StringLiteral as StringLiteral,
+    Variable as Variable,
+    Whole as Whole,
+)
+from assistant.languages.rapid.tree.runs import MoveRun, TargetRun
+from assistant.program.diagnostics import Diagnostic
+from assistant.program.text import SourceText
+
+# Statements
+
+
+@dataclass(frozen=True, slots=True)
+class CommentLine(Node):
+    """text: after the `!`, without outer blanks. trailing: stands behind something on its line."""
+
+    text: str
+    trailing: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Assignment(Node):
+    target: Variable
+    value: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class ProcedureCall(Node):
+    """name: of an instruction or procedure; an expression for late binding, `%"name"%`."""
+
+    name: str | Expression
+    arguments: tuple[Argument, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class GotoLabel(Node):
+    label: str
+
+
+@dataclass(frozen=True, slots=True)
+class LabelMark(Node):
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class ReturnFrom(Node):
+    value: Expression | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class RaiseError(Node):
+    value: Expression | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Word(Node):
+    """A statement of one word."""
+
+    word: Literal["EXIT", "RETRY", "TRYNEXT"]
+
+
+@dataclass(frozen=True, slots=True)
+class Connect(Node):
+    interrupt: Variable
+    trap: str
+
+
+@dataclass(frozen=True, slots=True)
+class IfBranch(Node):
+    """condition: None where the pendant left a whole branch to be filled in."""
+
+    condition: Expression | None
+    body: tuple[StatementNode, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class IfThen(Node):
+    """otherwise: None without ELSE."""
+
+    branches: tuple[IfBranch, ...]
+    otherwise: tuple[StatementNode, ...] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class CompactIf(Node):
+    condition: Expression
+    statement: StatementNode
+
+
+@dataclass(frozen=True, slots=True)
+class ForLoop(Node):
+    variable: str
+    first: Expression
+    last: Expression
+    step: Expression | None
+    body: tuple[StatementNode, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class WhileLoop(Node):
+    condition: Expression
+    body: tuple[StatementNode, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class TestCase(Node):
+    """values: empty where the pendant left a whole case to be filled in."""
+
+    __test__ = False  # not for pytest
+
+    values: tuple[Expression, ...]
+    body: tuple[StatementNode, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class TestOf(Node):
+    """otherwise: None without DEFAULT."""
+
+    __test__ = False
+
+    subject: Expression
+    cases: tuple[TestCase, ...]
+    otherwise: tuple[StatementNode, ...] | None = None
+
+
+# Declarations
+
+
+@dataclass(frozen=True, slots=True)
+class Data(Node):
+    """scope: `LOCAL`, `TASK` or empty. storage: `VAR`, `PERS` or `CONST`."""
+
+    scope: str
+    storage: str
+    type: str
+    name: str
+    dimensions: tuple[Expression, ...] = ()
+    value: Expression | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class TargetRunNode(Node):
+    """Many `CONST robtarget` declarations in a row. scope: `LOCAL` or empty."""
+
+    scope: str
+    run: TargetRun
+
+
+@dataclass(frozen=True, slots=True)
+class MoveRunNode(Node):
+    """Many plain moves to declared targets in a row."""
+
+    run: MoveRun
+
+
+@dataclass(frozen=True, slots=True)
+class Record(Node):
+    """components: (type, name) each."""
+
+    local: bool
+    name: str
+    components: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Alias(Node):
+    local: bool
+    type: str
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterNode(Node):
+    """mode: `VAR`, `PERS`, `INOUT` or empty. dimensions: 0 for a single value, -1 for `<DIM>`."""
+
+    mode: str
+    type: str
+    name: str
+    dimensions: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterGroup(Node):
+    """One required parameter, or optional ones that exclude each other."""
+
+    optional: bool
+    alternatives: tuple[ParameterNode | Placeholder, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Handler(Node):
+    """kind: `BACKWARD`, `ERROR` or `UNDO`. numbers: the errors that an ERROR handler is for."""
+
+    kind: str
+    body: tuple[StatementNode, ...]
+    numbers: tuple[Expression, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Routine(Node):
+    """kind: `PROC`, `FUNC` or `TRAP`. type: what a FUNC gives back."""
+
+    kind: str
+    local: bool
+    name: str
+    body: tuple[StatementNode, ...]
+    type: str = ""
+    parameters: tuple[ParameterGroup, ...] = ()
+    handlers: tuple[Handler, ...] = ()
+
+
+StatementNode = (
+    Assignment
+    | ProcedureCall
+    | GotoLabel
+    | LabelMark
+    | ReturnFrom
+    | RaiseError
+    | Word
+    | Connect
+    | IfThen
+    | CompactIf
+    | ForLoop
+    | WhileLoop
+    | TestOf
+    | CommentLine
+    | Placeholder
+    | MoveRunNode
+    | Data
+    | TargetRunNode
+)
+"""What stands in a body; declarations of a routine do as well."""
+
+Item = Record | Alias | Data | TargetRunNode | Routine | CommentLine | Placeholder
+
+
+@dataclass(frozen=True, slots=True)
+class Module(Node):
+    """attributes: upper case, in the order written."""
+
+    name: str
+    attributes: tuple[str, ...]
+    items: tuple[Item, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """The text that a tree was read from, with what was read: other parts are new."""
+
+    source: SourceText
+    parts: tuple[Module | CommentLine, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class File:
+    """A file of RAPID: a module, seldom several.
+
+    header: what stands between `%%%` and `%%%`, None without.
+    """
+
+    parts: tuple[Module | CommentLine, ...]
+    header: str | None = None
+    origin: Origin | None = field(default=None, compare=False, repr=False)
+    findings: tuple[Diagnostic, ...] = field(default=(), compare=False)
+
+    @property
+    def modules(self) -> tuple[Module, ...]:
+        return tuple(part for part in self.parts if isinstance(part, Module))
+
+    @property
+    def source(self) -> SourceText | None:
+        return self.origin.source if self.origin else None
+
+    @property
+    def path(self) -> str | None:
+        return self.origin.source.path if self.origin else None

@@ -1,0 +1,58 @@
+"""The nodes of a tree, one after the other, and the lists of statements."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, Final
+
+from assistant.languages.language import Part
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.walking import Walk
+from assistant.program.diagnostics import Span
+
+_WALK: Final = Walk(lambda kind: issubclass(kind, s.Node))
+nodes: Final = _WALK.nodes
+inside: Final = _WALK.inside
+
+
+def data(file: s.File) -> Iterator[Part]:
+    """The data of modules and routines that have a place in the text."""
+    for module in file.modules:
+        for item in module.items:
+            for node in item.body if isinstance(item, s.Routine) else (item,):
+                match node:
+                    case s.Data(span=Span() as span):
+                        yield Part(span, node.name)
+                    case s.TargetRunNode(span=Span() as span):
+                        yield Part(span, count=len(node.run))
+
+
+def blocks(statement: Any) -> tuple[tuple[s.StatementNode, ...], ...]:
+    """The lists of statements directly inside one."""
+    match statement:
+        case s.IfThen(branches, otherwise):
+            return (*(b.body for b in branches), *(() if otherwise is None else (otherwise,)))
+        case s.TestOf(_, cases, otherwise):
+            return (*(c.body for c in cases), *(() if otherwise is None else (otherwise,)))
+        case s.ForLoop(body=body) | s.WhileLoop(body=body):
+            return (body,)
+        case s.CompactIf(statement=inner):
+            return ((inner,),)
+    return ()
+
+
+def root(value: Any) -> s.NameRef | None:
+    """The data that a variable is, or is a part of; None for any other expression."""
+    while isinstance(value, s.Component | s.Element):
+        value = value.value
+    return value if isinstance(value, s.NameRef) else None
+
+
+def lists(routine: s.Routine) -> Iterator[tuple[s.StatementNode, ...]]:
+    """Every list of statements of a routine: its body, its handlers, and the blocks in them."""
+    pending = [routine.body, *(h.body for h in routine.handlers)]
+    while pending:
+        body = pending.pop()
+        yield body
+        for statement in body:
+            pending.extend(blocks(statement))
