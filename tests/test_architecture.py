@@ -222,7 +222,7 @@ def test_the_graph_is_read_at_all() -> None:
     seen = {(one.by, one.of) for one in imports(PACKAGE)}
     assert ("assistant.program.statements", "assistant.program.path") in seen
     assert ("assistant.languages.language", "assistant.robots") in seen  # for types only
-    assert ("assistant.sources", "assistant.sources.process_file") in seen  # in a function
+    assert ("assistant.sources", "assistant.sources.process.file") in seen  # in a function
     assert ("assistant", "assistant.compiler") in seen  # as a text in a table
 
 

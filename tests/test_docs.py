@@ -18,7 +18,7 @@ from assistant.findings import rulebook
 from assistant.findings.severity import severities_for
 from assistant.program import pseudo
 from assistant.program.diagnostics import Severity
-from assistant.sources.process_file import read_process
+from assistant.sources.process.file import read_process
 from docs import findings
 
 PROJECT = Path(__file__).parent.parent

@@ -6,15 +6,14 @@ from collections.abc import Callable, Iterator
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from assistant.program.arrays import Floats, Rows
 from assistant.program.diagnostics import Diagnostic, Rule, Severity
 from assistant.program.expressions import Expression, Name, TargetValue
 from assistant.program.path import Kind, Path
 from assistant.program.program import Program, bodies
 from assistant.program.statements import Follow, Move, MoveCircular, Statement
 
-Floats = NDArray[np.float64]
 _Place = Callable[[int], str]
 """Row of an arc → where it is."""
 
@@ -117,9 +116,7 @@ def _found(points: Floats, place: _Place) -> Iterator[Diagnostic]:
         yield from _of_angle(rule, angle, np.flatnonzero(rows), place)
 
 
-def _of_angle(
-    rule: Rule, angle: Floats, rows: NDArray[np.intp], place: _Place
-) -> Iterator[Diagnostic]:
+def _of_angle(rule: Rule, angle: Floats, rows: Rows, place: _Place) -> Iterator[Diagnostic]:
     """One finding for all rows of a path, with the angle of the worst."""
     if not len(rows):
         return

@@ -7,15 +7,12 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from assistant.checks.moves import Moves
 from assistant.checks.tour import Tour, figure
+from assistant.program.arrays import Floats, Rows
 from assistant.program.diagnostics import Diagnostic, Rule, Severity
 from assistant.program.path import Kind
-
-Floats = NDArray[np.float64]
-Rows = NDArray[np.intp]
 
 TURN: Final = 0.1
 """mm of way below which a move is a turn on the spot, which no corner is measured by."""

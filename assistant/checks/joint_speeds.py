@@ -6,13 +6,11 @@ from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from assistant.checks.moves import Moves
 from assistant.checks.tour import Stage, Tour, figure
+from assistant.program.arrays import Floats, Truths
 from assistant.program.diagnostics import Diagnostic, Rule, Severity
-
-Floats = NDArray[np.float64]
 
 TOLERANCE: Final = 1.02
 """By how much a joint may be too fast: rounding of speeds and limits in data sheets."""
@@ -78,9 +76,7 @@ def _between_stops(stage: Stage) -> Floats:
     return np.asarray(np.where(open_, np.inf, whole)[chain], dtype=np.float64)
 
 
-def _closed(
-    joined: NDArray[np.bool_], begins: NDArray[np.bool_], ends: NDArray[np.bool_]
-) -> NDArray[np.bool_]:
+def _closed(joined: Truths, begins: Truths, ends: Truths) -> Truths:
     """(m,) whether the corners at both ends of a move lead to other moves that are known."""
     after = np.append(joined[1:], False)
     return np.asarray((joined | ~begins) & (after | ~ends))

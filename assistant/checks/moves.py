@@ -7,21 +7,17 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from assistant.program import rotations
+from assistant.program.arrays import Floats, Rows, Truths
 from assistant.program.expressions import Name
 from assistant.program.geometry import Pose
 from assistant.program.motion import Blend, Speed
 from assistant.program.path import Kind
 from assistant.robots import Robot
-from assistant.robots.arcs import Circles, circles
-from assistant.robots.journey import Stretch
-from assistant.robots.run import Run
-
-Floats = NDArray[np.float64]
-Rows = NDArray[np.intp]
-Truths = NDArray[np.bool_]
+from assistant.robots.motion.arcs import Circles, circles
+from assistant.robots.motion.run import Run
+from assistant.robots.solved_program import Stretch
 
 
 @dataclass(frozen=True)

@@ -8,19 +8,16 @@ from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from assistant.checks.moves import Moves, moves_of
 from assistant.checks.way import Way, way_of
+from assistant.program.arrays import Floats, Rows
 from assistant.program.diagnostics import Diagnostic, Rule, Span
 from assistant.program.expressions import Number
 from assistant.program.program import Program, walk
 from assistant.program.statements import Moving, SetOverride
 from assistant.robots import Journey, Robot
-from assistant.robots.journey import Leg, Stretch
-
-Floats = NDArray[np.float64]
-Rows = NDArray[np.intp]
+from assistant.robots.solved_program import Leg, Stretch
 
 NEIGHBOURS: Final = 2
 """Rows that are at most so far apart are told of together; the points of an arc are two apart."""

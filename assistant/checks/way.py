@@ -11,17 +11,13 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from assistant.checks.moves import Moves
+from assistant.program.arrays import Floats, Rows, Truths
 from assistant.robots import Robot
 from assistant.robots.arms.arm import CLOSING
+from assistant.robots.motion.wrist import THROUGH
 from assistant.robots.robot import CHUNK, IN_LINE
-from assistant.robots.wrist import THROUGH
-
-Floats = NDArray[np.float64]
-Rows = NDArray[np.intp]
-Truths = NDArray[np.bool_]
 
 STRAIGHT: Final = 5.0
 """degrees, or mm, of every axis up to which a move is looked at by its ends alone."""

@@ -23,7 +23,7 @@ def run_check(
     from_language: str | None,
     format: FindingFormat,
 ) -> int:
-    from assistant.findings.settling import settle
+    from assistant.findings.project_severities import settle
 
     with working(f"checking {', '.join(sources)}"):
         checked = _checked(sources, robot, process, unit, from_language)

@@ -73,7 +73,7 @@ def run_compile(
     from assistant.compiler import compile
     from assistant.compiler.arms import robot_of
     from assistant.compiler.loading import language_of
-    from assistant.findings.settling import settle
+    from assistant.findings.project_severities import settle
 
     if list(sources).count(STANDARD) > 1:
         raise Refused(TWICE(), exit_status=2)

@@ -21,8 +21,8 @@ from assistant.compiler.loading import (
     read_trees,
     with_process,
 )
-from assistant.compiler.places import Places
 from assistant.compiler.project import configured
+from assistant.compiler.source_map import Places
 from assistant.program import pseudo
 from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, has_errors
 from assistant.program.failing import details_wanted, failure

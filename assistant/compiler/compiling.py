@@ -14,8 +14,8 @@ from assistant.compiler.crossing import for_arm, unsaid, without_unused
 from assistant.compiler.entering import entered
 from assistant.compiler.joint_speeds import at_a_speed, at_the_pace
 from assistant.compiler.loading import Loaded, language_of, load
-from assistant.compiler.places import Places
 from assistant.compiler.proof import SAYS_OTHERWISE, Proof, prove
+from assistant.compiler.source_map import Places
 from assistant.program.diagnostics import (
     Diagnostic,
     Refused,

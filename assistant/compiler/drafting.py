@@ -14,7 +14,7 @@ from typing import Any, Final
 
 from assistant.compiler.arms import Arms
 from assistant.compiler.compiling import Compiled, compile_program
-from assistant.compiler.places import Places, Trace
+from assistant.compiler.source_map import Places, Trace
 from assistant.languages.language import Language
 from assistant.program import expressions as e
 from assistant.program import statements as p

@@ -89,8 +89,8 @@ def load_text(
 
 def with_process(loaded: Loaded, process: str | FilePath) -> Loaded:
     """A program in the cell that a process file states; raises Unreadable or Refused."""
-    from assistant.compiler.equipping import equipped
-    from assistant.sources.process_file import read_process
+    from assistant.compiler.cell_file import equipped
+    from assistant.sources.process.file import read_process
 
     stated = read_process(process)
     program, findings = equipped(loaded.program, stated, str(process))

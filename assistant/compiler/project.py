@@ -70,8 +70,8 @@ def project_of(folder: FilePath) -> Project | None:
 
 def read_project(file: FilePath, table: tuple[str, ...]) -> Project | None:
     """Our table in a file, None if it is not there; raises Unreadable."""
-    from assistant.sources.process_file import read_toml
-    from assistant.sources.process_lines import key_spans
+    from assistant.sources.process.file import read_toml
+    from assistant.sources.process.lines import key_spans
 
     source = decode(read_bytes(file, allow_empty=True), str(file), ("utf-8-sig", "utf-8"))
     content: Any = read_toml(source).content

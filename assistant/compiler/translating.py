@@ -12,13 +12,13 @@ from assistant.compiler.compiling import Compiled, compile_program
 from assistant.compiler.drafting import draft as drafted
 from assistant.compiler.entering import entered
 from assistant.compiler.loading import Loaded, language_of, load
-from assistant.compiler.places import Place, Places, Trace
 from assistant.compiler.proof import Proof
+from assistant.compiler.source_map import Place, Places, Trace
 from assistant.program import statements as p
-from assistant.program.collecting import uncollected
 from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, Span, fold
 from assistant.program.program import Program, bodies, walk
 from assistant.program.text import lines_of
+from assistant.program.without_gc import uncollected
 
 if TYPE_CHECKING:
     from assistant.languages.language import Frames

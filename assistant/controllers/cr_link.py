@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any, Final, NoReturn
 
 from assistant.controllers import rules
-from assistant.controllers.reasons import reason_of
+from assistant.controllers.os_errors_in_words import reason_of
 from assistant.program.diagnostics import Diagnostic, Rule
 
 ENCODING: Final = "latin-1"

@@ -18,7 +18,7 @@ from typing import Final, NoReturn, Self
 from assistant.controllers import rules
 from assistant.controllers.address import Address
 from assistant.controllers.credentials import Credentials
-from assistant.controllers.reasons import reason_of
+from assistant.controllers.os_errors_in_words import reason_of
 from assistant.program.diagnostics import Refused
 
 TEMPORARY: Final = "~{name}"

@@ -16,7 +16,7 @@ from typing import Any, Final
 
 from assistant.languages.alignment import aligned, common_ends, same
 from assistant.languages.original import Original
-from assistant.languages.sketch import (
+from assistant.languages.printed_blocks import (
     MOST_WORDS,
     Block,
     Extent,

@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
-from assistant.languages.sketch import (
+from assistant.languages.printed_blocks import (
     Block,
     Extent,
     Layout,

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from assistant.program import rotations
+from assistant.program.arrays import Floats
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -39,7 +39,7 @@ class Pose:
         return self @ Pose((x, y, z))
 
     @staticmethod
-    def of(position: NDArray[np.float64], quaternion: NDArray[np.float64]) -> Pose:
+    def of(position: Floats, quaternion: Floats) -> Pose:
         x, y, z = (float(v) + 0.0 for v in position)
         q1, q2, q3, q4 = (float(v) + 0.0 for v in quaternion)
         return Pose((x, y, z), (q1, q2, q3, q4))

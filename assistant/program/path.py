@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from assistant.program import rotations
+from assistant.program.arrays import Floats, Rows
 from assistant.program.expressions import Name
 from assistant.program.geometry import BASE, FLANGE, Configuration, Pose, Target
 from assistant.program.motion import FINE, Blend, Speed
@@ -45,10 +46,10 @@ class Path:
 
     name: str
     kinds: NDArray[np.uint8]
-    positions: NDArray[np.float64]
-    quaternions: NDArray[np.float64]
+    positions: Floats
+    quaternions: Floats
     configurations: NDArray[np.int8]
-    external: NDArray[np.float64]
+    external: Floats
     speed: NDArray[np.int32]
     blend: NDArray[np.int32]
     tool: NDArray[np.int32]
@@ -138,7 +139,7 @@ class Path:
     def __hash__(self) -> int:
         return hash((self.name, len(self)))
 
-    def differing_rows(self, other: Path, column: str) -> NDArray[np.intp]:
+    def differing_rows(self, other: Path, column: str) -> Rows:
         """Rows in which the table entries that `column` points to are not equal."""
         mine, theirs = getattr(self, column + "s"), getattr(other, column + "s")
         equal = np.array([[a == b for b in theirs] for a in mine], dtype=bool)

@@ -9,9 +9,10 @@ from __future__ import annotations
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Floats = NDArray[np.float64]
+from assistant.program.arrays import Floats
+
 EulerOrder = Literal["ZYX", "XYZ", "ZYZ"]
 """Intrinsic orders. ZYX: R = Rz(c)·Ry(b)·Rx(a), the A, B, C of MELFA and RAPID's OrientZYX."""
 

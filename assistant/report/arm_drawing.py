@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from assistant.program import rotations
+from assistant.program.arrays import Floats
 from assistant.report import figures
 from assistant.robots import Robot
 from assistant.robots.arms import FiveAxis, Placed, Scara, SixAxis
@@ -17,7 +17,6 @@ from assistant.robots.arms import FiveAxis, Placed, Scara, SixAxis
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Floats = NDArray[np.float64]
 
 TURN: Final = 10.0
 """degrees or mm by which a joint is moved to see its axis."""

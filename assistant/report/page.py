@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from assistant.program.arrays import Floats
 from assistant.program.path import Kind
 from assistant.report.track import Track
 from assistant.resources import resource
@@ -23,7 +23,7 @@ MARGIN: Final = 15.0
 class Polyline:
     """points (n, 2) mm, drawn with a style class of the page."""
 
-    points: NDArray[np.float64]
+    points: Floats
     style: str
 
 
@@ -85,7 +85,7 @@ def page(title: str, sections: Sequence[Section]) -> str:
     return environment.from_string(template).render(title=title, sections=sections)
 
 
-def plan_view(drawing: Sequence[NDArray[np.float64]], track: Track) -> Picture:
+def plan_view(drawing: Sequence[Floats], track: Track) -> Picture:
     """The curves of a drawing, each (n, 2 or 3) mm, with the track of a program over them."""
     lines = [Polyline(curve[:, :2], "drawn") for curve in drawing if len(curve)]
     lines += _runs(track)
@@ -125,5 +125,5 @@ def _runs(track: Track) -> list[Polyline]:
     ]
 
 
-def _svg(points: NDArray[np.float64]) -> str:
+def _svg(points: Floats) -> str:
     return " ".join(f"{x:.2f},{-y:.2f}" for x, y in points)

@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program import rotations
+from assistant.program.arrays import Floats
 from assistant.program.expressions import Expression, Name
 from assistant.program.geometry import BASE, IDENTITY, Pose
 from assistant.program.path import Kind, Path
 from assistant.program.program import Program, walk
 from assistant.program.statements import Call, Follow, Motion, Move, MoveCircular, Statement
-from assistant.robots.arcs import circles
-from assistant.robots.naming import Names
+from assistant.robots.motion.arcs import circles
+from assistant.robots.target_lookup import Names
 
 ARC_STEPS: Final = 24
 """Chords an arc is drawn with."""
@@ -30,15 +31,15 @@ class Track:
     chords though the arm does not go straight. names: row → name, of the targets that have one.
     """
 
-    positions: NDArray[np.float64]
-    quaternions: NDArray[np.float64]
+    positions: Floats
+    quaternions: Floats
     kinds: NDArray[np.uint8]
     names: dict[int, str]
 
     def __len__(self) -> int:
         return len(self.positions)
 
-    def lengths(self) -> NDArray[np.float64]:
+    def lengths(self) -> Floats:
         """Distance in mm along the track at each pose (n,)."""
         steps = np.linalg.norm(np.diff(self.positions, axis=0), axis=1)
         return np.concatenate([[0.0], np.cumsum(steps)]) if len(self) else np.empty(0)
@@ -46,8 +47,8 @@ class Track:
 
 @dataclass(slots=True)
 class _Piece:
-    positions: NDArray[np.float64]
-    quaternions: NDArray[np.float64]
+    positions: Floats
+    quaternions: Floats
     kinds: NDArray[np.uint8]
     name: str | None = None
 
@@ -133,7 +134,7 @@ def _frame(program: Program, name: str) -> Pose:
     return IDENTITY if frame is None or name == BASE else frame.pose
 
 
-def _with_arcs(piece: _Piece, before: NDArray[np.float64] | None) -> _Piece:
+def _with_arcs(piece: _Piece, before: Floats | None) -> _Piece:
     """Each VIA and END pair replaced by chords of the arc that they and the start define."""
     vias = np.flatnonzero(piece.kinds == Kind.VIA)
     if not len(vias):
@@ -160,9 +161,7 @@ def _with_arcs(piece: _Piece, before: NDArray[np.float64] | None) -> _Piece:
     )
 
 
-def arc_points(
-    start: NDArray[np.float64], via: NDArray[np.float64], end: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def arc_points(start: Floats, via: Floats, end: Floats) -> Floats:
     """Points (m, 3) on the arc after `start` up to `end`; the points themselves if straight."""
     circle = circles(start[None], via[None], end[None])
     if circle.ends[0] == 0.0:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Any, Final
 
-from assistant.compiler.places import Place
+from assistant.compiler.source_map import Place
 from assistant.compiler.translating import Row, Translation
 from assistant.findings.formats import finding_record
 from assistant.resources import resource

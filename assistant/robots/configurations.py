@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from assistant.program.arrays import Ints
 from assistant.program.path import UNSTATED
 
 BACK, DOWN, FLIP = 0, 1, 2
@@ -21,7 +22,7 @@ TURNING_AXES: Final = (1, 4, 6)
 """The axes whose quadrants a configuration names."""
 
 
-def to_confdata(configurations: ArrayLike) -> NDArray[np.int64]:
+def to_confdata(configurations: ArrayLike) -> Ints:
     """(n, 6) neutral columns → (n, 4) cf1, cf4, cf6, cfx; an unstated row gives zeros."""
     c = np.asarray(configurations, dtype=np.int64).reshape(-1, 6)
     stated = c[:, BACK] != UNSTATED
@@ -38,7 +39,7 @@ def from_confdata(confdata: ArrayLike) -> NDArray[np.int8]:
     return np.column_stack([back, down, cfx & 1, cf[:, :3]]).astype(np.int8)
 
 
-def to_flags(configurations: ArrayLike) -> NDArray[np.int64]:
+def to_flags(configurations: ArrayLike) -> Ints:
     """(n, 6) neutral columns → (n, 2) FLG1, FLG2; an unstated row gives (7, 0)."""
     c = np.asarray(configurations, dtype=np.int64).reshape(-1, 6)
     stated = c[:, BACK] != UNSTATED

@@ -13,6 +13,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Diagnostic, fold
 from assistant.program.expressions import Expression, JointValue, Name
 from assistant.program.geometry import BASE, FLANGE, Frame, JointTarget, Target, Tool
@@ -36,8 +37,10 @@ from assistant.program.statements import (
     Statement,
 )
 from assistant.robots import findings as rules
+from assistant.robots.branches.row_reach import Cures
+from assistant.robots.branches.solving import solve
 from assistant.robots.configurations import BACK
-from assistant.robots.gathering import (
+from assistant.robots.motion.run_of_moves import (
     Configurations,
     Part,
     SingleMove,
@@ -46,12 +49,9 @@ from assistant.robots.gathering import (
     path_part,
     run_of,
 )
-from assistant.robots.journey import Journey, Leg, Stretch
-from assistant.robots.naming import Names, Place
 from assistant.robots.robot import Robot
-from assistant.robots.run import Floats
-from assistant.robots.solving import solve
-from assistant.robots.survey import Cures
+from assistant.robots.solved_program import Journey, Leg, Stretch
+from assistant.robots.target_lookup import Names, Place
 
 
 def configure(program: Program, robot: Robot) -> tuple[Program, tuple[Diagnostic, ...]]:

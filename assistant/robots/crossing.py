@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from assistant.program.arrays import Floats
 from assistant.robots.arms.placed import Placed
 from assistant.robots.robot import IN_LINE, Robot
 
-Floats = NDArray[np.float64]
 SIDE: Final = 1e6
 """What another side of shoulder, elbow or wrist counts as: more than any angle."""
 

@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from assistant.program import rotations
+from assistant.program.arrays import Floats
 from assistant.program.expressions import Name
 from assistant.program.geometry import Frame, Tool
 from assistant.program.motion import Speed
@@ -22,13 +22,11 @@ from assistant.program.path import Kind
 from assistant.program.program import Program
 from assistant.program.rewriting import Body, map_bodies
 from assistant.program.statements import Follow, Motion, MoveCircular, Moving
-from assistant.robots.journey import Journey, Leg
-from assistant.robots.naming import Names
+from assistant.robots.motion.run import from_flange
 from assistant.robots.robot import Robot
-from assistant.robots.run import from_flange
+from assistant.robots.solved_program import Journey, Leg
+from assistant.robots.target_lookup import Names
 from assistant.robots.timing.drive import drive_of
-
-Floats = NDArray[np.float64]
 
 STEPS: Final = 24
 """Parts of a joint move between which its way is taken as straight."""

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from assistant.program.arrays import Floats, Ints, Rows, Truths
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.path import UNSTATED
 from assistant.program.program import Program
@@ -19,16 +20,14 @@ from assistant.robots.arms.lengths import Lengths
 from assistant.robots.arms.placed import Placed
 from assistant.robots.arms.serial import Serial
 from assistant.robots.arms.six_axis import SixAxis
+from assistant.robots.branches.rounding import roundings
+from assistant.robots.branches.within_rounding import Wanted, settled
 from assistant.robots.configurations import BACK, QUADRANTS, TURNING_AXES
-from assistant.robots.rounding import roundings
-from assistant.robots.settling import Wanted, settled
 
 if TYPE_CHECKING:
     from roboticstoolbox import DHRobot
     from roboticstoolbox import Robot as ToolboxRobot
 
-Floats = NDArray[np.float64]
-Truths = NDArray[np.bool_]
 
 LIMIT_TOLERANCE: Final = 1e-6
 """degrees or mm by which a joint may pass its limit: rounding, no motion."""
@@ -232,13 +231,11 @@ class Robot:
             joints[rows] = self._joints_of(p[rows], q[rows], c[rows])
         return joints
 
-    def branch_of(self, configurations: NDArray[np.integer]) -> NDArray[np.intp]:
+    def branch_of(self, configurations: NDArray[np.integer]) -> Rows:
         """(n, 6) configurations → (n,) index of the branch among those of `ik`."""
         return self.arm.branch(configurations[:, : QUADRANTS.start].astype(np.intp))
 
-    def turned(
-        self, joints: Floats, configurations: NDArray[np.integer]
-    ) -> tuple[Floats, NDArray[np.bool_]]:
+    def turned(self, joints: Floats, configurations: NDArray[np.integer]) -> tuple[Floats, Truths]:
         """Joints (n, a) deg, their axes 1, 4 and 6 turned to what configurations (n, 6) say.
 
         With it (n, 3): whether each lies in the stated quadrant (or turn) or beside it by the
@@ -338,7 +335,7 @@ class Robot:
         A DHRobot; of an arm from a URDF or from links a Robot of elementary transforms.
         Needs the extra `toolbox`; raises Refused without it.
         """
-        from assistant.robots.toolbox import to_rtb
+        from assistant.robots.arms.toolbox import to_rtb
 
         return to_rtb(self)
 
@@ -359,7 +356,7 @@ class Robot:
     def _joints(self, joints: ArrayLike) -> Floats:
         return np.asarray(joints, dtype=np.float64).reshape(-1, len(self.axes))
 
-    def _joints_of(self, p: Floats, q: Floats, c: NDArray[np.int64]) -> Floats:
+    def _joints_of(self, p: Floats, q: Floats, c: Ints) -> Floats:
         found, _ = self.solve(p, q)
         rows = np.arange(len(p))
         stated = c[:, BACK] != UNSTATED

@@ -10,8 +10,8 @@ from pathlib import Path as FilePath
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Refused, Rule, Severity, Unreadable
 from assistant.program.text import read_bytes
 from assistant.robots import urdf
@@ -22,8 +22,6 @@ from assistant.robots.arms.scara import Scara
 from assistant.robots.arms.serial import Serial
 from assistant.robots.arms.six_axis import SixAxis
 from assistant.robots.robot import Robot
-
-Floats = NDArray[np.float64]
 
 NO_TOML = Rule(
     "RB001",

@@ -27,11 +27,11 @@ class Reader(Protocol):
 
 READERS: Final = {
     ".dxf": "assistant.sources.drawing",
-    ".csv": "assistant.sources.tables",
-    ".toml": "assistant.sources.taught",
-    ".npy": "assistant.sources.waypoints",
-    ".npz": "assistant.sources.waypoints",
-    ".json": "assistant.sources.waypoints",
+    ".csv": "assistant.sources.tables.csv_tables",
+    ".toml": "assistant.sources.tables.taught",
+    ".npy": "assistant.sources.tables.waypoints",
+    ".npz": "assistant.sources.tables.waypoints",
+    ".json": "assistant.sources.tables.waypoints",
 }
 """File suffix → module, whose `read(path, process)` gives the `Reading`."""
 
@@ -81,6 +81,6 @@ def process_of(source: FilePath, process: str | FilePath | None = None) -> Proce
     chosen = FilePath(process) if process else beside if beside.is_file() else None
     if chosen is None:
         return NO_PROCESS
-    from assistant.sources.process_file import read_process
+    from assistant.sources.process.file import read_process
 
     return read_process(chosen)

@@ -18,7 +18,7 @@ from assistant.program.path import UNSTATED, Path
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
 from assistant.robots.arms import Serial
-from assistant.robots.recognition import recognised
+from assistant.robots.arms.recognition import recognised
 
 NAMES = ["irb1200-7-0.7", "rv-4frl", "rv-2aj", "rh-6frh5520", "irb4600-20-2.50"]
 FINE: Final = 3001

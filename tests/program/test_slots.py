@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assistant.program.slots import WORD, Slots
+from assistant.program.digits_at_offsets import WORD, Slots
 
 NUMBER = st.one_of(
     st.integers(-999, 9999).map(str),

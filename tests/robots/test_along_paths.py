@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assistant.robots.branches import BREAK, CHANGE, Costs, cheapest, choose
-from assistant.robots.turns import FREE, turn
+from assistant.robots.branches.cheapest import BREAK, CHANGE, Costs, cheapest, choose
+from assistant.robots.branches.turns import FREE, turn
 
 
 def free(chains: int) -> Costs:

@@ -18,7 +18,7 @@ from assistant.program.path import Kind, Path
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
 from assistant.robots.arms import Serial
-from assistant.robots.recognition import recognised
+from assistant.robots.arms.recognition import recognised
 
 DOWN = (0.0, 0.0, 1.0, 0.0)
 ABB = robots.get("irb1200-7-0.7")

@@ -27,9 +27,9 @@ from assistant.program.statements import (
     MoveJoints,
     Statement,
 )
-from assistant.robots.gathering import path_part, run_of
-from assistant.robots.solving import solve
-from assistant.robots.survey import Cures
+from assistant.robots.branches.row_reach import Cures
+from assistant.robots.branches.solving import solve
+from assistant.robots.motion.run_of_moves import path_part, run_of
 
 DOWN = (0.0, 0.0, 1.0, 0.0)
 ABB = robots.get("irb1200-7-0.7")

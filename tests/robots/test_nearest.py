@@ -14,7 +14,7 @@ from assistant import robots
 from assistant.program import pseudo, rotations
 from assistant.program.geometry import Pose
 from assistant.robots.arms.five_axis import from_ab
-from assistant.robots.nearest import nearest
+from assistant.robots.arms.nearest import nearest
 
 ARM = robots.get("rv-2aj")
 FLANGE = Pose()

@@ -14,8 +14,8 @@ from assistant.program.motion import Speed
 from assistant.program.path import UNSTATED, Kind, Path
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
-from assistant.robots.branches import CHANGE
-from assistant.robots.turns import CLEARANCE
+from assistant.robots.branches.cheapest import CHANGE
+from assistant.robots.branches.turns import CLEARANCE
 
 ARMS = [
     robots.get(name)

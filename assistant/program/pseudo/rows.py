@@ -16,6 +16,7 @@ import numpy as np
 from lark import Token
 from numpy.typing import NDArray
 
+from assistant.program.arrays import Floats, Truths
 from assistant.program.diagnostics import Rule
 from assistant.program.expressions import Name
 from assistant.program.geometry import BASE, FLANGE, NO_EXTERNAL, UNUSED_AXIS
@@ -113,9 +114,7 @@ def _attribute_texts(path: Path) -> dict[int, str]:
     return said
 
 
-def _changes(
-    column: NDArray[np.float64] | NDArray[np.int8], before: Sequence[float]
-) -> NDArray[np.bool_]:
+def _changes(column: Floats | NDArray[np.int8], before: Sequence[float]) -> Truths:
     """Rows that differ from the row before them; `before` stands above the first."""
     rows = np.asarray(column)
     above = np.concatenate([np.asarray([before], dtype=rows.dtype), rows[:-1]])[: len(rows)]
@@ -126,7 +125,7 @@ def _changes(
     return np.asarray(differ.any(axis=1))
 
 
-def _list_texts(rows: NDArray[np.float64]) -> list[str]:
+def _list_texts(rows: Floats) -> list[str]:
     """`x, y, z` for each row of (n, k), every number as `number_text` writes it."""
     if not len(rows):
         return []
@@ -303,7 +302,7 @@ class _Held:
         self._rows.append(row)
         self._values.extend(values)
 
-    def spread(self, n: int) -> NDArray[np.float64]:
+    def spread(self, n: int) -> Floats:
         """The values of each of n rows."""
         values = np.array(self._values).reshape(-1, self._width)
         return np.repeat(values, np.diff(np.array(self._rows), append=n), axis=0)

@@ -13,9 +13,7 @@ from typing import ClassVar, Final
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Truths = NDArray[np.bool_]
-Rows = NDArray[np.intp]
+from assistant.program.arrays import Floats, Rows, Truths
 
 CLOSING: Final = 1e-5
 """mm and degrees within which forward kinematics must come back to a pose."""
@@ -100,7 +98,7 @@ class Arm(ABC):
         """(n, 3) columns back, down and flip of a configuration (see `Path`)."""
 
     @abstractmethod
-    def branch(self, shape: NDArray[np.intp]) -> Rows:
+    def branch(self, shape: Rows) -> Rows:
         """(n, 3) columns back, down, flip → (n,) index of the branch among those of `ik`."""
 
     @abstractmethod

@@ -10,8 +10,9 @@ from typing import Any, Final
 import numpy as np
 
 from assistant.program import rotations
+from assistant.program.arrays import Floats
 from assistant.program.geometry import IDENTITY, Pose
-from assistant.robots.arms.arm import Floats, Link
+from assistant.robots.arms.arm import Link
 
 METRE: Final = 1000.0
 """mm."""
@@ -92,7 +93,7 @@ class Chain:
         zero: (a,) of the chain where a joint is 0. limits: (a, 2) of the joints. Raises Refused,
         naming the extra, without roboticstoolbox.
         """
-        from assistant.robots.toolbox import library
+        from assistant.robots.arms.toolbox import library
 
         rtb = library("an arm of kind `serial`")
         parts, tail = [], IDENTITY

@@ -20,11 +20,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from assistant.program import rotations
-from assistant.robots.arms.arm import MISS_TOLERANCE, Arm, Link, Rows, Truths, turn_between
+from assistant.program.arrays import Floats, Rows, Truths
+from assistant.robots.arms.arm import MISS_TOLERANCE, Arm, Link, turn_between
 from assistant.robots.arms.lengths import Lengths, wrist_words
 from assistant.robots.arms.links import axis_z, reach_excess, two_links, zyz
-
-Floats = NDArray[np.float64]
 
 ON_AXIS: Final = 1e-6
 """mm; a point nearer to axis 1 has no azimuth of its own and gets 0."""
@@ -59,7 +58,7 @@ class FiveAxis(Arm):
         back, lower = self.lengths.sides(joints)
         return np.stack([back, lower ^ back, np.ones_like(back)], axis=-1).astype(np.int8)
 
-    def branch(self, shape: NDArray[np.intp]) -> Rows:
+    def branch(self, shape: Rows) -> Rows:
         back = shape[:, 0] == 1
         return np.asarray(2 * back + ((shape[:, 1] == 1) ^ back), dtype=np.intp)
 

@@ -7,11 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from assistant.program.arrays import Floats, Truths
 from assistant.robots.arms.arm import BOUNDARY, CLOSING
 from assistant.robots.arms.links import axis_z
-
-Floats = NDArray[np.float64]
-Truths = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True)

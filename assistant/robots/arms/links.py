@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from assistant.program.arrays import Floats
 
 
 def zyz(first: Floats, second: Floats, third: Floats) -> Floats:

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program import rotations
+from assistant.program.arrays import Floats, Rows, Truths
 from assistant.program.geometry import Pose
-from assistant.robots.arms.arm import Arm, Floats, Link, Rows, Truths
+from assistant.robots.arms.arm import Arm, Link
 from assistant.robots.arms.lengths import Lengths
 from assistant.robots.arms.serial import Serial
 from assistant.robots.arms.six_axis import SixAxis
@@ -70,7 +71,7 @@ class Placed(Arm):
         inner[:, 4] -= 2.0 * np.pi * np.round(inner[:, 4] / (2.0 * np.pi))
         return self.arm.shape(inner)
 
-    def branch(self, shape: NDArray[np.intp]) -> Rows:
+    def branch(self, shape: Rows) -> Rows:
         return self.arm.branch(shape)
 
     def words(self, shape: NDArray[np.integer]) -> str:

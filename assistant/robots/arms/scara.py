@@ -17,16 +17,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.robots.arms.arm import (
-    BOUNDARY,
-    MISS_TOLERANCE,
-    Arm,
-    Floats,
-    Link,
-    Rows,
-    Truths,
-    turn_between,
-)
+from assistant.program.arrays import Floats, Rows, Truths
+from assistant.robots.arms.arm import BOUNDARY, MISS_TOLERANCE, Arm, Link, turn_between
 from assistant.robots.arms.links import reach_excess, two_links
 
 
@@ -83,7 +75,7 @@ class Scara(Arm):
         left = turn > np.radians(BOUNDARY)
         return np.stack([left, np.ones_like(left), np.ones_like(left)], axis=-1).astype(np.int8)
 
-    def branch(self, shape: NDArray[np.intp]) -> Rows:
+    def branch(self, shape: Rows) -> Rows:
         return np.asarray(shape[:, 0] == 1, dtype=np.intp)
 
     def words(self, shape: NDArray[np.integer]) -> str:

@@ -21,8 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program import rotations
+from assistant.program.arrays import Floats, Ints, Rows, Truths
 from assistant.program.geometry import IDENTITY, Pose
-from assistant.robots.arms.arm import CLOSING, Arm, Floats, Link, Rows, Truths, turn_between
+from assistant.robots.arms.arm import CLOSING, Arm, Link, turn_between
 from assistant.robots.arms.chain import METRE, Along, Chain, Joint, matrices
 
 SIGNS: Final = 3
@@ -158,7 +159,7 @@ class Serial(Arm):
     def shape(self, joints: Floats) -> NDArray[np.int8]:
         return self._shape(self.chain.along(joints))
 
-    def branch(self, shape: NDArray[np.intp]) -> Rows:
+    def branch(self, shape: Rows) -> Rows:
         return np.asarray((shape == 1) @ np.array([4, 2, 1]), dtype=np.intp)
 
     def words(self, shape: NDArray[np.integer]) -> str:
@@ -254,7 +255,7 @@ class Serial(Arm):
     def _join(
         self,
         best: Floats,
-        rank: NDArray[np.int64],
+        rank: Ints,
         poses: Floats,
         positions: Floats,
         quaternions: Floats,
@@ -280,9 +281,7 @@ class Serial(Arm):
             if mine[0] == branch and fits[0] <= min(rank[row], _Rank.OUTSIDE):
                 best[row], rank[row] = found[0], fits[0]
 
-    def _ranked(
-        self, joints: Floats, positions: Floats, quaternions: Floats
-    ) -> tuple[Rows, NDArray[np.int64]]:
+    def _ranked(self, joints: Floats, positions: Floats, quaternions: Floats) -> tuple[Rows, Ints]:
         """(n,) branches of joints (n, a), and how good they are."""
         found = self.chain.along(joints)
         closes = _off(found, positions, quaternions) == 0.0

@@ -14,11 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program import rotations
-from assistant.robots.arms.arm import BOUNDARY, Arm, Link, Rows, Truths
+from assistant.program.arrays import Floats, Rows, Truths
+from assistant.robots.arms.arm import BOUNDARY, Arm, Link
 from assistant.robots.arms.lengths import Lengths, wrist_words
 from assistant.robots.arms.links import axis_z, reach_excess, two_links, zyz
-
-Floats = NDArray[np.float64]
 
 BRANCHES: Final = 8
 """Branch 4·back + 2·lower + flip; lower: the forearm is bent backwards from the upper arm."""
@@ -55,7 +54,7 @@ class SixAxis(Arm):
         flip = joints[:, 4] < -np.radians(BOUNDARY)
         return np.stack([back, lower ^ back, flip], axis=-1).astype(np.int8)
 
-    def branch(self, shape: NDArray[np.intp]) -> Rows:
+    def branch(self, shape: Rows) -> Rows:
         back = shape[:, 0] == 1
         lower = (shape[:, 1] == 1) ^ back
         return np.asarray(4 * back + 2 * lower + (shape[:, 2] == 1), dtype=np.intp)

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from assistant.program.diagnostics import Refused, has_errors
 from assistant.program.program import Program
-from assistant.robots.journey import Journey
+from assistant.robots.solved_program import Journey
 from assistant.robots.timing.drive import TIME_TO_SPEED, Drive, drive_of
 from assistant.robots.timing.samples import Samples
 from assistant.robots.timing.simulation import NO_PERIOD, MoveTimes, Simulation, Unknown

@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program import rotations
+from assistant.program.arrays import Floats, Rows, Truths
 from assistant.program.path import Kind
 from assistant.robots.robot import Robot
-from assistant.robots.run import Floats
 from assistant.robots.timing.knots import APART, MOST, MOST_KNOTS, TURNED, Knots, followed, solved
-from assistant.robots.timing.rows import Moves, Rows
+from assistant.robots.timing.rows import Moves
 
 SPANS: Final = 21
 """Parabolas of a corner at least; odd, so that its moves meet in the middle of one."""
@@ -92,7 +92,7 @@ class Corners:
             whole(corner, self.at[each]),
         )
 
-    def _kept(self) -> NDArray[np.bool_]:
+    def _kept(self) -> Truths:
         """(k + 1,) the knots that no corner replaces, nor comes close to."""
         reach = self.gone[self.at + 1]
         low = np.searchsorted(self.gone, reach - self.zone - self.d[self.at] / 4.0, side="right")

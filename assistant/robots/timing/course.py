@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program import rotations
+from assistant.program.arrays import Floats, Rows, Truths
 from assistant.program.path import Kind
 from assistant.robots.robot import Robot
-from assistant.robots.run import Floats
 from assistant.robots.timing.corners import Corners
 from assistant.robots.timing.knots import Knots
-from assistant.robots.timing.rows import Moves, Rows
+from assistant.robots.timing.rows import Moves
 
 STILL: Final = 1e-9
 """mm or degrees below which a step is none."""
@@ -47,9 +47,9 @@ class Course:
     step: Rows
     distance: Floats
     room: Floats
-    corner: NDArray[np.bool_]
-    inside: NDArray[np.bool_]
-    loose: NDArray[np.bool_]
+    corner: Truths
+    inside: Truths
+    loose: Truths
     axes: Floats
     tool: Floats
 
@@ -98,7 +98,7 @@ def course_of(moves: Moves, knots: Knots, robot: Robot) -> Course:
     return Course(knots, step, d, room, corner[ends] >= 0, inside, loose, axes, tool)
 
 
-def _only(knots: Knots, going: NDArray[np.bool_]) -> Knots:
+def _only(knots: Knots, going: Truths) -> Knots:
     """Those at the ends of some steps (k,)."""
     kept = np.append(True, going)
     poses = knots.joints[kept], knots.positions[kept], knots.quaternions[kept]

@@ -6,11 +6,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from assistant.program.arrays import Floats
 from assistant.robots.robot import Robot
-
-Floats = NDArray[np.float64]
 
 TIME_TO_SPEED: Final = 0.1
 """seconds that an axis takes to its full speed where no source tells its acceleration.

@@ -11,15 +11,14 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from assistant.program import rotations
+from assistant.program.arrays import Floats, Rows, Truths
 from assistant.program.path import Kind
-from assistant.robots.arcs import Arcs, arcs_of, vias_of
 from assistant.robots.arms.arm import CLOSING
+from assistant.robots.motion.arcs import Arcs, arcs_of, vias_of
 from assistant.robots.robot import CHUNK, IN_LINE, Robot
-from assistant.robots.run import Floats
-from assistant.robots.timing.rows import Moves, Rows
+from assistant.robots.timing.rows import Moves
 
 APART: Final = 10.0
 """mm between knots at most."""
@@ -233,7 +232,7 @@ def followed(robot: Robot, before: Floats, each: Rows, p: Floats, q: Floats) -> 
 def _unwind(
     joints: Floats,
     between: Floats,
-    solved: NDArray[np.bool_],
+    solved: Truths,
     each: Rows,
     rows: Rows,
     inner: Rows,

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.robots.run import Floats
+from assistant.program.arrays import Floats
 from assistant.robots.timing.pieces import Piece
 from assistant.robots.timing.plan import Plan
 from assistant.robots.timing.simulation import MoveTimes, Unknown

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from assistant.program.arrays import Floats
 from assistant.program.expressions import Expression
 from assistant.program.geometry import BASE, FLANGE, Frame, Tool
 from assistant.program.path import UNSTATED, Kind, configuration_row
@@ -13,9 +14,9 @@ from assistant.program.program import Procedure, walk
 from assistant.program.pseudo.expressions import expression_text
 from assistant.program.statements import Follow, Motion, Move, MoveCircular, MoveJoints, Moving
 from assistant.robots.configurations import BACK
-from assistant.robots.journey import Journey, Leg
-from assistant.robots.naming import Names, Place
-from assistant.robots.run import Floats, Pace
+from assistant.robots.motion.run import Pace
+from assistant.robots.solved_program import Journey, Leg
+from assistant.robots.target_lookup import Names, Place
 from assistant.robots.timing.rows import Mount, Moves, Settings, moves_of, placed
 from assistant.robots.timing.values import Values
 from assistant.robots.timing.way import Joints

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from assistant.program.arrays import Floats, Rows
 from assistant.robots.robot import Robot
-from assistant.robots.run import Floats
 from assistant.robots.timing.course import Course, course_of
 from assistant.robots.timing.drive import Drive
 from assistant.robots.timing.knots import knots_of
 from assistant.robots.timing.profile import Profile, profile_of
-from assistant.robots.timing.rows import Moves, Rows
+from assistant.robots.timing.rows import Moves
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,11 +8,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.robots.run import Floats
+from assistant.program.arrays import Floats, Rows
 from assistant.robots.timing.bounds import Bounds
 from assistant.robots.timing.course import Course, sums
 from assistant.robots.timing.drive import Drive
-from assistant.robots.timing.rows import Moves, Rows
+from assistant.robots.timing.rows import Moves
 from assistant.robots.timing.sections import sections_of
 
 ACCELERATION, SPEED, ROTATION, MOST, PERCENT, FIRST_AXIS = range(6)

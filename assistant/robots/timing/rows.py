@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program import rotations
+from assistant.program.arrays import Floats
 from assistant.program.expressions import Name
 from assistant.program.geometry import Frame, Pose, Tool
 from assistant.program.motion import FINE, Blend, Speed
+from assistant.robots.motion.run import Pace, from_flange, to_flange
 from assistant.robots.robot import Robot
-from assistant.robots.run import Floats, Pace, from_flange, to_flange
 
-Rows = NDArray[np.intp]
 UNKNOWN_SPEED: Final = Speed(np.nan)
 
 

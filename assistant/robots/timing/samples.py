@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from assistant.program import rotations
+from assistant.program.arrays import Floats, Rows
 from assistant.robots.robot import Robot
-from assistant.robots.run import Floats
 from assistant.robots.timing.plan import Moment, Plan
-from assistant.robots.timing.rows import Rows
 from assistant.robots.timing.way import Trace
 
 Columns = dict[str, Floats]

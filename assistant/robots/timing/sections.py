@@ -14,9 +14,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.robots.run import Floats
+from assistant.program.arrays import Floats, Rows, Truths
 from assistant.robots.timing.bounds import HIGHEST, LEAST, Bounds, norm
-from assistant.robots.timing.rows import Rows
 
 LITTLE: Final = 0.02
 """Part of an acceleration that a bend takes at most to be in no section of its own."""
@@ -95,7 +94,7 @@ def sections_of(bounds: Bounds) -> Sections:
     return Sections(step, offset, distance, caps, why, most, rise[step], fall[step], bends)
 
 
-def _beside(most: Floats, whole: NDArray[np.bool_]) -> Floats:
+def _beside(most: Floats, whole: Truths) -> Floats:
     """(s,) the most of speed or acceleration also in the bends at both ends of each step.
 
     whole: (s - 1,) bends in which the rates of the axes and the tool are, in the middle, the mean
@@ -114,9 +113,7 @@ class Bends:
     at: (b,) sections. highest: (b,) the highest w in them. limits: their highest speeds.
     """
 
-    def __init__(
-        self, bounds: Bounds, at: Rows, step: Rows, ends: NDArray[np.bool_], near: Floats
-    ) -> None:
+    def __init__(self, bounds: Bounds, at: Rows, step: Rows, ends: Truths, near: Floats) -> None:
         """step: (b,) that each is in; ends: (b,) whether at its end. near: (s + 1,) highest w."""
         self.bounds, self.at, self.step = bounds, at, step
         knot = step + ends

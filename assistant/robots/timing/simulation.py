@@ -10,9 +10,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Refused, Rule, Severity
 from assistant.robots.robot import Robot
-from assistant.robots.run import Floats
 from assistant.robots.timing.profile import FIRST_AXIS, WORDS
 from assistant.robots.timing.samples import Samples, samples_of
 from assistant.robots.timing.way import Duration, Trace

@@ -22,7 +22,7 @@ from assistant.program.expressions import (
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import map_expressions
 from assistant.program.statements import Assign, Comment, If, Return, Statement
-from assistant.robots.naming import Names, Place
+from assistant.robots.target_lookup import Names, Place
 
 Known = dict[str, Expression | None]
 

@@ -9,6 +9,7 @@ from typing import Final
 
 import numpy as np
 
+from assistant.program.arrays import Rows
 from assistant.program.expressions import Expression, Name, Number
 from assistant.program.path import Kind
 from assistant.program.program import Procedure, walk
@@ -34,13 +35,13 @@ from assistant.program.statements import (
     While,
 )
 from assistant.program.text import words_of
-from assistant.robots.journey import Journey
-from assistant.robots.naming import Names
+from assistant.robots.solved_program import Journey
+from assistant.robots.target_lookup import Names
 from assistant.robots.timing.drive import Drive
 from assistant.robots.timing.ledger import Ledger
 from assistant.robots.timing.pieces import Piece, Pieces, label_of
 from assistant.robots.timing.plan import Plan, plan_of
-from assistant.robots.timing.rows import Rows, joined
+from assistant.robots.timing.rows import joined
 from assistant.robots.timing.values import Known, Values, first_values, local_values, rounds
 from assistant.robots.timing.variables import mentions, root
 from assistant.robots.timing.way import Duration, Joints, Trace, Way, met

@@ -14,8 +14,8 @@ from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.arms.arm import Arm
 from assistant.robots.arms.chain import Joint as Axis
+from assistant.robots.arms.recognition import recognised
 from assistant.robots.arms.serial import Serial
-from assistant.robots.recognition import recognised
 from assistant.robots.urdf import tree
 from assistant.robots.urdf.elements import Element, parse
 

@@ -14,6 +14,7 @@ from assistant.program.geometry import Target
 from assistant.program.program import MANGLED, Procedure, Program, identifier
 from assistant.program.statements import Call, Move
 from assistant.sources import Reading
+from assistant.sources.contours.layers import contour_program
 from assistant.sources.drawing.contents import Contents
 from assistant.sources.drawing.findings import (
     DUPLICATE,
@@ -23,7 +24,6 @@ from assistant.sources.drawing.findings import (
     shown,
 )
 from assistant.sources.drawing.locations import Location
-from assistant.sources.layers import contour_program
 from assistant.sources.process import Process
 
 MAIN: Final = "main"

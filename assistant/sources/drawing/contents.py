@@ -11,7 +11,7 @@ import numpy as np
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.statements import Motion
-from assistant.sources.curves import Curve
+from assistant.sources.contours.curves import Curve
 from assistant.sources.drawing.attributes import Tags
 from assistant.sources.drawing.document import library_errors, open_drawing
 from assistant.sources.drawing.entities import ignored, primitives

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any, Final, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
+from assistant.program.arrays import Floats
 from assistant.sources.drawing.primitives import Conic, Degenerate, Primitive, Spline, Straight
-from assistant.sources.drawing.transforms import Floats, cross, ocs_axes, ocs_matrix
+from assistant.sources.drawing.transforms import cross, ocs_axes, ocs_matrix
 
 if TYPE_CHECKING:
     from ezdxf.entities.dxfgfx import DXFGraphic

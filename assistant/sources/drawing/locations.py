@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, cast
 import numpy as np
 
 from assistant.program import rotations
+from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Diagnostic, Rule
 from assistant.program.geometry import BASE, FLANGE, Frame, Pose, Tool
 from assistant.program.motion import Speed
@@ -46,7 +47,6 @@ from assistant.sources.drawing.findings import (
 )
 from assistant.sources.drawing.primitives import check_places
 from assistant.sources.drawing.transforms import (
-    Floats,
     direction,
     insert_axes,
     insert_origin,

@@ -13,8 +13,9 @@ from typing import Final
 
 import numpy as np
 
-from assistant.sources.curves import Arc, Curve, FreeCurve, Line, Points, vector
-from assistant.sources.drawing.transforms import Floats, cross, direction, point
+from assistant.program.arrays import Floats
+from assistant.sources.contours.curves import Arc, Curve, FreeCurve, Line, Points, vector
+from assistant.sources.drawing.transforms import cross, direction, point
 
 ROUND: Final = 1e-9
 """Relative difference of two conjugate radii, and cosine between them, of a circle."""

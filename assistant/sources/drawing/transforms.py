@@ -11,12 +11,13 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from assistant.program.arrays import Floats
 
 if TYPE_CHECKING:
     from ezdxf.entities.insert import Insert
 
-Floats = NDArray[np.float64]
 
 ARBITRARY_AXIS_BOUND: Final = 1.0 / 64.0
 """DXF reference, arbitrary axis algorithm: closer than this to z, x comes from the y axis."""

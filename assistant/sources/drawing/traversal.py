@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Final, cast
 
 import numpy as np
 
+from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Diagnostic, Refused, Rule
 from assistant.sources.drawing.attributes import Tags, texts_of
 from assistant.sources.drawing.document import library_errors
@@ -34,7 +35,7 @@ from assistant.sources.drawing.findings import (
     Tally,
     shown,
 )
-from assistant.sources.drawing.transforms import Floats, cells, check_insert, insert_matrix
+from assistant.sources.drawing.transforms import cells, check_insert, insert_matrix
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing

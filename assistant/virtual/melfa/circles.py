@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from assistant.program.arrays import Floats
 
 FLAT: Final = 1e-9
 """Sine of the angle between two chords below which three places lie on a line."""

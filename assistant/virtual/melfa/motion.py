@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.program.arrays import Floats
 from assistant.program.geometry import Pose, Vector
 from assistant.virtual.events import Moved
 from assistant.virtual.melfa import expressions, poses
 from assistant.virtual.melfa.arm import OPTIMUM
-from assistant.virtual.melfa.circles import Floats, circle_about, circle_through
+from assistant.virtual.melfa.circles import circle_about, circle_through
 from assistant.virtual.melfa.stops import Failed, Unknown
 from assistant.virtual.melfa.values import Bare, Joints, Position, Value, holds, position
 

@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 
 from assistant.program import rotations
+from assistant.program.arrays import Floats
 from assistant.virtual.rapid.ends import Fault
 from assistant.virtual.rapid.poses import orient, pos, quaternion_of, truth, vector_of
 from assistant.virtual.rapid.values import Record, Value, equal, kind_of
@@ -99,7 +100,7 @@ def _vectors(sign: str, left: Value, right: Value) -> Value | None:
     return None
 
 
-def _pos(values: rotations.Floats) -> Record:
+def _pos(values: Floats) -> Record:
     x, y, z = (float(part) for part in values)
     return pos((x, y, z))
 
@@ -143,7 +144,7 @@ NUMBERS: Final[Mapping[str, Callable[[float, float], float]]] = {
     "DIV": _quotient,
     "MOD": _remainder,
 }
-VECTORS: Final[Mapping[str, Callable[..., rotations.Floats]]] = {
+VECTORS: Final[Mapping[str, Callable[..., Floats]]] = {
     "+": np.add,
     "-": np.subtract,
     "*": np.cross,

@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant.program.diagnostics import Severity
-from assistant.sources.contours import chain
-from assistant.sources.curves import Arc, FreeCurve, Line, vector
+from assistant.sources.contours.chaining import chain
+from assistant.sources.contours.curves import Arc, FreeCurve, Line, vector
 
 
 def lines(*points, layer="L"):

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assistant.sources.curves import Arc, FreeCurve, Line, sample
+from assistant.sources.contours.curves import Arc, FreeCurve, Line, sample
 
 coordinates = st.floats(-1000.0, 1000.0)
 points = st.tuples(coordinates, coordinates, coordinates)

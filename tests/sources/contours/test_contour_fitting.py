@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assistant.sources.curves import Arc, FreeCurve, Line
-from assistant.sources.fitting import fit
+from assistant.sources.contours.curves import Arc, FreeCurve, Line
+from assistant.sources.contours.fitting import fit
 
 
 def ellipse(a, b, closed=True, turn=1.0):

@@ -24,8 +24,8 @@ from assistant.program.statements import (
     SetSignal,
     Wait,
 )
-from assistant.sources.curves import Arc, FreeCurve, Line
-from assistant.sources.layers import contour_program as layer_program
+from assistant.sources.contours.curves import Arc, FreeCurve, Line
+from assistant.sources.contours.layers import contour_program as layer_program
 from assistant.sources.process import Defaults, Layer, Process
 from tests.sources.contours.whole import pose, whole_paths
 

@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant.program.path import Kind
-from assistant.sources.contours import Contour, chain
-from assistant.sources.curves import Arc, FreeCurve, Line
-from assistant.sources.moves import moves
+from assistant.sources.contours.chaining import Contour, chain
+from assistant.sources.contours.curves import Arc, FreeCurve, Line
+from assistant.sources.contours.moves import moves
 
 
 def rows(*curves, tolerance=0.05, closed=False, **options):

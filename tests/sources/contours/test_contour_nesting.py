@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import sources
-from assistant.sources.contours import Contour
-from assistant.sources.curves import Arc, FreeCurve, Line
-from assistant.sources.nesting import holders
-from assistant.sources.ordering import ordered, travel
+from assistant.sources.contours.chaining import Contour
+from assistant.sources.contours.curves import Arc, FreeCurve, Line
+from assistant.sources.contours.nesting import holders
+from assistant.sources.contours.ordering import ordered, travel
 from tests.sources.contours.whole import whole_paths
 
 DOWN = (0.0, 0.0, -1.0)

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assistant.sources.contours import Contour
-from assistant.sources.curves import Arc, Line, vector
-from assistant.sources.ordering import ordered, travel
+from assistant.sources.contours.chaining import Contour
+from assistant.sources.contours.curves import Arc, Line, vector
+from assistant.sources.contours.ordering import ordered, travel
 
 
 def line(a, b):

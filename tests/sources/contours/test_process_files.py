@@ -15,10 +15,10 @@ from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.program import Signal
 from assistant.program.statements import Motion
 from assistant.program.text import SourceText
-from assistant.sources import process_file
 from assistant.sources.process import NO_PROCESS, Defaults, Layer
-from assistant.sources.process_file import parse_process, read_process
-from assistant.sources.process_lines import key_spans
+from assistant.sources.process import file as process_file
+from assistant.sources.process.file import parse_process, read_process
+from assistant.sources.process.lines import key_spans
 
 
 def parse(text):

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from assistant.program.diagnostics import Diagnostic, Refused, Severity
 from assistant.program.program import IDENTIFIER
-from assistant.sources.curves import Arc, Curve, FreeCurve, Line
+from assistant.sources.contours.curves import Arc, Curve, FreeCurve, Line
 from assistant.sources.drawing import read, read_contents
 from assistant.sources.drawing.findings import shown
 from assistant.sources.process import NO_PROCESS

@@ -17,7 +17,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from assistant.program.diagnostics import Diagnostic, Refused
-from assistant.sources.curves import Arc, Curve, FreeCurve, Line
+from assistant.sources.contours.curves import Arc, Curve, FreeCurve, Line
 from assistant.sources.drawing import read, read_contents
 from assistant.sources.process import NO_PROCESS
 

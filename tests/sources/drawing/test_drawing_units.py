@@ -15,7 +15,7 @@ from assistant import sources
 from assistant.cli.app import app
 from assistant.program.diagnostics import Refused, Severity
 from assistant.program.statements import Follow
-from assistant.sources.curves import Arc
+from assistant.sources.contours.curves import Arc
 from assistant.sources.drawing import read, read_contents
 from assistant.sources.process import NO_PROCESS
 

@@ -30,8 +30,8 @@ from assistant.program.statements import (
     SetSignal,
     Wait,
 )
-from assistant.sources import tables
 from assistant.sources.process import NO_PROCESS, Defaults, Process
+from assistant.sources.tables import csv_tables as tables
 
 POSE = "x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z"
 CELL = Process(

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assistant.sources import headers
-from assistant.sources.headers import KNOWN, columns_of
+from assistant.sources.tables import headers
+from assistant.sources.tables.headers import KNOWN, columns_of
 
 POSE = ["x_mm", "y_mm", "z_mm", "q_w", "q_x", "q_y", "q_z"]
 TEMPTING = [

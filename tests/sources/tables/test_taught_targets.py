@@ -27,7 +27,7 @@ from assistant.program.statements import (
 from assistant.program.text import SourceText
 from assistant.sources import Reading
 from assistant.sources.process import NO_PROCESS, Defaults, Process
-from assistant.sources.taught import read_taught
+from assistant.sources.tables.taught import read_taught
 
 CELL = Process(
     defaults=Defaults(speed=Speed(70.0), blend=Blend(3.0)),

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from assistant.languages.melfa_basic.checks import motion_rules as rules
 from assistant.languages.melfa_basic.checks.file_view import Look
@@ -18,11 +17,10 @@ from assistant.languages.melfa_basic.tables.vocabulary import commands
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import KEYWORDS, MOV, MVR, MoveRows
 from assistant.languages.melfa_basic.tree.positions import NO_FLAGS, Positions
+from assistant.program.arrays import Floats, Ints, Truths
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 NEAR: Final = 0.05
 """mm: points that are nearer to each other are the same one."""
@@ -41,12 +39,12 @@ class Moves:
     """
 
     kinds: Ints
-    follows: NDArray[np.bool_]
+    follows: Truths
     ends: Floats
     vias: Floats
     starts: Floats
     flags: Ints
-    typed: NDArray[np.bool_]
+    typed: Truths
     items: Sequence[s.Line | MoveRows]
     item: Ints
     row: Ints
@@ -61,10 +59,10 @@ class _Piece:
 
     item: s.Line | MoveRows
     kinds: Ints
-    follows: NDArray[np.bool_]
+    follows: Truths
     points: list[Floats]
     flags: Ints
-    typed: NDArray[np.bool_]
+    typed: Truths
     rows: Ints = field(default_factory=lambda: np.zeros(1, np.int64))
 
 

@@ -12,16 +12,11 @@ from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.checks.steps import MOST_ROWS, row_span, targets
 from assistant.languages.melfa_basic.checks.uses import Use
-from assistant.languages.melfa_basic.checks.variables_of import (
-    NUMBERED,
-    Ints,
-    Known,
-    is_position,
-    known,
-)
+from assistant.languages.melfa_basic.checks.variables_of import NUMBERED, Known, is_position, known
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
+from assistant.program.arrays import Ints
 from assistant.program.diagnostics import Diagnostic, Span
 
 Found = Iterator[Diagnostic]

@@ -6,15 +6,11 @@ import re
 from dataclasses import dataclass, field
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
 from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import PositionRows
 from assistant.languages.melfa_basic.tree.walk import nodes
-
-Ints = NDArray[np.int64]
+from assistant.program.arrays import Ints
 
 NUMBERED: Final = re.compile(r"([A-Z][A-Z_]*)(0|[1-9][0-9]{0,8})")
 """A name in upper case that ends with a number, as those of tables do."""

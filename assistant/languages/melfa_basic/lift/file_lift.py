@@ -17,7 +17,7 @@ from assistant.languages.melfa_basic.lift.files import ALL_SETTINGS, File
 from assistant.languages.melfa_basic.lift.flow import Flow
 from assistant.languages.melfa_basic.lift.forms import Contexts, Form
 from assistant.languages.melfa_basic.lift.pallets import pallets, still_mentioned
-from assistant.languages.melfa_basic.lift.paths import Ints, used_once
+from assistant.languages.melfa_basic.lift.paths import used_once
 from assistant.languages.melfa_basic.lift.procedure_lift import Reader
 from assistant.languages.melfa_basic.lift.regions import Region
 from assistant.languages.melfa_basic.lift.scopes import Scope, all_keys, scope_of
@@ -32,6 +32,7 @@ from assistant.languages.melfa_basic.lift.symbols import Inside, Meanings, Routi
 from assistant.languages.melfa_basic.lift.timers import timers
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.walk import nodes
+from assistant.program.arrays import Ints
 from assistant.program.program import (
     Declaration,
     Parameter,

@@ -13,7 +13,6 @@ from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from assistant.languages.melfa_basic.lift.symbols import Meanings, Unliftable
 from assistant.languages.melfa_basic.tree import syntax as s
@@ -21,6 +20,7 @@ from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.positions import target_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.arrays import Floats
 from assistant.program.geometry import Target
 from assistant.program.program import Variable
 from assistant.program.rewriting import records
@@ -105,9 +105,7 @@ def _alike(corners: Sequence[s.Constant]) -> bool:
     )
 
 
-def _points(
-    corners: NDArray[np.float64], columns: int, rows: int, zigzag: bool
-) -> Iterator[NDArray[np.float64]]:
+def _points(corners: Floats, columns: int, rows: int, zigzag: bool) -> Iterator[Floats]:
     start, along, across = corners[:3]
     diagonal = corners[3] if len(corners) > 3 else along + across - start
     for row in range(rows):

@@ -29,12 +29,12 @@ from assistant.languages.melfa_basic.tree.line_tables import (
 from assistant.languages.melfa_basic.tree.positions import configurations
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program import statements as p
+from assistant.program.arrays import Ints, Truths
 from assistant.program.diagnostics import Span, over
 from assistant.program.motion import Speed
 from assistant.program.path import Kind, Path
 from assistant.program.program import identifier
 
-Ints = NDArray[np.int64]
 Values = tuple[Any, ...]
 """Settings of a move, by TCP, JOINT, BLEND, TOOL and FRAME."""
 Place = tuple[str, Any, Any]
@@ -199,7 +199,7 @@ class Runs:
     def range_starts(self, stem: str) -> list[int]:
         return self.starts if self.own and stem.upper() == "P" else []
 
-    def allowed(self, stem: str, numbers: Ints) -> NDArray[np.bool_]:
+    def allowed(self, stem: str, numbers: Ints) -> Truths:
         """Whether positions of a path: known, and in a range or used nowhere else."""
         _, _, known = self.meanings.positions.find(stem, numbers)
         if self.own:

@@ -12,7 +12,7 @@ from assistant.languages.melfa_basic.lift.expressions import Expressions
 from assistant.languages.melfa_basic.lift.forms import Contexts, Form, depends
 from assistant.languages.melfa_basic.lift.moves import Moves
 from assistant.languages.melfa_basic.lift.pallets import define as define_pallet
-from assistant.languages.melfa_basic.lift.paths import Ints, Runs, Values
+from assistant.languages.melfa_basic.lift.paths import Runs, Values
 from assistant.languages.melfa_basic.lift.regions import Region
 from assistant.languages.melfa_basic.lift.settings import State
 from assistant.languages.melfa_basic.lift.symbols import Meanings, Routine, Unliftable
@@ -21,6 +21,7 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.arrays import Ints
 from assistant.program.diagnostics import Span
 from assistant.program.program import identifier
 from assistant.program.text import SourceText

@@ -11,9 +11,9 @@ from assistant.languages.melfa_basic.reading.files import TOKENISED
 from assistant.languages.melfa_basic.reading.line import TooLarge, code_start, read_line, statement
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows, rows_at
-from assistant.program.collecting import uncollected
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.text import SourceText
+from assistant.program.without_gc import uncollected
 
 __all__ = ["parse", "statement"]
 

@@ -12,14 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program import rotations
+from assistant.program.arrays import Floats, Ints
 from assistant.program.geometry import Pose
 from assistant.robots.configurations import FLIP, from_flags, to_flags
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 PLACES: Final = 2
 """Decimals of a position line."""

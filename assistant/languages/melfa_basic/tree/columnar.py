@@ -12,13 +12,10 @@ from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from assistant.program.arrays import Floats, Ints
 from assistant.program.columns import Chosen, Decimal, Integer, Piece, numbers, rows_text
 from assistant.program.diagnostics import Span
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 KEYWORDS: Final = ("Mov", "Mvs", "Mvr")
 MOV, MVS, MVR = range(3)

@@ -7,7 +7,6 @@ from collections.abc import Iterable, Iterator
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import (
@@ -17,6 +16,7 @@ from assistant.languages.melfa_basic.tree.columnar import (
     MoveRows,
     PositionRows,
 )
+from assistant.program.arrays import Ints
 
 _NUMBERED: Final = re.compile(r"([A-Za-z][A-Za-z_]*)(0|[1-9][0-9]{0,8})")
 
@@ -116,7 +116,7 @@ def _moves(group: list[MoveRows]) -> MoveRows:
     if len(group) == 1:
         return group[0]
 
-    def column(name: str) -> NDArray[np.int64]:
+    def column(name: str) -> Ints:
         return np.concatenate([getattr(rows, name) for rows in group])
 
     return MoveRows(

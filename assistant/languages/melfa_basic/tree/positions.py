@@ -13,6 +13,7 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import PositionRows
 from assistant.languages.melfa_basic.tree.line_tables import split_name
 from assistant.program import expressions as e
+from assistant.program.arrays import Floats, Ints, Truths
 from assistant.program.geometry import UNUSED_AXIS, JointTarget, Pose, Target
 from assistant.program.path import UNSTATED, configuration_of
 
@@ -64,7 +65,7 @@ class Positions:
 
     def _columns(
         self, stem: str, single: Sequence[tuple[int, s.Constant]]
-    ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]:
+    ) -> tuple[Ints, Floats, Ints]:
         """Sorted numbers of a stem with their values and flags."""
         numbers, values, flags = (
             [np.empty(0, np.int64)],
@@ -86,9 +87,7 @@ class Positions:
         order = np.argsort(number, kind="stable")
         return number[order], np.concatenate(values)[order], np.concatenate(flags)[order]
 
-    def find(
-        self, stem: str, numbers: NDArray[np.int64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.bool_]]:
+    def find(self, stem: str, numbers: Ints) -> tuple[Floats, Ints, Truths]:
         """Values, flags and whether there are any, of the positions of these numbers."""
         known, values, flags = self.columns.get(
             stem.upper(), (np.empty(0, np.int64), np.empty((0, 8)), np.empty((0, 2), np.int64))
@@ -139,7 +138,7 @@ def _kept(value: s.Expression) -> e.Expression | None:
     return None
 
 
-def _row(constant: s.Constant) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def _row(constant: s.Constant) -> tuple[Floats, Ints]:
     values = np.full((1, 8), np.nan)
     for i, value in enumerate(constant.values[:8]):
         values[0, i] = np.nan if value is None else value
@@ -149,7 +148,7 @@ def _row(constant: s.Constant) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     return values, np.array([[one, two or 0]])
 
 
-def configurations(flags: NDArray[np.int64], robot: Robot | None) -> NDArray[np.int8]:
+def configurations(flags: Ints, robot: Robot | None) -> NDArray[np.int8]:
     """(n, 6) neutral columns; UNSTATED where there are no flags."""
     absent = flags[:, 0] == NO_FLAGS
     columns = poses.configurations_of(np.where(absent[:, None], 7, flags), robot)

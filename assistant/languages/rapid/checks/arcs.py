@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from assistant.languages.rapid.checks import plain_rules as rules
 from assistant.languages.rapid.checks.module_view import Look
@@ -15,10 +14,10 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_target, names_of
 from assistant.languages.rapid.tree.runs import CIRCULAR, MotionNames, MoveRun, Names, TargetRun
 from assistant.languages.rapid.tree.walk import lists
+from assistant.program.arrays import Floats, Ints, Rows
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]
-Floats = NDArray[np.float64]
 
 LEAST_APART: Final = 0.1
 """mm between start, circle point and end (instruction manual, MoveC)."""
@@ -114,7 +113,7 @@ def _run(look: Look, known: _Positions, node: s.MoveRunNode, here: _Here) -> Fou
     yield from _found(look, node, np.stack([starts, vias, ends[rows]], axis=1), rows)
 
 
-def _found(look: Look, node: s.Node, points: Floats, rows: NDArray[np.intp]) -> Found:
+def _found(look: Look, node: s.Node, points: Floats, rows: Rows) -> Found:
     """points: (n, 3, 3) start, circle point and end; NaN for a point that is not known."""
     start, via, end = (points[:, i] for i in range(3))
     to_via, to_end, rest = via - start, end - start, end - via
@@ -190,7 +189,7 @@ class _Positions:
             out[rows] = self._of_stem(stem, names.number[rows])
         return out
 
-    def _of_stem(self, stem: bytes, numbers: NDArray[np.int64]) -> Floats:
+    def _of_stem(self, stem: bytes, numbers: Ints) -> Floats:
         out = np.full((len(numbers), 3), np.nan)
         for run in self._runs:
             stems = [i for i, other in enumerate(run.names.stems) if other.lower() == stem.lower()]

@@ -7,13 +7,13 @@ from functools import partial
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from assistant.languages.rapid.checks import plain_rules
 from assistant.languages.rapid.checks.module_view import Look
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_target
 from assistant.languages.rapid.tree.runs import MOVES
+from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Diagnostic
 
 MOST: Final = 127
@@ -60,7 +60,7 @@ def _written_out(look: Look, node: s.Node, value: s.Expression, name: str) -> It
 def _rows(
     look: Look,
     node: s.Node,
-    confdata: NDArray[np.float64],
+    confdata: Floats,
     name: Callable[[int], str],
     *,
     single: bool = False,

@@ -7,7 +7,6 @@ from functools import partial
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.checks import plain_rules
@@ -16,6 +15,7 @@ from assistant.languages.rapid.checks.module_view import Look
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number, literal_target
 from assistant.languages.rapid.tree.runs import MOVES
+from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Diagnostic, Severity
 
 OFF_UNIT: Final = 1e-5
@@ -55,7 +55,7 @@ def _word(moves: s.MoveRunNode, row: int) -> str:
     return MOVES[int(moves.run.kinds[row])]
 
 
-def _rows(look: Look, node: s.Node, q: NDArray[np.float64], name: Callable[[int], str]) -> Found:
+def _rows(look: Look, node: s.Node, q: Floats, name: Callable[[int], str]) -> Found:
     """q: (n, 4) of the rows of a run. name: of a row."""
     off = np.abs((q * q).sum(axis=1) - 1.0)
     zero = ~q.any(axis=1)

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from assistant.languages.rapid.checks import plain_rules as rules
 from assistant.languages.rapid.checks.module_view import Look, Task
@@ -15,6 +14,7 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import split
 from assistant.languages.rapid.tree.runs import Names
 from assistant.languages.rapid.tree.walk import nodes
+from assistant.program.arrays import Truths
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]
@@ -119,7 +119,7 @@ class Used:
             (run.number[np.isin(run.stem, _stems(run, stem))] == number).any() for run in self.runs
         )
 
-    def rows(self, names: Names) -> NDArray[np.bool_]:
+    def rows(self, names: Names) -> Truths:
         """(n,) which rows of declared names are used."""
         words: dict[bytes, list[int]] = {}
         for word in self.words:

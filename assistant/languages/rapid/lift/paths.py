@@ -26,6 +26,7 @@ from assistant.languages.rapid.tree.walk import nodes
 from assistant.program import expressions as e
 from assistant.program import rotations
 from assistant.program import statements as p
+from assistant.program.arrays import Floats, Rows, Truths
 from assistant.program.geometry import Target
 from assistant.program.path import UNSTATED, Kind, Path
 from assistant.program.program import Variable, identifier
@@ -38,7 +39,6 @@ MOST_WRITTEN: Final = 100
 """Moves in a row to targets that are written out; more are a path, whose targets have names."""
 
 Motions = Callable[[str, str, str, str], p.Motion]
-Rows = NDArray[np.intp]
 
 
 class PathLift:
@@ -110,9 +110,7 @@ class PathLift:
         kinds, motion = rows.kinds[start:stop], rows.motion[start:stop]
         return _path(self.original(stem[:-1]), values, kinds, motion, motions)
 
-    def _written_path(
-        self, run: MoveRun, values: NDArray[np.float64], motions: Sequence[p.Motion]
-    ) -> Path:
+    def _written_path(self, run: MoveRun, values: Floats, motions: Sequence[p.Motion]) -> Path:
         """A path of targets that the program gives no names."""
         name = identifier("written", self._taken)
         self._taken.add(name)
@@ -159,14 +157,14 @@ def _written(values: Sequence[float]) -> e.Expression:
     return e.Aggregate(tuple(e.Aggregate(tuple(map(e.Number, values[a:b]))) for a, b in PARTS))
 
 
-def _turned(values: NDArray[np.float64]) -> bool:
+def _turned(values: Floats) -> bool:
     """Whether every target has an orientation at all."""
     return bool(values[:, 3:7].any(axis=1).all())
 
 
 def _path(
     name: str,
-    values: NDArray[np.float64],
+    values: Floats,
     kinds: NDArray[np.uint8],
     motion: NDArray[np.int32],
     motions: Sequence[p.Motion],
@@ -189,7 +187,7 @@ def _path(
     )
 
 
-def configurations(confdata: NDArray[np.float64]) -> NDArray[np.int8]:
+def configurations(confdata: Floats) -> NDArray[np.int8]:
     """Neutral columns; unstated where confdata are no small whole numbers."""
     sane = ((np.abs(confdata) <= 127) & (confdata == np.rint(confdata))).all(axis=1)
     columns = from_confdata(np.where(sane[:, None], confdata, 0))
@@ -223,7 +221,7 @@ class _Rows:
         self.motion[self.ends] = run.motion
         self.motion[vias] = run.motion[circular]
 
-    def sequences(self, alone: NDArray[np.bool_]) -> Iterator[tuple[_Start, int]]:
+    def sequences(self, alone: Truths) -> Iterator[tuple[_Start, int]]:
         """Stretches of consecutive numbers: first row with its number (0: no path), end.
 
         alone: (rows,) whether the target is declared and named once only.

@@ -12,9 +12,9 @@ from assistant.languages.rapid.reading.rows import Found, find_runs
 from assistant.languages.rapid.reading.shortened import MARKS, RunInTheWay, Shortened
 from assistant.languages.rapid.tables.words import MOST_NESTING, MOST_OPERATORS
 from assistant.languages.rapid.tree.syntax import File, Item, Origin, StatementNode
-from assistant.program.collecting import uncollected
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.text import SourceText
+from assistant.program.without_gc import uncollected
 
 
 def parse(source: SourceText | str, *, runs: bool = True) -> File:

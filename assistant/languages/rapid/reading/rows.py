@@ -33,7 +33,8 @@ from assistant.languages.rapid.tree.runs import (
     Store,
     TargetRun,
 )
-from assistant.program.slots import WORD, Offsets, Slots
+from assistant.program.arrays import Floats
+from assistant.program.digits_at_offsets import WORD, Offsets, Slots
 
 MOST: Final = 8192
 """Rows read at a time, so that their text and numbers fit the processor's cache."""
@@ -208,9 +209,7 @@ _SIZES: Final = tuple(stop - start for start, stop in PARTS)
 _KNOWN: Final = tuple((text, UNUSED) for text in (b"9E9", b"9E+09", b"9E+9"))
 
 
-def _targets(
-    text: Slots, marks: _Marks, closing: int, store: Store
-) -> tuple[NDArray[np.float64], Offsets]:
+def _targets(text: Slots, marks: _Marks, closing: int, store: Store) -> tuple[Floats, Offsets]:
     """The numbers (n, 17) of the aggregate of aggregates in each row, and where they begin.
 
     closing: the mark behind it. Raises ValueError unless all rows have that form.

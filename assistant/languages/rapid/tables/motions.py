@@ -7,16 +7,16 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Generic, TypeVar
 
-from assistant.languages.rapid.tables import words as tables
+from assistant.languages.rapid.tables import words
 from assistant.languages.rapid.tables.words import usual_sizes
 from assistant.program.motion import Blend, Speed
 
 T = TypeVar("T")
 
-_SPEED_NAMES: Final = {speed: name for name, speed in tables.SPEEDS.items()}
-_ZONE_NAMES: Final = {blend: name for name, blend in tables.ZONES.items()}
+_SPEED_NAMES: Final = {speed: name for name, speed in words.SPEEDS.items()}
+_ZONE_NAMES: Final = {blend: name for name, blend in words.ZONES.items()}
 PLACES: Final = 3
-FASTEST: Final = max(s.tcp for s in tables.SPEEDS.values() if math.isfinite(s.tcp))
+FASTEST: Final = max(s.tcp for s in words.SPEEDS.values() if math.isfinite(s.tcp))
 
 WIDEST_CHOSEN: Final = 10.0
 """mm of a corner without a size, at most: where it is known to lead along, somebody says so."""
@@ -122,7 +122,7 @@ def corner_of(speed: Speed) -> float:
     if not math.isfinite(speed.tcp):
         return WIDEST_CHOSEN
     braking = speed.tcp * speed.tcp / (2.0 * BRAKING)  # `**` would raise where that is too large
-    sizes = (b.radius for b in tables.ZONES.values() if b.radius and b.radius <= WIDEST_CHOSEN)
+    sizes = (b.radius for b in words.ZONES.values() if b.radius and b.radius <= WIDEST_CHOSEN)
     return max((radius for radius in sizes if radius <= braking), default=LEAST_CHOSEN)
 
 
@@ -143,5 +143,5 @@ def sayable_blend(blend: Blend) -> tuple[Blend, str | None]:
     return Blend(radius), changed
 
 
-SPEEDS: Final = Words("speed", tables.SPEEDS, speed_name)
-BLENDS: Final = Words("blend", tables.ZONES, zone_name)
+SPEEDS: Final = Words("speed", words.SPEEDS, speed_name)
+BLENDS: Final = Words("blend", words.ZONES, zone_name)

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from assistant.languages import lossless
 from assistant.languages.lossless import Block, Extent, Sketch, Spread
@@ -16,6 +15,7 @@ from assistant.languages.rapid.text.layout.tokens import HOLES
 from assistant.languages.rapid.text.printer import INDENT, Printer, comment
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import plain_move, target_values
+from assistant.program.arrays import Rows
 from assistant.program.text import lines_of
 
 MOST_ROWS: Final = 4096
@@ -238,7 +238,7 @@ class Layout(lossless.Layout):
     def _lines(self, node: Any) -> list[str]:
         return lines_of("".join(str(part) for part in self.sketch(node)))
 
-    def _row_places(self, text: str, node: Any, rows: int) -> NDArray[np.intp] | None:
+    def _row_places(self, text: str, node: Any, rows: int) -> Rows | None:
         """Offsets (n, 2) of each row, None where they cannot be told apart at a glance."""
         place = self._place(text, node)
         if rows == 1:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.languages.rapid.tables.words import UNUSED
+from assistant.program.arrays import Floats, Ints, Rows
 from assistant.program.columns import Chosen, Decimal, Integer, Piece, rows_text
 
 FEWEST: Final = 8
@@ -36,7 +37,7 @@ class Names:
 
     stems: tuple[bytes, ...]
     stem: NDArray[np.int32]
-    number: NDArray[np.int64]
+    number: Ints
 
     def __len__(self) -> int:
         return len(self.stem)
@@ -65,7 +66,7 @@ class Names:
         stem = self.stems[int(self.stem[row])].decode("ascii")
         return f"{stem}{number}" if number >= 0 else stem
 
-    def rows(self, rows: slice | NDArray[np.intp]) -> Names:
+    def rows(self, rows: slice | Rows) -> Names:
         return Names(self.stems, self.stem[rows], self.number[rows])
 
     @staticmethod
@@ -86,7 +87,7 @@ class TargetRun:
     """
 
     names: Names
-    values: NDArray[np.float64]
+    values: Floats
 
     def __len__(self) -> int:
         return len(self.values)
@@ -124,7 +125,7 @@ class MoveRun:
     vias: Names
     motion: NDArray[np.int32]
     motions: tuple[MotionNames, ...]
-    values: NDArray[np.float64] | None = None
+    values: Floats | None = None
 
     def __len__(self) -> int:
         return len(self.kinds)
@@ -160,7 +161,7 @@ def targets_text(run: TargetRun, scope: str, indent: str, newline: str) -> str:
     return rows_text(pieces, len(run)).decode("ascii")
 
 
-def _target(values: NDArray[np.float64]) -> list[Piece]:
+def _target(values: Floats) -> list[Piece]:
     pieces: list[Piece] = []
     for part, (start, stop) in enumerate(PARTS):
         pieces.append(b"],[" if part else b"[[")
@@ -170,7 +171,7 @@ def _target(values: NDArray[np.float64]) -> list[Piece]:
     return [*pieces, b"]]"]
 
 
-def _number(values: NDArray[np.float64]) -> list[Piece]:
+def _number(values: Floats) -> list[Piece]:
     """A column in the fewest decimals that give it back; odd values as Python writes them."""
     if len(values) > 1 and (values == values[0]).all():
         return [rows_text(_number(values[:1]), 1)]
@@ -211,7 +212,7 @@ def moves_text(run: MoveRun, indent: str, newline: str) -> str:
     return rows_text(pieces, len(run)).decode("ascii")
 
 
-def _at(values: NDArray[np.int64] | NDArray[np.int32], rows: NDArray[np.intp]) -> NDArray[np.int64]:
+def _at(values: Ints | NDArray[np.int32], rows: Rows) -> Ints:
     if not len(values):
         return np.zeros(len(rows), dtype=np.int64)
     return np.asarray(values[np.maximum(rows, 0)], dtype=np.int64)
@@ -242,12 +243,12 @@ class Store:
         self._values = np.empty((most, PARTS[-1][1]))
         self.taken = 0
 
-    def take(self, rows: int) -> NDArray[np.float64]:
+    def take(self, rows: int) -> Floats:
         self.taken += rows
         return self._values[self.taken - rows : self.taken]
 
 
-def joined(parts: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
+def joined(parts: Sequence[Floats]) -> Floats:
     """Rows (n, 17) one after the other; neighbours in one array stay where they are."""
     parts = [part for part in parts if len(part)] or list(parts[:1])
     base = parts[0].base

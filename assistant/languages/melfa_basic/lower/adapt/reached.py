@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from assistant.program.arrays import Floats, Truths
 from assistant.robots.configurations import BACK
 
 MISS: Final = 0.05
@@ -18,10 +19,10 @@ VERTICAL: Final = 1e-4
 
 
 def over_the_back(
-    positions: NDArray[np.float64],
-    quaternions: NDArray[np.float64],
+    positions: Floats,
+    quaternions: Floats,
     configurations: NDArray[np.int8],
-) -> NDArray[np.bool_]:
+) -> Truths:
     """Which poses a five-axis arm takes over its back with a tool that is not vertical (n,).
 
     Their A and B depend on axis 1, which no source says of this branch; straight down both

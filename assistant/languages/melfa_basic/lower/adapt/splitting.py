@@ -7,12 +7,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lower.adapt.paths import table_of
 from assistant.languages.melfa_basic.tables.dialects import LAST_STEP
 from assistant.program import statements as p
+from assistant.program.arrays import Ints
 from assistant.program.path import Kind, Path
 from assistant.program.program import Procedure, identifier, walk
 from assistant.program.rewriting import Body, map_bodies
@@ -98,7 +98,7 @@ def _good_cut(path: Path, start: int, stop: int) -> int:
     return start + 1 + int(whole[-1]) if len(whole) else stop
 
 
-def _steps(path: Path) -> NDArray[np.int64]:
+def _steps(path: Path) -> Ints:
     """Steps that each row takes at most: its move, and its settings where they change."""
     costs = (path.kinds != Kind.VIA).astype(np.int64)
     costs[0] += 5

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from assistant.languages.melfa_basic.tree.columnar import (
     MoveRows,
@@ -15,8 +14,8 @@ from assistant.languages.melfa_basic.tree.columnar import (
     places_of,
     position_text,
 )
+from assistant.program.arrays import Ints, Truths
 
-Ints = NDArray[np.int64]
 SEGMENTS = 1 << 16
 """Pieces of text that are put together at a time."""
 
@@ -58,7 +57,7 @@ def positions(new: PositionRows, olds: Iterable[tuple[PositionRows, str]], newli
     at = _places(numbers, new.numbers)
     kept = (at >= 0) & (values[at] == new.values).all(axis=1) & (flags[at] == new.flags).all(axis=1)
 
-    def fresh(rows: NDArray[np.bool_]) -> str:
+    def fresh(rows: Truths) -> str:
         table = PositionRows(new.stem, new.numbers[rows], new.values[rows], new.flags[rows])
         return position_text(table, newline.encode("ascii"), places)
 
@@ -78,7 +77,7 @@ def moves(new: MoveRows, old: MoveRows, text: str, newline: str, upper: bool, in
         same &= getattr(old, name)[at] == getattr(new, name)
     kept = same & (old.steps[at] == new.steps)
 
-    def fresh(rows: NDArray[np.bool_]) -> str:
+    def fresh(rows: Truths) -> str:
         columns = (getattr(new, name)[rows] for name in ("steps", "kinds", "start", "via", "end"))
         return move_text(MoveRows(new.stem, *columns), newline.encode("ascii"), upper, indent)
 
@@ -107,9 +106,7 @@ def _places(known: Ints, wanted: Ints) -> Ints:
     return np.where(known[places] == wanted, places, -1)
 
 
-def _assembled(
-    lines: Lines, at: Ints, kept: NDArray[np.bool_], fresh: Callable[[NDArray[np.bool_]], str]
-) -> str:
+def _assembled(lines: Lines, at: Ints, kept: Truths, fresh: Callable[[Truths], str]) -> str:
     """Old lines where they are kept, new ones elsewhere."""
     starts, ends = np.empty((2, len(kept)), dtype=np.int64)
     starts[kept], ends[kept] = lines.starts[at[kept]], lines.ends[at[kept]]

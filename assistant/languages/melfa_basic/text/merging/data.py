@@ -6,12 +6,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from assistant.languages.melfa_basic.text.printer import expression
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import PositionRows
 from assistant.languages.melfa_basic.tree.line_tables import rows_as_lines
+from assistant.program.arrays import Truths
 
 Table = dict[str, s.Data]
 
@@ -90,11 +90,11 @@ def _joined(tables: Sequence[PositionRows], stem: str, width: int) -> PositionRo
     return PositionRows(some[0].stem, numbers, values, flags)
 
 
-def _some(table: PositionRows, rows: NDArray[np.bool_]) -> PositionRows:
+def _some(table: PositionRows, rows: Truths) -> PositionRows:
     return PositionRows(table.stem, table.numbers[rows], table.values[rows], table.flags[rows])
 
 
-def _contained(table: PositionRows, other: PositionRows | None) -> NDArray[np.bool_]:
+def _contained(table: PositionRows, other: PositionRows | None) -> Truths:
     """Which rows another table has as well."""
     if other is None or not len(other):
         return np.zeros(len(table), dtype=bool)
@@ -102,7 +102,7 @@ def _contained(table: PositionRows, other: PositionRows | None) -> NDArray[np.bo
     at = order[
         np.minimum(np.searchsorted(other.numbers, table.numbers, sorter=order), len(other) - 1)
     ]
-    same: NDArray[np.bool_] = (
+    same: Truths = (
         (other.numbers[at] == table.numbers)
         & (other.values[at] == table.values).all(axis=1)
         & (other.flags[at] == table.flags).all(axis=1)

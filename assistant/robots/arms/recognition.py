@@ -1,0 +1,161 @@
+"""Chains that are arms of six axes with a spherical wrist, so that their closed form holds.
+
+The lengths are read off the axes of the chain at zero; whether they are right is then seen by
+forward kinematics.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from assistant.program import rotations
+from assistant.program.arrays import Floats
+from assistant.program.geometry import IDENTITY, Pose
+from assistant.robots.arms.lengths import Lengths
+from assistant.robots.arms.placed import Placed
+from assistant.robots.arms.serial import Serial
+from assistant.robots.arms.six_axis import SixAxis
+
+MEETING: Final = 1e-6
+"""mm between the axes of a wrist, and what a cosine may be off."""
+ROUNDING: Final = 1e-12
+"""Of a quaternion; what is below has come out of arithmetic."""
+AGREEING: Final = 1e-9
+"""By which forward kinematics of both may differ: in part of the reach, and radians."""
+TRIALS: Final = 50
+
+
+def recognised(chain: Serial) -> Placed | None:
+    """The chain in closed form, None if it is no arm of six axes with a spherical wrist."""
+    if len(chain.joints) != len(SixAxis.axes) or chain.sliding.any():
+        return None
+    found = [_read(chain, side) for side in (1, -1)]
+    arms = [arm for arm in found if arm is not None and _agree(arm, chain)]
+    # Of the two ways to look at axis 2 the one that has axis 1 where the file has it.
+    return min(arms, key=lambda arm: abs(_wrapped(arm.zeros[0])), default=None)
+
+
+@dataclass(frozen=True, slots=True)
+class _Plane:
+    """The plane of the arm at zero. forward, side, up: unit vectors of the arm's base."""
+
+    origin: Floats
+    forward: Floats
+    side: Floats
+    up: Floats
+
+    def of(self, vector: Floats) -> tuple[float, float]:
+        return float(vector @ self.forward), float(vector @ self.up)
+
+
+def _read(chain: Serial, side: int) -> Placed | None:
+    """side: whether axis 2 counts to the side that its own direction names."""
+    origins, axes, flange = chain.at_zero()
+    one, two, three, four, five, six = axes
+    wrist = _meeting(origins[3:], axes[3:])
+    across = [
+        one @ two,
+        three @ four,
+        four @ five,
+        five @ six,
+        np.linalg.norm(np.cross(two, three)),
+    ]
+    if wrist is None or np.abs(across).max() > MEETING:
+        return None
+    up = one if one[2] > -MEETING else -one
+    normal = two * side
+    plane = _Plane(_foot(origins[0], up), np.cross(normal, up), normal, up)
+    if abs((wrist - plane.origin) @ normal) > MEETING:
+        return None
+    a1, d1 = plane.of(origins[1] - plane.origin)
+    r3, z3 = plane.of(origins[2] - origins[1])
+    rw, zw = plane.of(wrist - origins[2])
+    r4, z4 = plane.of(four)
+    sense = 1 if r4 * rw + z4 * zw > 0.0 else -1
+    upper, fore = float(np.arctan2(r3, z3)), float(np.arctan2(sense * r4, sense * z4))
+    d4 = rw * np.sin(fore) + zw * np.cos(fore)
+    a3 = rw * np.cos(fore) - zw * np.sin(fore)
+    a2 = float(np.hypot(r3, z3))
+    if min(a2, d4) < MEETING:
+        return None
+    along = plane.forward * np.sin(fore) + up * np.cos(fore)
+    ahead = plane.forward * np.cos(fore) - up * np.sin(fore)
+    bend = 1 if five @ normal >= -MEETING else -1
+    roll = float(np.arctan2(-bend * (five @ ahead), bend * (five @ normal)))
+    hand = 1 if six @ along > 0.0 else -1
+    d6 = float((flange.position - wrist) @ six) * hand
+    # The closed form has axes 4 and 6 in line at 0 of axis 5, and both turn the same way.
+    if np.linalg.norm(np.cross(six, along)) > MEETING or hand != sense:
+        return None
+    arm = SixAxis(Lengths(d1, a1, a2, float(a3), float(d4), d6))
+    turn = _between(plane)
+    base = Pose.of(plane.origin, turn)
+    ways = (one @ up, two @ normal, three @ normal, sense, bend, hand)
+    senses = tuple(1 if way > 0.0 else -1 for way in ways)
+    zeros = (0.0, upper, fore - upper, roll, 0.0, 0.0)
+    return _flanged(_turned_to_base(arm, senses, zeros, base, chain), flange)
+
+
+def _turned_to_base(
+    arm: SixAxis, senses: tuple[int, ...], zeros: tuple[float, ...], base: Pose, chain: Serial
+) -> Placed:
+    """With the base's axes those of the file where only a turn about axis 1 is between them."""
+    w, x, y, z = base.quaternion
+    if abs(x) < ROUNDING and abs(y) < ROUNDING:
+        zeros = (2.0 * float(np.arctan2(z, w)), *zeros[1:])
+        base = Pose(base.position)
+    return Placed(arm, senses, zeros, base, IDENTITY, chain)
+
+
+def _flanged(arm: Placed, flange: Pose) -> Placed:
+    """With the flange of the file; a mere turn about axis 6 is one of its zero."""
+    zero = np.zeros((1, len(arm.senses)))
+    p, q = arm.fk(zero)
+    rest = Pose.of(p[0], q[0]).inverse() @ flange
+    w, x, y, z = rest.quaternion
+    if max(abs(x), abs(y)) < ROUNDING and np.abs(rest.position).max() < 1000.0 * ROUNDING:
+        last = 2.0 * float(np.arctan2(z, w))
+        return Placed(arm.arm, arm.senses, (*arm.zeros[:5], last), arm.base, IDENTITY, arm.chain)
+    return Placed(arm.arm, arm.senses, arm.zeros, arm.base, rest, arm.chain)
+
+
+def _agree(arm: Placed, chain: Serial) -> bool:
+    joints = np.random.default_rng(0).uniform(-np.pi, np.pi, (TRIALS, len(chain.joints)))
+    (p, q), (there, turned) = arm.fk(joints), chain.fk(joints)
+    near = np.abs(p - there).max() < AGREEING * max(chain.reach, 1.0)
+    return bool(near and _close(q, turned))
+
+
+def _close(left: Floats, right: Floats) -> bool:
+    """Whether quaternions are the same within `AGREEING`, their signs aside."""
+    same = np.where(np.einsum("ij,ij->i", left, right)[:, None] < 0.0, -right, right)
+    return bool(np.abs(left - same).max() < AGREEING)
+
+
+def _meeting(origins: Floats, axes: Floats) -> Floats | None:
+    """Where three axes meet, None if they do not."""
+    # Least squares of the distances: (1 - z zᵀ) (x - o) = 0 for each axis.
+    across = np.eye(3) - axes[:, :, None] * axes[:, None, :]
+    total = across.sum(axis=0)
+    if np.linalg.cond(total) > 1.0 / MEETING:
+        return None
+    point = np.linalg.solve(total, np.einsum("kij,kj->i", across, origins))
+    off = np.einsum("kij,kj->ki", across, point - origins)
+    return point if np.abs(off).max() < MEETING else None
+
+
+def _foot(origin: Floats, up: Floats) -> Floats:
+    """The point of axis 1 that is nearest to the origin of the file's base."""
+    return np.asarray(origin - (origin @ up) * up)
+
+
+def _between(plane: _Plane) -> Floats:
+    matrix = np.stack([plane.forward, plane.side, plane.up], axis=1)
+    return np.asarray(rotations.from_matrix(matrix[None])[0])
+
+
+def _wrapped(angle: float) -> float:
+    return float(angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi)))

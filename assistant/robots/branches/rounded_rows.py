@@ -1,0 +1,135 @@
+"""Rows of a run that can be had because their targets are rounded.
+
+Beside the joints of what is printed stand those of what was meant (see `settling`), for the rows
+that need them: few, so that they are kept as a table.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+
+from assistant.program.arrays import Floats, Rows, Truths
+from assistant.robots.branches.rounding import roundings
+from assistant.robots.branches.within_rounding import CLOSE, PLAY, Wanted, looseness, settled, split
+from assistant.robots.motion.run import Run
+from assistant.robots.robot import IN_LINE, Robot
+
+SHORT: Final = 0.2
+"""mm that a pose may be out of reach by rounding at most."""
+ZERO: Final = 2e-6
+"""degrees of axis 5 that are left of a straight wrist, so that its branch can be told."""
+
+
+@dataclass(slots=True)
+class Slack:
+    """Joints (m, a) deg that are taken for rows (m,) in branches (m,)."""
+
+    rows: list[Rows] = field(default_factory=list)
+    branches: list[Rows] = field(default_factory=list)
+    joints: list[Floats] = field(default_factory=list)
+
+    def add(self, rows: Rows, branches: Rows, joints: Floats) -> None:
+        self.rows.append(rows)
+        self.branches.append(branches)
+        self.joints.append(joints)
+
+    def put(self, joints: Floats, branches: Rows) -> None:
+        """Writes into joints (n, a) those of the rows that have their branch of branches (n,)."""
+        for rows, own, angles in zip(self.rows, self.branches, self.joints, strict=True):
+            chosen = branches[rows] == own
+            joints[rows[chosen]] = angles[chosen]
+
+
+def straighten(run: Run, robot: Robot, joints: Floats, start: int) -> Truths:
+    """Which joints (a, b, m) of rows from `start` on have a straight wrist within the rounding of
+    their targets (b, m). It is made straight, in place, and axes 4 and 6, which mean nothing by
+    themselves there, inside their limits.
+    """
+    with np.errstate(invalid="ignore"):
+        line = np.asarray(np.abs(joints[4]) < IN_LINE)
+    rows = np.flatnonzero(line.any(axis=0))
+    if not len(rows):
+        return line
+    p, q = run.flange(start + rows)
+    wanted = wanted_of(run, robot, p, q, start + rows)
+    place, turn = wanted.rounding.T
+    lengths = robot.lengths
+    lever = np.linalg.norm(wanted.arms, axis=1) + abs(lengths.d6)
+    tilt = (place + np.radians(turn) * lever) / np.hypot(lengths.a3, lengths.d4)
+    line[:, rows] &= np.abs(joints[4][:, rows]) <= turn + np.degrees(tilt)
+    branch, row = np.nonzero(line)
+    four, five, six = joints[3:, branch, row]
+    joints[4, branch, row] = np.where(np.abs(five) > ZERO, np.copysign(ZERO, five), five)
+    low, high = robot.limits.T
+    off = (four < low[3]) | (four > high[3]) | (six < low[5]) | (six > high[5])
+    if off.any():
+        limits = (np.broadcast_to(limit, (int(off.sum()), 6)) for limit in (low, high))
+        roll = four[off] + robot.arm.rolls * six[off]
+        new = split(roll, four[off], (next(limits), next(limits)), robot.arm.rolls)
+        joints[3, branch[off], row[off]], joints[5, branch[off], row[off]] = new
+    return line
+
+
+def wanted_of(run: Run, robot: Robot, p: Floats, q: Floats, rows: Rows) -> Wanted:
+    """What some rows (k,) of a run want, whose poses of the flange are (k, 3), (k, 4)."""
+    return Wanted(p, q, run.mounting.arms(p, q, rows), roundings(robot, *run.targets(rows)))
+
+
+def take(
+    run: Run,
+    robot: Robot,
+    slack: Slack,
+    own: Rows,
+    start: int,
+    given: tuple[Floats, Floats, Floats],
+    reached: Truths,
+    allowed: Truths,
+) -> None:
+    """Adds what can be had by rounding to what is allowed (b, m), for the rows from `start` on.
+
+    own: (m,) the branch that a row states, or -1. given: poses of the flange (m, 3), (m, 4) and
+    joints (a, b, m), changed in place as well. reached: (b, m) within reach but for `SHORT`.
+    """
+    p, q, joints = given
+    low, high = robot.limits.T
+
+    def settle(row: Rows, branch: Rows, box: tuple[Floats, Floats]) -> Rows:
+        wanted = wanted_of(run, robot, p[row], q[row], start + row)
+        found, met = settled(robot, wanted, branch, joints[:, branch, row].T, box)
+        joints[:, branch[met], row[met]] = found[met].T
+        allowed[branch[met], row[met]] = True
+        slack.add(start + row[met], branch[met], found[met])
+        return np.flatnonzero(met)
+
+    stated = np.flatnonzero((own >= 0) & reached[own, np.arange(len(own))])
+    if len(stated):
+        said = run.configurations[start + stated]
+        mine = joints[:, own[stated], stated].T
+        turned, fits = robot.turned(mine, said)
+        good = allowed[own[stated], stated] & fits.all(axis=1) & robot.inside(turned)
+        row = stated[~good]
+        if len(row):
+            settle(row, own[row], robot.ranges(said[~good]))
+    near = (joints >= low[:, None, None] - CLOSE).all(axis=0)
+    near &= (joints <= high[:, None, None] + CLOSE).all(axis=0)
+    if robot.arm.spherical:
+        near |= np.abs(joints[4]) < CLOSE
+    branch, row = np.nonzero(near & reached & ~allowed)
+    if not len(row):
+        return
+    angles = joints[:, branch, row].T
+    beyond = np.maximum(low - angles, angles - high)
+    if robot.arm.spherical:
+        beyond[np.abs(angles[:, 4]) < CLOSE, 3::2] = 0.0
+    loose = looseness(robot, angles)
+    worst = beyond.max(axis=1)
+    some = worst <= np.minimum(PLAY * loose, CLOSE)
+    branch, row, worst, loose = (each[some] for each in (branch, row, worst, loose))
+    wanted = wanted_of(run, robot, p[row], q[row], start + row)
+    some = worst <= wanted.play * loose
+    branch, row = branch[some], row[some]
+    if len(row):
+        settle(row, branch, (np.tile(low, (len(row), 1)), np.tile(high, (len(row), 1))))

@@ -1,0 +1,220 @@
+"""A first look at every row of a run: which arm branches it allows, and why none if so."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.program.arrays import Floats, Rows, Singles, Truths
+from assistant.program.diagnostics import Diagnostic
+from assistant.program.geometry import Pose
+from assistant.program.path import Kind
+from assistant.robots import findings as rules
+from assistant.robots.arms.arm import CLOSING, MISS_TOLERANCE
+from assistant.robots.branches.rounded_rows import SHORT, Slack, straighten, take
+from assistant.robots.motion.run import Run
+from assistant.robots.motion.wrist import PAIRS, directions
+from assistant.robots.robot import CHUNK, LIMIT_TOLERANCE, Robot
+
+MOST_NEAREST: Final = 3
+"""Findings of a program that state the nearest pose that the robot can take instead."""
+
+
+@dataclass(slots=True)
+class _Worst:
+    """Rows with one kind of fault, and the worst of them."""
+
+    rows: list[Rows] = field(default_factory=list)
+    value: float = -1.0
+    row: int = -1
+    fields: dict[str, object] = field(default_factory=dict)
+
+    def add(self, rows: Rows, values: Floats, **columns: NDArray[np.generic]) -> None:
+        if not len(rows):
+            return
+        self.rows.append(rows)
+        at = int(np.argmax(values))
+        if values[at] > self.value:
+            self.value, self.row = float(values[at]), int(rows[at])
+            self.fields = {name: column[at].item() for name, column in columns.items()}
+
+    def all(self) -> Rows:
+        return np.concatenate(self.rows) if self.rows else np.empty(0, np.intp)
+
+
+@dataclass(slots=True)
+class Cures:
+    """The nearest poses that a robot can take, which take long to find, for the first findings.
+
+    left: poses that are still looked for. told: pose, tip and whether the orientation is kept →
+    what was found.
+    """
+
+    robot: Robot
+    left: int = MOST_NEAREST
+    told: dict[tuple[Pose, Pose, bool], str] = field(default_factory=dict)
+
+    def nearest(self, run: Run, row: int, *, keep: bool = False) -> str:
+        """What a cure adds: the pose of the tip in the robot's base that it can take instead."""
+        from assistant.robots.arms.nearest import told
+
+        tip = run.mounting.tip(row)
+        p, q = run.flange(np.array([row]))
+        wanted = Pose.of(p[0], q[0]) @ tip
+        key = wanted, tip, keep
+        if key not in self.told:
+            if not self.left:
+                return ""
+            self.left -= 1
+            self.told[key] = told(self.robot, wanted, tip, keep=keep)
+        return f"; the nearest pose that it can take is {self.told[key]}"
+
+
+@dataclass(slots=True)
+class Survey:
+    """What a first look at every row says.
+
+    allowed: (b, n) branches inside reach and limits. bends: see `wrist.directions`; None for
+    a run that needs none. slack: the joints of what is allowed by rounding alone.
+    """
+
+    allowed: Truths
+    bends: Singles | None = None
+    slack: Slack = field(default_factory=Slack)
+    no_number: list[Rows] = field(default_factory=list)
+    reach: _Worst = field(default_factory=_Worst)
+    plane: _Worst = field(default_factory=_Worst)
+    limits: _Worst = field(default_factory=_Worst)
+
+    def findings(self, run: Run, robot: Robot, cures: Cures) -> list[Diagnostic]:
+        out = []
+        if self.no_number:
+            out.append(rules.NO_NUMBER(place=run.what(np.concatenate(self.no_number))))
+        if self.reach.rows and not robot.arm.named:
+            out.append(
+                rules.UNSOLVED(
+                    place=run.what(self.reach.all()),
+                    robot=robot.title,
+                    worst=self.reach.value,
+                    where=run.label(self.reach.row),
+                    nearest=cures.nearest(run, self.reach.row, keep=True),
+                )
+            )
+        elif self.reach.rows:
+            far = bool(self.reach.fields["far"])
+            need = robot.reach + self.reach.value
+            cure = f"move the work piece or the robot, or take one that reaches {need:.0f} mm"
+            out.append(
+                rules.OUT_OF_REACH(
+                    place=run.what(self.reach.all()),
+                    robot=robot.title,
+                    worst=distance(self.reach.value),
+                    side="too far out" if far else "too near to the arm",
+                    where=run.label(self.reach.row),
+                    cure=(cure if far else "move the work piece away from the arm")
+                    + cures.nearest(run, self.reach.row, keep=True),
+                )
+            )
+        if self.plane.rows:
+            place, where = run.what(self.plane.all()), run.label(self.plane.row)
+            worst = self.plane.value
+            if robot.five_axis:
+                nearest = cures.nearest(run, self.plane.row)
+                finding = rules.NOT_IN_PLANE(place=place, worst=worst, where=where, nearest=nearest)
+            else:
+                finding = rules.TILTED(place=place, worst=worst, where=where, robot=robot.title)
+            out.append(finding)
+        if self.limits.rows:
+            axis, value = int(self.limits.fields["axis"]), float(self.limits.fields["angle"])  # type: ignore[call-overload,arg-type]
+            low, high = robot.limits[axis]
+            out.append(
+                rules.OUTSIDE_LIMITS(
+                    place=run.what(self.limits.all()),
+                    robot=robot.title,
+                    axis=robot.axes[axis],
+                    unit=robot.units[axis],
+                    value=value,
+                    limit=low if value < low else high,
+                    where=run.label(self.limits.row),
+                    nearest=cures.nearest(run, self.limits.row),
+                )
+            )
+        return out
+
+
+def survey_of(run: Run, robot: Robot, own: Rows) -> tuple[Survey, Singles]:
+    """A survey, and the joints (a, b, n) of every branch; of one not allowed they mean nothing.
+
+    own: (n,) the branch that a row states, or -1.
+    """
+    shape = (robot.branches, len(run))
+    every = np.empty((len(robot.axes), *shape), dtype=np.float32)
+    survey = Survey(np.zeros(shape, dtype=bool))
+    if robot.arm.spherical and (run.kinds != Kind.JOINT).any():
+        survey.bends = np.zeros((PAIRS, 2, len(run)), dtype=np.float32)
+    low, high = (limit[:, None, None] for limit in robot.limits.T)
+    for start in range(0, len(run), CHUNK):
+        rows = slice(start, min(start + CHUNK, len(run)))
+        p, q, finite = finite_poses(run, rows)
+        joints, excess = robot.solve(p, q)
+        if robot.arm.spherical:
+            straighten(run, robot, joints, start)
+        beyond = low - joints
+        np.maximum(beyond, joints - high, out=beyond)
+        reached = excess < CLOSING / 2.0
+        allowed = reached & (beyond <= LIMIT_TOLERANCE).all(axis=0) & finite
+        missed = robot.arm.miss(robot.chained(joints[:, 0].T), q)
+        allowed &= missed <= MISS_TOLERANCE
+        if robot.arm.named:
+            able = (excess < SHORT) & finite & (missed <= MISS_TOLERANCE)
+            take(run, robot, survey.slack, own[rows], start, (p, q, joints), able, allowed)
+        survey.allowed[:, rows] = allowed
+        every[:, :, rows] = joints
+        if survey.bends is not None:
+            survey.bends[:, :, rows] = directions(joints)
+        bad = np.flatnonzero(~allowed.any(axis=0))
+        if not len(bad):
+            continue
+        if not finite.all():
+            survey.no_number.append(start + np.flatnonzero(~finite))
+        bad = bad[finite[bad]]
+        least = excess[:, bad].min(axis=0)
+        far = bad[least >= CLOSING / 2.0]
+        survey.reach.add(
+            start + far,
+            least[least >= CLOSING / 2.0],
+            far=robot.arm.too_far(p[far], q[far]),
+        )
+        near = bad[least < CLOSING / 2.0]
+        aside = near[missed[near] > MISS_TOLERANCE]
+        survey.plane.add(start + aside, missed[aside])
+        stuck = near[missed[near] <= MISS_TOLERANCE]
+        over = np.where(reached[:, stuck], beyond[:, :, stuck], np.inf)  # (a, b, m)
+        branch = over.max(axis=0).argmin(axis=0)
+        each = np.arange(len(stuck))
+        axis = over[:, branch, each].argmax(axis=0)
+        survey.limits.add(
+            start + stuck,
+            over[axis, branch, each],
+            axis=axis,
+            angle=joints[axis, branch, stuck],
+        )
+    return survey, every
+
+
+def distance(millimetres: float) -> str:
+    """A distance that is not 0, in as many decimals as show it."""
+    return f"{millimetres:.1f}" if millimetres >= 0.1 else f"{millimetres:.2g}"
+
+
+def finite_poses(run: Run, rows: slice | Rows) -> tuple[Floats, Floats, Truths]:
+    """Poses of the flange; those that are no number are replaced and marked False."""
+    p, q = run.flange(rows)
+    finite = np.asarray(np.isfinite(p).all(axis=1) & np.isfinite(q).all(axis=1))
+    if not finite.all():
+        p = np.where(finite[:, None], p, 0.0)
+        q = np.where(finite[:, None], q, (1.0, 0.0, 0.0, 0.0))
+    return p, q, finite

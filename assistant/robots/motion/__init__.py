@@ -1,0 +1,1 @@
+"""Moves that follow each other, in columns, and the poses and joints on the way between targets."""

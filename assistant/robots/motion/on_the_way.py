@@ -1,0 +1,296 @@
+"""Poses on the linear and circular moves of a run, and the joints there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from assistant.program import rotations
+from assistant.program.arrays import Floats, Rows, Truths
+from assistant.program.geometry import Pose
+from assistant.program.path import Kind
+from assistant.robots.motion.arcs import Arcs, arcs_of, vias_of
+from assistant.robots.motion.run import Run, continued
+from assistant.robots.motion.ways import Ways
+from assistant.robots.motion.wrist import bends_to, perhaps_past, swept, through
+from assistant.robots.robot import CHUNK, Robot
+
+WIDE: Final = 20.0
+"""degrees or mm that an axis moves in one move from which on the way is looked at."""
+BULGE: Final = 1.0
+"""mm that an arc is off the straight line from which on it is looked at all the same."""
+JUMP: Final = 1.0
+"""degrees or mm between joints that are not the same solution."""
+LONG: Final = 50.0
+"""mm of a move from which on the way is looked at all the same."""
+LEAP: Final = 45.0
+"""degrees or mm of an axis from pose to pose from which on more poses are looked at."""
+NEAR: Final = 2.0
+"""degrees or mm from a limit, beside the largest step, from which on more poses are looked at."""
+STRETCHED: Final = 0.3
+"""Sine of the elbow within which the end of the reach may be between two poses."""
+SPLIT: Final = 8
+"""Parts of each stretch on which an axis still leaps, looked at again."""
+SPLITS: Final = 6
+"""How often they are divided, for a tool that passes axis 1 at a micrometre."""
+PEAK: Final = 64
+"""Parts between the poses beside a peak."""
+SAMPLES: Final = np.array([3, 12, 40])
+"""Poses on a way: the second for a line, and for an arc as few as leave bulges of about `BULGE`
+between them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """Joints on the ways to k rows, both ends included.
+
+    joints: (k, p, a) deg. turned: (k, p, a) by how much they have turned since the start,
+    without a break. excess: (k, p - 2) mm out of reach, of the poses between the ends.
+    spherical: whether axes 4 to 6 meet.
+    """
+
+    joints: Floats
+    turned: Floats
+    excess: Floats
+    spherical: bool
+
+    def of(self, some: Truths) -> Way:
+        return Way(self.joints[some], self.turned[some], self.excess[some], self.spherical)
+
+    def leaps(self) -> Truths:
+        """(k, p - 1) between which poses an axis goes so far that it may have gone round, or the
+        wrist so far that it may not have gone through its singularity, but past it.
+        """
+        out = np.asarray((np.abs(np.diff(self.turned, axis=1)) > LEAP).any(axis=2))
+        if self.spherical:
+            out |= perhaps_past(bends_to(self.joints[..., 3], self.joints[..., 4]))
+        return out
+
+    def doubtful(self, robot: Robot) -> Truths:
+        """(k,) whether poses so far apart may hide a turn, a peak or the end of reach."""
+        steps = np.abs(np.diff(self.turned, axis=1))
+        out = np.asarray(self.leaps().any(axis=1))
+        margin = steps.max(axis=1)[:, None] + NEAR
+        for limit in robot.limits.T:
+            out |= (np.abs(robot.wound(self.joints - limit)) < margin).any(axis=(1, 2))
+        k, places, axes = self.joints.shape
+        elbow = robot.arm.elbow(robot.chained(self.joints.reshape(-1, axes)))
+        if elbow is not None:
+            out |= (np.abs(np.sin(elbow)) < STRETCHED).reshape(k, places).any(axis=1)
+        return out
+
+
+class Look:
+    """The moves of a run, each from where the one before ends.
+
+    start: where the tool is before the run, in the frame of the first row; None if the run does
+    not go on from there. arcs: the circular moves whose tool and frame stay the same.
+    """
+
+    def __init__(self, run: Run, robot: Robot, joints: Floats) -> None:
+        self.run, self.robot, self.joints = run, robot, joints
+        self.start: Pose | None = None
+        if continued(run):
+            p, q = robot.fk(run.before)
+            self.start = run.mounting.from_flange(Pose.of(p[0], q[0]), 0)
+        self.same = run.mounting.unchanged()
+        self.same[0] = self.start is not None
+        self.arcs = self._arcs()
+
+    def _arcs(self) -> Arcs | None:
+        vias = vias_of(self.run.kinds)
+        vias = vias[self.same[vias] & self.same[vias + 1]]
+        if not len(vias):
+            return None
+        starts, _ = self._starts(vias)
+        return arcs_of(vias, starts, self.run.targets(vias)[0], self.run.targets(vias + 1)[0])
+
+    def rows(self, branch: Rows) -> Iterator[tuple[Rows, int]]:
+        """Rows (m,) of one branch to which the way has to be looked at, and at how many poses."""
+        wide = np.zeros(len(self.joints), dtype=bool)
+        with np.errstate(invalid="ignore"):
+            step = np.abs(self.robot.wound(np.diff(self.joints, axis=0)))
+            wide[1:] = (step > WIDE).any(axis=1) & np.isfinite(step).all(axis=1)
+            first = self.robot.wound(self.joints[0] - self.run.before)
+            wide[0] = (np.abs(first) > WIDE).any()
+            wide |= self.long()
+        linear = wide & (self.run.kinds == Kind.LINEAR)
+        samples = np.where(linear, SAMPLES[1], 0)
+        if self.arcs is not None:
+            parts = np.sqrt(self.arcs.bulges / BULGE)
+            least = SAMPLES[np.minimum(np.searchsorted(SAMPLES + 1, parts), len(SAMPLES) - 1)]
+            least[parts < 1.0] = 0
+            samples[self.arcs.rows] = np.where(
+                wide[self.arcs.rows], np.maximum(least, SAMPLES[1]), least
+            )
+        known = self.same & (branch >= 0)
+        known[1:] &= branch[1:] == branch[:-1]
+        chosen = np.flatnonzero(known & (samples > 0))
+        for count in SAMPLES.tolist():
+            some = chosen[samples[chosen] == count]
+            many = max(CHUNK // count, 1)
+            for one in np.unique(branch[some]):
+                own = some[branch[some] == one]
+                for at in range(0, len(own), many):
+                    yield own[at : at + many], count
+
+    def long(self) -> Truths:
+        """(n,) which rows are far from the row before."""
+        out = np.zeros(len(self.joints), dtype=bool)
+        for start in range(1, len(out), CHUNK):
+            rows = slice(start - 1, min(start + CHUNK, len(out)))
+            p, _ = self.run.targets(rows)
+            out[start : rows.stop] = np.linalg.norm(np.diff(p, axis=0), axis=1) > LONG
+        if self.start is not None:
+            p, _ = self.run.targets(slice(0, 1))
+            out[0] = np.linalg.norm(p[0] - self.start.position) > LONG
+        return out
+
+    def far(self, rows: Rows) -> Truths:
+        """(m,) which of some rows the tool goes or turns far to."""
+        (p0, q0), (p1, q1) = self._starts(rows), self.run.targets(rows)
+        turn = rotations.angle_between(q0, q1)
+        return np.asarray((np.linalg.norm(p1 - p0, axis=1) > LONG) | (turn > WIDE))
+
+    def seen(self, rows: Rows, way: Way) -> Ways:
+        """What the ways to some rows (k,) come to."""
+        end = way.turned[:, -1]
+        whole = end - self.robot.wound(self.joints[rows] - self.before(rows))
+        away = way.turned - end[:, None]
+        jumps: list[tuple[int, str]] = []
+        if not self.robot.arm.named and len(rows):
+            jumps = _jumps(self.run, self.robot, rows, way.joints[:, -2], self.joints[rows])
+        winding = np.round(whole / 360.0).astype(np.int64)
+        short = way.excess.max(axis=1)
+        return Ways(rows, winding, away.min(axis=1), away.max(axis=1), short, tuple(jumps))
+
+    def way(self, rows: Rows, part: Floats, branch: int) -> Way:
+        """The ways to some rows (k,) at parts (p,) of each, both ends added."""
+        found, excess = self.on_the_way(rows, np.broadcast_to(part, (len(rows), len(part))), branch)
+        before = self.before(rows)
+        joints = np.concatenate([before[:, None], found, self.joints[rows][:, None]], axis=1)
+        return Way(joints, self._turned(joints), excess, self.robot.arm.spherical)
+
+    def closer(self, row: Rows, part: Floats, branch: int) -> tuple[Rows, Floats, Way]:
+        """The way to one row (1,), at more parts where an axis leaps: beside a singularity it turns
+        by a half in a thousandth of the way.
+        """
+        way = self.way(row, part, branch)
+        for _ in range(SPLITS):
+            leaping = np.flatnonzero(way.leaps()[0])
+            if not len(leaping):
+                break
+            part = _divided(part, leaping)
+            way = self.way(row, part, branch)
+        return row, part, way
+
+    def crosses(self, row: Rows, part: Floats, pair: int, ends: Floats) -> bool:
+        """Whether the way to one row (1,) goes through the singularity of the wrist.
+
+        ends: (2, 2) what its ends bend to, of the first branch of a pair.
+        """
+        for _ in range(SPLITS):
+            found, _ = self.on_the_way(row, part[None], 2 * pair)
+            between = bends_to(found[0, :, 3], found[0, :, 4])
+            bends = np.concatenate([ends[:, :1], between, ends[:, 1:]], axis=1)
+            goes = bool(through(bends).any())
+            unsure = np.flatnonzero(perhaps_past(bends))
+            if not len(unsure):
+                break
+            part = _divided(part, unsure)
+        return goes
+
+    def _turned(self, joints: Floats) -> Floats:
+        steps = self.robot.wound(np.diff(joints, axis=1))
+        if self.robot.arm.spherical:
+            steps = swept(steps, bends_to(joints[..., 3], joints[..., 4]))
+        return np.concatenate([np.zeros_like(steps[:, :1]), np.cumsum(steps, axis=1)], axis=1)
+
+    def peaks(self, part: Floats, way: Way, branch: int, seen: Ways) -> None:
+        """Adds to what ways were seen to come to the peaks between their poses, where an axis
+        turns back near to a limit.
+        """
+        part = np.concatenate([[0.0], part, [1.0]])
+        margin = np.abs(np.diff(way.turned, axis=1)).max(axis=1) + NEAR
+        for least, column in ((True, seen.below), (False, seen.above)):
+            at = (way.turned.argmin if least else way.turned.argmax)(axis=1)  # (k, a)
+            there = np.take_along_axis(way.joints, at[:, None], axis=1)[:, 0]
+            limit = self.robot.limits[:, 0 if least else 1]
+            near = np.abs(self.robot.wound(there - limit)) < margin
+            i, axis = np.nonzero(near & (at > 0) & (at < len(part) - 1))
+            if not len(i):
+                continue
+            first = at[i, axis] - 1
+            span = part[first + 2] - part[first]
+            fine = part[first][:, None] + span[:, None] * np.arange(1, PEAK) / PEAK
+            found, _ = self.on_the_way(seen.rows[i], fine, branch)
+            joints = np.concatenate([way.joints[i, first][:, None], found], axis=1)
+            turned = way.turned[i, first][:, None] + self._turned(joints)
+            away = turned[np.arange(len(i)), :, axis] - way.turned[i, -1, axis][:, None]
+            more = np.minimum if least else np.maximum
+            more.at(column, (i, axis), more.reduce(away, axis=1))
+
+    def before(self, rows: Rows) -> Floats:
+        """(m, a) deg where the moves to some rows begin."""
+        joints = self.joints[rows - 1]
+        joints[rows == 0] = self.run.before
+        return joints
+
+    def on_the_way(self, rows: Rows, part: Floats, branch: int) -> tuple[Floats, Floats]:
+        """Joints (m, s, a) deg and excess of the reach (m, s) mm on the ways to some rows, at
+        parts (m, s) of each.
+
+        The tool turns evenly up to each row, that of a via point included.
+        """
+        run, robot = self.run, self.robot
+        (p0, q0), (p1, q1) = self._starts(rows), run.targets(rows)
+        samples = part.shape[1]
+        p = p0[:, None] + part[..., None] * (p1 - p0)[:, None]
+        if self.arcs is not None:
+            at = np.minimum(np.searchsorted(self.arcs.rows, rows), len(self.arcs.rows) - 1)
+            on = np.flatnonzero(self.arcs.rows[at] == rows)
+            p[on] = self.arcs.points(at[on], part[on])
+        q0, q1 = (q / np.linalg.norm(q, axis=1, keepdims=True) for q in (q0, q1))
+        q = rotations.between(q0[:, None], q1[:, None], part)
+        each = np.repeat(rows, samples)
+        p, q = run.mounting.to_flange(p.reshape(-1, 3), q.reshape(-1, 4), each)
+        shape = (len(rows), samples)
+        if not robot.arm.named:
+            return robot.follow(self.before(rows), p.reshape(*shape, 3), q.reshape(*shape, 4))
+        found, excess = robot.solve(p, q, (branch,))
+        return found[:, 0].T.reshape(*shape, len(robot.axes)), excess[0].reshape(shape)
+
+    def _starts(self, rows: Rows) -> tuple[Floats, Floats]:
+        """Targets (m, 3), (m, 4) that the moves to some rows begin at."""
+        p, q = self.run.targets(np.maximum(rows - 1, 0))
+        if self.start is not None:
+            p[rows == 0], q[rows == 0] = self.start.position, self.start.quaternion
+        return p, q
+
+
+def _jumps(
+    run: Run, robot: Robot, rows: Rows, last: Floats, joints: Floats
+) -> list[tuple[int, str]]:
+    """Rows whose joints (m, a) deg are not those that the last ones on the way (m, a) lead to: an
+    arm whose branches have no names may have several solutions in one.
+    """
+    p, q = run.flange(rows)
+    led, _ = robot.follow(last, p[:, None], q[:, None])
+    off = np.abs(robot.wound(joints - led[:, 0]))
+    out = []
+    for i in np.flatnonzero(off.max(axis=1) > JUMP):
+        axis = int(off[i].argmax())
+        name, unit = robot.axes[axis], robot.units[axis]
+        out.append((int(rows[i]), f"would have {name} jump by {off[i, axis]:.1f} {unit}"))
+    return out
+
+
+def _divided(part: Floats, stretches: Rows) -> Floats:
+    """Parts (p,) of a way, and more in some of the stretches 0 to p between them and its ends."""
+    whole = np.concatenate([[0.0], part, [1.0]])
+    first, last = whole[stretches, None], whole[stretches + 1, None]
+    more = first + (last - first) * np.arange(1, SPLIT) / SPLIT
+    return np.unique(np.concatenate([part, more.ravel()]))

@@ -1,0 +1,63 @@
+"""What solving a program for a robot leaves behind: where the arm is for every move."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Diagnostic
+from assistant.program.program import Program
+from assistant.program.statements import Moving
+from assistant.robots.motion.run import Run
+from assistant.robots.robot import Robot
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stretch:
+    """A run, solved.
+
+    joints: (n, a) deg, NaN where there are none. configurations: (n, 6).
+    """
+
+    run: Run
+    joints: Floats
+    configurations: NDArray[np.int8]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Leg:
+    """What one motion statement moves through.
+
+    stretch: the run that it is part of, with these of its rows; None for a move to joints, and
+    where only running the program tells the target. joints: (m, a) deg at its targets, NaN
+    where there are none. before: (a,) deg where it starts, None where that is not known.
+    """
+
+    statement: Moving
+    stretch: Stretch | None
+    rows: slice
+    joints: Floats
+    before: Floats | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Journey:
+    """A program with its configurations filled in, solved for a robot.
+
+    legs: name of a procedure → its motion statements in order of text, nested ones included.
+    """
+
+    program: Program
+    robot: Robot
+    legs: Mapping[str, tuple[Leg, ...]]
+    findings: tuple[Diagnostic, ...]
+
+    @property
+    def stretches(self) -> tuple[Stretch, ...]:
+        """Every run once, in order of text."""
+        runs = (leg.stretch for legs in self.legs.values() for leg in legs)
+        return tuple({id(stretch): stretch for stretch in runs if stretch is not None}.values())

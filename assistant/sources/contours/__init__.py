@@ -1,0 +1,1 @@
+"""Contours of drawings: chained, ordered and followed as their layers say."""

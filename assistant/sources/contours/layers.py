@@ -1,0 +1,220 @@
+"""Programs along the contours of a drawing: one procedure a layer, as its process says."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from assistant.program.geometry import Target
+from assistant.program.program import MANGLED, Procedure, identifier
+from assistant.program.statements import (
+    Comment,
+    Statement,
+)
+from assistant.sources.contours.chaining import chain
+from assistant.sources.contours.curves import Arc, Curve, Line
+from assistant.sources.contours.following import Placed, follow
+from assistant.sources.contours.moves import WIDEST, moves
+from assistant.sources.contours.nesting import holders
+from assistant.sources.contours.ordering import ordered
+from assistant.sources.process import Layer, Process
+from assistant.sources.process.table import nearest
+from assistant.sources.process.values import shown
+
+UNUSED = Rule(
+    "CT201",
+    Severity.WARNING,
+    "not used on layer {layer!r}, which the process file does not have: {what}",
+    'add [layers."{layer}"] to the process file, or leave_out = ["{layer}"] at its top',
+)
+NO_CONTOURS = Rule(
+    "CT202",
+    Severity.INFO,
+    "the process file's layer {layer!r} has no contours in the drawing",
+    "{cure}",
+)
+TOO_SMALL = Rule(
+    "CT203",
+    Severity.WARNING,
+    "a contour on layer {layer!r} is smaller than the tolerance of {tolerance:g} mm and left out",
+    "give a smaller `tolerance`",
+)
+NOT_FITTED = Rule(
+    "CT204",
+    Severity.ERROR,
+    "a curve on layer {layer!r} cannot be followed within {tolerance:g} mm",
+    "redraw it without jumps, or give a larger `tolerance`",
+)
+FITTED = Rule(
+    "CT205",
+    Severity.INFO,
+    "{count} ellipses and splines on layer {layer!r} are followed by arcs and lines, "
+    "at most {deviation:.4f} mm off",
+    "give a smaller `tolerance` for more and shorter pieces",
+)
+TRAVEL = Rule(
+    "CT206",
+    Severity.INFO,
+    "travel between the {count} contours of layer {layer!r} is {after:.0f} mm{inside}; "
+    "it was {before:.0f} mm in the order of drawing",
+    "",
+)
+WIDEST_TURN: Final = 120.0
+"""Degrees of an arc over which the tool turns with the contour: a controller turns it the
+shorter way from start to end, which has to stay the way of the arc."""
+
+LONGEST_STEM: Final = 20
+"""Letters of a layer's name that go into the names of its paths."""
+
+
+def contour_program(
+    curves: Sequence[Curve], process: Process, *, taken: set[str], path: str | None = None
+) -> tuple[tuple[Procedure, ...], dict[str, Target], tuple[Diagnostic, ...]]:
+    """A procedure for each layer that has a process, the targets they name, what was found.
+
+    curves: in the coordinates of the process's default frame; the layers come in order of
+    first appearance. A layer whose motion names another frame is followed at the same
+    place, its targets and its tool direction given in that frame. Without any layer in the
+    process, every layer moves as the defaults say. Curves of other layers are counted in a
+    finding. taken: names that must not be used; those that the program got are added.
+    path: the drawing, for findings.
+    """
+    layers: dict[str, list[Curve]] = {}
+    for curve in curves:
+        layers.setdefault(curve.layer.casefold(), []).append(curve)
+    known = {name.casefold(): layer for name, layer in process.layers.items()}
+    unwanted = {name.casefold() for name in process.leave_out}
+    defaults = process.defaults
+    usual = None if known else Layer("contours", defaults.motion, rounded=defaults.blend is None)
+    procedures: list[Procedure] = []
+    targets: dict[str, Target] = {}
+    findings: list[Diagnostic] = []
+    followed: list[tuple[str, Sequence[Curve], Layer]] = []
+    for key, group in layers.items():
+        layer = known.get(key, None if key in unwanted else usual)
+        if layer is None:
+            if key not in unwanted:
+                findings.append(UNUSED(what=_count(group), layer=shown(group[0].layer)))
+            continue
+        name = _name(group[0].layer, taken)
+        taken.add(name)
+        followed.append((name, group, layer))
+    # All procedures have their names before any path gets one.
+    for name, members, layer in followed:
+        made, named, found = _procedure(name, members, layer, process, taken)
+        procedures += made
+        targets |= named
+        findings += found
+    findings += _without_contours(process.layers, [group[0].layer for group in layers.values()])
+    return tuple(procedures), targets, tuple(f.within(path) for f in findings)
+
+
+def _name(layer: str, taken: set[str]) -> str:
+    """Of the procedure; a signal is often called as its layer is, and needs the name more."""
+    name = identifier(layer)
+    return name if identifier(layer, taken) == name else identifier(f"{name}_contours", taken)
+
+
+def _count(curves: Sequence[Curve]) -> str:
+    """`3 lines, 1 arc`."""
+    kinds = Counter(
+        "line" if isinstance(c, Line) else "arc" if isinstance(c, Arc) else "free curve"
+        for c in curves
+    )
+    return ", ".join(f"{n} {kind}{'s' if n > 1 else ''}" for kind, n in kinds.items())
+
+
+def _without_contours(layers: Mapping[str, Layer], drawn: list[str]) -> list[Diagnostic]:
+    there = {name.casefold() for name in drawn}
+    findings = []
+    for name in layers:
+        if name.casefold() not in there:
+            near = nearest(name, drawn)
+            cure = f"did you mean {shown(near)}?" if near else "draw some, or delete its table"
+            findings.append(NO_CONTOURS(layer=shown(name), cure=cure))
+    return findings
+
+
+def _procedure(
+    named: str, curves: Sequence[Curve], layer: Layer, process: Process, taken: set[str]
+) -> tuple[list[Procedure], dict[str, Target], list[Diagnostic]]:
+    """The procedure of that name along the curves of one layer, none if nothing is left.
+
+    With it the targets that it names, and the findings.
+    """
+    name = curves[0].layer
+    contours, chained = chain(curves, process.tolerance)
+    findings = list(chained)
+    placed = Placed.of(name, layer, process)
+    if isinstance(placed, Diagnostic):
+        return [], {}, [*findings, placed]
+    if not contours:
+        return [], {}, findings
+    around = holders(contours, layer.direction, process.tolerance) if layer.inside_first else []
+    order = ordered(contours, around)
+    if len(contours) > 1:
+        inside = ", with those inside others first" if any(i >= 0 for i in around) else ""
+        findings.append(
+            TRAVEL(
+                layer=shown(name),
+                count=len(contours),
+                before=order.before,
+                after=order.after,
+                inside=inside,
+            )
+        )
+    if named != name:
+        findings.append(MANGLED(place=f"layer {shown(name)}", given=name, name=named))
+    stem = _stem(name, taken)
+    targets: dict[str, Target] = {}
+    body: list[Statement] = [Comment(_plain(f"{layer.process}: layer {name}"))]
+    widest = WIDEST_TURN if layer.tangential else WIDEST
+    deviation, fitted, count = 0.0, 0, 0
+    wound: float | None = None
+    for contour in order.contours:
+        rows = moves(contour, process.tolerance, widest=widest)
+        handle = next((c.handle for c in contour.curves if c.handle), "")
+        place = f"entity {handle}" if handle else None
+        if not rows.within:
+            findings.append(NOT_FITTED(place=place, layer=shown(name), tolerance=process.tolerance))
+        elif not len(rows):
+            findings.append(TOO_SMALL(place=place, layer=shown(name), tolerance=process.tolerance))
+        else:
+            count += 1
+            deviation, fitted = max(deviation, rows.deviation), fitted + rows.fitted
+            taken.add(f"{stem}_{count}")
+            made = follow(f"{stem}_{count}", rows, layer, placed, wound, process.tolerance, taken)
+            body += made.statements
+            targets |= made.targets
+            taken |= set(made.targets)
+            wound = made.wound
+    if fitted:
+        findings.append(FITTED(layer=shown(name), count=fitted, deviation=deviation))
+    return ([Procedure(named, tuple(body))] if count else []), targets, findings
+
+
+def _stem(layer: str, taken: set[str]) -> str:
+    """Start of the layer's path names, so that no path or row has the name of another thing.
+
+    Row k of path n is called stem_n_k, so `glue` and `glue_1` must not both be stems.
+    """
+    base = identifier(layer.lower())[:LONGEST_STEM].rstrip("_")
+    used = {t.lower() for t in taken}
+    candidate, count = base, 1
+    while any(_clash(candidate, name) for name in used):
+        count += 1
+        candidate = f"{base.replace('_', '')}{count}"
+    return candidate
+
+
+def _clash(stem: str, name: str) -> bool:
+    """Whether a name in use looks like a row or path of the stem."""
+    return re.fullmatch(re.escape(stem) + r"(_\d+)+", name) is not None
+
+
+def _plain(text: str) -> str:
+    """One printable line."""
+    return " ".join("".join(c if c.isprintable() else " " for c in text).split())

@@ -1,0 +1,180 @@
+"""A contour as moves that controllers make: lines, and arcs of a via point and an end."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.program.geometry import Vector
+from assistant.program.path import Kind
+from assistant.sources.contours.chaining import Contour
+from assistant.sources.contours.curves import Arc, FreeCurve, Line, Points, circle_through, cross
+from assistant.sources.contours.fitting import fit
+
+LEAST_CHORD: Final = 0.1
+"""mm that start, via and end of a circular move have to be apart (RAPID MoveC)."""
+WIDEST: Final = 240.0
+"""Degrees of one circular move; ABB advises no more, and 360 cannot be said at all."""
+FITTED: Final = 0.5
+"""Part of the tolerance that fitting a free curve may use."""
+FLATTENED: Final = 0.4
+"""Part of the tolerance that writing a flat arc as a line may use."""
+
+
+@dataclass(frozen=True, slots=True)
+class Moves:
+    """n rows of a path after its start.
+
+    start: (3,). kinds: (n,) uint8. positions: (n, 3). leaving: (n, 3), unit direction in
+    which the move of that row begins (for a VIA and its END: each half's). arriving: (n, 3),
+    the direction in which it ends. deviation: mm that free curves are off at most. fitted:
+    how many of them there are. within: all of them are known to be in tolerance.
+    """
+
+    start: Points
+    kinds: NDArray[np.uint8]
+    positions: Points
+    leaving: Points
+    arriving: Points
+    deviation: float = 0.0
+    fitted: int = 0
+    within: bool = True
+
+    def __len__(self) -> int:
+        return len(self.positions)
+
+
+def moves(contour: Contour, tolerance: float, *, widest: float = WIDEST) -> Moves:
+    """The contour's moves, which begin and end in its own ends and leave no gap.
+
+    tolerance: mm that free curves and flat arcs may be off. widest: degrees of an arc.
+    """
+    pieces: list[Line | Arc] = []
+    deviation, fitted, within = 0.0, 0, True
+    for curve in contour.curves:
+        if isinstance(curve, FreeCurve):
+            result = fit(curve, tolerance * FITTED)
+            pieces += result.pieces
+            deviation, fitted = max(deviation, result.deviation), fitted + 1
+            within = within and result.within
+        else:
+            pieces.append(curve)
+    made: list[Line | Arc] = []
+    for piece in _without_gaps(pieces, contour.closed):
+        made += _possible(piece, tolerance * FLATTENED, widest)
+    start = made[0].start if made else contour.start
+    return Moves(np.array(start), *_columns(made), deviation, fitted, within)
+
+
+def _without_gaps(pieces: Sequence[Line | Arc], closed: bool) -> list[Line | Arc]:
+    """Every piece begins where the one before it ends, and the last one at the start.
+
+    Pieces that are left without length are dropped.
+    """
+    tight: list[Line | Arc] = []
+    for i, piece in enumerate(pieces):
+        start = tight[-1].end if tight else piece.start
+        last = closed and i == len(pieces) - 1
+        end = tight[0].start if last and tight else piece.end
+        if piece.closed:
+            tight.append(piece)
+        elif start != end:
+            tight.append(_between(piece, start, end))
+    return tight
+
+
+def _between(piece: Line | Arc, start: Vector, end: Vector) -> Line | Arc:
+    """The piece with its ends moved a little."""
+    if piece.start == start and piece.end == end:
+        return piece
+    if isinstance(piece, Arc):
+        moved = Arc.through(start, piece.via, end, piece.layer, piece.handle)
+        if moved is not None:
+            return moved
+    return Line(start, end, piece.layer, piece.handle)
+
+
+def _possible(piece: Line | Arc, flat: float, widest: float) -> list[Line | Arc]:
+    """The piece itself, an arc in parts of at most `widest` degrees, or lines for it.
+
+    Flat arcs, and arcs whose points are too near each other for a controller to make out
+    the circle, become chords that are at most `flat` mm off.
+    """
+    if isinstance(piece, Line):
+        return [piece]
+    sweep, radius = piece.sweep, piece.radius
+    count = max(math.ceil(sweep / widest - 1e-9), 2 if piece.closed else 1)
+    part = math.radians(sweep / count)
+    nearest = 2.0 * radius * min(math.sin(part / 4.0), math.sin(part / 2.0))
+    sagitta = 2.0 * radius * math.sin(part / 4.0) ** 2
+    if sagitta > flat and nearest >= LEAST_CHORD and _distinct(piece, count):
+        return _parts(piece, count) if count > 1 else [piece]
+    step = 2.0 * math.acos(max(1.0 - flat / radius, -1.0)) if radius > 0 else math.tau
+    chords = max(math.ceil(math.radians(sweep) / step - 1e-9), 2 if piece.closed else 1)
+    points = [tuple(p) for p in piece.at(np.linspace(0.0, 1.0, chords + 1)).tolist()]
+    points[0], points[-1] = piece.start, piece.end
+    return [Line(a, b, piece.layer, piece.handle) for a, b in pairwise(points)]
+
+
+def _distinct(arc: Arc, count: int) -> bool:
+    """Whether via and end, as they stand, make out the circle."""
+    if count > 1:
+        return True
+    start, via, end = arc.start, arc.via, arc.end
+    apart = min(math.dist(start, via), math.dist(via, end), math.dist(end, start))
+    return apart >= LEAST_CHORD and circle_through(start, via, end) is not None
+
+
+def _parts(arc: Arc, count: int) -> list[Line | Arc]:
+    points = arc.at(np.linspace(0.0, 1.0, 2 * count + 1)).tolist()
+    points[0], points[-1] = arc.start, arc.end
+    return [
+        replace(
+            arc,
+            start=tuple(points[2 * i]),
+            via=tuple(points[2 * i + 1]),
+            end=tuple(points[2 * i + 2]),
+            closed=False,
+        )
+        for i in range(count)
+    ]
+
+
+def _columns(
+    pieces: Sequence[Line | Arc],
+) -> tuple[NDArray[np.uint8], Points, Points, Points]:
+    """Kinds, positions, and the directions in which each row's move begins and ends."""
+    arcs = np.array([isinstance(p, Arc) for p in pieces], dtype=bool)
+    rows = np.where(arcs, 2, 1)
+    n = int(rows.sum())
+    kinds = np.full(n, Kind.LINEAR, dtype=np.uint8)
+    positions, leaving, arriving = (np.empty((n, 3)) for _ in range(3))
+    if not n:
+        return kinds, positions, leaving, arriving
+    last = np.cumsum(rows) - 1
+    starts = np.array([p.start for p in pieces])
+    ends = np.array([p.end for p in pieces])
+    chords = _unit(ends - starts)
+    positions[last], leaving[last], arriving[last] = ends, chords, chords
+    if arcs.any():
+        end, via = last[arcs], last[arcs] - 1
+        middle, centre, normal = (
+            np.array([getattr(p, name) for p in pieces if isinstance(p, Arc)])
+            for name in ("via", "centre", "normal")
+        )
+        kinds[end], kinds[via] = Kind.END, Kind.VIA
+        positions[via] = middle
+        leaving[via] = _unit(cross(normal, starts[arcs] - centre))
+        leaving[end] = arriving[via] = _unit(cross(normal, middle - centre))
+        arriving[end] = _unit(cross(normal, ends[arcs] - centre))
+    return kinds, positions, leaving, arriving
+
+
+def _unit(v: Points) -> Points:
+    return np.asarray(v / np.linalg.norm(v, axis=1, keepdims=True))

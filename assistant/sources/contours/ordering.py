@@ -1,0 +1,316 @@
+"""The order of contours that keeps the travel between them short.
+
+A tour goes to the nearest contour left, and is then improved, contour by contour, by 2-opt
+(a stretch of the tour run backwards), by or-opt (up to three contours moved elsewhere), and
+by choosing where closed contours start, as long as there is gain and effort left. Only near
+neighbours are tried, so the work grows little faster than the number of contours. The
+result depends on the contours alone, and is never longer than the order they came in.
+
+Where contours have holders, each comes before its own, and only changes that keep it so are
+made: what lies inside others is done first, as a part that is cut out falls.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from assistant.program.geometry import Vector
+from assistant.sources.contours.chaining import Contour
+from assistant.sources.contours.neighbours import along_curve, near_owners
+
+NEIGHBOURS: Final = 8
+"""Other contours that a contour is tried beside."""
+EFFORT: Final = 12
+"""Looks at each contour, on the average, while improving a tour."""
+MANY: Final = 2000
+"""Contours over which the effort for all of them grows no further, but one look at each."""
+MOST_ENTRIES: Final = 24
+"""Vertices of a closed contour that are tried as its start."""
+LONGEST_MOVED: Final = 3
+LEAST_GAIN: Final = 1e-6
+FREE: Final = -1
+"""Holder of a contour that none holds."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ordering:
+    """contours: as they should be followed. before, after: mm of travel between them."""
+
+    contours: tuple[Contour, ...]
+    before: float
+    after: float
+
+
+def ordered(contours: Sequence[Contour], holders: Sequence[int] = ()) -> Ordering:
+    """The contours in an order of short travel: turned, started elsewhere, none left out.
+
+    holders: for each contour the one that it has to come before, or -1; none: no such rule. It
+    may make the travel longer than in the order of drawing.
+    """
+    given = tuple(contours)
+    before = travel(given)
+    if len(given) < 2:
+        return Ordering(given, before, before)
+    tour = _Tour([_Stop.of(c) for c in given], list(holders) or [FREE] * len(given))
+    tour.improve()
+    made = tuple(tour.stops[c].contour() for c in tour.order)
+    after = travel(made)
+    allowed = all(holder == FREE or i < holder for i, holder in enumerate(tour.holders))
+    keeps = allowed and before <= after
+    return Ordering(given, before, before) if keeps else Ordering(made, before, after)
+
+
+def travel(contours: Sequence[Contour]) -> float:
+    """Mm from the end of each contour to the start of the next."""
+    ends = [c.end for c in contours[:-1]]
+    starts = [c.start for c in contours[1:]]
+    return math.fsum(map(math.dist, ends, starts))
+
+
+@dataclass(slots=True)
+class _Stop:
+    """A contour in the tour: where the tool goes in and out.
+
+    choices: of a closed contour, its possible starts and their vertices; empty if open.
+    """
+
+    given: Contour
+    entry: Vector
+    exit: Vector
+    choices: list[Vector]
+    vertices: list[int]
+    chosen: int = 0
+    backwards: bool = False
+
+    @staticmethod
+    def of(contour: Contour) -> _Stop:
+        if not contour.closed:
+            return _Stop(contour, contour.start, contour.end, [], [])
+        vertices = contour.vertices
+        count = len(vertices)
+        tried = min(count, MOST_ENTRIES)
+        rows = [i * count // tried for i in range(tried)]
+        choices = [(float(x), float(y), float(z)) for x, y, z in vertices[rows]]
+        return _Stop(contour, choices[0], choices[0], choices, rows)
+
+    def ends(self) -> list[Vector]:
+        """The points that stand for it when its neighbours are looked for."""
+        return self.choices[:: max(1, len(self.choices) // 4)] or [self.entry, self.exit]
+
+    def nearest(self, other: _Stop) -> float:
+        """Mm between them, whichever way they are turned."""
+        mine, theirs = (self.entry, self.exit), (other.entry, other.exit)
+        return min(math.dist(a, b) for a in mine for b in theirs)
+
+    def flip(self) -> None:
+        self.entry, self.exit = self.exit, self.entry
+        self.backwards = not self.backwards
+
+    def enter(self, choice: int) -> None:
+        self.chosen = choice
+        self.entry = self.exit = self.choices[choice]
+
+    def contour(self) -> Contour:
+        if self.choices:
+            return self.given.starting_at(self.vertices[self.chosen])
+        return self.given.reversed() if self.backwards else self.given
+
+
+class _Tour:
+    """order: the stop at each place. place: the place of each stop.
+
+    holders: of each stop the one that comes later, or -1. held: the stops that each holds.
+    """
+
+    def __init__(self, stops: list[_Stop], holders: list[int]) -> None:
+        self.stops, self.holders = stops, holders
+        self.held: list[list[int]] = [[] for _ in stops]
+        for stop, holder in enumerate(holders):
+            if holder != FREE:
+                self.held[holder].append(stop)
+        self.free = all(holder == FREE for holder in holders)
+        ends = [s.ends() for s in stops]
+        points = np.array([p for e in ends for p in e])
+        owners = np.repeat(np.arange(len(stops)), [len(e) for e in ends])
+        self.near = near_owners(points, owners, NEIGHBOURS)
+        self.order = self._nearest_first(owners[along_curve(points)].tolist())
+        self.place = [0] * len(stops)
+        for place, stop in enumerate(self.order):
+            self.place[stop] = place
+
+    def _nearest_first(self, curve: list[int]) -> list[int]:
+        """From the first contour on to the nearest neighbour left.
+
+        Where all the neighbours are done, the next one on the curve follows. A holder waits
+        for what it holds, and is the next one then if no neighbour is left.
+        """
+        done = [False] * len(self.stops)
+        waits = [len(held) for held in self.held]
+        rest = iter(curve)
+        freed: list[int] = []
+        order: list[int] = []
+        stop: int | None = waits.index(0)
+        while stop is not None:
+            done[stop] = True
+            order.append(stop)
+            here = self.stops[stop].exit
+            open_ = [s for s in self.near[stop] if not done[s] and not waits[s]]
+            if (holder := self.holders[stop]) != FREE:
+                waits[holder] -= 1
+                if not waits[holder]:
+                    freed.append(holder)
+                    open_.append(holder)
+            while freed and done[freed[-1]]:
+                freed.pop()
+            if open_:
+                stop = min(open_, key=lambda s: (self._enter_near(s, here), s))
+            elif freed:
+                stop = freed.pop()
+            else:
+                stop = next((s for s in rest if not done[s] and not waits[s]), None)
+            if stop is not None:
+                self._enter_near(stop, here)
+        return order
+
+    def _enter_near(self, stop: int, here: Vector) -> float:
+        """Turns the stop so that it is entered where it is nearest, and says how near."""
+        it = self.stops[stop]
+        if it.choices:
+            it.enter(min(range(len(it.choices)), key=lambda i: math.dist(here, it.choices[i])))
+        elif math.dist(here, it.exit) < math.dist(here, it.entry):
+            it.flip()
+        return math.dist(here, it.entry)
+
+    def improve(self) -> None:
+        """Looks at each stop until none gains any more, or the effort is spent."""
+        n = len(self.order)
+        waiting, queued = deque(self.order), [True] * n
+        effort = max(EFFORT * min(n, MANY), n)
+        while waiting and effort > 0:
+            effort -= 1
+            stop = waiting.popleft()
+            queued[stop] = False
+            for touched in self._look(stop):
+                if not queued[touched]:
+                    queued[touched] = True
+                    waiting.append(touched)
+
+    def _look(self, stop: int) -> list[int]:
+        """Makes the best change found near a stop; the stops whose links it changed."""
+        changed = self._start_elsewhere(stop)
+        best = (LEAST_GAIN, 0, 0, -1, False)
+        for change in self._changes(stop):
+            gain = self._gain(*change)
+            if gain > best[0] and (self.free or self._keeps_holders(*change)):
+                best = (gain, *change)
+        _, low, high, to, backwards = best
+        if high == 0:
+            return changed
+        places = {low - 1, low, high - 1, high}
+        if to >= 0:
+            places |= {to - 1, to, to + low - high, to + high - low}
+        self._apply(low, high, to, backwards)
+        last = len(self.order) - 1
+        around = {min(max(p + d, 0), last) for p in places for d in (-1, 0, 1)}
+        return [self.order[p] for p in sorted(around)]
+
+    def _changes(self, stop: int) -> Iterator[tuple[int, int, int, bool]]:
+        """Stretches (low, high) to run backwards (to = -1) or to move before place `to`."""
+        n, i = len(self.order), self.place[stop]
+        yield 0, i, -1, True
+        yield i + 1, n, -1, True
+        yield 0, i + 1, -1, True
+        yield i, n, -1, True
+        it = self.stops[stop]
+        longest = max(_link(self._exit(i - 1), it.entry), _link(it.exit, self._entry(i + 1)))
+        for other in self.near[stop]:
+            if self.stops[other].nearest(it) >= longest:
+                continue  # no new link to it would be shorter than the stop's own
+            j = self.place[other]
+            a, b = (i, j) if i < j else (j, i)
+            yield a + 1, b + 1, -1, True
+            yield a, b, -1, True
+            for size in range(1, LONGEST_MOVED + 1):
+                for low in {i, i - size + 1}:
+                    high = low + size
+                    if low < 0 or high > n or low <= j < high:
+                        continue
+                    for to in (j, j + 1):
+                        if to not in (low, high):
+                            yield low, high, to, False
+                        yield low, high, to, True
+
+    def _keeps_holders(self, low: int, high: int, to: int, backwards: bool) -> bool:
+        """Whether after a change each stop still comes before its holder."""
+        place, holders = self.place, self.holders
+        moved = self.order[low:high]
+        later = [place[holders[s]] if holders[s] != FREE else math.inf for s in moved]
+        if backwards and any(low <= p < high for p in later):
+            return False
+        if to > high:
+            return not any(high <= p < to for p in later)
+        if 0 <= to < low:
+            return not any(to <= place[s] < low for stop in moved for s in self.held[stop])
+        return True
+
+    def _gain(self, low: int, high: int, to: int, backwards: bool) -> float:
+        """Mm by which a change shortens the tour."""
+        if high - low < 1:
+            return 0.0
+        before, after = self._exit(low - 1), self._entry(high)
+        head, tail = self._entry(low), self._exit(high - 1)
+        old = _link(before, head) + _link(tail, after)
+        if to < 0 or to in (low, high):
+            return old - _link(before, tail) - _link(head, after) if backwards else 0.0
+        into, out = (tail, head) if backwards else (head, tail)
+        left, right = self._exit(to - 1), self._entry(to)
+        new = _link(left, into) + _link(out, right) - _link(left, right)
+        return old - _link(before, after) - new
+
+    def _apply(self, low: int, high: int, to: int, backwards: bool) -> None:
+        moved = self.order[low:high]
+        if backwards:
+            moved.reverse()
+            for stop in moved:
+                self.stops[stop].flip()
+        first, last = low, high
+        if to < 0 or to in (low, high):
+            self.order[low:high] = moved
+        elif to < low:
+            self.order[to:high] = moved + self.order[to:low]
+            first = to
+        else:
+            self.order[low:to] = self.order[high:to] + moved
+            last = to
+        for place in range(first, last):
+            self.place[self.order[place]] = place
+
+    def _start_elsewhere(self, stop: int) -> list[int]:
+        """Starts a closed contour at the vertex nearest to what is before and after."""
+        it, i = self.stops[stop], self.place[stop]
+        if not it.choices:
+            return []
+        before, after = self._exit(i - 1), self._entry(i + 1)
+        costs = [_link(before, p) + _link(p, after) for p in it.choices]
+        best = min(range(len(costs)), key=costs.__getitem__)
+        if costs[best] >= costs[it.chosen] - LEAST_GAIN:
+            return []
+        it.enter(best)
+        return self.order[max(i - 1, 0) : i + 2]
+
+    def _entry(self, place: int) -> Vector | None:
+        return self.stops[self.order[place]].entry if place < len(self.order) else None
+
+    def _exit(self, place: int) -> Vector | None:
+        return self.stops[self.order[place]].exit if place >= 0 else None
+
+
+def _link(one: Vector | None, two: Vector | None) -> float:
+    """Mm between two points of the tour; nothing before its start and after its end."""
+    return 0.0 if one is None or two is None else math.dist(one, two)

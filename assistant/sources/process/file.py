@@ -1,0 +1,345 @@
+"""Process files: what a drawing or table leaves open, as TOML.
+
+Every part may be left out. Lengths are mm, speeds mm/s, times seconds, angles degrees,
+masses kg; names are letters, digits and `_`, a letter first.
+
+    robot = "irb1200-7-0.7"       # the arm that the targets were taught on, or will be run by
+    tolerance = 0.05              # mm for joining ends, fitting curves, rounding corners of paths
+    unit = "mm"                   # of a drawing, whatever it says itself
+    leave_out = ["BORDER"]        # layers whose contours are not wanted
+    joint_speed = 100             # mm/s of joint moves of a robot program that state a percentage
+
+    [motion]                      # where the source itself does not say how to move
+    kind = "linear"               # or "joint"
+    speed = 100                   # mm/s
+    blend = "fine"                # or mm; left out: paths round corners within the tolerance
+    tool = "nozzle"               # a tool of this file, or tool0, the bare flange
+    frame = "table"               # a frame of this file, or base, the robot's own
+
+    [tools.nozzle]
+    tip = [0, 0, 120.5]           # tool centre point in the flange frame
+    quaternion = [1, 0, 0, 0]     # w, x, y, z; or else
+    # euler_zyx = [0, 90, 0]      # about z, then the new y, then the new x
+    mass = 1.2
+    centre = [0, 0, 60]           # of gravity; needs a mass
+    held = true                   # false: stands in the room
+
+    [frames.table]
+    position = [400, 0, 20]       # in the robot's base frame
+    euler_zyx = [90, 0, 0]        # or quaternion, as for tools
+    held = false                  # true: the robot carries the work piece
+
+    [signals.glue]
+    kind = "digital"              # or "analog", "group"
+    direction = "output"          # or "input"
+    number = 8                    # first bit, for controllers that count signals
+    bits = 1                      # width of a group
+
+    [layers."GLUE"]               # by layer name, compared without case
+    process = "gluing"            # for people; the layer's name if left out
+    speed = 50                    # along the contours; these four from [motion] if left out
+    blend = 1
+    tool = "nozzle"
+    frame = "table"
+    on = {glue = 1}               # outputs set at the start of each contour
+    off = {glue = 0}              # and at its end
+    delay = 0.2                   # after switching on
+    approach = 50                 # above the first point, along the tool axis
+    retract = 50                  # above the last point
+    travel = 200                  # speed between contours
+    direction = [0, 0, -1]        # where the tool points, in the frame
+    tangential = false            # true: the tool's x axis follows the contour
+    inside_first = true           # contours inside others first; false: as travel is shortest
+
+    [tags]                        # attribute tags of locations, by meaning
+    name = "NAME"
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path as FilePath
+from typing import Any, Final
+
+from assistant.program.diagnostics import (
+    Diagnostic,
+    Refused,
+    Rule,
+    Severity,
+    Unreadable,
+    has_errors,
+)
+from assistant.program.geometry import BASE, FLANGE, Frame, Load, Pose, Tool
+from assistant.program.program import Signal
+from assistant.program.statements import Motion
+from assistant.program.text import SourceText, decode, read_bytes
+from assistant.sources.process import Defaults, Layer, Process
+from assistant.sources.process import values as values
+from assistant.sources.process.table import REPAIRED, Page, Table, nearest
+from assistant.sources.process.values import Read, listed, shown
+
+NOT_TOML = Rule("CT301", Severity.ERROR, "this is no TOML: {reason}", "correct it there")
+BOTH = Rule(
+    "CT306",
+    Severity.ERROR,
+    "`{name}` gives its orientation twice",
+    "keep either quaternion or euler_zyx",
+)
+NO_MASS = Rule(
+    "CT307",
+    Severity.ERROR,
+    "`{name}` has a centre of gravity but no mass",
+    "give `mass` in kg as well",
+)
+RESERVED = Rule("CT308", Severity.ERROR, "`{name}` is always {meaning}", "give yours another name")
+NOT_DEFINED = Rule("CT309", Severity.ERROR, "there is no {kind} `{name}`", "{cure}")
+NOT_AN_OUTPUT = Rule(
+    "CT310", Severity.ERROR, "`{name}` is an input and cannot be set", "name an output"
+)
+NOT_ITS_VALUE = Rule(
+    "CT311", Severity.ERROR, "the {kind} signal `{name}` cannot be {value}", "write {wanted}"
+)
+ONE_BIT = Rule(
+    "CT312", Severity.ERROR, "the {kind} signal `{name}` has no bits", 'write kind = "group"'
+)
+
+ENCODINGS: Final = ("utf-8-sig", "utf-8")
+AT: Final = re.compile(r"\s*\(at (?:line (\d+), column (\d+)|end of document)\)$")
+
+MOST_NUMBER: Final = 65535
+"""Highest signal number of a CR controller (network inputs and outputs included)."""
+
+TOP: Final = ("motion", "tools", "frames", "signals", "layers", "tags")
+
+PLAIN: Final[Mapping[str, Read]] = {
+    "robot": values.text,
+    "tolerance": values.tolerance,
+    "joint_speed": values.number("mm/s", above=0.0),
+}
+"""Keys of the top that hold one value."""
+
+OF_DRAWINGS: Final[Mapping[str, Read]] = {"unit": values.unit, "leave_out": values.texts}
+"""Keys of the top that only a drawing needs."""
+
+ORIENTATION: Final[Mapping[str, Read]] = {
+    "quaternion": values.quaternion,
+    "euler_zyx": values.euler_zyx,
+    "held": values.truth,
+}
+TOOL: Final[Mapping[str, Read]] = {
+    "tip": values.position,
+    **ORIENTATION,
+    "mass": values.number("kg", above=0.0),
+    "centre": values.position,
+}
+FRAME: Final[Mapping[str, Read]] = {"position": values.position, **ORIENTATION}
+MOTION: Final[Mapping[str, Read]] = {
+    "speed": values.speed,
+    "blend": values.blend,
+    "tool": values.name,
+    "frame": values.name,
+}
+DEFAULTS: Final[Mapping[str, Read]] = {"kind": values.choice("joint", "linear"), **MOTION}
+SIGNAL: Final[Mapping[str, Read]] = {
+    "kind": values.choice("digital", "analog", "group"),
+    "direction": values.choice("output", "input"),
+    "number": values.whole(0, MOST_NUMBER),
+    "bits": values.whole(1, values.MOST_BITS),
+}
+LAYER: Final[Mapping[str, Read]] = {
+    "process": values.text,
+    **MOTION,
+    "on": values.switches,
+    "off": values.switches,
+    "delay": values.number("seconds", least=0.0),
+    "approach": values.number("mm", least=0.0),
+    "retract": values.number("mm", least=0.0),
+    "travel": values.speed,
+    "direction": values.direction,
+    "tangential": values.truth,
+    "inside_first": values.truth,
+}
+
+
+def read_process(path: str | FilePath) -> Process:
+    """What a process file says; its `findings` hold the warnings.
+
+    Raises Unreadable for what is no TOML, Refused, with every finding, for what is wrong in it.
+    """
+    return parse_process(decode(read_bytes(path), str(path), ENCODINGS))
+
+
+def parse_process(source: SourceText) -> Process:
+    """As `read_process`, from a text."""
+    return process_in(read_toml(source))
+
+
+def process_in(top: Table, beside: Sequence[str] = ()) -> Process:
+    """The process file's tables of a document that may hold other keys beside them.
+
+    Such a document is no drawing: it states lengths in mm, and has no layers to leave out.
+    """
+    page = top.page
+    keys = {**dict.fromkeys((*TOP, *beside), _as_it_is), **PLAIN}
+    found = top.read(keys if beside else {**keys, **OF_DRAWINGS})
+    tools = {n: _tool(n, t) for n, t in top.table("tools").named()}
+    frames = {n: _frame(n, t) for n, t in top.table("frames").named()}
+    signals = {n: _signal(n, t) for n, t in top.table("signals").named()}
+    names = _Names(tools, frames, signals)
+    defaults = Defaults(**names.motion(top.table("motion"), DEFAULTS))
+    layers = {
+        layer: _layer(layer, table, defaults, names)
+        for layer, table in top.table("layers").named(identifiers=False)
+    }
+    tags = top.table("tags").read(_tag_keys(top))
+    findings = tuple(sorted(page.findings, key=lambda f: f.line or 0))
+    if has_errors(findings):
+        raise Refused(*findings)
+    plain = {key: found[key] for key in (*PLAIN, *OF_DRAWINGS) if key in found}
+    return Process(defaults, tools, frames, signals, layers, tags, findings=findings, **plain)
+
+
+def read_toml(source: SourceText) -> Table:
+    """A document, every key with its place; raises Unreadable if it is no TOML."""
+    try:
+        content = tomllib.loads(source.text)
+    except tomllib.TOMLDecodeError as error:
+        raise Unreadable(_not_toml(source, str(error))) from None
+    except RecursionError:
+        raise Unreadable(_not_toml(source, "brackets are nested too deeply")) from None
+    return Table(Page.of(source), (), content)
+
+
+def _not_toml(source: SourceText, reason: str) -> Diagnostic:
+    place = AT.search(reason)
+    said = AT.sub("", reason)
+    said = shown(said[:1].lower() + said[1:], 200)
+    lines = source.text.count("\n") + 1
+    line, column = (int(place[1]), int(place[2])) if place and place[1] else (lines, None)
+    excerpt = source.line_text(line)
+    return NOT_TOML(path=source.path, line=line, column=column, excerpt=excerpt, reason=said)
+
+
+def _as_it_is(value: Any) -> Any:
+    return value
+
+
+def _tag_keys(top: Table) -> dict[str, Read]:
+    """The meanings that attributes of a drawing can have."""
+    if "tags" not in top.content:
+        return {}
+    from assistant.sources.drawing.attributes import MEANINGS
+
+    return dict.fromkeys(MEANINGS, values.text)
+
+
+def _tool(name: str, table: Table) -> Tool:
+    found = table.read(TOOL)
+    if name.casefold() == FLANGE:
+        table.say(RESERVED, name=name, meaning="the bare flange")
+    if "centre" in found and "mass" not in table.content:
+        table.say(NO_MASS, "centre", name=name)
+    load = Load(found["mass"], found.get("centre", (0.0, 0.0, 0.0))) if "mass" in found else None
+    return Tool(_pose(name, table, found, "tip"), load, found.get("held", True))
+
+
+def _frame(name: str, table: Table) -> Frame:
+    found = table.read(FRAME)
+    if name.casefold() == BASE:
+        table.say(RESERVED, name=name, meaning="the robot's own base")
+    return Frame(user=_pose(name, table, found, "position"), held=found.get("held", False))
+
+
+def _pose(name: str, table: Table, found: Mapping[str, Any], position: str) -> Pose:
+    if "quaternion" in table.content and "euler_zyx" in table.content:
+        table.say(BOTH, "euler_zyx", name=name)
+    turn = found.get("euler_zyx", Pose().quaternion)
+    if "quaternion" in found:
+        turn, length = found["quaternion"]
+        if abs(length - 1.0) > values.EXACT_LENGTH:
+            table.say(REPAIRED, "quaternion", key="quaternion", length=length)
+    return Pose(found.get(position, (0.0, 0.0, 0.0)), turn)
+
+
+def _signal(name: str, table: Table) -> Signal:
+    found = table.read(SIGNAL)
+    kind = found.get("kind", "digital")
+    if found.get("bits", 1) != 1 and kind != "group":
+        table.say(ONE_BIT, "bits", name=name, kind=kind)
+    return Signal(kind, found.get("direction", "output"), found.get("number"), found.get("bits", 1))
+
+
+def _layer(name: str, table: Table, defaults: Defaults, names: _Names) -> Layer:
+    found = names.motion(table, LAYER)
+    parts = {key: found.pop(key) for key in MOTION if key in found}
+    usual = {key: getattr(defaults.motion, key) for key in MOTION}
+    switched: dict[str, Any] = {
+        key: tuple(names.switched(table.table(key), found.pop(key)))
+        for key in ("on", "off")
+        if key in found
+    }
+    process = found.pop("process", shown(name))
+    rounded = defaults.blend is None and "blend" not in parts
+    return Layer(process, Motion(**(usual | parts)), rounded=rounded, **switched, **found)
+
+
+class _Names:
+    """The tools, frames and signals of the file, to find those that others name."""
+
+    def __init__(
+        self,
+        tools: Iterable[str],
+        frames: Iterable[str],
+        signals: Mapping[str, Signal],
+    ) -> None:
+        self._known = {"tool": [*tools, FLANGE], "frame": [*frames, BASE]}
+        self._signals = signals
+
+    def motion(self, table: Table, keys: Mapping[str, Read]) -> dict[str, Any]:
+        """The table's values, tools and frames under the names they were defined by."""
+        found = table.read(keys)
+        for kind, known in self._known.items():
+            if kind in found:
+                name = self._find(table, kind, kind, found[kind], known)
+                if name is None:
+                    del found[kind]
+                else:
+                    found[kind] = name
+        return found
+
+    def switched(self, table: Table, wanted: Mapping[str, float]) -> Iterable[tuple[str, float]]:
+        for given, value in wanted.items():
+            name = self._find(table, given, "signal", given, list(self._signals))
+            if name is None:
+                continue
+            signal = self._signals[name]
+            if signal.direction == "input":
+                table.say(NOT_AN_OUTPUT, given, name=name)
+            most = 2**signal.bits - 1
+            if signal.kind != "analog" and not (value == int(value) and 0 <= value <= most):
+                said = f"{value:g}"
+                table.say(
+                    NOT_ITS_VALUE,
+                    given,
+                    kind=signal.kind,
+                    name=name,
+                    value=said,
+                    wanted=f"a whole number, 0 to {most}",
+                )
+            yield name, value
+
+    @staticmethod
+    def _find(table: Table, key: str, kind: str, given: str, known: list[str]) -> str | None:
+        for name in known:
+            if name.casefold() == given.casefold():
+                return name
+        near, shown_name = nearest(given, known), shown(given)
+        cure = (
+            f"write {near}"
+            if near
+            else f"define [{kind}s.{shown_name}]; there are: {listed(known)}"
+        )
+        table.say(NOT_DEFINED, key, kind=kind, name=shown_name, cure=cure)
+        return None

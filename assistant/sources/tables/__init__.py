@@ -1,0 +1,1 @@
+"""Tables of targets and waypoints: CSV, arrays, JSON, taught targets."""

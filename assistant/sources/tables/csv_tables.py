@@ -1,0 +1,184 @@
+"""Tables (CSV) of targets and waypoints; `headers` says what their columns may be called.
+
+Rows with names become targets and one move each. Rows without names are waypoints: they
+become one path in columns, 35 or a million of them alike. The delimiter is the one of the
+header: comma, semicolon or tab. Decimal commas are refused.
+"""
+
+from __future__ import annotations
+
+import pathlib
+from collections.abc import Iterator, Mapping
+from typing import Any, Final
+
+import numpy as np
+
+from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, has_errors
+from assistant.program.expressions import JointValue, Name, Number
+from assistant.program.geometry import JointTarget, Pose, Target
+from assistant.program.path import Kind, Path, configuration_of
+from assistant.program.program import identifier
+from assistant.program.statements import (
+    Comment,
+    Move,
+    MoveCircular,
+    MoveJoints,
+    SetSignal,
+    Statement,
+    Wait,
+)
+from assistant.program.text import read_bytes
+from assistant.sources import Reading
+from assistant.sources.process import Process
+from assistant.sources.tables import rows
+from assistant.sources.tables.actions import output
+from assistant.sources.tables.cells import Cells
+from assistant.sources.tables.columns import Table, table_of
+from assistant.sources.tables.delimited import read_cells
+from assistant.sources.tables.headers import columns_of, shown
+
+ERROR: Final = Severity.ERROR
+MIXED = Rule(
+    "TB133",
+    ERROR,
+    "rows without names mix poses and joints",
+    "add a `name` column, or make two files of it",
+)
+LEFT_OUT = Rule("TB136", Severity.INFO, "the columns {names} are left out, as their `_` asks")
+
+
+def read(path: pathlib.Path, process: Process) -> Reading:
+    """The pseudo-program of a table; raises Unreadable or Refused."""
+    return read_table(read_bytes(path), str(path), path.stem, process)
+
+
+def read_table(data: bytes, path: str, stem: str, process: Process) -> Reading:
+    """The pseudo-program of the bytes of a table, named after a file's stem."""
+    cells = read_cells(data, path, _check_header)
+    columns, _ = columns_of(cells.header)
+    name, notes = rows.program_name(stem, path)
+    table = table_of(cells, columns, process)
+    notes = [*notes, *cells.findings, *table.findings]
+    if left := [c for c in columns if c.group == "left out"]:
+        names = ", ".join(shown(cells.header[c.part]) for c in left)
+        notes.append(LEFT_OUT(path=path, line=cells.header_line, names=names))
+    if any(c.group == "name" for c in columns):
+        program, more = _named(name, table, process)
+        notes += more
+    else:
+        program = _waypoints(name, table, process)
+    if has_errors(notes):
+        raise Refused(*notes)
+    return Reading(program, tuple(notes))
+
+
+def _check_header(header: tuple[str, ...], where: Mapping[str, Any]) -> None:
+    _, problems = columns_of(header)
+    if problems:
+        raise Refused(
+            *(p.rule(**where, place=f"column {p.index + 1}", **p.fields) for p in problems)
+        )
+
+
+def _waypoints(name: str, table: Table, process: Process) -> Any:
+    """The program of rows without names: one path, or moves to joints."""
+    comments = tuple(_one_line(c) for c in table.cells.comments)
+    if table.of_joints.any():
+        if not table.of_joints.all():
+            row = int(np.argmax(table.of_joints))
+            raise Refused(MIXED(**table.cells.place(row)))
+        body = [
+            MoveJoints(JointValue(_joint_target(table, row)), table.motions.of(row))
+            for row in range(len(table.cells))
+        ]
+        return rows.program_of(name, body, process, comments=comments)
+    path = Path.of(
+        name,
+        table.positions,
+        table.quaternions,
+        kinds=table.kinds,
+        configurations=table.configurations,
+        external=table.external,
+        **table.motions.rounded(table.positions, table.kinds, process.tolerance),
+    )
+    return rows.paths_program(name, [path], process, comments)
+
+
+def _named(name: str, table: Table, process: Process) -> tuple[Any, list[Diagnostic]]:
+    """The program of rows with names: targets, and a move to each in turn."""
+    cells, column = table.cells, table.first("name")
+    assert column is not None
+    names = rows.Names()
+    targets: dict[str, Target] = {}
+    joint_targets: dict[str, JointTarget] = {}
+    body: list[Statement] = []
+    via = ""
+    lines = _lines(cells)
+    for row, line in enumerate(lines):
+        where = {"path": cells.path, "line": line, "place": f"column {shown(cells.header[column])}"}
+        target = names.of(cells.text(row, column), where, f"line {line}")
+        body += _comments(table, row)
+        motion = table.motions.of(row)
+        kind = Kind(int(table.kinds[row]))
+        if table.of_joints[row]:
+            joint_targets[target] = _joint_target(table, row)
+            body.append(MoveJoints(Name(target), motion))
+        else:
+            targets[target] = _target(table, row)
+            if kind is Kind.END:
+                body.append(MoveCircular(Name(via), Name(target), motion))
+            elif kind is not Kind.VIA:
+                interpolation: Any = kind.name.lower()
+                body.append(Move(interpolation, Name(target), motion))
+        via = target
+        body += _after(table, row, process)
+    comments = tuple(_one_line(c) for c in cells.comments)
+    program = rows.program_of(name, body, process, targets, joint_targets, comments)
+    return program, names.findings
+
+
+def _lines(cells: Cells) -> list[int]:
+    """The line of each row."""
+    feeds = np.flatnonzero(cells.octets == ord("\n"))
+    lines: list[int] = (np.searchsorted(feeds, cells.starts[:, 0]) + 1).tolist()
+    return lines
+
+
+def _target(table: Table, row: int) -> Target:
+    pose = Pose.of(table.positions[row], table.quaternions[row])
+    stated = table.configurations
+    configuration = configuration_of(stated[row]) if stated is not None else None
+    if table.external is None:
+        return Target(pose, configuration)
+    return Target(pose, configuration, tuple(table.external[row].tolist()))
+
+
+def _joint_target(table: Table, row: int) -> JointTarget:
+    joints = tuple(table.joints[row].tolist())
+    if table.external is None:
+        return JointTarget(joints)
+    return JointTarget(joints, tuple(table.external[row].tolist()))
+
+
+def _comments(table: Table, row: int) -> Iterator[Statement]:
+    column = table.first("comment")
+    if column is not None and (text := _one_line(table.cells.text(row, column))):
+        yield Comment(text)
+
+
+def _after(table: Table, row: int, process: Process) -> Iterator[Statement]:
+    """The signals that are set and the wait after a move."""
+    for index, column in enumerate(table.columns):
+        value = float(table.values[row, index]) if column.group in ("set", "wait") else np.nan
+        if np.isnan(value):
+            continue
+        number = Number(int(value) if value.is_integer() else value)
+        if column.group == "wait":
+            yield Wait(number)
+        else:
+            yield SetSignal(output(column.detail, process) or identifier(column.detail), number)
+
+
+def _one_line(text: str) -> str:
+    """A comment from a cell: printable characters on one line."""
+    return " ".join("".join(c if c.isprintable() else " " for c in text).split())

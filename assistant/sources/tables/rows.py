@@ -1,0 +1,329 @@
+"""Motions of the rows of a table: index columns into small tables, and the program of them."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.program.arrays import Floats, Rows, Truths
+from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from assistant.program.expressions import Name
+from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
+from assistant.program.motion import FINE, Blend, Speed
+from assistant.program.path import Kind, Path
+from assistant.program.program import MANGLED, Procedure, Program, Signal, identifier
+from assistant.program.statements import Follow, Motion, Move, Statement
+from assistant.sources.process import Process
+from assistant.sources.rounding import radii
+from assistant.sources.tables.headers import shown
+
+ERROR: Final = Severity.ERROR
+UNKNOWN_TOOL = Rule("TB301", ERROR, "there is no tool {name}{more}", "{cure}")
+UNKNOWN_FRAME = Rule("TB302", ERROR, "there is no frame {name}{more}", "{cure}")
+UNKNOWN_SIGNAL = Rule("TB303", ERROR, "there is no output {name}", "{cure}")
+UNKNOWN_KIND = Rule(
+    "TB304",
+    ERROR,
+    "there is no motion {name}{more}",
+    "write `joint`, `linear`, or `via` and in the row after it `end`",
+)
+TOO_SLOW = Rule(
+    "TB305", ERROR, "{what} is {value:g}, it must be more than 0{more}", "write a positive number"
+)
+NEGATIVE = Rule(
+    "TB306", ERROR, "{what} is {value:g}, it must not be negative{more}", "write 0 or more"
+)
+TOO_MANY_SPEEDS = Rule(
+    "TB307",
+    ERROR,
+    "the rows have {count} different values of {what}, more than {most}",
+    "round them, for example to whole millimetres",
+)
+BROKEN_ARC = Rule(
+    "TB308",
+    ERROR,
+    "{what}",
+    "an arc is a `via` row and the `end` row after it, with a row before it to start from",
+)
+TWICE_NAMED = Rule(
+    "TB309",
+    ERROR,
+    "the name {name} stands here and in {first}",
+    "give every target a name of its own; case does not tell names apart",
+)
+VIA_ACTION = Rule(
+    "TB311",
+    ERROR,
+    "{what} at a `via` target, which is passed in motion",
+    "move it to the `end` target",
+)
+NOT_ITS_VALUE = Rule(
+    "TB312",
+    ERROR,
+    "the {kind} output {name} cannot be {value:g}",
+    "write a whole number, 0 to {most}",
+)
+NO_NAME = Rule("TB310", ERROR, "the target has no name", "name it, or name none of the rows")
+
+MOST_DIFFERENT: Final = 1000
+"""Different speeds or blends in one file: each becomes a declaration on the controller."""
+KINDS: Final = {
+    "joint": Kind.JOINT, "linear": Kind.LINEAR, "via": Kind.VIA, "end": Kind.END
+}  # fmt: skip
+
+Place = Callable[[int], Mapping[str, Any]]
+
+
+@dataclass(frozen=True, slots=True)
+class Motions:
+    """Index columns (n,) into tables of speeds, blends, tools and frames, as in a `Path`.
+
+    A blend that is None is not stated.
+    """
+
+    speed: NDArray[np.int32]
+    blend: NDArray[np.int32]
+    tool: NDArray[np.int32]
+    frame: NDArray[np.int32]
+    speeds: tuple[Speed | Name, ...]
+    blends: tuple[Blend | Name | None, ...]
+    tools: tuple[str, ...]
+    frames: tuple[str, ...]
+
+    def of(self, row: int) -> Motion:
+        """The motion of one row, for named rows."""
+        return Motion(
+            self.speeds[self.speed[row]],
+            self.blends[self.blend[row]] or FINE,
+            self.tools[self.tool[row]],
+            self.frames[self.frame[row]],
+        )
+
+    def rounded(
+        self, positions: Floats, kinds: NDArray[np.uint8], tolerance: float
+    ) -> dict[str, Any]:
+        """The arguments of `Path.of` for a way, with a blend where none is stated."""
+        columns = {name: getattr(self, name) for name in self.__slots__}
+        if None not in self.blends:
+            return columns
+        whole = (np.diff(self.tool) == 0) & (np.diff(self.frame) == 0)
+        stated = np.array([blend is not None for blend in self.blends])[self.blend]
+        sizes = np.where(stated, 0.0, radii(positions, kinds, whole, tolerance))
+        table, rows = np.unique(sizes, return_inverse=True)
+        blends = [blend or FINE for blend in self.blends]
+        index = np.where(stated, self.blend, rows + len(blends)).astype(np.int32)
+        blends += [Blend(size) if size > 0 else FINE for size in table.tolist()]
+        return columns | {"blend": index, "blends": tuple(blends)}
+
+
+def default_motions(n: int, process: Process) -> Motions:
+    """Every row as the process file's defaults say."""
+    rows = np.broadcast_to(np.int32(0), (n,))
+    d = process.defaults
+    return Motions(rows, rows, rows, rows, (d.speed,), (d.blend,), (d.tool,), (d.frame,))
+
+
+def begun(kinds: NDArray[np.uint8], stated: bool = False) -> NDArray[np.uint8]:
+    """Kinds of rows that begin a program: no line leads from wherever the arm stands.
+
+    stated: the first row says itself how it is reached.
+    """
+    if stated or not len(kinds) or kinds[0] != Kind.LINEAR:
+        return kinds
+    return np.concatenate([[np.uint8(Kind.JOINT)], kinds[1:]])
+
+
+def default_kind(process: Process) -> Kind:
+    return KINDS[process.defaults.kind]
+
+
+def combined(columns: Sequence[Floats]) -> tuple[NDArray[np.int32], Rows]:
+    """Rows that agree in all columns (n,), NaN being equal to NaN, get one number.
+
+    Gives the number of each row, and for each number a row that has it.
+    """
+    code = np.zeros(len(columns[0]), dtype=np.int64)
+    for column in columns:
+        _, inverse = np.unique(column, return_inverse=True)
+        _, code = np.unique(code * (int(inverse.max(initial=0)) + 1) + inverse, return_inverse=True)
+    _, first, code = np.unique(code, return_index=True, return_inverse=True)
+    return code.astype(np.int32), first
+
+
+def speeds_of(
+    tcp: Floats,
+    rotation: Floats,
+    joint: Floats,
+    process: Process,
+) -> tuple[NDArray[np.int32], tuple[Speed | Name, ...]]:
+    """Speed index (n,) and table of columns in mm/s, deg/s and percent, NaN for the default."""
+    index, rows = combined([tcp, rotation, joint])
+    table = [_speed(float(tcp[r]), float(rotation[r]), float(joint[r]), process) for r in rows]
+    return index, tuple(table)
+
+
+def _speed(tcp: float, rotation: float, joint: float, process: Process) -> Speed | Name:
+    default = process.defaults.speed
+    if tcp != tcp and rotation != rotation and joint != joint:
+        return default
+    known = default if isinstance(default, Speed) else Speed(tcp)
+    changed = {"tcp": tcp, "rotation": rotation, "joint": joint}
+    return replace(known, **{name: value for name, value in changed.items() if value == value})
+
+
+def blends_of(
+    radius: Floats, process: Process
+) -> tuple[NDArray[np.int32], tuple[Blend | Name | None, ...]]:
+    """Blend index (n,) and table of radii in mm, 0 to stop, NaN for the default."""
+    index, rows = combined([radius])
+    values = [float(radius[r]) for r in rows]
+    default = process.defaults.blend
+    return index, tuple(default if v != v else Blend(v) if v > 0 else FINE for v in values)
+
+
+def arc_findings(kinds: NDArray[np.uint8], locate: Place) -> list[Diagnostic]:
+    """A `via` row without its `end` row, an `end` row without its `via` row."""
+    return [BROKEN_ARC(**locate(row), what=what) for row, what in broken_arcs(kinds)]
+
+
+def broken_arcs(kinds: NDArray[np.uint8]) -> list[tuple[int, str]]:
+    """The first row that breaks each rule of arcs, and how."""
+    via, end = kinds == Kind.VIA, kinds == Kind.END
+    after_via = np.concatenate([[False], via[:-1]])
+    before_end = np.concatenate([end[1:], [False]])
+    first = np.arange(len(kinds)) == 0
+    broken = (
+        ("`via` has no `end` after it", via & ~before_end),
+        ("`end` has no `via` before it", end & ~after_via),
+        ("`via` has nothing before it that the arc could start from", via & first),
+    )
+    return [(int(np.argmax(rows)), what) for what, rows in broken if rows.any()]
+
+
+def known(name: str, table: Mapping[str, Any], builtin: str) -> str | None:
+    """The entry of that name, compared without case; None if there is none."""
+    if name.lower() == builtin.lower():
+        return builtin
+    return next((entry for entry in table if entry.lower() == name.lower()), None)
+
+
+def most_of(signal: Signal) -> float:
+    """The largest value of a signal that counts in whole numbers from 0; infinite if none."""
+    return np.inf if signal.kind == "analog" else 2**signal.bits - 1
+
+
+def known_tool(name: str, process: Process) -> str | None:
+    return known(name, process.tools, FLANGE)
+
+
+def known_frame(name: str, process: Process) -> str | None:
+    return known(name, process.frames, BASE)
+
+
+def cure_for(kind: str, name: str, table: Mapping[str, Any]) -> str:
+    """What to do about a tool, frame or signal that nobody declared."""
+    near = difflib.get_close_matches(name, list(table), n=1, cutoff=0.6)
+    if near:
+        return f"did you mean `{near[0]}`?"
+    return f"declare it in the process file: `[{kind}s.{identifier(name)}]`"
+
+
+def default_findings(process: Process, path: str | None) -> list[Diagnostic]:
+    """Default tool or frame that is declared nowhere."""
+    d, findings = process.defaults, []
+    if known_tool(d.tool, process) is None:
+        cure = cure_for("tool", d.tool, process.tools)
+        findings.append(UNKNOWN_TOOL(path=path, name=shown(d.tool), more="", cure=cure))
+    if known_frame(d.frame, process) is None:
+        cure = cure_for("frame", d.frame, process.frames)
+        findings.append(UNKNOWN_FRAME(path=path, name=shown(d.frame), more="", cure=cure))
+    return findings
+
+
+class Names:
+    """Identifiers for the names of a file, each once; `findings` tell what became of them."""
+
+    def __init__(self) -> None:
+        self.findings: list[Diagnostic] = []
+        self._first: dict[str, str] = {}
+        self._taken: set[str] = set()
+
+    def of(self, given: str, where: Mapping[str, Any], label: str) -> str:
+        """The identifier of a name; label: how a repetition refers to this place."""
+        if not given.strip():
+            self.findings.append(NO_NAME(**where))
+        first = self._first.setdefault(given.strip().lower(), label)
+        if given.strip() and first != label:
+            self.findings.append(TWICE_NAMED(**where, name=shown(given), first=first))
+            return given
+        name = identifier(given)
+        if name.lower() in self._taken:
+            name = identifier(given, self._taken)
+        self._taken.add(name.lower())
+        if name != given and given.strip():
+            self.findings.append(MANGLED(**where, given=given[:80], name=name))
+        return name
+
+
+def program_name(stem: str, path: str) -> tuple[str, list[Diagnostic]]:
+    """Program name of a file name, with a note if it had to be changed."""
+    name = identifier(stem)
+    changed = name != stem
+    return name, [
+        MANGLED(path=path, given=stem[:80], name=name, severity=Severity.INFO)
+    ] if changed else []
+
+
+def paths_program(
+    name: str, paths: Sequence[Path], process: Process, comments: tuple[str, ...] = ()
+) -> Program:
+    """A program that follows paths one after the other; a path of one row is a move."""
+    body: list[Statement] = []
+    targets: dict[str, Target] = {}
+    for path in paths:
+        if len(path) == 1 and path.kinds[0] in (Kind.JOINT, Kind.LINEAR):
+            target = f"{path.name}_1"
+            targets[target] = path.target(0)
+            kind = "joint" if path.kinds[0] == Kind.JOINT else "linear"
+            motion = Motion(
+                path.speeds[path.speed[0]],
+                path.blends[path.blend[0]],
+                path.tools[path.tool[0]],
+                path.frames[path.frame[0]],
+            )
+            body.append(Move(kind, Name(target), motion))  # type: ignore[arg-type]
+        else:
+            body.append(Follow(path))
+    return program_of(name, body, process, targets, comments=comments)
+
+
+def program_of(
+    name: str,
+    body: Sequence[Statement],
+    process: Process,
+    targets: Mapping[str, Target] | None = None,
+    joint_targets: Mapping[str, JointTarget] | None = None,
+    comments: tuple[str, ...] = (),
+) -> Program:
+    """A program with one procedure `main` and the process file's robot, tools, frames, signals."""
+    return Program(
+        name,
+        (Procedure("main", tuple(body)),),
+        robot=process.robot,
+        comments=comments,
+        tools=dict(process.tools),
+        frames=dict(process.frames),
+        signals=dict(process.signals),
+        targets=dict(targets or {}),
+        joint_targets=dict(joint_targets or {}),
+    )
+
+
+def many(rows: Truths) -> str:
+    count = int(np.count_nonzero(rows))
+    return f" ({count} such rows)" if count > 1 else ""
