@@ -21,6 +21,7 @@ from assistant.languages.language import (
 )
 from assistant.languages.melfa_basic.reading.files import READ, TOKENISED
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
+from assistant.languages.melfa_basic.tree import syntax
 from assistant.languages.melfa_basic.tree.syntax import CallP, File, Line, String
 from assistant.program.comparison import Tolerance, compare
 from assistant.program.diagnostics import Diagnostic, Severity, has_errors
@@ -30,7 +31,7 @@ from assistant.program.text import SourceText
 if TYPE_CHECKING:
     from assistant.robots import Robot
 
-__all__ = ["MelfaBasic", "language"]
+__all__ = ["MelfaBasic", "language", "syntax"]
 
 
 def language(name: str) -> MelfaBasic:

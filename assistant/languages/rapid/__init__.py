@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.language import ARITHMETIC, Adapted, Language, Part, Precision
+from assistant.languages.rapid.tree import syntax
 from assistant.languages.rapid.tree.syntax import File
 from assistant.program.diagnostics import Diagnostic, has_errors
 from assistant.program.program import Program
@@ -17,7 +18,7 @@ from assistant.program.text import SourceText
 if TYPE_CHECKING:
     from assistant.robots import Robot
 
-__all__ = ["Rapid", "language"]
+__all__ = ["Rapid", "language", "syntax"]
 
 
 def language(name: str) -> Rapid:
