@@ -6,14 +6,14 @@ from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
 from assistant.languages.melfa_basic import rules
-from assistant.languages.melfa_basic.lower.adapt.assigning import Assigning
-from assistant.languages.melfa_basic.lower.adapt.evaluation import unordered
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.languages.melfa_basic.tables.functions import BITS
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.assignment import Assigning
+from assistant.program.analysis.effects import unordered
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.program import Program, walk
@@ -41,7 +41,7 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
         yield from _loops(program)
         yield from _signed_bits(program)
         yield from _without_value(program)
-        yield from unordered(program)
+        yield from unordered(program, rules.CANNOT_SAY)
         for span, node in commands:
             if isinstance(node, s.Command) and node.keyword == "Cnt" and _cuts_nothing(node):
                 yield rules.NO_CORNER(span=span)

@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 
-def has_functions(program: Program, unit: str | None, dialect: Dialect) -> bool:
+def has_functions(program: Program, unit: str | None, functions: bool) -> bool:
     """Whether what a unit calls are functions; subroutines, if not, share all variables."""
     _, others = _procedures(program, unit)
-    return dialect.functions and any(q.parameters or q.result is not None for q in others)
+    return functions and any(q.parameters or q.result is not None for q in others)
 
 
 def _procedures(program: Program, unit: str | None) -> tuple[Procedure | None, list[Procedure]]:
@@ -46,7 +46,7 @@ class Unit:
         self.program, self.robot, self.unit = program, robot, unit
         self.dialect, self.names = dialect, names
         self.writer = Writer(program, dialect, names, robot, unit, STATEMENTS)
-        self.writer.functions = has_functions(program, unit, dialect)
+        self.writer.functions = has_functions(program, unit, dialect.functions)
 
     @property
     def findings(self) -> list[Diagnostic]:

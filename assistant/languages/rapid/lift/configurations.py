@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from assistant.languages.rapid.lift.sequences import mentioned
 from assistant.languages.rapid.lift.ways import LINES, Ways
 from assistant.program import statements as p
 from assistant.program.geometry import Target
+from assistant.program.passes.paths import mentioned
 from assistant.program.path import Kind, Path, configuration_row
 from assistant.program.program import Program, walk
 from assistant.program.rewriting import Body, map_bodies, rewrite

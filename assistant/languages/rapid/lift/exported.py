@@ -18,7 +18,6 @@ from assistant.languages.rapid.lift.configurations import with_open_lines
 from assistant.languages.rapid.lift.data import frame_of, numbers, tool_of
 from assistant.languages.rapid.lift.instructions import Meaning, instruction
 from assistant.languages.rapid.lift.program import routines
-from assistant.languages.rapid.lift.sequences import mentioned
 from assistant.languages.rapid.lift.switches import with_switches
 from assistant.languages.rapid.lift.ways import (
     CORNER,
@@ -39,6 +38,7 @@ from assistant.program import statements as p
 from assistant.program.diagnostics import Findings
 from assistant.program.geometry import Frame, Tool
 from assistant.program.motion import FINE
+from assistant.program.passes.paths import mentioned
 from assistant.program.program import Procedure, Program, Variable, identifier, walk
 from assistant.program.rewriting import Body, map_bodies, records, rewrite
 

@@ -10,11 +10,9 @@ from typing import Any, TypeVar
 from assistant.languages.rapid.lift.constants import with_constants
 from assistant.languages.rapid.lift.data import DataLift
 from assistant.languages.rapid.lift.instructions import Meaning
-from assistant.languages.rapid.lift.loops import apart
 from assistant.languages.rapid.lift.messages import with_values
 from assistant.languages.rapid.lift.paths import PathLift
 from assistant.languages.rapid.lift.places import with_places
-from assistant.languages.rapid.lift.sequences import with_paths
 from assistant.languages.rapid.lift.signals import uses, with_used
 from assistant.languages.rapid.lift.statements import StatementLift, opaque
 from assistant.languages.rapid.lift.timers import clocks, with_timers
@@ -26,6 +24,8 @@ from assistant.languages.rapid.tree.walk import nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import JointTarget
+from assistant.program.passes.counted_loops import apart
+from assistant.program.passes.paths import with_paths
 from assistant.program.program import (
     Declaration,
     Parameter,

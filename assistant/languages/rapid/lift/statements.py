@@ -9,7 +9,6 @@ from typing import Final
 
 from assistant.languages.rapid.lift.data import DataLift
 from assistant.languages.rapid.lift.instructions import Meaning, instruction, plain_arguments
-from assistant.languages.rapid.lift.loops import ascends
 from assistant.languages.rapid.lift.paths import PathLift
 from assistant.languages.rapid.lift.timers import restarted
 from assistant.languages.rapid.tables.standard import INSTRUCTIONS, OF_OPTIONS
@@ -20,6 +19,7 @@ from assistant.languages.rapid.tree.walk import nodes as tree_nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Refused, over
+from assistant.program.passes.counted_loops import ascends
 from assistant.program.program import Program
 
 _STANDARD: Final = INSTRUCTIONS | OF_OPTIONS

@@ -9,19 +9,20 @@ from __future__ import annotations
 from dataclasses import replace
 
 from assistant.languages.melfa_basic import rules
-from assistant.languages.melfa_basic.lower.adapt.assigning import Assigning
-from assistant.languages.melfa_basic.lower.adapt.procedures import NOTHING
 from assistant.languages.melfa_basic.lower.names import is_external
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
-from assistant.program.diagnostics import Findings
+from assistant.program.analysis.assignment import Assigning
+from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.procedures import NOTHING
 from assistant.program.program import Program, Variable
 
 
-def with_first_values(program: Program, findings: Findings) -> Program:
+def with_first_values(job: Legalising) -> Program:
     """The program with values for the variables that it reads before it gives them one.
 
     What a program of MELFA-BASIC leaves without a value keeps the one that it has there.
     """
+    program, findings = job.program, job.findings
     entry = program.procedure(program.entry) if program.entry else None
     if entry is None:
         return program

@@ -4,25 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from assistant.languages.language import Adapted
 from assistant.languages.melfa_basic import rules
-from assistant.languages.melfa_basic.lower.adapt.arrays import (
-    with_array_parameters,
-    with_copied_arrays,
-    with_filled_arrays,
-)
-from assistant.languages.melfa_basic.lower.adapt.computed import with_computed_targets
 from assistant.languages.melfa_basic.lower.adapt.context import Context
 from assistant.languages.melfa_basic.lower.adapt.data import with_plain_data
-from assistant.languages.melfa_basic.lower.adapt.evaluation import with_stated_order
 from assistant.languages.melfa_basic.lower.adapt.first_values import with_first_values
 from assistant.languages.melfa_basic.lower.adapt.five_axes import in_base
-from assistant.languages.melfa_basic.lower.adapt.loops import with_settled_loops
 from assistant.languages.melfa_basic.lower.adapt.outputs import with_checked_outputs
-from assistant.languages.melfa_basic.lower.adapt.parameters import without_parameters
-from assistant.languages.melfa_basic.lower.adapt.procedures import recursive, with_fresh_variables
 from assistant.languages.melfa_basic.lower.adapt.splitting import MOST_TARGETS, split
 from assistant.languages.melfa_basic.lower.adapt.statements import comment_lines, plain_procedure
 from assistant.languages.melfa_basic.lower.adapt.vendor_text import check_names
@@ -30,11 +20,22 @@ from assistant.languages.melfa_basic.lower.names import is_external, naming
 from assistant.languages.melfa_basic.lower.program import UnitLines, branches_in, steps
 from assistant.languages.melfa_basic.lower.unit import has_functions
 from assistant.languages.melfa_basic.lower.writer import mentioned
+from assistant.languages.melfa_basic.tables.capabilities import capabilities
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP, Dialect
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.diagnostics import Diagnostic, Findings, Span
 from assistant.program.geometry import BASE
+from assistant.program.passes.arrays import (
+    with_array_parameters,
+    with_copied_arrays,
+    with_filled_arrays,
+)
+from assistant.program.passes.computed_targets import with_computed_targets
+from assistant.program.passes.legalising import Legalising, Pass, legalised, pure
+from assistant.program.passes.parameters import with_sayable_procedures
+from assistant.program.passes.procedures import recursive, with_fresh_variables
+from assistant.program.passes.settled_loops import with_settled_loops
 from assistant.program.program import Procedure, Program
 
 if TYPE_CHECKING:
@@ -53,7 +54,8 @@ def adapt(
     products: targets are multiplied by their frames, else `Base` is set.
     """
     dialect, findings = DIALECTS[dialect_name], Findings()
-    program = _with_plain_procedures(_headed(program, robot), dialect, findings)
+    job = Legalising(_headed(program, robot), capabilities(dialect), findings)
+    program = legalised(job, PASSES)
     context = Context(program, dialect, robot, findings, products)
     if context.five_axis:
         context.program = in_base(context, context.program)
@@ -75,20 +77,29 @@ def adapt(
     return Adapted(adapted, tuple(context.findings))
 
 
-def _with_plain_procedures(program: Program, dialect: Dialect, findings: Findings) -> Program:
-    """With variables, parameters and computed targets as the dialect has them."""
-    program = with_first_values(program, findings)
-    program = with_array_parameters(program, dialect.functions, findings)
-    program = with_checked_outputs(program)
-    program = with_fresh_variables(program)
-    program = with_copied_arrays(with_filled_arrays(program, findings), findings)
-    program = with_settled_loops(program)
-    for procedure in recursive(program):
-        if not has_functions(program, procedure.unit, dialect):
-            with findings.at(procedure.span):
-                findings.append(rules.RECURSIVE(name=procedure.name, place=procedure.name))
-    program = (with_stated_order if dialect.functions else without_parameters)(program, findings)
-    return with_computed_targets(program)
+def without_recursion(job: Legalising) -> Program:
+    """The program itself; procedures whose data exist once must not call themselves."""
+    for procedure in recursive(job.program):
+        if not has_functions(job.program, procedure.unit, job.can.functions):
+            with job.findings.at(procedure.span):
+                found = job.can.recursive(name=procedure.name, place=procedure.name)
+                job.findings.append(found)
+    return job.program
+
+
+PASSES: Final[tuple[Pass, ...]] = (
+    with_first_values,
+    with_array_parameters,
+    pure(with_checked_outputs),
+    pure(with_fresh_variables),
+    with_filled_arrays,
+    with_copied_arrays,
+    pure(with_settled_loops),
+    without_recursion,
+    with_sayable_procedures,
+    pure(with_computed_targets),
+)
+"""Variables, arrays, loops, procedures and targets as the dialects have them, in this order."""
 
 
 def _headed(program: Program, robot: Robot | None) -> Program:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 from assistant.languages.language import Adapted
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.data import fixed_target
-from assistant.languages.rapid.lift.loops import counted
 from assistant.languages.rapid.lift.places import with_places
-from assistant.languages.rapid.lift.sequences import with_paths
 from assistant.languages.rapid.lift.signals import read_by_another_name, uses, with_used
 from assistant.languages.rapid.lower.adapt.data import (
     sayable_frame,
@@ -27,8 +26,10 @@ from assistant.languages.rapid.lower.program import build
 from assistant.languages.rapid.tables.words import LONGEST_NAME, MOST_TARGETS, PREDEFINED, RESERVED
 from assistant.languages.rapid.text import verbatim
 from assistant.program import statements as p
-from assistant.program.diagnostics import Refused, has_errors
+from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
+from assistant.program.passes.counted_loops import counted
+from assistant.program.passes.paths import with_paths
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import map_bodies
 
@@ -37,7 +38,9 @@ def adapt(program: Program, most_targets: int | None = None) -> Adapted:
     """most_targets: of one module, None for MOST_TARGETS."""
     findings = Findings()
     try:
-        adapted, loops = counted(with_places(_sayable(program, findings)))
+        adapted, loops = counted(
+            with_places(_sayable(program, findings)), refused=rules.COUNTER, changed=_as_while
+        )
         findings += loops
         adapted = split(with_paths(adapted), most_targets or MOST_TARGETS, findings)
         _find_names(adapted, findings)
@@ -88,6 +91,15 @@ def _sayable(program: Program, findings: Findings) -> Program:
         joint_targets=joints,
         variables=variables,
         procedures=procedures,
+    )
+
+
+def _as_while(name: str, why: str, **where: Any) -> Diagnostic:
+    return rules.CHANGED(
+        what=f"the `for` over `{name}`, which {why},",
+        instead="a `while`",
+        hint="a loop of RAPID has a variable of its own; use another name if that is meant",
+        **where,
     )
 
 

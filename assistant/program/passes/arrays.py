@@ -1,4 +1,4 @@
-"""Arrays: `Dim` gives no values, so the elements are given theirs, one by one or by loops."""
+"""Arrays whose declaration gives no values: elements are given theirs one by one, or by loops."""
 
 from __future__ import annotations
 
@@ -8,36 +8,33 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
-from assistant.languages.melfa_basic import rules
-from assistant.languages.melfa_basic.lower.adapt.procedures import NOTHING
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Findings
+from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.procedures import NOTHING
 from assistant.program.program import Procedure, Program, Variable, identifier
 from assistant.program.rewriting import Body, map_bodies
 
-MOST_DIMENSIONS: Final = 3
-MOST_ELEMENTS: Final = 999
-"""Of one dimension (COSIMIR help, Dim)."""
 MOST_ALIKE: Final = 4
 """Elements that are given the same value one by one: a loop takes no more steps."""
 
 
-def with_filled_arrays(program: Program, findings: Findings) -> Program:
+def with_filled_arrays(job: Legalising) -> Program:
     """The program with the first values of its arrays as assignments.
 
     Those of the program stand at the head of its entry, which one without is given; those of a
     procedure at its own.
     """
+    program = job.program
     taken = {q.name for q in program.procedures} | _names(program)
     counters = [identifier(name, taken) for name in "ijk"]
-    variables, first = _filled(program.variables, counters, findings)
+    variables, first = _filled(program.variables, counters, job)
     if first and program.entry is None:
         entry = Procedure(identifier("main", taken), ())
         program = replace(program, procedures=(entry, *program.procedures), entry=entry.name)
     procedures = []
     for procedure in program.procedures:
-        own, filling = _filled(procedure.variables, counters, findings)
+        own, filling = _filled(procedure.variables, counters, job)
         if procedure.name == program.entry and procedure.unit is None:
             filling = [*first, *filling]
         if filling:
@@ -46,8 +43,9 @@ def with_filled_arrays(program: Program, findings: Findings) -> Program:
     return replace(program, variables=variables, procedures=tuple(procedures))
 
 
-def with_copied_arrays(program: Program, findings: Findings) -> Program:
+def with_copied_arrays(job: Legalising) -> Program:
     """The program that assigns arrays element by element, as the language has to."""
+    program = job.program
     taken = {q.name for q in program.procedures} | _names(program)
     counters = [identifier(name, taken) for name in "ijk"]
     shared = {name.lower(): v.size for name, v in program.variables.items()}
@@ -55,13 +53,13 @@ def with_copied_arrays(program: Program, findings: Findings) -> Program:
     for procedure in program.procedures:
         own = {q.name.lower(): (0,) * q.dimensions for q in procedure.parameters}
         own |= {name.lower(): v.size for name, v in procedure.variables.items()}
-        body = _copied(procedure.body, {**shared, **own}, counters, findings)
+        body = _copied(procedure.body, {**shared, **own}, counters, job)
         procedures.append(replace(procedure, body=body))
     return replace(program, procedures=tuple(procedures))
 
 
 def _copied(
-    body: Body, sizes: Mapping[str, tuple[int, ...]], counters: Sequence[str], findings: Findings
+    body: Body, sizes: Mapping[str, tuple[int, ...]], counters: Sequence[str], job: Legalising
 ) -> Body:
     """sizes: of variables by lower-case name, 0 for extents that are not known."""
     made: list[p.Statement] = []
@@ -70,8 +68,8 @@ def _copied(
             case p.Assign(e.Name(name) as target, value) if size := sizes.get(name.lower(), ()):
                 other = sizes.get(value.name.lower()) if isinstance(value, e.Name) else None
                 if other != size or 0 in size:
-                    with findings.at(node.span):
-                        findings.append(rules.CANNOT_SAY(
+                    with job.findings.at(node.span):
+                        job.findings.append(job.can.cannot_say(
                             what=f"what the whole array `{name}` is given here",
                             cure="assign its elements, in a loop",
                         ))  # fmt: skip
@@ -85,25 +83,26 @@ def _copied(
 
                 made += _each(size, counters, give)
             case _:
-                made.append(map_bodies(node, lambda b: _copied(b, sizes, counters, findings)))
+                made.append(map_bodies(node, lambda b: _copied(b, sizes, counters, job)))
     return tuple(made)
 
 
-def with_array_parameters(program: Program, functions: bool, findings: Findings) -> Program:
+def with_array_parameters(job: Legalising) -> Program:
     """The program with the types of its array parameters that arrays have.
 
-    functions: whether the dialect has them; others hand over no arrays, `CallP` no whole ones.
+    A language without functions hands over no arrays, a call of another program no whole ones.
     """
+    program = job.program
     firsts = {q.unit: q.name for q in reversed(program.procedures)}
     procedures = []
     for procedure in program.procedures:
         first = procedure.unit is not None and firsts[procedure.unit] == procedure.name
-        called = first or not functions
+        called = first or not job.can.functions
         for q in procedure.parameters:
             if not q.dimensions or (q.dimensions == 1 and not called):
                 continue
-            with findings.at(procedure.span):
-                findings.append(rules.CANNOT_SAY(
+            with job.findings.at(procedure.span):
+                job.findings.append(job.can.cannot_say(
                     what=f"the array parameter `{q.name}` of `{procedure.name}`",
                     cure="use an array of the program" if called else "give it one dimension",
                     place=procedure.name,
@@ -129,7 +128,7 @@ def _names(program: Program) -> set[str]:
 
 
 def _filled(
-    variables: Mapping[str, Variable], counters: Sequence[str], findings: Findings
+    variables: Mapping[str, Variable], counters: Sequence[str], job: Legalising
 ) -> tuple[dict[str, Variable], list[p.Statement]]:
     made: dict[str, Variable] = {}
     first: list[p.Statement] = []
@@ -137,17 +136,19 @@ def _filled(
         made[name] = variable
         if not variable.size:
             continue
-        if len(variable.size) > MOST_DIMENSIONS or max(variable.size) > MOST_ELEMENTS:
+        can = job.can
+        if len(variable.size) > can.most_dimensions or max(variable.size) > can.most_elements:
             extents = " x ".join(map(str, variable.size))
-            findings.append(rules.CANNOT_SAY(
+            job.findings.append(job.can.cannot_say(
                 what=f"the array `{name}` of {extents} elements",
-                cure=f"use at most {MOST_DIMENSIONS} dimensions of {MOST_ELEMENTS} elements",
+                cure=f"use at most {can.most_dimensions} dimensions "
+                f"of {can.most_elements} elements",
                 place=name,
             ))  # fmt: skip
             continue
         values = list(_elements(name, variable, counters))
         if variable.initial is not None and not values:
-            findings.append(rules.CANNOT_SAY(
+            job.findings.append(job.can.cannot_say(
                 what=f"the first values of the array `{name}`",
                 cure="write a value for each element",
                 place=name,

@@ -1,10 +1,9 @@
 """Parameters and results of procedures as a language without them has to say them.
 
-In MELFA-BASIC IV and V a subroutine has no parameters and no result: they become variables of
-the program. A call becomes assignments to the parameters and the call, a parameter that is the
-caller's own variable is copied back, and a function is called before the statement that needs
-its result. Where a procedure may use the caller's variable by another name as well, a copy of
-the procedure works on that variable itself.
+There they become variables of the program. A call becomes assignments to the parameters and the
+call, a parameter that is the caller's own variable is copied back, and a function is called before
+the statement that needs its result. Where a procedure may use the caller's variable by another name
+as well, a copy of the procedure works on that variable itself.
 """
 
 from __future__ import annotations
@@ -15,8 +14,9 @@ from dataclasses import dataclass, field, replace
 from itertools import zip_longest
 from typing import Any, Final
 
-from assistant.languages.melfa_basic import rules
-from assistant.languages.melfa_basic.lower.adapt.evaluation import (
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.analysis.effects import (
     along_calls,
     altered,
     base,
@@ -24,15 +24,11 @@ from assistant.languages.melfa_basic.lower.adapt.evaluation import (
     handed_over,
     mentioned,
     read_before,
+    unordered,
 )
-from assistant.languages.melfa_basic.lower.adapt.hoisting import Taken, hoisted
-from assistant.languages.melfa_basic.lower.adapt.procedures import (
-    has_form,
-    is_called_with_arguments,
-)
-from assistant.program import expressions as e
-from assistant.program import statements as p
-from assistant.program.diagnostics import Findings
+from assistant.program.passes.hoisting import Taken, hoisted
+from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.procedures import has_form, is_called_with_arguments
 from assistant.program.program import Parameter, Procedure, Program, Variable, identifier, walk
 from assistant.program.rewriting import Body, head, map_head, records, rewrite
 
@@ -40,20 +36,29 @@ MOST_COPIES: Final = 200
 """Procedures that are made of one with parameters; more is no program that anybody reads."""
 
 
-def without_parameters(program: Program, findings: Findings) -> Program:
+def with_sayable_procedures(job: Legalising) -> Program:
+    """The program with procedures that the language has; in one with functions all of them are."""
+    if not job.can.functions:
+        return without_parameters(job)
+    job.findings.extend(unordered(job.program, job.can.cannot_say))
+    return job.program
+
+
+def without_parameters(job: Legalising) -> Program:
     """The program with variables for the parameters and results of its procedures.
 
     None of those that have some may call itself. The procedure that a called program begins
-    with keeps parameters that are copies: `CallP` takes arguments.
+    with keeps parameters that are copies: such calls take arguments.
     """
+    program = job.program
     formed = [
         q for q in program.procedures
         if has_form(q) and not is_called_with_arguments(q, program)
     ]  # fmt: skip
     for procedure in formed:
-        with findings.at(procedure.span):
-            findings.append(rules.AS_VARIABLES(name=procedure.name, place=procedure.name))
-    return _Forms(program, formed, findings).program() if formed else program
+        with job.findings.at(procedure.span):
+            job.findings.append(job.can.as_variables(name=procedure.name, place=procedure.name))
+    return _Forms(job, formed).program() if formed else program
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,8 +81,9 @@ class _Forms:
     reaches: what runs while a procedure does, itself included.
     """
 
-    def __init__(self, program: Program, formed: Iterable[Procedure], findings: Findings) -> None:
-        self.whole, self.findings = program, findings
+    def __init__(self, job: Legalising, formed: Iterable[Procedure]) -> None:
+        self.whole, self.findings, self.cannot_say = job.program, job.findings, job.can.cannot_say
+        program = job.program
         self.called = {q.name.lower(): q for q in formed}
         self.variables = dict(program.variables)
         self.spelled = {name.lower(): name for name in program.variables}
@@ -154,7 +160,7 @@ class _Forms:
         if key not in self.made and len(self.made) >= MOST_COPIES:
             key = key[0], ()
             with self.findings.at(procedure.span):
-                self.findings.append(rules.CANNOT_SAY(
+                self.findings.append(self.cannot_say(
                     what=f"so many calls of `{procedure.name}` with variables that it uses by "
                     "another name as well",
                     cure="hand over variables of their own, and assign them after the call",
@@ -221,7 +227,7 @@ class _Forms:
                     counted = names[variable.lower()]
                     if isinstance(counted, e.Name):
                         return replace(node, variable=counted.name)
-                    self.findings.append(rules.CANNOT_SAY(
+                    self.findings.append(self.cannot_say(
                         what=f"a loop that counts `{variable}`, a part of the caller's variable",
                         cure="count a variable of its own",
                     ))  # fmt: skip
@@ -242,7 +248,7 @@ class _Forms:
             read = [pair for x in alone for pair in read_before(x, self.called, alters)]
             with self.findings.at(node.span):
                 for name, function in dict.fromkeys(read):
-                    self.findings.append(rules.CANNOT_SAY(
+                    self.findings.append(self.cannot_say(
                         what=f"that {called_by(name)} is read before `{function}` changes it",
                         cure="assign it to a variable in a statement before, and read that",
                     ))  # fmt: skip
@@ -252,7 +258,7 @@ class _Forms:
         for record in records(node.condition):
             if isinstance(record, e.Apply) and record.function.lower() in self.called:
                 with self.findings.at(node.span):
-                    self.findings.append(rules.CANNOT_SAY(
+                    self.findings.append(self.cannot_say(
                         what=f"a wait with a limit that calls `{record.function}` again and again",
                         cure="call it in a loop that waits a little and reads a clock",
                     ))  # fmt: skip

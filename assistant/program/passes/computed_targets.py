@@ -1,7 +1,7 @@
 """Targets that are worked out as the program runs, put together in a variable first.
 
-MELFA-BASIC has position constants of numbers only: `Offs(p,10*i,0,0)` is a copy of `p` whose
-X is moved, in a position variable of the procedure.
+For a language that has position constants of numbers only: `offset(p, 10*i, 0, 0)` is a copy of
+`p` whose X is moved, in a position variable of the procedure.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ from typing import Final
 
 import numpy as np
 
-from assistant.languages.melfa_basic.lower.adapt.hoisting import Taken, hoisted
 from assistant.program import expressions as e
 from assistant.program import rotations
 from assistant.program import statements as p
 from assistant.program.geometry import Configuration, Pose, Target
+from assistant.program.passes.hoisting import Taken, hoisted
 from assistant.program.path import configuration_of
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import head, map_head, records

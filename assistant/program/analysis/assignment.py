@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from assistant.languages.melfa_basic.lower.adapt.evaluation import base, indices_of, named
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.effects import base, indices_of, named
 from assistant.program.program import Procedure, Program, bodies
 from assistant.program.rewriting import Body, head, records
 from assistant.program.text import words_of

@@ -1,7 +1,7 @@
-"""Where the order in which parts of a statement are evaluated changes what it does.
+"""What procedures read and change, and where the order within a statement changes what it does.
 
-RAPID evaluates from left to right. A call that stands before its statement runs before what is
-read to the left of it.
+The pseudo-program evaluates from left to right. A call that stands before its statement runs
+before what is read to the left of it.
 """
 
 from __future__ import annotations
@@ -10,10 +10,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any, Final
 
-from assistant.languages.melfa_basic import rules
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Diagnostic, Findings
+from assistant.program.diagnostics import Diagnostic, Rule
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import records
 from assistant.program.text import words_of
@@ -150,16 +149,10 @@ def read_before(
     yield from walk(statement)
 
 
-def with_stated_order(program: Program, findings: Findings) -> Program:
-    """The program itself, for a language that has functions: what `unordered` finds are errors."""
-    findings += unordered(program)
-    return program
-
-
-def unordered(program: Program) -> Iterator[Diagnostic]:
+def unordered(program: Program, cannot_say: Rule) -> Iterator[Diagnostic]:
     """An error at each assignment that depends on whether its indices or its value come first.
 
-    RAPID evaluates the indices of its target first, of MELFA-BASIC no manual tells.
+    The indices of a target come first; not every manual tells.
     """
     functions = {q.name.lower(): q for q in program.procedures if q.result is not None}
     if not functions:
@@ -189,7 +182,7 @@ def unordered(program: Program) -> Iterator[Diagnostic]:
             continue
         (read, changed), (other, also) = touched(indices_of(node.target)), touched(node.value)
         if (changed and also) or changed & other or also & read:
-            yield rules.CANNOT_SAY(
+            yield cannot_say(
                 what="whether the indices or the value of an assignment are worked out first",
                 cure="call the functions in assignments of their own before it",
                 span=node.span,

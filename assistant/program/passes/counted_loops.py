@@ -1,6 +1,6 @@
-"""Counting loops: the pseudo-program's count a variable, RAPID's have one of their own.
+"""Counting loops for a language whose loops have a variable of their own.
 
-The variable of a RAPID `FOR` is read-only, is seen in the loop only and hides what has its name
+Such a variable is read-only, is seen in the loop only and hides what has its name
 outside. A `for` of the pseudo-program counts an ordinary variable: what the loop changes in it is
 seen outside, and afterwards it holds the value past the end. Both mean the same where nothing but
 the loop uses the variable.
@@ -9,38 +9,41 @@ the loop uses the variable.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from assistant.languages.rapid import rules
-from assistant.languages.rapid.lift.sequences import mentioned
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic
+from assistant.program.passes.paths import mentioned
 from assistant.program.program import Procedure, Program, Variable, bodies, identifier, walk
 from assistant.program.rewriting import Body, head, map_bodies, map_head, records
 
 Found = dict[tuple[str, str], Diagnostic]
+Tells = Callable[..., Diagnostic]
 
 
-def counted(program: Program) -> tuple[Program, list[Diagnostic]]:
-    """The program with loops that RAPID counts as meant, and a finding for each other one.
+def counted(
+    program: Program, *, refused: Tells, changed: Tells
+) -> tuple[Program, list[Diagnostic]]:
+    """The program for a language whose loops have a variable of their own, and what was found.
 
-    A loop whose variable is used outside becomes a `while`, as RAPID has no other way to say it.
+    A loop whose variable is used outside becomes a `while`; a finding tells of it (`changed`, with
+    the fields name and why), or that it cannot (`refused`).
     """
     found: Found = {}
     while True:
         uses = _Uses(program)
-        rewriter = _Whiles(program, uses, found)
-        changed = tuple(replace(q, body=rewriter.body(q.body, q)) for q in program.procedures)
+        rewriter = _Whiles(program, uses, found, refused, changed)
+        procedures = tuple(replace(q, body=rewriter.body(q.body, q)) for q in program.procedures)
         if not rewriter.changed:
             return program, list(found.values())
-        program = replace(program, procedures=changed)
+        program = replace(program, procedures=procedures)
 
 
 def apart(program: Program) -> Program:
-    """A program lifted from RAPID, in which a loop that hides a name that is used has its own."""
+    """A program of such a language, in which a loop that hides a name that is used has its own."""
     uses = _Uses(program)
     taken = {n.lower() for n in (*_globals(program), *(q.name for q in program.procedures))}
     for procedure in program.procedures:
@@ -137,7 +140,7 @@ class _Uses:
     def outside(self, x: p.For, procedure: Procedure, *, verbatim: bool) -> str:
         """What tells the loop's variable from one of the loop's own, empty if nothing does.
 
-        verbatim: whether statements of RAPID inside could assign it.
+        verbatim: whether statements that are kept as text could assign it.
         """
         name = x.variable.lower()
         if name in writes(x.body, self.program, verbatim=verbatim):
@@ -175,7 +178,7 @@ class _Uses:
 def writes(body: Body, program: Program, *, verbatim: bool = True) -> set[str]:
     """Lower-case names that a body assigns, counts or hands over to be assigned.
 
-    verbatim: whether every name in a statement of RAPID counts as one.
+    verbatim: whether every name in a statement that is kept as text counts as one.
     """
     found: set[str] = set()
     for x in walk(body):
@@ -226,14 +229,15 @@ def _own(procedure: Procedure) -> set[str]:
     return {n.lower() for n in names}
 
 
-# Loops as RAPID can say them
+# Loops that the language can say
 
 
 class _Whiles:
     def __init__(
-        self, program: Program, uses: _Uses, found: dict[tuple[str, str], Diagnostic]
+        self, program: Program, uses: _Uses, found: Found, refused: Tells, as_while: Tells
     ) -> None:
         self.program, self.uses, self.found = program, uses, found
+        self.tells = {"refused": refused, "changed": as_while}
         self.changed = False
 
     def body(self, body: Body, procedure: Procedure) -> Body:
@@ -244,18 +248,11 @@ class _Whiles:
                 if why:
                     as_while = self.as_while(x, procedure)
                     place = f"{procedure.name}, `for {x.variable}`"
-                    if as_while is None:
-                        found = rules.COUNTER(name=x.variable, why=why, place=place, span=x.span)
-                        self.found[place, "refused"] = found
-                    else:
-                        self.found[place, "changed"] = rules.CHANGED(
-                            what=f"the `for` over `{x.variable}`, which {why},",
-                            instead="a `while`",
-                            hint="a loop of RAPID has a variable of its own; "
-                            "use another name if that is meant",
-                            place=place,
-                            span=x.span,
-                        )
+                    what = "refused" if as_while is None else "changed"
+                    fields: dict[str, Any] = {"name": x.variable, "why": why}
+                    found = self.tells[what](**fields, place=place, span=x.span)
+                    self.found[place, what] = found
+                    if as_while is not None:
                         self.changed = True
                         out += as_while
                         continue

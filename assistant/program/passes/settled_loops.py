@@ -1,8 +1,8 @@
 """Counting loops whose bounds and direction are settled before their first turn.
 
 A `for` of the pseudo-program works its bounds out once and may count towards its end, whichever
-way that is. `For` of MELFA-BASIC counts upwards unless a step says otherwise, and what it makes
-of a bound that changes while it runs is not stated: such values get variables of their own.
+way that is. Where a loop counts upwards unless a step says otherwise, and no manual tells what it
+makes of a bound that changes while it runs, such values get variables of their own.
 """
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ from collections.abc import Generator, Iterator
 from dataclasses import replace
 from typing import Final
 
-from assistant.languages.melfa_basic.lower.adapt.evaluation import base
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.effects import base
 from assistant.program.program import Procedure, Program, Variable, identifier
 from assistant.program.rewriting import Body, map_bodies, records
 from assistant.program.text import words_of

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Final
 
-from assistant.languages.melfa_basic.lower.adapt.assigning import Assigning
-from assistant.languages.melfa_basic.lower.adapt.evaluation import called
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.assignment import Assigning
+from assistant.program.analysis.effects import called
 from assistant.program.geometry import IDENTITY, Configuration, JointTarget, Target
 from assistant.program.program import (
     Procedure,
@@ -66,7 +66,7 @@ def has_form(procedure: Procedure) -> bool:
 
 
 def is_called_with_arguments(procedure: Procedure, program: Program) -> bool:
-    """Whether `CallP` hands a procedure its arguments: it begins a unit, and takes copies."""
+    """Whether another unit hands a procedure its arguments: it begins its own, and takes copies."""
     if procedure.unit is None or procedure.result is not None:
         return False
     first = next(q for q in program.procedures if q.unit == procedure.unit)

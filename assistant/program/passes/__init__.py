@@ -1,0 +1,1 @@
+"""Passes that bring a program into what a language can say, whichever language that is."""
