@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Final
 
 LANGUAGES: Final = Path(__file__).parent.parent / "assistant" / "languages"
+PROGRAM: Final = LANGUAGES.parent / "program"
 SILENT: Final = frozenset(
     {
         *(tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT),
@@ -45,6 +46,8 @@ def _docstrings(tree: ast.AST) -> Iterator[int]:
 def sizes() -> dict[str, dict[str, int]]:
     """Lines by language and room; what all languages share is the language `shared`."""
     found = {"shared": {"languages": _lines(LANGUAGES.glob("*.py"))}}
+    for room in ("passes", "analysis"):
+        found["shared"][room] = _lines((PROGRAM / room).glob("*.py"))
     for folder in sorted(path.parent for path in LANGUAGES.glob("*/__init__.py")):
         rooms = sorted(folder.iterdir())
         inside = {room.stem: _lines(room.rglob("*.py")) for room in rooms if room.is_dir()}

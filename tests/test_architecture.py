@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import importlib
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -203,6 +204,31 @@ def test_every_language_is_laid_out_alike() -> None:
     assert list(language_faults(PACKAGE)) == []
 
 
+def lift_faults(package: FilePath, passes: Mapping[str, Sequence[str]]) -> Iterator[str]:
+    """Imports of a later pass in the lift of a language, and passes that are not listed or not
+    there. passes: of each language, in their order.
+    """
+    for name, listed in passes.items():
+        lift = f"{package.name}.languages.{name}.lift"
+        inside = (module.removeprefix(lift + ".") for module in modules(package))
+        there = {one.split(".")[0] for one in inside if not one.startswith(package.name)}
+        yield from (f"`{name}` does not list `{one}`" for one in sorted(there - set(listed)))
+        yield from (f"`{name}` has no `{one}`" for one in sorted(set(listed) - there))
+        for one in imports(package):
+            if one.by.startswith(lift + ".") and one.of.startswith(lift + "."):
+                by, of = (m.removeprefix(lift + ".").split(".")[0] for m in (one.by, one.of))
+                if {by, of} <= set(listed) and listed.index(by) < listed.index(of):
+                    yield str(one)
+
+
+def test_no_pass_of_a_lift_asks_a_later_one() -> None:
+    passes = {
+        name: importlib.import_module(f"assistant.languages.{name}.lift").PASSES
+        for name in ("melfa_basic", "rapid")
+    }
+    assert list(lift_faults(PACKAGE, passes)) == []
+
+
 READINGS = re.compile(
     r"assistant\.languages\.\w+\.(lift|lower|convert)\b"
     r"|assistant\.program\.(expressions|statements|program|pseudo)\b"
@@ -341,6 +367,29 @@ def test_a_room_that_is_not_in_the_plan_is_found(spoken: FilePath) -> None:
         "`plain` has a room `helpers`",
         "`plain` has no room `text`",
     ]
+
+
+@pytest.mark.parametrize(
+    ("listed", "text", "found"),
+    [
+        (("moves",), "import assistant.languages.plain.tree", []),
+        ((), "", ["`plain` does not list `moves`"]),
+        (("moves", "arcs"), "", ["`plain` has no `arcs`"]),
+    ],
+)
+def test_a_pass_that_is_not_listed_is_found(
+    spoken: FilePath, listed: tuple[str, ...], text: str, found: list[str]
+) -> None:
+    (spoken / "languages" / "plain" / "lift" / "moves.py").write_text(text, encoding="utf-8")
+    assert list(lift_faults(spoken, {"plain": listed})) == found
+
+
+def test_a_pass_that_asks_a_later_one_is_found(spoken: FilePath) -> None:
+    lift = spoken / "languages" / "plain" / "lift"
+    (lift / "arcs.py").touch()
+    (lift / "moves.py").write_text("def f():\n  from . import arcs", encoding="utf-8")
+    (found,) = lift_faults(spoken, {"plain": ("moves", "arcs")})
+    assert found.endswith("lift.moves:2 imports assistant.languages.plain.lift.arcs")
 
 
 def test_a_circle_in_a_language_is_found_though_only_types_close_it(spoken: FilePath) -> None:

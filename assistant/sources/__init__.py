@@ -29,9 +29,9 @@ READERS: Final = {
     ".dxf": "assistant.sources.drawing",
     ".csv": "assistant.sources.tables.csv_tables",
     ".toml": "assistant.sources.tables.taught",
-    ".npy": "assistant.sources.tables.waypoints",
-    ".npz": "assistant.sources.tables.waypoints",
-    ".json": "assistant.sources.tables.waypoints",
+    ".npy": "assistant.sources.waypoints",
+    ".npz": "assistant.sources.waypoints",
+    ".json": "assistant.sources.waypoints",
 }
 """File suffix → module, whose `read(path, process)` gives the `Reading`."""
 

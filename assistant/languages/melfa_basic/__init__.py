@@ -149,7 +149,7 @@ class MelfaBasic(Language[File]):
         return parts(tree)
 
     def lift_trees(self, trees: Sequence[File], robot: Robot | None) -> Program:
-        from assistant.languages.melfa_basic.lift.program import lift
+        from assistant.languages.melfa_basic.lift.files.program import lift
 
         return lift(trees, robot)
 

@@ -10,9 +10,9 @@ from assistant import sources
 from assistant.program.motion import FINE, Blend
 from assistant.program.path import Kind
 from assistant.program.statements import Follow, Move
+from assistant.sources import waypoints
 from assistant.sources.process import Defaults, Process
 from assistant.sources.rounding import SIZES, radii
-from assistant.sources.tables import waypoints
 
 TURN = (1.0, 0.0, 0.0, 0.0)
 HEADER = "x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z"

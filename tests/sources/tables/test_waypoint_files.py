@@ -23,8 +23,8 @@ from assistant.program.motion import Blend, Speed
 from assistant.program.path import Kind, Path
 from assistant.program.program import Program
 from assistant.program.statements import Follow, Move
+from assistant.sources import waypoints
 from assistant.sources.process import NO_PROCESS, Defaults, Process
-from assistant.sources.tables import waypoints
 
 RNG = np.random.default_rng(3)
 POSITIONS = RNG.uniform(-400, 400, (9, 3))

@@ -11,7 +11,7 @@ from assistant.languages.melfa_basic.convert import comments, names, steps, word
 from assistant.languages.melfa_basic.convert import original_names as memories
 from assistant.languages.melfa_basic.convert.conversion import convert
 from assistant.languages.melfa_basic.convert.original_names import Memory
-from assistant.languages.melfa_basic.lift.program import lift, stem
+from assistant.languages.melfa_basic.lift.files.program import lift, stem
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e

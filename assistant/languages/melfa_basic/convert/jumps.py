@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from assistant.languages.melfa_basic.convert.nesting import Block, Node, Part
-from assistant.languages.melfa_basic.lift.settings import SETTINGS
+from assistant.languages.melfa_basic.lift.settings.held import SETTINGS
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import EMITTED_LINE, Dialect
 from assistant.languages.melfa_basic.text import printer

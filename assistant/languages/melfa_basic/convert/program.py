@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from assistant.languages.language import Conversion
 from assistant.languages.melfa_basic.convert.comparing import compared
 from assistant.languages.melfa_basic.convert.conversion import convert
-from assistant.languages.melfa_basic.lift.program import lift
+from assistant.languages.melfa_basic.lift.files.program import lift
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.diagnostics import has_errors

@@ -1,1 +1,24 @@
 """From the typed trees of RAPID to the pseudo-program."""
+
+from __future__ import annotations
+
+from typing import Final
+
+PASSES: Final = (
+    "constants",  # predefined values that mean the same to every controller
+    "signals",  # how they are named and used
+    "timers",  # clocks that are restarted and read
+    "messages",  # texts put together of values
+    "expressions",
+    "data",  # declared tools, work objects, speeds, zones, targets, variables
+    "instructions",  # calls that the pseudo-program has a statement for
+    "paths",  # runs of targets and of moves through them
+    "statements",
+    "ways",  # what holds at a place, along all ways that lead there
+    "places",  # where the position is read
+    "program",  # modules as procedures and data
+    "configurations",  # those that are left to the arm
+    "switches",  # optional parameters
+    "exported",  # what other languages are told
+)
+"""In the order in which a program goes through them; none asks a later one."""

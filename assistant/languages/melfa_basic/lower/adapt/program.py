@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
+from assistant.languages.computed_targets import with_computed_targets
 from assistant.languages.language import Adapted
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lower.adapt.context import Context
@@ -31,7 +32,6 @@ from assistant.program.passes.arrays import (
     with_copied_arrays,
     with_filled_arrays,
 )
-from assistant.program.passes.computed_targets import with_computed_targets
 from assistant.program.passes.legalising import Legalising, Pass, legalised, pure
 from assistant.program.passes.parameters import with_sayable_procedures
 from assistant.program.passes.procedures import recursive, with_fresh_variables

@@ -1,0 +1,1 @@
+"""A file as procedures, and the files of a program as one."""

@@ -1,0 +1,418 @@
+"""One file of a program: its procedures, and what they name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+from assistant.languages.melfa_basic.lift.files import declared, routines
+from assistant.languages.melfa_basic.lift.files.parts import ALL_SETTINGS, File
+from assistant.languages.melfa_basic.lift.settings import equal_forms as alike
+from assistant.languages.melfa_basic.lift.settings import forms_by_way as division
+from assistant.languages.melfa_basic.lift.settings.flow import Flow
+from assistant.languages.melfa_basic.lift.settings.forms import Contexts, Form
+from assistant.languages.melfa_basic.lift.settings.held import (
+    INITIAL,
+    UNKNOWN,
+    Held,
+    Settings,
+    State,
+)
+from assistant.languages.melfa_basic.lift.statements import data
+from assistant.languages.melfa_basic.lift.statements.control import Control
+from assistant.languages.melfa_basic.lift.statements.paths import used_once
+from assistant.languages.melfa_basic.lift.statements.procedure import Reader
+from assistant.languages.melfa_basic.lift.structure import blocks, regions
+from assistant.languages.melfa_basic.lift.structure.blocks import Entry
+from assistant.languages.melfa_basic.lift.structure.regions import Region
+from assistant.languages.melfa_basic.lift.structure.scopes import Scope, all_keys, scope_of
+from assistant.languages.melfa_basic.lift.values.constants import Constants
+from assistant.languages.melfa_basic.lift.values.expressions import Expressions
+from assistant.languages.melfa_basic.lift.values.pallets import pallets, still_mentioned
+from assistant.languages.melfa_basic.lift.values.symbols import Inside, Meanings, Routine
+from assistant.languages.melfa_basic.lift.values.timers import timers
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.walk import nodes
+from assistant.program.arrays import Ints
+from assistant.program.program import (
+    Declaration,
+    Parameter,
+    Procedure,
+    Program,
+    Variable,
+    identifier,
+)
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+
+
+@dataclass
+class _Reading:
+    """What one reading of a file gave."""
+
+    meanings: Meanings
+    settings: Settings
+    reader: Reader
+    local: dict[tuple[str, str], Variable]
+    procedures: list[Procedure] = field(default_factory=list)
+    declarations: list[Declaration] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class _Ways:
+    """What the code is, however its settings are said: the same in each reading of a file.
+
+    single: see `paths.used_once`. breaks: whether it asks if something was left by `Break`.
+    """
+
+    constants: Constants
+    structure: dict[int, list[int]]
+    parts: list[Region]
+    settings: Settings
+    contexts: Contexts
+    single: Mapping[str, Ints]
+    timers: dict[int, str]
+    breaks: bool
+
+
+class Unit:
+    """Adds a file to a program. unit: its name there, None for the main one.
+
+    touched: settings that each program changes, by its name in upper case. programs: names of
+    those that are called, which no subroutine has. divide: procedures in which settings differ
+    with the way are read once for each way.
+    """
+
+    def __init__(
+        self,
+        file: File,
+        main: File,
+        unit: str | None,
+        robot: Robot | None,
+        touched: Mapping[str, frozenset[int]],
+        programs: frozenset[str],
+        divide: bool = True,
+    ) -> None:
+        self.grids = not file.own
+        self.file, self.main, self.unit, self.robot = file, main, unit, robot
+        self.touched, self.programs = touched, programs
+        self.divide = divide and not file.own
+        self.own, self.header = file.own, file.header
+        self.ways: _Ways | None = None
+        self.scope: Scope | None = None
+        """The variables of the code, as each reading begins with them."""
+
+    @property
+    def is_main(self) -> bool:
+        return self.unit is None
+
+    def add_to(self, program: Program) -> Program:
+        """The program with the file's procedures and what they name."""
+        reading = self._divided(program, self._read(program, frozenset()))
+        kept = self._kept(reading)
+        if kept:
+            reading = self._read(program, kept)
+        if reading.meanings.pallets and still_mentioned(tuple(reading.procedures)):
+            self.grids = False
+            reading = self._read(program, kept)
+        meanings, reader = reading.meanings, reading.reader
+        made = declared.Declared(self.file, meanings, reading.settings, reader.runs)
+        entry = program.entry
+        if self.is_main:
+            has_entry = bool(reading.procedures) and self.header.entry != "-"
+            entry = reading.procedures[0].name if has_entry else None
+        targets, joints = made.targets(), made.joints()
+        return replace(
+            program,
+            procedures=(*program.procedures, *reading.procedures),
+            entry=entry,
+            signals=meanings.signals,
+            variables=meanings.variables,
+            tools=_with(program.tools, made.tools()),
+            frames=_with(program.frames, made.frames()),
+            targets=_with(program.targets, targets),
+            joint_targets=_with(program.joint_targets, joints),
+            declarations=(*program.declarations, *reading.declarations),
+        )
+
+    def _divided(self, program: Program, whole: _Reading) -> _Reading:
+        """The reading with divided procedures if that leaves less as its text."""
+        ways = self.ways
+        if not self.divide or not whole.reader.depending or ways is None:
+            return whole
+        undivided: frozenset[int] = frozenset()
+        while True:
+            flow = division.divided(ways.contexts.flow, ways.structure, undivided)
+            contexts = Contexts(flow, self._initial()) if flow.cuts else ways.contexts
+            if not flow.cuts or contexts.too_long:
+                return whole
+            if not contexts.unread:
+                break
+            undivided |= contexts.unread  # lines that never run are kept as well
+        self.ways = replace(ways, contexts=contexts)
+        made = self._read(program, frozenset())
+        if not made.reader.torn and _depending(made) < _depending(whole):
+            return made
+        self.ways = ways
+        return whole
+
+    @staticmethod
+    def _kept(reading: _Reading) -> frozenset[int]:
+        """Lines that made a setting under which something runs that stays as its text."""
+        reader = reading.reader
+        return frozenset(
+            line
+            for form, at, settings in reader.depending
+            for slot, held in enumerate(reader.contexts.at(at, form))
+            if slot in settings
+            for line in held.by
+        )
+
+    # ------------------------------------------------------------------------- one reading
+
+    def _read(self, program: Program, kept: frozenset[int]) -> _Reading:
+        code = list(self.file.code)
+        own = declared.OwnVariables(self.header, code) if self.own else None
+        taken_away = own.definitions() if own else declared.first_parameters(code)
+        ways = self.ways
+        # a program written here still has the lines of first values, which are taken out below
+        parts = ways.parts if ways and not own else self._regions(code)[1]
+        meanings = self._meanings(program, code, parts)
+        meanings.timers = ways.timers if ways else timers(code, self.header, self.own)
+        if self.grids:
+            meanings.pallets = pallets(code, meanings)
+        expressions = Expressions(meanings)
+        local = own.values(expressions) if own else {}
+        declared.elements(self.file, meanings)
+        if ways is None:
+            self.ways = ways = self._ways(code, meanings)
+        listed = self._routines(code, ways.parts, meanings, program)
+        self._name_forms(ways.contexts, listed, program)
+        source = self.file.tree.source
+        calls = dict(self.main.header.names["unit"]), dict(self.main.header.names["first"])
+        reader = Reader(
+            code, meanings, ways.contexts, listed, calls, self.is_main, kept, source, ways.single
+        )
+        reader.control = Control(
+            code, ways.structure, reader.expressions, reader.body, reader.branch, reader.enter,
+            ways.breaks,
+        )  # fmt: skip
+        reading = _Reading(meanings, ways.settings, reader, local)
+        for node in _statements(code, s.DefIo):
+            if (io := data.io_of(node, expressions)) is not None:
+                meanings.io[node.variable.key] = io
+        functions = [] if self.own else routines.defined_functions(code, meanings)
+        for number, forms in enumerate(ways.contexts.forms):
+            for form in forms.values():
+                self._procedure(number, form, reading, taken_away)
+        several = [forms.values() for forms in ways.contexts.forms if len(forms) > 1]
+        origin = {form.name: form.region for forms in several for form in forms}
+        reading.procedures = alike.as_one(reading.procedures, origin)
+        reading.procedures += [replace(f, unit=self.unit) for f in functions]
+        return reading
+
+    def _regions(self, code: list[Entry]) -> tuple[dict[int, list[int]], list[Region]]:
+        """The blocks of some lines, and what is a procedure of its own."""
+        structure = blocks.structure(code)
+        named = self.header.names["procedure"]
+        return structure, regions.regions(code, structure, named, self.own)
+
+    def _ways(self, code: list[Entry], meanings: Meanings) -> _Ways:
+        structure, parts = self._regions(code)
+        constants = meanings.constants
+        settings = Settings(self.file.positions, constants, self.header.names, own=self.own)
+        flow = Flow(code, parts, structure, settings.effect, self._calls(parts))
+        return _Ways(
+            constants, structure, parts, settings, Contexts(flow, self._initial()),
+            {} if self.own else used_once(code), meanings.timers, "M_BRKCQ" in set(all_keys(code)),
+        )  # fmt: skip
+
+    def _meanings(self, program: Program, code: list[Entry], parts: list[Region]) -> Meanings:
+        functions = {r.function.name for r in parts if r.function is not None}
+        first = parts[0] if parts else Region(0, 0)
+        shared = code
+        if functions:
+            inner = first.function is not None
+            shared = code[slice(*first.before)] if inner else code[first.low : first.high]
+        if self.scope is None:
+            self.scope = scope_of(shared, {name.upper() for name in functions})
+        scope = self.scope.copy()
+        constants = self.ways.constants if self.ways else Constants(code)
+        if not self.own:
+            for parameter in declared.parameters_of(self.file.code):
+                scope.names.setdefault(parameter.key, parameter.name)
+                # given by the caller, whatever value a line of the file has for it
+                constants.assigned |= {parameter.key}
+        return Meanings(
+            self.header, self.file.positions, constants, scope, self.robot,
+            self.file.tree.dialect, self.own, dict(program.signals), dict(program.variables),
+            {
+                name.lower()
+                for table in (
+                    *(program.signals, program.variables),
+                    *(program.targets, program.joint_targets),
+                )
+                for name in table
+            },
+        )  # fmt: skip
+
+    def _initial(self) -> State:
+        """What holds at the start; a program that is called may find what its caller has set."""
+        if self.is_main or self.own:
+            return INITIAL
+        set_anywhere = frozenset().union(*self.touched.values())
+        return tuple(
+            Held(UNKNOWN) if slot in set_anywhere else held for slot, held in enumerate(INITIAL)
+        )
+
+    def _calls(self, parts: list[Region]) -> Any:
+        by_label = {region.label: k for k, region in enumerate(parts) if region.label}
+        by_name = {r.function.name.upper(): k for k, r in enumerate(parts) if r.function}
+
+        def calls(statement: s.Statement) -> Iterable[int | frozenset[int]]:
+            match statement:
+                case s.CallP(program=s.String(value=name)):
+                    yield self.touched.get(identifier(name).upper(), ALL_SETTINGS)
+                case s.CallP():
+                    yield ALL_SETTINGS
+                case s.Jump(keyword="GoSub", target=target):
+                    yield by_label.get(str(target.place).upper(), ALL_SETTINGS)
+                case s.OnJump(keyword="GoSub", targets=targets):
+                    for target_ in targets:
+                        if target_ is not None:
+                            yield by_label.get(str(target_.place).upper(), ALL_SETTINGS)
+            if by_name:
+                node = statement.condition if isinstance(statement, s.If) else statement
+                for part in nodes(node):
+                    if isinstance(part, s.Variable) and part.key in by_name:
+                        if part is not getattr(statement, "target", None):
+                            yield by_name[part.key]
+
+        return calls
+
+    # -------------------------------------------------------------------------- procedures
+
+    def _routines(
+        self, code: list[Entry], parts: list[Region], meanings: Meanings, program: Program
+    ) -> list[Routine]:
+        """What each region is called; functions are noted among the meanings."""
+        taken = {*(q.name for q in program.procedures), *self.programs}
+        listed = []
+        for number, region in enumerate(parts):
+            if number == 0:
+                name = self._first_name()
+            else:
+                written = region.function.name if region.function else _spelled(code, region)
+                known = self.header.names["procedure"].get(written.upper())
+                name = known or identifier(written, taken)
+            if region.function is None:
+                routine = Routine(name)
+            else:
+                routine = routines.routine_of(code, region, name, meanings)
+                if number:
+                    meanings.routines[region.function.name.upper()] = routine
+            taken.add(name)
+            listed.append(routine)
+        return listed
+
+    def _name_forms(self, contexts: Contexts, listed: list[Routine], program: Program) -> None:
+        """The first form of a procedure has its name, the others a number behind it."""
+        taken = {*(q.name for q in program.procedures), *(r.name for r in listed), *self.programs}
+        for routine, forms in zip(listed, contexts.forms, strict=True):
+            for form in forms.values():
+                form.name = routine.name
+                if form.number > 1:
+                    form.name = identifier(f"{routine.name}_{form.number}", taken)
+                    taken.add(form.name)
+
+    def _first_name(self) -> str:
+        header = self.header
+        if self.is_main:
+            return (header.entry if header.entry != "-" else None) or "main"
+        known: Mapping[str, str] = header.names["first"]
+        return known.get(self._short(), self.unit or "unit")
+
+    def _short(self) -> str:
+        """The short name that the main program's heading has for this unit."""
+        for short, original in self.header.names["first"].items():
+            return short if original else ""
+        units = self.main.header.names["unit"].items()
+        return next((short for short, unit in units if unit == self.header.unit), "")
+
+    def _procedure(
+        self, number: int, form: Form, reading: _Reading, first: tuple[s.Variable, ...]
+    ) -> None:
+        """Reads a procedure in one of its forms."""
+        reader, meanings = reading.reader, reading.meanings
+        region, routine = reader.flow.regions[number], reader.routines[number]
+        if routine.parameters is None:
+            if form.number == 1:
+                text = routines.text_of(reader.code, region, meanings.dialect)
+                reading.declarations.append(Declaration(meanings.dialect, text))
+            return
+        variables: dict[str, Variable] = {}
+        if region.function is not None:
+            inside, variables = routines.inside_of(
+                reader.code, region, routine, meanings, meanings.scope
+            )
+            meanings.inside = inside if number or not _is_plain(inside) else None
+        parameters = routine.parameters
+        if number == 0 and first:
+            parameters = tuple(self._parameter(v, meanings) for v in first)
+        body = reader.read(form)
+        meanings.inside = None
+        if number == 0 and self._has_no_code(reader, body):
+            return
+        name = form.name
+        owned = {v: d for (owner, v), d in reading.local.items() if owner.lower() == name.lower()}
+        span = getattr(reader.code[region.low - 1], "span", None) if region.low else None
+        reading.procedures.append(
+            Procedure(
+                name, body, parameters, owned | variables, routine.result, self.unit, span=span
+            )
+        )
+
+    def _parameter(self, variable: s.Variable, meanings: Meanings) -> Parameter:
+        known = self.header.variables.get(variable.key)
+        if known is not None:
+            return Parameter(known.name, known.type)
+        kind = meanings.type_of_key(variable.key)
+        name = meanings.declared(variable)
+        meanings.variables.pop(name, None)
+        return Parameter(name, kind)
+
+    def _has_no_code(self, reader: Reader, body: tuple[Any, ...]) -> bool:
+        """Whether a file is a list of positions."""
+        if self.header.entry == "-" and self.is_main:
+            return True
+        return not body and not any(
+            not isinstance(i, s.Line) or i.statement or i.label for i in reader.code
+        )
+
+
+def _depending(reading: _Reading) -> set[int]:
+    return {at for _, at, _ in reading.reader.depending}
+
+
+def _is_plain(inside: Inside) -> bool:
+    return not inside.names and inside.result is None
+
+
+def _with(known: dict[str, Any], more: dict[str, Any]) -> dict[str, Any]:
+    """Both; what the programs before have stays."""
+    return known | {name: value for name, value in more.items() if name not in known}
+
+
+def _statements(code: list[Entry], kind: type) -> list[Any]:
+    return [i.statement for i in code if isinstance(i, s.Line) and isinstance(i.statement, kind)]
+
+
+def _spelled(code: list[Entry], region: Region) -> str:
+    """The label of a subroutine as it is written."""
+    for at in (region.low - 1, region.low):
+        item = code[at] if at >= 0 else None
+        if isinstance(item, s.Line) and item.label and item.label.upper() == region.label:
+            return item.label
+    return region.label or "unnamed"

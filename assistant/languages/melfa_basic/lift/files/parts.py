@@ -1,0 +1,82 @@
+"""The files of a program, taken apart: heading, code and positions."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from assistant.languages.melfa_basic.lift.settings.held import SETTINGS
+from assistant.languages.melfa_basic.lift.statements.waits import comment_text
+from assistant.languages.melfa_basic.lift.structure.blocks import Entry
+from assistant.languages.melfa_basic.lift.structure.order import in_order
+from assistant.languages.melfa_basic.lift.structure.steps import with_labels
+from assistant.languages.melfa_basic.text import header as headers
+from assistant.languages.melfa_basic.text.header import Header
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import MoveRows
+from assistant.languages.melfa_basic.tree.positions import Positions
+from assistant.languages.melfa_basic.tree.walk import nodes
+from assistant.program.program import identifier
+
+ALL_SETTINGS = frozenset(range(5))
+
+
+class File:
+    """A tree, taken apart. own: it was written here, and its heading says what it means."""
+
+    def __init__(self, tree: s.File) -> None:
+        self.tree = tree
+        self.header, self.comments, code = _parts(tree)
+        self.own = self.header.program is not None
+        self.code = code if self.own else in_order(with_labels(code))
+        self.positions = Positions(tree)
+
+    def touched(self) -> frozenset[int]:
+        """Settings that the file makes itself."""
+        return frozenset(
+            SETTINGS[node.keyword][0]
+            for node in self._nodes()
+            if isinstance(node, s.Command) and node.keyword in SETTINGS
+        )
+
+    def called(self) -> frozenset[str | None]:
+        """Programs that it calls, in upper case; None for one whose name is worked out."""
+        return frozenset(
+            identifier(node.program.value).upper() if isinstance(node.program, s.String) else None
+            for node in self._nodes()
+            if isinstance(node, s.CallP)
+        )
+
+    def _nodes(self) -> Iterator[Any]:
+        for item in self.code:
+            if isinstance(item, s.Line) and item.statement is not None:
+                yield from nodes(item.statement)
+
+
+def touching(files: Mapping[str, File]) -> dict[str, frozenset[int]]:
+    """Settings that each program changes, by name in upper case, with what it calls."""
+    found = {name: file.touched() for name, file in files.items()}
+    while True:
+        before = dict(found)
+        for name, file in files.items():
+            for other in file.called():
+                found[name] |= found.get(other or "", ALL_SETTINGS)
+        if found == before:
+            return found
+
+
+def _parts(tree: s.File) -> tuple[Header, tuple[str, ...], list[Entry]]:
+    """The heading, the comments above it, and the code."""
+    code: list[Entry] = [i for i in tree.items if isinstance(i, s.Line | MoveRows)]
+    texts: list[str] = []
+    for item in code:
+        if not isinstance(item, s.Line) or item.statement or item.label or not item.comment:
+            break
+        texts.append(comment_text(item.comment))
+    start = next((i for i, t in enumerate(texts) if re.match(headers.MARK + "melfa", t)), None)
+    if start is not None and headers.END in texts[start:]:
+        end = texts.index(headers.END, start)
+        head = headers.read(texts[start + 1 : end])
+        return head, tuple(texts[:start]), code[end + 1 :]
+    return Header(), tuple(texts), code[len(texts) :]

@@ -1,0 +1,55 @@
+"""From the trees of a program's files to the pseudo-program."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import PurePath
+from typing import TYPE_CHECKING
+
+from assistant import robots
+from assistant.languages.melfa_basic.lift.files.file import Unit
+from assistant.languages.melfa_basic.lift.files.parts import File, touching
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.program.program import Program, identifier
+from assistant.program.wholes import without_needless_rounding
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+
+
+def lift(trees: Sequence[s.File], robot: Robot | None = None, *, divide: bool = True) -> Program:
+    """The pseudo-program of a main program and the programs that it calls.
+
+    divide: procedures in which settings differ with the way are read once for each way.
+    """
+    files = [File(tree) for tree in trees]
+    if not files:
+        return Program("empty", entry=None)
+    main = next((f for f in files if f.header.unit is None), files[0])
+    if robot is None:
+        robot = _robot(main.header.robot)
+    order = list(main.header.names["unit"].values())
+    rest = [f for f in files if f is not main]
+    rest.sort(key=lambda f: order.index(f.header.unit) if f.header.unit in order else len(order))
+    name = main.header.program or stem(main.tree) or "program"
+    program = Program(
+        name, robot=main.header.robot, comments=main.comments, signals=dict(main.header.signals)
+    )
+    touched = touching({(stem(f.tree) or f"-{k}").upper(): f for k, f in enumerate(files)})
+    programs = frozenset(name for f in files for name in f.called() if name is not None)
+    for file in [main, *rest]:
+        unit = None if file is main else (file.header.unit or stem(file.tree) or "unit")
+        program = Unit(file, main, unit, robot, touched, programs, divide).add_to(program)
+    return program if any(file.own for file in files) else without_needless_rounding(program)
+
+
+def _robot(name: str | None) -> Robot | None:
+    try:
+        return None if name is None else robots.get(name)
+    except KeyError:
+        return None
+
+
+def stem(tree: s.File) -> str | None:
+    path = tree.source.path if tree.source else None
+    return identifier(PurePath(path).stem) if path and path != "-" else None

@@ -1,0 +1,204 @@
+"""What the procedures of a file are called, what they take and what they give back."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, Final, cast
+
+from assistant.languages.melfa_basic.lift.structure.blocks import Code
+from assistant.languages.melfa_basic.lift.structure.regions import Region
+from assistant.languages.melfa_basic.lift.structure.scopes import (
+    LETTERS,
+    SUFFIXES,
+    Scope,
+    letter_type,
+    scope_of,
+)
+from assistant.languages.melfa_basic.lift.values.constants import changed
+from assistant.languages.melfa_basic.lift.values.expressions import Expressions
+from assistant.languages.melfa_basic.lift.values.symbols import (
+    Inside,
+    Meanings,
+    Routine,
+    Unliftable,
+)
+from assistant.languages.melfa_basic.text import printer
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.walk import nodes
+from assistant.program import statements as p
+from assistant.program.program import Parameter, Procedure, ValueType, Variable, identifier
+
+EXIT: Final = s.Command("Exit Function")
+
+
+def routine_of(code: Code, region: Region, name: str, meanings: Meanings) -> Routine:
+    """What a function is. Parameters of several extents, or changed in an unknown way, are None."""
+    function = region.function
+    assert function is not None
+    kept = meanings.constants.kept
+    assigned = {
+        key
+        for item in code[region.low : region.high]
+        if isinstance(item, s.Line) and item.statement is not None
+        for key in changed(item.statement, kept)
+    }
+    parameters: list[Parameter] = []
+    extents = _extents(code[region.low : region.high])
+    for given in function.parameters or ():
+        key = given.name.upper()
+        whole = extents.get(key, set()) <= {1}  # no other number of subscripts than one
+        if (not given.mode and key in assigned) or (given.array and not whole):
+            return Routine(name, result_type(function, meanings), None)
+        mode: Any = "inout" if given.mode == "ByRef" else "in"
+        known = meanings.header.variables.get(key) if meanings.own else None
+        kind = known.type if known else SUFFIXES.get(given.suffix, letter_type(key))
+        spelled = known.name if known else given.name
+        parameters.append(Parameter(spelled, kind, mode, int(given.array)))
+    return Routine(name, result_type(function, meanings), tuple(parameters))
+
+
+def _extents(code: Code) -> dict[str, set[int]]:
+    """Numbers of subscripts that names stand with, in upper case."""
+    found: dict[str, set[int]] = {}
+    for item in code:
+        for part in nodes(item.statement) if isinstance(item, s.Line) else ():
+            if isinstance(part, s.Variable) and part.arguments is not None:
+                found.setdefault(part.key, set()).add(len(part.arguments))
+    return found
+
+
+def result_type(function: s.Function, meanings: Meanings) -> ValueType | None:
+    """The type of a function's result, None for none."""
+    written = function.result.upper()
+    if written in ("", "V"):
+        return None
+    stated = meanings.header.names["result"].get(function.name.upper()) if meanings.own else None
+    if stated in ("truth", "integer", "pose"):
+        return cast(ValueType, stated)
+    return SUFFIXES.get(written[-1], LETTERS.get(written[0], "number"))
+
+
+def inside_of(
+    code: Code, region: Region, routine: Routine, meanings: Meanings, globals_: Scope
+) -> tuple[Inside, dict[str, Variable]]:
+    """A function's own names, and the variables that it declares."""
+    function = region.function
+    assert function is not None
+    key = function.name.upper()
+    inside = Inside(key, {}, {}, {})
+    local: dict[str, Variable] = {}
+    if meanings.own:
+        return inside, {}
+    for parameter in routine.parameters or ():
+        inside.names[parameter.name.upper()] = parameter.name
+        inside.types[parameter.name.upper()] = parameter.type
+        inside.sizes[parameter.name.upper()] = (0,) * parameter.dimensions
+    scope = scope_of(code[region.low : region.high], (*meanings.routines, key))
+    taken = set(inside.names)
+    defined = _defined(code[region.low : region.high])
+    for name_key, written in scope.names.items():
+        declared = name_key in scope.types and name_key in defined
+        known = name_key in globals_.names or meanings.positions.constant(written) is not None
+        if name_key in inside.names or name_key[1:2] == "_" or (known and not declared):
+            continue
+        if name_key in meanings.io:
+            continue
+        name = identifier(written, taken)
+        kind = scope.types.get(name_key, letter_type(name_key))
+        size = scope.sizes.get(name_key, ())
+        if name_key in scope.static:  # outlives the function
+            name = meanings.static(routine.name, name_key, name)
+            meanings.variables.setdefault(name, Variable(kind, None, size))
+        else:
+            local[name] = Variable(kind, None, size)
+        taken.add(name)
+        inside.names[name_key], inside.types[name_key] = name, kind
+        inside.sizes[name_key] = size
+    if routine.result is not None and not _direct(code, region, key):
+        inside.result = identifier("result", taken | {n.upper() for n in meanings.spelling})
+        local[inside.result] = Variable(routine.result)
+    return inside, local
+
+
+def _defined(code: Code) -> set[str]:
+    """Variables that some lines declare, in upper case."""
+    found: set[str] = set()
+    for item in code:
+        statement = item.statement if isinstance(item, s.Line) else None
+        if isinstance(statement, s.Static):
+            statement = statement.definition
+        if isinstance(statement, s.DefNames | s.Dim):
+            found.update(v.key for v in statement.variables)
+    return found
+
+
+def _direct(code: Code, region: Region, key: str) -> bool:
+    """Whether each result is given right before the function is left, so that it is `return`."""
+    left: set[int] = set()
+    for at in range(region.low, region.high):
+        item = code[at]
+        statement = item.statement if isinstance(item, s.Line) else None
+        if statement is None:
+            continue
+        if isinstance(statement, s.Assign) and _is_result(statement.target, key):
+            following = code[at + 1]
+            plain = isinstance(following, s.Line) and following.label is None
+            if not plain or not isinstance(following, s.Line):
+                return False
+            if following.statement != EXIT and at + 1 != region.high:
+                return False
+            left.add(at + 1)
+            statement = s.Command("Hlt", (statement.value,))
+        elif statement == EXIT and at not in left:
+            return False
+        for part in nodes(statement):
+            if isinstance(part, s.Variable) and _is_result(part, key):
+                return False
+            if part == EXIT and part is not statement:
+                return False
+    return True
+
+
+def _is_result(variable: s.Variable, key: str) -> bool:
+    return variable.key == key and variable.arguments is None
+
+
+def defined_functions(code: Code, meanings: Meanings) -> list[Procedure]:
+    """Functions of one expression (`Def FN`) as procedures; those that can be said get routines."""
+    made = []
+    taken = {r.name for r in meanings.routines.values()}
+    for item in code:
+        node = item.statement if isinstance(item, s.Line) else None
+        if not isinstance(node, s.DefFunction) or node.name.upper() in meanings.routines:
+            continue
+        name = identifier(node.name, taken)
+        key = node.name.upper()
+        kind = SUFFIXES.get(node.suffix, LETTERS.get(key[2:3], "number"))
+        parameters = tuple(
+            Parameter(v.name, SUFFIXES.get(v.suffix, letter_type(v.key))) for v in node.parameters
+        )
+        names = {q.name.upper(): q.name for q in parameters}
+        meanings.inside = Inside(key, names, {q.name.upper(): q.type for q in parameters}, {})
+        try:
+            value = Expressions(meanings).number(node.value)
+        except Unliftable:
+            continue
+        finally:
+            meanings.inside = None
+        span = item.span if isinstance(item, s.Line) else None
+        body = (p.Return(value, span=span),)
+        made.append(Procedure(name, body, parameters, result=kind, span=span))
+        meanings.routines[key] = Routine(name, kind, parameters)
+        taken.add(name)
+    return made
+
+
+def text_of(code: Code, region: Region, dialect: str) -> str:
+    """A whole function as its text."""
+    upper = dialect.endswith("-4")
+    items = code[region.low - 1 : region.high + 1]
+    return "\n".join(
+        printer.line(replace(item, number=None), upper)
+        for item in items
+        if isinstance(item, s.Line)
+    )

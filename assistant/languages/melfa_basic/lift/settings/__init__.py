@@ -1,0 +1,1 @@
+"""What settings hold at each line, and the forms of procedures that they make."""

@@ -1,0 +1,1 @@
+"""Lines and runs of lines as statements of the pseudo-program."""

@@ -1,0 +1,192 @@
+"""Assignments and definitions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+from assistant.languages.melfa_basic.lift.statements.paths import Runs
+from assistant.languages.melfa_basic.lift.structure.scopes import TYPES
+from assistant.languages.melfa_basic.lift.values.expressions import Expressions
+from assistant.languages.melfa_basic.lift.values.operators import is_comparison
+from assistant.languages.melfa_basic.lift.values.reasons import DELAYED
+from assistant.languages.melfa_basic.lift.values.symbols import IO_BITS, SIGNALS, Unliftable
+from assistant.languages.melfa_basic.tables import poses
+from assistant.languages.melfa_basic.tables.functions import ANALOG
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.positions import joints_of, target_of
+from assistant.languages.melfa_basic.tree.timers import timer_of
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.program import Signal
+
+
+def assign(node: s.Assign, lift: Expressions, runs: Runs) -> list[p.Statement]:
+    """An assignment: to a signal, a component, an element or a variable."""
+    target = node.target
+    if _is_chosen(node, lift):
+        return [_chosen(node, lift, runs)]
+    if target.key in SIGNALS or target.key == ANALOG[1].upper():
+        return [_signal(node, lift)]
+    if target.key in lift.m.io and not lift.m.is_shadowed(target.key):
+        name = lift.m.io_signal(target, "output")
+        pulse = None if node.delay is None else lift.of(node.delay)
+        return [p.SetSignal(name, lift.of(node.value), pulse)]
+    if lift.m.timers.get(timer_of(target) or 0) and node.value == s.Number(0) and not node.delay:
+        return [p.StartTimer(lift.m.timers[timer_of(target) or 0])]
+    if node.delay is not None:
+        raise Unliftable(DELAYED)
+    runs.previous = None
+    if target.component:
+        return [_component(node, lift)]
+    place = lift.plain(target)
+    if not isinstance(place, e.Name | e.Index):
+        raise Unliftable
+    return [p.Assign(place, value_of(node, lift))]
+
+
+def _is_chosen(node: s.Assign, lift: Expressions) -> bool:
+    """Whether a number is given a truth: 1 where it holds, else 0."""
+    if lift.m.own or lift.type_of(node.target) not in ("number", "integer"):
+        return False
+    comparison = is_comparison(node.value)
+    return comparison or (isinstance(node.value, s.Binary) and lift.is_truth(node.value))
+
+
+def _chosen(node: s.Assign, lift: Expressions, runs: Runs) -> p.If:
+    if node.delay is not None:
+        raise Unliftable(DELAYED)
+    one, zero = (tuple(assign(replace(node, value=s.Number(v)), lift, runs)) for v in (1, 0))
+    return p.If((p.Branch(lift.truth(node.value), one),), zero)
+
+
+def value_of(node: s.Assign, lift: Expressions) -> e.Expression:
+    """The value of an assignment; constants mean what the variable's type says."""
+    value, kind = node.value, lift.type_of(node.target)
+    if isinstance(value, s.Constant):
+        if kind == "joints":
+            return e.JointValue(joints_of(value, lift.m.robot))
+        if kind == "pose":
+            return e.PoseValue(poses.plain_pose(value.values))
+        return e.TargetValue(target_of(value, lift.m.robot))
+    if lift.m.own:
+        return lift.of(value)
+    if lift.type_of(value) == "truth" and kind != "truth":
+        return lift.verbatim(value)  # a number of its own: 0 or 1
+    made = lift.of(value)
+    if kind == "integer" and not isinstance(made, e.Verbatim) and lift.type_of(value) == "number":
+        whole = isinstance(made, e.Number) and float(made.value).is_integer()
+        return made if whole else e.Apply("round", (made,))
+    return made
+
+
+def _component(node: s.Assign, lift: Expressions) -> p.Assign:
+    target = node.target
+    whole = lift.variable(s.Variable(target.name, target.suffix, target.arguments))
+    if not isinstance(whole, e.Name | e.Index):
+        raise Unliftable
+    member = e.Member(whole, target.component.lower())
+    if poses.is_length(target.component, lift.m.robot):
+        return p.Assign(member, lift.of(node.value))
+    if target.component in poses.JOINTS:
+        return p.Assign(member, lift.degrees(node.value))
+    raise Unliftable
+
+
+def _signal(node: s.Assign, lift: Expressions) -> p.SetSignal:
+    target = node.target
+    masked = _masked(node, lift)
+    if masked is not None:
+        return masked
+    name = lift.plain(target)
+    if not isinstance(name, e.Name):
+        raise Unliftable
+    pulse = None if node.delay is None else lift.of(node.delay)
+    value = lift.of(node.value)
+    if not lift.m.own:
+        value = _low_bits(value, lift.m.signals[name.name])
+    return p.SetSignal(name.name, value, pulse)
+
+
+def _low_bits(value: e.Expression, signal: Signal) -> e.Expression:
+    """What a group of outputs takes of a constant: its low bits."""
+    match value:
+        case e.Number(value=number) if signal.kind == "group" and float(number).is_integer():
+            return e.Number(int(number) & ((1 << signal.bits) - 1))
+    return value
+
+
+def _masked(node: s.Assign, lift: Expressions) -> p.SetSignal | None:
+    """`M_Out8(5)=(M_Out8(5) And &HF0) Or value`: the bits of the value alone."""
+    match node.value:
+        case s.Binary("OR", s.Binary("AND", same, s.Number(others)), value) if (
+            same == node.target and node.delay is None and node.target.key in SIGNALS
+        ):
+            kind, direction, width = SIGNALS[node.target.key]
+            mask = (1 << width) - 1 - int(others)
+            bits = mask.bit_length()
+            number = lift.m.value((node.target.arguments or (None,))[0])
+            if kind != "group" or mask != (1 << bits) - 1 or not isinstance(number, float):
+                return None
+            match value:
+                case s.Number(given) if 0 <= given <= mask:
+                    pass
+                case s.Binary("AND", inner, s.Number(same_mask)) if same_mask == mask:
+                    value = inner
+                case _:
+                    return None
+            name = lift.m.signal_at(kind, direction, bits, round(number))
+            return p.SetSignal(name, lift.of(value))
+    return None
+
+
+# -------------------------------------------------------------------------- definitions
+
+
+def define(variables: Sequence[s.Variable], lift: Expressions) -> list[p.Statement]:
+    """Declares variables, which is no statement of its own."""
+    for variable in variables:
+        if variable.arguments is not None and not lift.m.size_of(variable.key):
+            raise Unliftable
+        lift.m.name(s.Variable(variable.name, variable.suffix))
+    return []
+
+
+def constant(node: s.Const, lift: Expressions) -> list[p.Statement]:
+    """A constant of the program, with its value."""
+    if node.type and node.type not in TYPES:
+        raise Unliftable
+    value: Any = lift.m.value(node.value)
+    name = lift.m.name(node.variable)
+    if value is None or not isinstance(name, e.Name) or name.name not in lift.m.variables:
+        raise Unliftable
+    if isinstance(value, float) and value.is_integer():
+        value = int(value)
+    made = e.Text(value) if isinstance(value, str) else e.Number(value)
+    known = lift.m.variables[name.name]
+    lift.m.variables[name.name] = replace(known, initial=made, storage="constant")
+    return []
+
+
+def known_io(node: s.DefIo, lift: Expressions) -> list[p.Statement]:
+    """A name of inputs and outputs, which was taken in before."""
+    if node.variable.key not in lift.m.io:
+        raise Unliftable
+    return []
+
+
+def io_of(node: s.DefIo, lift: Expressions) -> tuple[int, int] | None:
+    """Bits and first number of a name that `Def Io` gives; None if it is masked or unknown."""
+    number = lift.m.value(node.number)
+    bits = IO_BITS.get(node.type.upper())
+    if node.mask is not None or bits is None or not isinstance(number, float):
+        return None
+    return bits, round(number)
+
+
+def known_function(node: s.DefFunction, lift: Expressions) -> list[p.Statement]:
+    """A function of one expression, which was taken in before."""
+    if node.name.upper() not in lift.m.routines:
+        raise Unliftable
+    return []

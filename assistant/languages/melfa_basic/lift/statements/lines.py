@@ -1,0 +1,266 @@
+"""Single lines as statements of the pseudo-program."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, Final
+
+from assistant.languages.melfa_basic.lift.settings.forms import Contexts, Form, depends
+from assistant.languages.melfa_basic.lift.settings.held import State
+from assistant.languages.melfa_basic.lift.settings.unknown_settings import UnknownSettings
+from assistant.languages.melfa_basic.lift.statements import data, waits
+from assistant.languages.melfa_basic.lift.statements.control import Control
+from assistant.languages.melfa_basic.lift.statements.moves import Moves
+from assistant.languages.melfa_basic.lift.statements.paths import Runs, Values
+from assistant.languages.melfa_basic.lift.structure.blocks import Code
+from assistant.languages.melfa_basic.lift.structure.regions import Region
+from assistant.languages.melfa_basic.lift.values import reasons
+from assistant.languages.melfa_basic.lift.values.expressions import Expressions
+from assistant.languages.melfa_basic.lift.values.pallets import define as define_pallet
+from assistant.languages.melfa_basic.lift.values.symbols import Meanings, Routine, Unliftable
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.walk import nodes
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.arrays import Ints
+from assistant.program.diagnostics import Span
+from assistant.program.program import identifier
+from assistant.program.text import SourceText
+
+
+class Statements:
+    """Lifts what is no block.
+
+    routines: what each region is called, and what `GoSub` and functions mean. units, firsts:
+    the programs that `CallP` names, and the procedures that those begin with. kept: lines whose
+    setting has to stay, because something depends on it that is kept as its text. source: the
+    text that the code was read from. single: of `paths.used_once`. control: what blocks and jumps
+    are read by.
+    """
+
+    control: Control
+
+    def __init__(
+        self,
+        code: Code,
+        meanings: Meanings,
+        contexts: Contexts,
+        routines: list[Routine],
+        calls: tuple[dict[str, str], dict[str, str]],
+        main: bool,
+        kept: frozenset[int],
+        source: SourceText | None,
+        single: Mapping[str, Ints],
+    ) -> None:
+        self.code, self.meanings, self.contexts = code, meanings, contexts
+        self.flow, self.routines, self.main, self.kept = contexts.flow, routines, main, kept
+        self.units, self.firsts = calls
+        self.own = meanings.own
+        self.unknown = UnknownSettings(code, self.flow.effect, meanings.dialect, source)
+        self.expressions = Expressions(meanings)
+        self.runs = Runs(meanings, single, self.own, self.one_move)
+        self.moves = Moves(self.expressions, self.runs)
+        self.by_label = {r.label: k for k, r in enumerate(self.flow.regions) if r.label}
+        self.form: Form | None = None
+        self.region = Region(0, 0)
+        self.at = 0
+        self.torn = False
+        """Whether a text with a jump stands in a divided procedure, where it leads astray."""
+        self.depending: list[tuple[Form, int, frozenset[int]]] = []
+        """Lines kept as text, and the settings under which they do what they do."""
+
+    @property
+    def values(self) -> Values:
+        assert self.form is not None
+        state: State = self.contexts.at(self.at, self.form)
+        return tuple(held.value for held in state)
+
+    def branch(self, node: s.Statement) -> list[p.Statement]:
+        """The branch of an `If` in one line, or its text as that of a line of its own.
+
+        Raises Unliftable for `Break`, which would leave the `If` if that becomes a block.
+        """
+        setting = isinstance(node, s.Command) and self.flow.effect(node) is not None
+        try:
+            if setting and self.at in self.kept:
+                raise Unliftable(reasons.DEPENDED_ON)
+            return self.simple(node)
+        except Unliftable as found:
+            if isinstance(node, s.Command) and node.keyword == "Break":
+                raise
+            return [self.opaque(node, found.reason)]
+
+    def simple(self, node: s.Statement) -> list[p.Statement]:
+        """A statement that is no block; raises Unliftable."""
+        if isinstance(node, s.Command) and self.flow.effect(node) is not None:
+            return []  # how the moves that follow are made
+        lift = STATEMENTS.get(type(node))
+        if lift is None:
+            raise Unliftable
+        return lift(self, node)
+
+    def one_move(self, node: s.Motion, values: Values, span: Span | None) -> list[p.Statement]:
+        """A move that is part of no path."""
+        try:
+            lifted = self.moves.move(node, values)
+        except Unliftable as found:
+            lifted = [self.opaque(node, found.reason)]
+        return [waits.spanned(statement, span) for statement in lifted]
+
+    def opaque(self, statement: s.Statement, found: p.Reason | None) -> p.Opaque:
+        self.runs.forget()
+        self.runs.arc_pending = False
+        self.note_dependence(statement)
+        if found is reasons.WAYS and self.form is not None:
+            found = self.unknown.differing(statement, self.contexts.at(self.at, self.form))
+        dialect = self.meanings.dialect
+        if self.form is not None and (self.form.passes or self.form.head):
+            self.torn |= any(isinstance(part, s.Target) for part in nodes(statement))
+        reason = reasons.reason_for(statement, found)
+        return p.Opaque(dialect, reasons.text_of(statement, dialect), reason=reason)
+
+    def note_dependence(self, statement: s.Statement) -> None:
+        """Notes what a statement at hand, which stays as its text, depends on."""
+        assert self.form is not None
+        if settings := depends(statement):
+            self.depending.append((self.form, self.at, settings))
+
+    def left(self, _: s.Command) -> list[p.Statement]:
+        """`Exit Function`."""
+        inside = self.meanings.inside
+        if self.region.function is None:
+            raise Unliftable
+        result = inside.result if inside is not None else None
+        return [p.Return(None if result is None else e.Name(result))]
+
+    def move(self, node: s.Motion) -> list[p.Statement]:
+        return self.moves.move(node, self.values)
+
+    def one_line_if(self, node: s.If) -> list[p.Statement]:
+        made = self.control.one_line_if(node)
+        self.runs.forget()
+        return made
+
+    def jump(self, node: s.Jump) -> list[p.Statement]:
+        return [
+            self.go_to_sub(node.target)
+            if node.keyword == "GoSub"
+            else self.control.goto(node.target)
+        ]
+
+    def on_jump(self, node: s.OnJump) -> list[p.Statement]:
+        go = self.go_to_sub if node.keyword == "GoSub" else self.control.goto
+        made = self.control.on_jump(node, go)
+        self.runs.forget()
+        return made
+
+    def go_to_sub(self, target: s.Target) -> p.Statement:
+        callee = self.by_label.get(str(target.place).upper())
+        if callee is None:
+            raise Unliftable(reasons.NO_PROCEDURE)
+        assert self.form is not None
+        self.runs.forget()
+        return p.Call(self.form.called[self.at][callee].name)
+
+    def call(self, node: s.Call) -> list[p.Statement]:
+        key = node.function.key
+        routine = self.meanings.routines.get(key)
+        if routine is None or routine.parameters is None:
+            raise Unliftable
+        given = self.expressions.arguments(routine.parameters, node.function.arguments or ())
+        self.runs.forget()
+        return [p.Call(self.meanings.variants.get(key, routine.name), given)]
+
+    def callp(self, node: s.CallP) -> list[p.Statement]:
+        if not isinstance(node.program, s.String):
+            raise Unliftable(reasons.COMPUTED_PROGRAM)
+        short = node.program.value.upper()
+        unit = self.units.get(short) or identifier(node.program.value)
+        first = self.firsts.get(short) or unit
+        self.runs.forget()
+        return [p.Call(first, tuple(self.expressions.plain(a) for a in node.arguments), unit)]
+
+    def command(self, node: s.Command) -> list[p.Statement]:
+        lift = COMMANDS.get(node.keyword)
+        if lift is None:
+            raise Unliftable
+        return lift(self, node)
+
+    def value(self, node: s.Command) -> e.Expression:
+        return self.expressions.of(*_exactly(node.arguments, 1))
+
+    def wait(self, node: s.Command) -> list[p.Statement]:
+        (condition,) = _exactly(node.arguments, 1)
+        return [waits.awaited(condition, self.expressions)]
+
+    def hand(self, node: s.Command) -> list[p.Statement]:
+        (hand,) = _exactly(node.arguments, 1)
+        number = self.meanings.value(hand)
+        if not isinstance(number, float):
+            raise Unliftable
+        action: Any = "open" if node.keyword == "HOpen" else "close"
+        return [p.Gripper(action, round(number))]
+
+    def acceleration(self, node: s.Command) -> list[p.Statement]:
+        full: tuple[Any, ...] = (s.Number(100), s.Number(100))
+        given = node.arguments
+        given = (*given, *full[len(given) :]) if len(given) <= 2 else ()
+        up, down = _exactly(given, 2)
+        of = self.expressions.of
+        return [p.SetAcceleration(of(up or full[0]), of(down or full[1]))]
+
+    def end(self, node: s.Command) -> list[p.Statement]:
+        """`End` ends a cycle of the main program; one that was called goes back to its caller."""
+        _exactly(node.arguments, 0)
+        if not self.region.is_first:
+            raise Unliftable(reasons.ENDS_CYCLE if self.main else reasons.NOT_FIRST)
+        return [p.Return()]
+
+    def returned(self, node: s.Command) -> list[p.Statement]:
+        _exactly(node.arguments, 0)
+        if self.region.label is None:
+            raise Unliftable(reasons.NO_SUBROUTINE)
+        return [p.Return()]
+
+    def stopped(self, node: s.Command) -> list[p.Statement]:
+        _exactly(node.arguments, 0)
+        return [p.Stop()]
+
+
+def _exactly(arguments: tuple[Any, ...], count: int) -> tuple[Any, ...]:
+    if len(arguments) != count or (count == 1 and arguments[0] is None):
+        raise Unliftable
+    return arguments
+
+
+COMMANDS: Final[dict[str, Callable[[Statements, s.Command], list[p.Statement]]]] = {
+    "Dly": lambda reader, node: [p.Wait(reader.value(node))],
+    "Wait": Statements.wait,
+    "Ovrd": lambda reader, node: [p.SetOverride(reader.value(node))],
+    "Accel": Statements.acceleration,
+    "HOpen": Statements.hand,
+    "HClose": Statements.hand,
+    "Hlt": Statements.stopped,
+    "End": Statements.end,
+    "Return": Statements.returned,
+    "Exit Function": Statements.left,
+    "Break": lambda reader, _: reader.control.left(reader.at),
+}
+
+STATEMENTS: Final[dict[type, Callable[[Statements, Any], list[p.Statement]]]] = {
+    s.Motion: Statements.move,
+    s.Command: Statements.command,
+    s.Assign: lambda reader, node: data.assign(node, reader.expressions, reader.runs),
+    s.If: Statements.one_line_if,
+    s.Jump: Statements.jump,
+    s.OnJump: Statements.on_jump,
+    s.Call: Statements.call,
+    s.CallP: Statements.callp,
+    s.DefNames: lambda reader, node: data.define(node.variables, reader.expressions),
+    s.Dim: lambda reader, node: data.define(node.variables, reader.expressions),
+    s.Static: lambda reader, node: data.define(node.definition.variables, reader.expressions),
+    s.Const: lambda reader, node: data.constant(node, reader.expressions),
+    s.DefIo: lambda reader, node: data.known_io(node, reader.expressions),
+    s.DefOther: lambda reader, node: define_pallet(node, reader.meanings),
+    s.DefFunction: lambda reader, node: data.known_function(node, reader.expressions),
+}

@@ -1,0 +1,112 @@
+"""Moves that are part of no path."""
+
+from __future__ import annotations
+
+from assistant.languages.melfa_basic.lift.settings.framed_targets import unframed
+from assistant.languages.melfa_basic.lift.settings.held import BLEND, FRAME, TOOL
+from assistant.languages.melfa_basic.lift.statements.arcs import via_of
+from assistant.languages.melfa_basic.lift.statements.paths import (
+    Runs,
+    Values,
+    place,
+    sayable,
+    speed_of,
+)
+from assistant.languages.melfa_basic.lift.values.expressions import Expressions
+from assistant.languages.melfa_basic.lift.values.reasons import TYPE, WAYS
+from assistant.languages.melfa_basic.lift.values.symbols import Unliftable
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.program import expressions as e
+from assistant.program import statements as p
+
+USUAL: dict[str, tuple[s.Expression, s.Expression]] = {
+    "Mov": (s.Number(1), s.Number(0)),
+    "Mvs": (s.Number(0), s.Number(0)),
+    "Mvr": (s.Number(0), s.Number(0)),
+    "Mvr2": (s.Number(0), s.Number(0)),
+    "Mvr3": (s.Number(0), s.Number(0)),
+}
+"""The `Type` that a move has without one (COSIROP help, types of interpolation)."""
+
+
+class Moves:
+    """Lifts single moves; raises Unliftable."""
+
+    def __init__(self, expressions: Expressions, runs: Runs) -> None:
+        self.expressions, self.runs = expressions, runs
+
+    def move(self, node: s.Motion, values: Values) -> list[p.Statement]:
+        node, values = unframed(node, values, self.expressions.m.header)
+        if node.append:
+            raise Unliftable
+        if node.type and node.type != USUAL.get(node.keyword):
+            raise Unliftable(TYPE)
+        if not sayable(values, node.keyword == "Mov"):
+            raise Unliftable(WAYS)
+        match node.keyword, node.arguments:
+            case ("Mov" | "Mvs") as word, (target,) if target is not None:
+                return [self.to(word, target, None, values)]
+            case ("Mov" | "Mvs") as word, (target, distance) if target and distance:
+                return [self.to(word, target, distance, values)]
+            case "Mvs", (None, distance) if distance is not None:
+                return [self.along(distance, values)]
+            case "Mvr", (start, via, end, *rest) if start and via and end and not any(rest):
+                return self.arc(start, self.expressions.plain(via), end, values)
+            case ("Mvr2" | "Mvr3") as word, (start, end, third) if start and end and third:
+                middle = via_of(word, (start, end, third), self.expressions.m)
+                return self.arc(start, middle, end, values)
+        raise Unliftable
+
+    def to(
+        self, word: str, target: s.Expression, distance: s.Expression | None, values: Values
+    ) -> p.Statement:
+        self.runs.arc_pending = False
+        joint = word == "Mov"
+        kind = self.expressions.type_of(target)
+        self.runs.previous = None
+        if kind == "joints":
+            if not joint or distance is not None:
+                raise Unliftable
+            return p.MoveJoints(self.expressions.plain(target), self.motion(True, values))
+        if kind != "position":
+            raise Unliftable
+        goal = self.expressions.plain(target)
+        if distance is not None:
+            goal = _deep(goal, self.expressions.plain(distance))
+        elif isinstance(target, s.Variable) and target.arguments is None:
+            self.runs.previous = place(target.key, values)
+        return p.Move("joint" if joint else "linear", goal, self.motion(joint, values))
+
+    def along(self, distance: s.Expression, values: Values) -> p.Statement:
+        """From where the robot stands along the tool."""
+        self.runs.arc_pending, self.runs.previous = False, None
+        goal = _deep(self.expressions.here("P_CURR"), self.expressions.plain(distance))
+        return p.Move("linear", goal, self.motion(False, values))
+
+    def motion(self, joint: bool, values: Values) -> p.Motion:
+        speed = speed_of(values, joint)
+        return p.Motion(speed, values[BLEND], values[TOOL], values[FRAME])
+
+    def arc(
+        self, start: s.Expression, via: e.Expression | None, end: s.Expression, values: Values
+    ) -> list[p.Statement]:
+        """An arc; the robot goes to its start first if it does not stand there.
+
+        via: None for a straight line.
+        """
+        here = self.runs.is_here(start, values)
+        goal, motion = self.expressions.plain(end), self.motion(False, values)
+        made: p.Statement = p.Move("linear", goal, motion)
+        if via is not None:
+            made = p.MoveCircular(via, goal, motion)
+        before = [] if here else [self.to("Mvs", start, None, values)]
+        self.runs.arc_pending = False
+        known = isinstance(end, s.Variable) and end.arguments is None
+        self.runs.previous = (
+            place(end.key, values) if isinstance(end, s.Variable) and known else None
+        )
+        return [*before, made]
+
+
+def _deep(goal: e.Expression, distance: e.Expression) -> e.Expression:
+    return e.Apply("relative", (goal, e.Number(0), e.Number(0), distance))

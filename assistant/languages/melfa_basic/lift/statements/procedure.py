@@ -1,0 +1,231 @@
+"""The code of one procedure as statements of the pseudo-program."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+from assistant.languages.melfa_basic.lift.settings import copies as passes
+from assistant.languages.melfa_basic.lift.settings.forms import Form
+from assistant.languages.melfa_basic.lift.settings.held import FRAME, TOOL
+from assistant.languages.melfa_basic.lift.statements import waits
+from assistant.languages.melfa_basic.lift.statements.lines import Statements
+from assistant.languages.melfa_basic.lift.statements.paths import Values
+from assistant.languages.melfa_basic.lift.structure.blocks import labels_in
+from assistant.languages.melfa_basic.lift.structure.regions import Region
+from assistant.languages.melfa_basic.lift.values import reasons
+from assistant.languages.melfa_basic.lift.values.symbols import Unliftable
+from assistant.languages.melfa_basic.tables.words import ARC_START
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import MoveRows
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.diagnostics import Span
+from assistant.program.program import identifier
+from assistant.program.rewriting import head, records
+
+
+class Reader(Statements):
+    """Reads the procedures of one file.
+
+    own_labels: those of the lines that are read, upper case → name.
+    """
+
+    names: passes.Names | None = None
+    own_labels: Mapping[str, str]
+
+    # ---------------------------------------------------------------------- procedures
+
+    def read(self, form: Form) -> tuple[p.Statement, ...]:
+        """The body of a procedure as it is called in one way."""
+        self.form, region = form, self.flow.regions[form.region]
+        self.region = region
+        self.runs.previous, self.runs.arc_pending = None, False
+        made: list[p.Statement] = []
+        for at in range(*region.notes):
+            made += self.control.note(at)
+        if form.passes:
+            made += self.in_passes(form)
+        else:
+            self._take_labels(region)
+            if region.before[1] > 0:
+                made += self.statements(*region.before)
+            made += self.statements(region.low, region.high)
+        made += self.ending(region)
+        return tuple(made)
+
+    def _take_labels(self, region: Region) -> None:
+        taken: set[str] = set()
+        self.control.labels = {}
+        for low, high in (region.before, (region.low, region.high)):
+            for label in sorted(labels_in(self.code, max(low, 0), max(high, 0))):
+                given = self.meanings.header.names["label"].get(label)
+                name = given or identifier(self._spelled(label), taken)
+                self.control.labels[label] = name
+                taken.add(name)
+        self.own_labels = self.control.labels
+
+    def in_passes(self, head: Form) -> list[p.Statement]:
+        """The statements of a divided procedure."""
+        order = passes.in_order(head)
+        self.names = passes.Names(order, self._labels)
+        made: list[p.Statement] = []
+        for one, below in zip(order, (*order[1:], None), strict=True):
+            self.form, self.runs.arc_pending = one, False
+            self.runs.forget()
+            self.own_labels = self.names.of(one)
+            # names made for blocks are unique among all passes
+            self.control.labels = {f"**{n}": n for n in self.names.taken} | self.own_labels
+            made += self.statements(one.low, one.high)
+            self.names.taken |= set(self.control.labels.values())
+            if passes.leaves(made) or one.falls is below:
+                continue
+            if one.falls is not None:
+                made.append(p.Goto(self._label_at(one.falls)))
+            elif one.high == self.region.high:
+                made.append(p.Return())
+        self.form = head
+        return made
+
+    def _labels(self, low: int, high: int) -> dict[str, str]:
+        return {key: self._spelled(key) for key in sorted(labels_in(self.code, low, high))}
+
+    def _label_at(self, one: Form) -> str:
+        item = self.code[one.low]
+        assert self.names is not None and isinstance(item, s.Line) and item.label is not None
+        return self.names.of(one)[item.label.upper()]
+
+    def _spelled(self, label: str) -> str:
+        item = self.code[self.flow.labels[label]]
+        return item.label if isinstance(item, s.Line) and item.label else label
+
+    def ending(self, region: Region) -> list[p.Statement]:
+        """What stands behind a body: the comment of its last word, a result that was kept."""
+        made: list[p.Statement] = []
+        if region.high < len(self.code):
+            item = self.code[region.high]
+            if isinstance(item, s.Line) and item.statement in ENDS:
+                made += self.control.note(region.high)
+        for at in range(*region.behind):
+            made += self.control.note(at)
+        inside = self.meanings.inside
+        if inside is not None and inside.result is not None:
+            made.append(p.Return(e.Name(inside.result)))
+        return made
+
+    def body(self, low: int, high: int) -> tuple[p.Statement, ...]:
+        self.runs.forget()
+        made = tuple(self.statements(low, high))
+        self.runs.forget()
+        return made
+
+    def statements(self, low: int, high: int) -> list[p.Statement]:
+        """The statements of a range of the code."""
+        made: list[p.Statement] = []
+        at = low
+        while at < high:
+            at = self.entry(at, high, made)
+        self.runs.flush(made)
+        return made
+
+    # ---------------------------------------------------------------------------- a line
+
+    def enter(self, at: int) -> Values:
+        """Sets what holds where a line begins."""
+        self.at = at
+        values = self.values
+        self.meanings.placing = values[TOOL], values[FRAME]
+        assert self.form is not None
+        self.meanings.variants = {
+            self._function_key(callee): made.name
+            for callee, made in self.form.called.get(at, {}).items()
+        }
+        for to in self.form.goes.get(at, {}).values():
+            item = self.code[to.low]
+            if isinstance(item, s.Line) and item.label is not None:
+                self.control.labels[item.label.upper()] = self._label_at(to)
+        return values
+
+    def _function_key(self, region: int) -> str:
+        function = self.flow.regions[region].function
+        return function.name.upper() if function else f"*{self.flow.regions[region].label}"
+
+    def entry(self, at: int, high: int, made: list[p.Statement]) -> int:
+        """Reads one entry, or a whole block; gives the place after it."""
+        item = self.code[at]
+        values = self.enter(at)
+        if isinstance(item, MoveRows):
+            self.runs.rows(item, values, made)
+            return at + 1
+        if item.comment is not None:
+            self.runs.flush(made)
+            made.append(p.Comment(waits.comment_text(item.comment), span=item.span))
+        found = waits.waited(self.code, at, high, self.expressions)
+        if found is not None:
+            self.runs.flush(made)
+            made.append(waits.spanned(found[0], item.span))
+            return found[1]
+        if item.label is not None:
+            self.runs.flush(made)
+            self.runs.forget()
+            made.append(p.Label(self.own_labels[item.label.upper()], span=item.span))
+        if item.statement is None or self.absorbed(item.statement, at):
+            return at + 1
+        if isinstance(item.statement, s.Motion):
+            if self.runs.motion(item.statement, values, item.span, made):
+                return at + 1
+        self.runs.flush(made)
+        after = self.control.block(at, high, made) or self.result(at, item.statement, made)
+        if after:
+            return after
+        made += self.one(item.statement, at, item.span)
+        return at + 1
+
+    def absorbed(self, node: s.Statement, at: int) -> bool:
+        """Takes in what only the moves that follow say: their settings, where an arc begins."""
+        if isinstance(node, s.Assign) and node.target.key == ARC_START:
+            here = isinstance(node.value, s.Variable) and node.value.key == "P_CURR"
+            self.runs.arc_pending = here
+            return here
+        made = isinstance(node, s.Command) and self.flow.effect(node) is not None
+        return made and at not in self.kept
+
+    def one(self, node: s.Statement, at: int, span: Span | None) -> list[p.Statement]:
+        """A statement that is no block, or its text."""
+        try:
+            if at in self.kept and not isinstance(node, s.If):
+                raise Unliftable(reasons.DEPENDED_ON)
+            lifted = self.simple(node)
+        except Unliftable as found:
+            lifted = [self.opaque(node, found.reason or self.control.refused.get(at))]
+        if not isinstance(node, s.Motion) and _has_verbatim(lifted):
+            self.note_dependence(node)
+        return [waits.spanned(statement, span) for statement in lifted]
+
+    # ------------------------------------------------------------------------- functions
+
+    def result(self, at: int, node: s.Statement, made: list[p.Statement]) -> int:
+        """The result of a function, and the way out behind it; the place after both, or 0."""
+        inside = self.meanings.inside
+        if inside is None or not isinstance(node, s.Assign) or node.target.key != inside.key:
+            return 0
+        if node.target.arguments is not None or node.target.component:
+            return 0
+        value = self.expressions.of(node.value)
+        span = self.code[at].span if isinstance(self.code[at], s.Line) else None
+        if inside.result is not None:
+            made.append(p.Assign(e.Name(inside.result), value, span=span))
+            return at + 1
+        made.append(p.Return(value, span=span))
+        after = at + 1
+        if after < self.region.high:
+            made += self.control.note(after)
+            after += 1  # `Exit Function`
+        return after
+
+
+ENDS: Final = (s.Command("End"), s.Command("Return"), s.Command("FEnd"))
+
+
+def _has_verbatim(statements: list[p.Statement]) -> bool:
+    return any(isinstance(part, e.Verbatim) for node in statements for part in records(head(node)))

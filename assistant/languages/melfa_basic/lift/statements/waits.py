@@ -1,0 +1,131 @@
+"""Waits that are written with jumps, and the small things that every statement has."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Final, TypeVar
+
+from assistant.languages.melfa_basic.lift.structure.blocks import Code
+from assistant.languages.melfa_basic.lift.values.expressions import Expressions
+from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS, Unliftable
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.timers import timer_of
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.diagnostics import Span
+
+T = TypeVar("T", bound=p.Spanned)
+
+TIMED_OUT: Final = 9100
+"""The error of a wait that took too long."""
+
+
+def spanned(statement: T, span: Span | None) -> T:
+    """The statement as one that stood there, if it does not know where it stood."""
+    return statement if statement.span is not None else replace(statement, span=span)
+
+
+def comment_text(comment: str) -> str:
+    """A comment without its mark and outer blanks."""
+    return comment[1:].strip() if comment.startswith("'") else comment[3:].strip()
+
+
+def waited(code: Code, at: int, high: int, lift: Expressions) -> tuple[p.Statement, int] | None:
+    """A wait that begins at a line, and the line after it; None for anything else."""
+    if not isinstance(first := code[at], s.Line) or not _may_wait(first):
+        return None
+    for count, wait in ((6, _timed), (3, _endless)):
+        lines = code[at : min(at + count, high)]
+        if any(isinstance(line, s.Line) and line.comment is not None for line in lines):
+            continue  # a comment among them has its place
+        try:
+            made = wait(lines, lift)
+        except Unliftable:
+            continue
+        if made is not None:
+            return made, at + count
+    return None
+
+
+def _may_wait(line: s.Line) -> bool:
+    timer = isinstance(line.statement, s.Assign) and timer_of(line.statement.target) is not None
+    return timer or (line.label is not None and _made(line.label))
+
+
+def _made(label: str) -> bool:
+    return label[:1] == "W" and label[1:].isdigit()
+
+
+def _endless(lines: Sequence[object], lift: Expressions) -> p.Statement | None:
+    """`*W1`, `If condition Then *W1Z Else *W1`, `*W1Z`."""
+    match lines:
+        case (
+            s.Line(label=str() as name, statement=None),
+            s.Line(
+                label=None,
+                statement=s.If(condition, s.Target(place=out), s.Target(place=again)),
+            ),
+            s.Line(label=str() as last, statement=None),
+        ) if _made(name) and again == name and out == last == name + "Z":
+            return awaited(condition, lift)
+    return None
+
+
+def _timed(lines: Sequence[object], lift: Expressions) -> p.Statement | None:
+    """`M_TIMER(1)=0`, `*W1`, `If condition Then *W1Z`, `If M_TIMER(1)<ms Then *W1`,
+    `Error 9100`, `*W1Z`.
+    """
+    match lines:
+        case (
+            s.Line(label=None, statement=s.Assign(timer, s.Number(0), None)),
+            s.Line(label=str() as name, statement=None),
+            s.Line(label=None, statement=s.If(condition, s.Target(place=out), None)),
+            s.Line(
+                label=None,
+                statement=s.If(s.Binary("<", clock, most), s.Target(place=again), None),
+            ),
+            s.Line(label=None, statement=s.Command("Error", (s.Number(number),))),
+            s.Line(label=str() as last, statement=None),
+        ) if (
+            _made(name)
+            and again == name
+            and out == last == name + "Z"
+            and number == TIMED_OUT
+            and timer_of(timer)
+            and timer_of(timer) == timer_of(clock)
+        ):
+            return awaited(condition, lift, _seconds(most, lift))
+    return None
+
+
+def _seconds(milliseconds: s.Expression, lift: Expressions) -> e.Expression:
+    match milliseconds:
+        case s.Number(value=value):
+            seconds = value / 1000
+            return e.Number(int(seconds) if seconds == int(seconds) else seconds)
+        case s.Binary("*", left, s.Number(1000)):
+            return lift.plain(left)
+    raise Unliftable
+
+
+def awaited(
+    condition: s.Expression, lift: Expressions, timeout: e.Expression | None = None
+) -> p.Statement:
+    """Until a signal has a value, or until any other condition holds."""
+    match condition:
+        case s.Binary("=", left, s.Number(value)) if _tells_signal(left, lift):
+            try:
+                name = lift.plain(left)
+            except Unliftable:
+                name = None
+            if isinstance(name, e.Name):
+                return p.WaitSignal(name.name, e.Number(value), timeout)
+    return p.WaitUntil(lift.condition(condition), timeout)
+
+
+def _tells_signal(value: s.Expression, lift: Expressions) -> bool:
+    """Whether it is a status variable of signals, or some bits of one."""
+    if isinstance(value, s.Binary):
+        value = value.left
+    return isinstance(value, s.Variable) and (value.key in SIGNALS or value.key in lift.m.io)

@@ -1,0 +1,243 @@
+"""The procedures that the code of a file holds: what `GoSub` calls, and functions."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from assistant.languages.melfa_basic.lift.structure.blocks import (
+    Code,
+    depths,
+    is_blank,
+    is_command,
+    labels_in,
+)
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.walk import nodes
+
+
+@dataclass(frozen=True, slots=True)
+class Region:
+    """Lines low to high (not included) of one procedure's body.
+
+    label: what `GoSub` calls it by, upper case; None for the first procedure and functions.
+    function: its head. before: lines that run ahead of the body, those above the first function.
+    notes, behind: lines of comment above a function, and below the last one.
+    """
+
+    low: int
+    high: int
+    label: str | None = None
+    function: s.Function | None = None
+    before: tuple[int, int] = (0, 0)
+    notes: tuple[int, int] = (0, 0)
+    behind: tuple[int, int] = (0, 0)
+
+    @property
+    def is_first(self) -> bool:
+        return self.label is None and (self.function is None or self.before is not NOWHERE)
+
+    def holds(self, at: int) -> bool:
+        return self.low <= at < self.high or self.before[0] <= at < self.before[1]
+
+    def places(self) -> list[int]:
+        return [*range(*self.before), *range(self.low, self.high)]
+
+
+NOWHERE = (-1, -1)
+"""`before` of a function that is not the main one."""
+
+
+def regions(
+    code: Code, blocks: Mapping[int, list[int]], named: Mapping[str, str], own: bool
+) -> list[Region]:
+    """The procedures of a file, the one that runs first before the others."""
+    found = _functions(code)
+    if found is not None:
+        return found
+    starts = _starts(code, blocks, named, own)
+    edges: list[tuple[int, str | None]] = [(0, None), *starts]
+    made = []
+    for i, (start, label) in enumerate(edges):
+        stop = edges[i + 1][0] if i + 1 < len(edges) else len(code)
+        if label is None or label in set(jumps(code, start, stop)):
+            made.append(_trimmed(code, start, stop, label))
+        else:
+            made.append(replace(_trimmed(code, start + 1, stop, label), notes=(start, start + 1)))
+    return made
+
+
+def _trimmed(code: Code, low: int, high: int, label: str | None) -> Region:
+    """Without the `End` or `Return` that it ends with."""
+    stop = high
+    while stop > low and is_blank(code[stop - 1]):
+        stop -= 1
+    if stop > low and is_command(code[stop - 1], "End" if label is None else "Return"):
+        stop -= 1
+    return Region(low, stop, label)
+
+
+def _functions(code: Code) -> list[Region] | None:
+    """Functions and the lines above them; None if there are none, or not in order."""
+    spans: list[tuple[int, int, s.Function]] = []
+    head: tuple[int, s.Function] | None = None
+    for at, item in enumerate(code):
+        statement = item.statement if isinstance(item, s.Line) else None
+        if isinstance(statement, s.Function):
+            if head is not None:
+                return None
+            head = at, statement
+        elif statement == s.Command("FEnd"):
+            if head is None:
+                return None
+            spans.append((head[0], at, head[1]))
+            head = None
+    if not spans or head is not None:
+        return None
+    notes, above = [], 0
+    for start, end, _ in spans:
+        between = code[above:start]
+        if above and not all(_is_note(item) for item in between):
+            return None
+        notes.append((above, start))
+        above = end + 1
+    if not all(_is_note(item) or is_command(item, "End") for item in code[above:]):
+        return None
+    prefix = _prefix(code, spans[0][0])
+    notes[0] = prefix, spans[0][0]
+    main = next((k for k, (_, _, f) in enumerate(spans) if f.name.upper() == "MAIN"), None)
+    made = [
+        Region(start + 1, end, None, f, (0, prefix) if k == main else NOWHERE, notes[k])
+        for k, (start, end, f) in enumerate(spans)
+    ]
+    made[-1] = replace(made[-1], behind=(above, len(code)))
+    if main is None:
+        return [Region(0, prefix), *made]
+    return [made[main], *made[:main], *made[main + 1 :]]
+
+
+def _is_note(item: object) -> bool:
+    return isinstance(item, s.Line) and item.statement is None and item.label is None
+
+
+def _prefix(code: Code, first: int) -> int:
+    """Where the comments begin that stand right above the first function."""
+    while first and _is_note(code[first - 1]):
+        first -= 1
+    return first
+
+
+# ------------------------------------------------------------------------------ subroutines
+
+
+def _starts(
+    code: Code, blocks: Mapping[int, list[int]], named: Mapping[str, str], own: bool
+) -> list[tuple[int, str]]:
+    """Place and label (upper case) of each procedure after the first.
+
+    Own files name them in the heading. In others a procedure is what `GoSub` calls, if nothing
+    runs into it from above, and no jump leads in or out.
+    """
+    depth = depths(code, blocks)
+    wanted = set(named) if own else called(code)
+    starts: list[tuple[int, str]] = []
+    for at, item in enumerate(code):
+        if not isinstance(item, s.Line) or item.label is None or depth[at]:
+            continue
+        label = item.label.upper()
+        if label not in wanted or item.statement is not None:
+            continue
+        if own or not goes_on_above(code, at):
+            starts.append((at, label))
+            wanted.discard(label)
+    return starts if own else _closed(code, starts)
+
+
+def _closed(code: Code, starts: list[tuple[int, str]]) -> list[tuple[int, str]]:
+    """Those that no jump leads into or out of."""
+    while starts:
+        edges = [0, *(at for at, _ in starts), len(code)]
+        inside = [labels_in(code, a, b) for a, b in itertools.pairwise(edges)]
+        bad: set[int] = set()
+        for k in range(len(inside)):
+            for name in jumps(code, edges[k], edges[k + 1]):
+                other = next((j for j, labels in enumerate(inside) if name in labels), k)
+                if other != k:
+                    bad |= {j for j in (other, k) if j}
+        if not bad:
+            return starts
+        starts = [start for k, start in enumerate(starts, 1) if k not in bad]
+    return starts
+
+
+def called(code: Code) -> set[str]:
+    """Labels that `GoSub` statements name."""
+    found: set[str] = set()
+    for node in _jumping(code):
+        match node:
+            case s.Jump(keyword="GoSub", target=s.Target(place=str() as place)):
+                found.add(place.upper())
+            case s.OnJump(keyword="GoSub", targets=targets):
+                found |= {place_name(t.place) for t in targets if t is not None}
+    return found
+
+
+def jumps(code: Code, low: int, high: int) -> Iterator[str]:
+    """Labels, or `#` and step numbers, that statements of a range go to without coming back."""
+    for node in _jumping(code[low:high]):
+        targets: tuple[object, ...] = ()
+        to: object
+        match node:
+            case s.Jump(keyword="GoTo", target=to) | s.DefAct(target=to):
+                targets = (to,)
+            case s.OnCom(target=to):
+                targets = (to,)
+            case s.OnJump(keyword="GoTo", targets=several):
+                targets = several
+            case s.If(then=then, otherwise=otherwise):
+                targets = (then, otherwise)
+        for target in targets:
+            if isinstance(target, s.Target):
+                yield place_name(target.place)
+
+
+def odd_entries(code: Code, regions: Sequence[Region]) -> set[str]:
+    """Labels that are reached by interrupts, or by calls of what is no procedure."""
+    found: set[str] = set()
+    for node in _jumping(code):
+        match node:
+            case s.DefAct(target=target) | s.OnCom(target=target):
+                found.add(place_name(target.place))
+            case s.Jump(keyword="GoSub", target=target):
+                found.add(place_name(target.place))
+            case s.OnJump(keyword="GoSub", targets=targets):
+                found |= {place_name(t.place) for t in targets if t is not None}
+    return found - {region.label for region in regions if region.label is not None}
+
+
+def place_name(place: str | int) -> str:
+    """How a jump's target is told from others: the label in upper case, or `#` and the step."""
+    return place.upper() if isinstance(place, str) else f"#{place}"
+
+
+def _jumping(code: Sequence[object]) -> Iterator[object]:
+    for item in code:
+        statement = item.statement if isinstance(item, s.Line) else None
+        if isinstance(statement, s.If | s.Jump | s.OnJump | s.DefAct | s.OnCom):
+            yield from nodes(statement) if isinstance(statement, s.If) else (statement,)
+
+
+def goes_on_above(code: Code, at: int) -> bool:
+    """Whether control may run into the place from the line above it, or from the beginning."""
+    at -= 1
+    while at >= 0:
+        item = code[at]
+        if isinstance(item, s.Line) and item.statement is None and item.label is None:
+            at -= 1
+            continue
+        statement = item.statement if isinstance(item, s.Line) else None
+        leaves = isinstance(statement, s.Command) and statement.keyword in ("End", "Return")
+        jumps_away = isinstance(statement, s.Jump) and statement.keyword == "GoTo"
+        return not (leaves or jumps_away)
+    return True

@@ -1,0 +1,105 @@
+"""Which variables a file and each of its functions have, of which types and sizes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from assistant.languages.melfa_basic.lift.structure.blocks import Entry
+from assistant.languages.melfa_basic.tables.vocabulary import function, status
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.walk import nodes
+from assistant.program.program import ValueType
+
+TYPES: Final[dict[str, ValueType]] = {
+    "Inte": "integer", "Long": "integer", "Float": "number", "Double": "number",
+    "Char": "text", "Pos": "position", "Jnt": "joints",
+}  # fmt: skip
+"""Types of `Def …`; a work coordinate system has none here."""
+SUFFIXES: Final[dict[str, ValueType]] = {
+    "%": "integer", "&": "integer", "!": "number", "#": "number", "$": "text",
+}  # fmt: skip
+LETTERS: Final[dict[str, ValueType]] = {"P": "position", "J": "joints", "C": "text", "M": "number"}
+"""Types by the first letter of a name; any other letter is a number's."""
+
+
+@dataclass(slots=True)
+class Scope:
+    """types: as declared, or marked by a suffix. sizes: of arrays. names: every variable that is
+    met, upper case → as first written. static: those that outlive their function.
+    """
+
+    types: dict[str, ValueType] = field(default_factory=dict)
+    sizes: dict[str, tuple[int, ...]] = field(default_factory=dict)
+    names: dict[str, str] = field(default_factory=dict)
+    static: set[str] = field(default_factory=set)
+
+    def copy(self) -> Scope:
+        return Scope(dict(self.types), dict(self.sizes), dict(self.names), set(self.static))
+
+
+def scope_of(items: Iterable[Entry], functions: Iterable[str]) -> Scope:
+    """The variables that some lines hold. functions: upper-case names of the user's own."""
+    scope = Scope()
+    own = frozenset(functions)
+    marked: dict[str, ValueType] = {}
+    for item in items:
+        statement = item.statement if isinstance(item, s.Line) else None
+        if statement is None:
+            continue
+        _declare(scope, statement)
+        for node in nodes(statement):
+            if isinstance(node, s.Variable) and node.key not in own and is_variable(node):
+                scope.names.setdefault(node.key, node.name)
+                if node.suffix:
+                    marked.setdefault(node.key, SUFFIXES[node.suffix])
+    scope.types = {**marked, **scope.types}
+    return scope
+
+
+def _declare(scope: Scope, statement: s.Statement) -> None:
+    match statement:
+        case s.DefNames(type=type_, variables=variables) if type_ in TYPES:
+            for variable in variables:
+                scope.types[variable.key] = TYPES[type_]
+                _size(scope, variable)
+        case s.Const(type=type_, variable=variable) if type_ in TYPES:
+            scope.types[variable.key] = TYPES[type_]
+        case s.Const(variable=variable, value=s.String()):
+            scope.types[variable.key] = "text"
+        case s.Dim(variables=variables):
+            for variable in variables:
+                _size(scope, variable)
+        case s.Static(definition=definition):
+            scope.static |= {v.key for v in definition.variables}
+            _declare(scope, definition)
+
+
+def _size(scope: Scope, variable: s.Variable) -> None:
+    size = tuple(int(a.value) for a in variable.arguments or () if isinstance(a, s.Number))
+    if size and len(size) == len(variable.arguments or ()):
+        scope.sizes[variable.key] = size
+
+
+def is_variable(node: s.Variable) -> bool:
+    """Whether a name is no status variable and no function of the language."""
+    if node.arguments is not None and function(node.key) is not None:
+        return False
+    return status(node.key) is None
+
+
+def letter_type(key: str) -> ValueType:
+    """The type of a variable that is declared nowhere; texts have a `$`, but for external ones."""
+    if key[:1] == "C" and key[1:2] != "_":
+        return "number"
+    return LETTERS.get(key[:1], "number")
+
+
+def all_keys(items: Sequence[Entry]) -> Iterator[str]:
+    """Upper-case names of all variables in some lines."""
+    for item in items:
+        statement: Any = item.statement if isinstance(item, s.Line) else None
+        for node in nodes(statement):
+            if isinstance(node, s.Variable):
+                yield node.key

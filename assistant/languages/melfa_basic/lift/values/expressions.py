@@ -1,0 +1,339 @@
+"""Expressions of MELFA-BASIC as the pseudo-program says them."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Final
+
+from assistant.languages.melfa_basic.lift.values.constants import INITIAL
+from assistant.languages.melfa_basic.lift.values.moved_targets import (
+    amounts,
+    fixed,
+    is_inverse,
+    shift,
+)
+from assistant.languages.melfa_basic.lift.values.operators import (
+    WHOLE,
+    are_truths,
+    is_comparison,
+    operator_name,
+)
+from assistant.languages.melfa_basic.lift.values.pallets import declared
+from assistant.languages.melfa_basic.lift.values.reasons import WAYS
+from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS, Unliftable
+from assistant.languages.melfa_basic.lift.values.timers import elapsed, timed
+from assistant.languages.melfa_basic.lift.values.types import Types
+from assistant.languages.melfa_basic.tables.functions import ANALOG, OF_ANGLE, PLAIN, TO_ANGLE
+from assistant.languages.melfa_basic.tables.poses import JOINTS, is_angle, is_length
+from assistant.languages.melfa_basic.tables.vocabulary.timers import MILLISECONDS
+from assistant.languages.melfa_basic.text import printer
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.positions import target_of
+from assistant.program import expressions as e
+from assistant.program.geometry import Target
+
+# PLAIN, OF_ANGLE and TO_ANGLE are read backwards here: one row adds a function both ways.
+_PLAIN: Final = {melfa.upper(): name for name, melfa in PLAIN.items()}
+_OF_ANGLE: Final = {melfa.upper(): name for name, melfa in OF_ANGLE.items()}
+_TO_ANGLE: Final = {melfa.upper(): name for name, melfa in TO_ANGLE.items()}
+_REGISTERS: Final = tuple(word.upper() for word in ANALOG)
+DEGREE: Final = math.pi / 180.0
+
+
+class Expressions(Types):
+    """Lifts the expressions of one file; what it has no words for raises Unliftable."""
+
+    # ------------------------------------------------------------------------- any value
+
+    def of(self, node: s.Expression) -> e.Expression:
+        """Any value; what the pseudo-program cannot say stays as its text."""
+        try:
+            return self.plain(node)
+        except Unliftable as found:
+            return self.verbatim(node, found.reason)
+
+    def condition(self, node: s.Expression) -> e.Expression:
+        """A value that counts as true or false."""
+        try:
+            return self.truth(node)
+        except Unliftable as found:
+            return self.verbatim(node, found.reason)
+
+    def verbatim(self, node: s.Expression, reason: e.Reason | None = None) -> e.Verbatim:
+        upper = self.m.dialect.endswith("-4")
+        return e.Verbatim(self.m.dialect, printer.expression(node, upper), reason=reason)
+
+    def plain(self, node: s.Expression) -> e.Expression:
+        match node:
+            case s.Number(value=value):
+                return e.Number(value)
+            case s.String(value=text):
+                return e.Text(text)
+            case s.Variable():
+                return self.variable(node)
+            case s.Unary(operator="-", operand=s.Number(value=value)):
+                return e.Number(-value)
+            case s.Unary(operator="-", operand=operand):
+                return e.Unary("-", self.number(operand))
+            case s.Unary(operator="+", operand=operand):
+                return self.plain(operand)
+            case s.Binary(operator=operator, left=left, right=right):
+                return self.binary(operator_name(operator), left, right)
+            case s.Constant(flags=flags):
+                if flags is None:
+                    raise Unliftable
+                return e.TargetValue(target_of(node, self.m.robot))
+            case s.Pallet(number=number, point=point):
+                known = self.m.value(number)
+                if isinstance(known, float) and round(known) in self.m.pallets:
+                    return e.Index(declared(round(known), self.m), (self.rounded(point),))
+        raise Unliftable
+
+    def number(self, node: s.Expression) -> e.Expression:
+        """A value that is no truth, as the operand of a sum."""
+        if not self.m.own and isinstance(node, s.Binary):
+            if operator_name(node.operator) in e.RELATIONS:
+                raise Unliftable
+        return self.plain(node)
+
+    def binary(self, operator: str, left: s.Expression, right: s.Expression) -> e.Expression:
+        group = self.group(operator, left, right)
+        if group is not None:
+            return group
+        of_timer = timed(operator, left, right, self.m.timers)
+        if of_timer is not None:
+            return of_timer
+        kinds = self.type_of(left), self.type_of(right)
+        if "position" in kinds or isinstance(right, s.Constant):
+            return self.placed(operator, left, right)
+        if operator in ("<<", ">>") or ("joints" in kinds and not self.m.own):
+            raise Unliftable
+        if operator in e.LOGICAL:
+            if self.joins_bits(left, right):
+                return e.Apply(f"bit{operator}", (self.rounded(left), self.rounded(right)))
+            if not (self.m.own and are_truths(left, right)):
+                raise Unliftable  # logic of truths is no number
+        operand = self.rounded if operator in WHOLE else self.number
+        return e.Binary(operator, operand(left), operand(right))  # type: ignore[arg-type]
+
+    def group(self, operator: str, left: s.Expression, right: s.Expression) -> e.Name | None:
+        """`M_In8(5) And &H0F`: a group of fewer bits than the variable has."""
+        match operator, left, right:
+            case "and", s.Variable(arguments=(first,)), s.Number(value=mask) if left.key in SIGNALS:
+                kind, direction, width = SIGNALS[left.key]
+                number, bits = self.m.value(first), int(mask).bit_length()
+                plain = mask == (1 << bits) - 1 and 0 < bits < width
+                if kind == "group" and plain and isinstance(number, float):
+                    return e.Name(self.m.signal_at(kind, direction, bits, round(number)))
+        return None
+
+    # ---------------------------------------------------------------------------- truths
+
+    def truth(self, node: s.Expression) -> e.Expression:
+        """A condition. Other than truths, MELFA-BASIC's own logic works on bits."""
+        match node:
+            case s.Binary(operator=written, left=left, right=right):
+                operator = operator_name(written)
+                if operator in e.LOGICAL and self.group(operator, left, right) is None:
+                    if operator == "or" and not self.m.own:  # a bit is set where one has one
+                        return e.Binary("or", self.nonzero(left), self.nonzero(right))
+                    if not self.m.own and self.joins_bits(left, right):
+                        return e.Binary("<>", self.plain(node), e.Number(0))
+                    if not (self.is_truth(left) and self.is_truth(right)):
+                        raise Unliftable
+                    return e.Binary(operator, self.truth(left), self.truth(right))  # type: ignore[arg-type]
+                if operator in e.RELATIONS:
+                    return self.binary(operator, left, right)
+            case s.Number(value=value) if not self.m.own:
+                return e.Truth(value != 0)
+            case s.Unary(operator=sign, operand=operand) if sign.upper() == "NOT":
+                if not is_comparison(operand):
+                    raise Unliftable  # of bits
+                return e.Unary("not", self.truth(operand))
+        plain = self.plain(node)
+        if self.m.own or self.type_of(node) == "truth":
+            return plain
+        if self.is_bit(node):
+            return e.Binary("=", plain, e.Number(1))
+        if self.type_of(node) not in ("number", "integer"):
+            raise Unliftable
+        return e.Binary("<>", plain, e.Number(0))
+
+    def nonzero(self, node: s.Expression) -> e.Expression:
+        """Whether a bit of a truth or number is set."""
+        if self.is_truth(node) or is_comparison(node):
+            return self.truth(node)
+        if self.type_of(node) not in ("number", "integer"):
+            raise Unliftable
+        return e.Binary("<>", self.rounded(node), e.Number(0))
+
+    # -------------------------------------------------------------------------- variables
+
+    def variable(self, node: s.Variable) -> e.Expression:
+        if node.component:
+            return self.component(node)
+        key = node.key
+        if key in self.m.io and not self.m.is_shadowed(key):
+            return e.Name(self.m.io_signal(node, "input"))
+        inside = self.m.inside
+        if inside is not None and key == inside.key and node.arguments is None:
+            if inside.result is None:
+                raise Unliftable
+            return e.Name(inside.result)
+        if key in self.m.routines and not self.m.is_shadowed(key):
+            return self.applied(node)
+        if node.arguments is not None:
+            return self.called(node, key)
+        if key in ("P_CURR", "J_CURR"):
+            return self.here(key)
+        if key in ("M_ON", "M_OFF"):
+            return e.Number(int(key == "M_ON"))
+        if key in INITIAL:
+            return e.Number(round(INITIAL[key]))
+        if key == "M_PI":
+            return e.Number(math.pi)
+        return self.m.name(node)
+
+    def here(self, key: str) -> e.Expression:
+        """Where the robot stands, seen with the tool and base that hold."""
+        if key == "J_CURR":
+            return e.Apply("joints_here")
+        tool, frame = self.m.placing
+        if not isinstance(tool, str) or not isinstance(frame, str):
+            raise Unliftable(WAYS)
+        return e.Here(tool, frame)
+
+    def applied(self, node: s.Variable) -> e.Expression:
+        """A call of a function of the user's own."""
+        routine = self.m.routines[node.key]
+        given = node.arguments or ()
+        if routine.parameters is None or routine.result is None:
+            raise Unliftable
+        name = self.m.variants.get(node.key, routine.name)
+        return e.Apply(name, self.arguments(routine.parameters, given))
+
+    def arguments(self, parameters: Any, given: Any) -> tuple[e.Expression, ...]:
+        if len(parameters) != len(given) or any(a is None for a in given):
+            raise Unliftable
+        if any(self.extents(a) != q.dimensions for q, a in zip(parameters, given, strict=True)):
+            raise Unliftable
+        made = tuple(self.number(a) for a in given)
+        for parameter, value in zip(parameters, made, strict=True):
+            if parameter.mode == "inout" and not isinstance(value, e.Name | e.Member | e.Index):
+                raise Unliftable
+        return made
+
+    def extents(self, node: s.Expression) -> int:
+        """How many extents a value has: none but that of a whole array."""
+        match node:
+            case s.Variable(arguments=None, component=""):
+                return len(self.m.size_of(node.key))
+        return 0
+
+    def component(self, node: s.Variable) -> e.Expression:
+        """X, Y, Z in mm, as axes that slide; joints that turn are read in radian."""
+        whole = s.Variable(node.name, node.suffix, node.arguments)
+        if is_length(node.component, self.m.robot):
+            return e.Member(self.variable(whole), node.component.lower())
+        if node.component[:1] == "J" and not self.m.own:
+            return e.Binary("*", self.degrees(node), e.Number(DEGREE))
+        raise Unliftable
+
+    def called(self, node: s.Variable, key: str) -> e.Expression:
+        """An element of an array, a signal, or a function of the language."""
+        arguments = node.arguments or ()
+        if any(a is None for a in arguments):
+            raise Unliftable
+        values = [a for a in arguments if a is not None]
+        if self.m.size_of(key):
+            indices = tuple(self.rounded(v) for v in values)
+            whole = self.m.name(s.Variable(node.name, node.suffix))
+            return e.Index(whole, indices)
+        if (key in SIGNALS or key in _REGISTERS) and len(values) == 1:
+            number = self.m.value(values[0])
+            if not isinstance(number, float):
+                raise Unliftable
+            if key in _REGISTERS:
+                direction = ("input", "output")[_REGISTERS.index(key)]
+                return e.Name(self.m.signal_at("analog", direction, 1, round(number)))
+            return e.Name(self.m.signal(key, round(number)))
+        if (timer := elapsed(node, self.m.timers)) is not None:
+            return e.Binary("*", timer, e.Number(MILLISECONDS))
+        if key in ("P_CURR", "J_CURR") and values == [s.Number(1)]:
+            return self.here(key)
+        if key in _OF_ANGLE and len(values) == 1:
+            return e.Apply(_OF_ANGLE[key], (self.degrees(values[0]),))
+        if key == "DEG" and len(values) == 1:
+            return self.degrees(values[0])
+        if (key in _TO_ANGLE or key == "RAD") and not self.m.own:
+            return e.Binary("*", self.degrees(node), e.Number(DEGREE))
+        if key == "INV" and (pose := fixed(node, self.m)) is not None:
+            return e.TargetValue(Target(pose))
+        if key in _PLAIN:
+            return e.Apply(_PLAIN[key], tuple(self.number(v) for v in values))
+        raise Unliftable
+
+    def rounded(self, node: s.Expression) -> e.Expression:
+        """A subscript or another value that is rounded if it is not known to be whole."""
+        value = self.number(node)
+        if self.m.own or self.type_of(node) == "integer":
+            return value
+        return e.Apply("round", (value,))
+
+    # ----------------------------------------------------------------------------- angles
+
+    def degrees(self, node: s.Expression) -> e.Expression:
+        """The degrees of a value that is an angle in radian."""
+        match node:
+            case s.Variable(key="RAD", arguments=(inner,)) if inner is not None:
+                return self.number(inner)
+            case s.Variable(component=component) if is_angle(component, self.m.robot):
+                whole = s.Variable(node.name, node.suffix, node.arguments)
+                if component not in JOINTS:
+                    raise Unliftable
+                return e.Member(self.variable(whole), component.lower())
+            case s.Variable(arguments=tuple(given)) if node.key in _TO_ANGLE and not node.component:
+                values = tuple(self.number(a) for a in given if a is not None)
+                return e.Apply(_TO_ANGLE[node.key], values)
+        if self.m.own:
+            raise Unliftable
+        match node:
+            case s.Number(value=value):
+                return e.Number(math.degrees(value) if value else 0)
+            case s.Unary(operator="-", operand=operand):
+                turned = self.degrees(operand)
+                if isinstance(turned, e.Number):
+                    return e.Number(-turned.value)
+                return e.Unary("-", turned)
+            case s.Binary(operator=("+" | "-") as sign, left=left, right=right):
+                return e.Binary(sign, self.degrees(left), self.degrees(right))
+            case s.Binary(operator=("*" | "/") as sign, left=left, right=right) if self.is_angle(
+                left
+            ):
+                return e.Binary(sign, self.degrees(left), self.number(right))
+        return e.Binary("/", self.number(node), e.Number(DEGREE))
+
+    def is_angle(self, node: s.Expression) -> bool:
+        """Whether it is of the kind that comes in radian."""
+        if not isinstance(node, s.Variable):
+            return False
+        if is_angle(node.component, self.m.robot):
+            return True
+        return node.key == "RAD" or node.key in _TO_ANGLE
+
+    # --------------------------------------------------------------------------- positions
+
+    def placed(self, operator: str, left: s.Expression, right: s.Expression) -> e.Expression:
+        """A position moved by a constant; a product of positions."""
+        if operator == "*" and (is_inverse(left) or is_inverse(right)):
+            if (pose := fixed(s.Binary("*", left, right), self.m)) is not None:
+                return e.TargetValue(Target(pose))
+        constant = shift(right, self.m)
+        if operator in "+-*" and constant is not None and self.type_of(left) == "position":
+            given = amounts(operator, constant, self.m)
+            name = "relative" if operator == "*" else "offset"
+            return e.Apply(name, (self.plain(left), *map(e.Number, given)))
+        positions = self.type_of(left) == self.type_of(right) == "position"
+        if operator == "*" and positions and self.m.own:
+            return e.Binary("@", self.plain(left), self.plain(right))
+        raise Unliftable

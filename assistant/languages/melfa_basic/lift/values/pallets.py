@@ -1,0 +1,147 @@
+"""Pallets whose corners never change: grids of targets that are known beforehand.
+
+    Def Plt 1,PS,PA,PB,PD,4,3,2
+    Mov (Plt 1,MK)
+
+becomes an array of 12 targets and a move to one of its elements.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from assistant.languages.melfa_basic.lift.values.symbols import Meanings, Unliftable
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import MoveRows
+from assistant.languages.melfa_basic.tree.positions import target_of
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.arrays import Floats
+from assistant.program.geometry import Target
+from assistant.program.program import Variable
+from assistant.program.rewriting import records
+
+MOST_POINTS: Final = 999
+"""Elements that an array may have."""
+ZIGZAG, SAME_WAY = 1, 2
+"""Directions: every other row runs backwards, or none does."""
+KEPT: Final = p.Reason(
+    "the points of the pallet are not known beforehand, turn, or stand in no plain grid",
+    "give corners of one orientation that the program never sets, and the direction 1 or 2",
+)
+_MENTIONED: Final = re.compile(r"\bPlt\b", re.IGNORECASE)
+
+
+def pallets(
+    code: Sequence[s.Line | MoveRows], meanings: Meanings
+) -> dict[int, tuple[str, tuple[Target, ...]]]:
+    """The array of each pallet that has one definition and corners that stay, by its number."""
+    found: dict[int, list[s.DefOther]] = {}
+    for item in code:
+        statement = item.statement if isinstance(item, s.Line) else None
+        if isinstance(statement, s.DefOther) and statement.kind == "Plt":
+            number = meanings.constants.value(statement.arguments[0])
+            if not isinstance(number, float):
+                return {}
+            found.setdefault(round(number), []).append(statement)
+    made = {}
+    for key, definitions in found.items():
+        points = grid(definitions[0], meanings) if len(definitions) == 1 else None
+        if points is not None:
+            made[key] = meanings.free(f"pallet_{key}"), points
+    return made
+
+
+def grid(node: s.DefOther, meanings: Meanings) -> tuple[Target, ...] | None:
+    """The targets of a pallet in their order; None if they are not known or no plain grid.
+
+    Start S, end of the first row A, end of the first column B, and the corner D across, which
+    makes it bilinear; each keeps the orientation and the branch of the start.
+    """
+    if len(node.arguments) != 8:
+        return None
+    _, start, along, across, diagonal, *counts = node.arguments
+    numbers = [meanings.constants.value(count) for count in counts]
+    corners = [unchanged(point, meanings) for point in (start, along, across)]
+    if diagonal is not None:
+        corners.append(unchanged(diagonal, meanings))
+    known = [corner for corner in corners if corner is not None]
+    if len(known) != len(corners) or not all(isinstance(n, float) for n in numbers):
+        return None
+    columns, rows, direction = (round(n) for n in numbers if isinstance(n, float))
+    if direction not in (ZIGZAG, SAME_WAY) or columns < 1 or rows < 1:
+        return None
+    if columns * rows > MOST_POINTS or not _alike(known):
+        return None
+    places = np.array([[float(v or 0) for v in corner.values[:3]] for corner in known])
+    made = []
+    for point in _points(places, columns, rows, direction == ZIGZAG):
+        values = (*(float(v) for v in point), *known[0].values[3:])
+        made.append(target_of(s.Constant(values, known[0].flags), meanings.robot))
+    return tuple(made)
+
+
+def unchanged(node: s.Expression | None, meanings: Meanings) -> s.Constant | None:
+    """The value of a position that no line changes; other programs change shared ones."""
+    if not isinstance(node, s.Variable) or node.arguments is not None or node.component:
+        return None
+    if node.key[1:2] == "_" or node.key in meanings.constants.assigned:
+        return None
+    constant = meanings.positions.constant(node.name)
+    if constant is None or len(constant.values) < 6 or None in constant.values[:6]:
+        return None
+    return constant
+
+
+def _alike(corners: Sequence[s.Constant]) -> bool:
+    """Whether they differ in X, Y and Z alone."""
+    first = corners[0]
+    return first.flags is not None and all(
+        (c.values[3:], c.flags) == (first.values[3:], first.flags) for c in corners
+    )
+
+
+def _points(corners: Floats, columns: int, rows: int, zigzag: bool) -> Iterator[Floats]:
+    start, along, across = corners[:3]
+    diagonal = corners[3] if len(corners) > 3 else along + across - start
+    for row in range(rows):
+        down = row / (rows - 1) if rows > 1 else 0.0
+        order = range(columns)
+        for column in reversed(order) if zigzag and row % 2 else order:
+            right = column / (columns - 1) if columns > 1 else 0.0
+            near = (1 - right) * start + right * along
+            far = (1 - right) * across + right * diagonal
+            yield (1 - down) * near + down * far
+
+
+def define(node: s.DefOther, meanings: Meanings) -> list[p.Statement]:
+    """`Def Plt`, which is no statement where the points are known."""
+    number = meanings.constants.value(node.arguments[0]) if node.kind == "Plt" else None
+    if not isinstance(number, float):
+        raise Unliftable
+    if round(number) not in meanings.pallets:
+        raise Unliftable(KEPT)
+    declared(round(number), meanings)
+    return []
+
+
+def declared(number: int, meanings: Meanings) -> e.Name:
+    """The array of a pallet, declared where it is first met."""
+    name, points = meanings.pallets[number]
+    values = e.Aggregate(tuple(e.TargetValue(point) for point in points))
+    meanings.variables.setdefault(
+        name, Variable("position", values, (len(points),), storage="constant")
+    )
+    return e.Name(name)
+
+
+def still_mentioned(parts: Any) -> bool:
+    """Whether a text that was kept needs the definitions of pallets."""
+    return any(
+        isinstance(part, e.Verbatim | p.Opaque) and _MENTIONED.search(part.text) is not None
+        for part in records(parts)
+    )

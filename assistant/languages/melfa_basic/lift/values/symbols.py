@@ -1,0 +1,238 @@
+"""What the names of one file mean: variables, targets, signals, functions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Final, cast
+
+from assistant.languages.melfa_basic.lift.structure.scopes import Scope, letter_type
+from assistant.languages.melfa_basic.lift.values.constants import Constants
+from assistant.languages.melfa_basic.lift.values.reasons import STATUS
+from assistant.languages.melfa_basic.tables.vocabulary import status
+from assistant.languages.melfa_basic.text.header import Header
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.positions import Positions, joints_of, target_of
+from assistant.program import expressions as e
+from assistant.program.geometry import BASE, FLANGE, Target
+from assistant.program.program import Parameter, Signal, ValueType, Variable, identifier
+from assistant.program.statements import Reason
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+
+SIGNALS: Final[dict[str, tuple[str, str, int]]] = {
+    "M_IN": ("digital", "input", 1), "M_OUT": ("digital", "output", 1),
+    "M_INB": ("group", "input", 8), "M_IN8": ("group", "input", 8),
+    "M_OUTB": ("group", "output", 8), "M_OUT8": ("group", "output", 8),
+    "M_INW": ("group", "input", 16), "M_IN16": ("group", "input", 16),
+    "M_OUTW": ("group", "output", 16), "M_OUT16": ("group", "output", 16),
+    "M_IN32": ("group", "input", 32), "M_OUT32": ("group", "output", 32),
+}  # fmt: skip
+"""Status variable → kind, direction and bits of the signal that it addresses."""
+
+IO_BITS: Final = {"BIT": 1, "BYTE": 8, "WORD": 16, "INTEGER": 16, "DWORD": 32}
+"""Bits of a name that `Def Io` gives to inputs and outputs."""
+
+
+class Unliftable(Exception):
+    """The pseudo-program has no words for it. reason: why, None if the statement itself tells."""
+
+    def __init__(self, reason: Reason | None = None) -> None:
+        self.reason = reason
+        super().__init__(reason.why if reason else "")
+
+
+@dataclass(slots=True)
+class Routine:
+    """A function of the user's own.
+
+    name: in the pseudo-program. result: None for none. parameters: None if the pseudo-program
+    cannot say them, so that it stays as its text.
+    """
+
+    name: str
+    result: ValueType | None = None
+    parameters: tuple[Parameter, ...] | None = ()
+
+
+@dataclass
+class Meanings:
+    """variables, signals: of the whole program. targets: positions that expressions name.
+
+    scope: of the file. routines: the user's functions by upper-case name. inside: the function
+    that is read, with its own variables by upper-case name.
+    """
+
+    header: Header
+    positions: Positions
+    constants: Constants
+    scope: Scope
+    robot: Robot | None
+    dialect: str
+    own: bool
+    signals: dict[str, Signal]
+    variables: dict[str, Variable]
+    taken: set[str] = field(default_factory=set)
+    targets: set[str] = field(default_factory=set)
+    routines: dict[str, Routine] = field(default_factory=dict)
+    inside: Inside | None = None
+
+    def __post_init__(self) -> None:
+        self.by_address = {
+            (s_.kind, s_.direction, s_.bits, s_.number): n for n, s_ in self.signals.items()
+        }
+        self.pallets: dict[int, tuple[str, tuple[Target, ...]]] = {}
+        """Arrays of the pallets whose points are known, by number."""
+        self.timers: dict[int, str] = {}
+        """Names of the timers that are read as such, by number."""
+        self.spelling: dict[str, str] = {}
+        self.io: dict[str, tuple[int, int]] = {}
+        self.renamed: dict[str, str] = {}
+        self.placing: tuple[Any, Any] = (FLANGE, BASE)
+        """Tool and frame that hold at the line that is read."""
+        self.variants: dict[str, str] = {}
+        """Names of the forms of functions that are called from the line that is read."""
+
+    # ------------------------------------------------------------------------------- names
+
+    def free(self, given: str) -> str:
+        """A name close to the given one that nothing has yet; from now on it is taken."""
+        plain = identifier(given)
+        free, count = plain, 2
+        while free.lower() in self.taken:
+            free, count = f"{plain}_{count}", count + 1
+        self.taken.add(free.lower())
+        return free
+
+    def static(self, routine: str, key: str, written: str) -> str:
+        """The name of a variable that outlives its function, the same in all forms of it."""
+        known = f"{routine}.{key}"
+        if known not in self.renamed:
+            self.renamed[known] = self.free(f"{routine}_{written}")
+        return self.renamed[known]
+
+    def name(self, node: s.Variable) -> e.Expression:
+        """A whole variable by its original name; inline positions by their value."""
+        key, names = node.key, self.header.names
+        if self.inside is not None and key in self.inside.names:
+            return e.Name(self.inside.names[key])
+        if key in self.header.inline:
+            constant = self.positions.constant(key)
+            if constant is None:
+                raise Unliftable
+            if key[0] == "J":
+                return e.JointValue(joints_of(constant, self.robot))
+            return e.TargetValue(target_of(constant, self.robot))
+        for kind in ("target", "joints", "loop"):
+            if key in names[kind]:
+                return e.Name(names[kind][key])
+        if key in self.header.variables:
+            return e.Name(self.header.variables[key].name)
+        if status(key) is not None:
+            raise Unliftable(STATUS)
+        if key not in self.constants.assigned and self.positions.constant(key) is not None:
+            self.targets.add(key)
+            return e.Name(self.target_name(node.name))
+        return e.Name(self.declared(node))
+
+    def target_name(self, written: str) -> str:
+        """The name of a position constant, another one if a program before has it already."""
+        key = written.upper()
+        if self.own or key not in self.renamed:
+            self.renamed[key] = written if self.own else self.free(written)
+        return written if self.own else self.renamed[key]
+
+    def declared(self, node: s.Variable) -> str:
+        """The name of a variable of the file, declared where it is first met."""
+        key = node.key
+        if key in self.spelling:
+            return self.spelling[key]
+        shared = key[1:2] == "_"
+        if shared:  # one variable of all programs
+            known = next((n for n in self.variables if n.upper() == key), None)
+            if known is not None:
+                self.spelling[key] = known
+                return known
+        name = self.spelling[key] = self.free(node.name)
+        kind = self.type_of_key(key)
+        constant = None if self.own else self.positions.constant(node.name)
+        initial: e.Expression | None = None
+        if constant is not None and kind == "joints":
+            initial = e.JointValue(joints_of(constant, self.robot))
+        elif constant is not None and kind == "position":
+            initial = e.TargetValue(target_of(constant, self.robot))
+        elif not self.own and key in self.positions.plain:
+            initial = self.positions.plain[key][1].get(())
+        kept = shared or initial is not None  # stands in the file or the controller
+        self.variables[name] = Variable(
+            kind, initial, self.scope.sizes.get(key, ()), "persistent" if kept else "variable"
+        )
+        return name
+
+    def type_of_key(self, key: str) -> ValueType:
+        """The type of a variable or function of the user's own, or a status variable."""
+        if self.inside is not None and key in self.inside.names:
+            return self.inside.types.get(key, letter_type(key))
+        if key in self.header.variables:
+            return self.header.variables[key].type
+        routine = self.routines.get(key)
+        if routine is not None and routine.result is not None:
+            return routine.result
+        return self.scope.types.get(key, letter_type(key))
+
+    def size_of(self, key: str) -> tuple[int, ...]:
+        if self.inside is not None and key in self.inside.names:
+            return self.inside.sizes.get(key, ())
+        if key in self.header.variables:
+            return self.header.variables[key].size
+        return self.scope.sizes.get(key, ())
+
+    def is_shadowed(self, key: str) -> bool:
+        return self.inside is not None and key in self.inside.names
+
+    def value(self, node: s.Expression | None) -> float | str | None:
+        """What an expression is known to come to."""
+        if isinstance(node, s.Variable) and self.is_shadowed(node.key):
+            return None
+        return self.constants.value(node)
+
+    # ----------------------------------------------------------------------------- signals
+
+    def signal(self, key: str, number: int) -> str:
+        """The name of a signal by its address. key: of SIGNALS."""
+        kind, direction, bits = SIGNALS[key]
+        return self.signal_at(kind, direction, bits, number)
+
+    def signal_at(
+        self, kind: str, direction: str, bits: int, number: int, name: str | None = None
+    ) -> str:
+        address = (cast(Any, kind), cast(Any, direction), bits, number)
+        if address not in self.by_address:
+            letter = {"digital": "d", "group": "g", "analog": "a"}[kind]
+            width = f"{bits}_" if kind == "group" else ""
+            made = name or f"{letter}{'o' if direction == 'output' else 'i'}_{width}{number}"
+            made = self.free(made)
+            self.signals[made] = Signal(address[0], address[1], number, bits)
+            self.by_address[address] = made
+        return self.by_address[address]
+
+    def io_signal(self, node: s.Variable, direction: str) -> str:
+        """The input or output behind a name that `Def Io` gave."""
+        bits, number = self.io[node.key]
+        kind = "digital" if bits == 1 else "group"
+        return self.signal_at(kind, direction, bits, number, node.name)
+
+
+@dataclass(slots=True)
+class Inside:
+    """A function while it is read.
+
+    names, types, sizes: its parameters and own variables by upper-case name. result: the variable
+    that holds its result so far, None if each result is given back at once.
+    """
+
+    key: str
+    names: dict[str, str]
+    types: dict[str, ValueType]
+    sizes: dict[str, tuple[int, ...]]
+    result: str | None = None

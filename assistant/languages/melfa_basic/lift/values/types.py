@@ -1,0 +1,115 @@
+"""Types of the expressions of MELFA-BASIC, as far as its text tells them."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from assistant.languages.melfa_basic.lift.values.operators import (
+    WHOLE,
+    are_truths,
+    is_comparison,
+    operator_name,
+)
+from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS, Meanings
+from assistant.languages.melfa_basic.tables.vocabulary import function, status
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.walk import nodes
+from assistant.program import expressions as e
+from assistant.program.program import ValueType
+
+FROM_LETTER: Final[dict[str, ValueType]] = {
+    "P": "position",
+    "J": "joints",
+    "C": "text",
+    "M": "number",
+}
+
+
+class Types:
+    """The types of what stands in one file."""
+
+    def __init__(self, meanings: Meanings) -> None:
+        self.m = meanings
+
+    def type_of(self, node: s.Expression | None) -> ValueType:
+        match node:
+            case s.String():
+                return "text"
+            case s.Constant(flags=flags):
+                return "joints" if flags is None and len(node.values) < 3 else "position"
+            case s.Pallet():
+                return "position"
+            case s.Variable(component=component) if component:
+                return "integer" if component.startswith("FL") else "number"
+            case s.Variable():
+                return self.type_of_name(node)
+            case s.Unary(operand=operand):
+                return self.type_of(operand)
+            case s.Binary(operator=operator, left=left, right=right):
+                name = operator_name(operator)
+                if name in e.RELATIONS:
+                    return "truth"
+                kinds = (self.type_of(left), self.type_of(right))
+                for kind in ("position", "joints", "text", "number"):
+                    if kind in kinds and not (kind == "number" and name in (*WHOLE, *e.LOGICAL)):
+                        return kind
+                if name in WHOLE or (name in e.LOGICAL and "truth" not in kinds):
+                    return "integer"
+                return "number" if name in ("/", "^") else kinds[0]
+            case s.Number(value=value):
+                return "integer" if float(value).is_integer() else "number"
+        return "number"
+
+    def type_of_name(self, node: s.Variable) -> ValueType:
+        key = node.key
+        if node.arguments is not None and (known := function(key)) is not None:
+            if key in ("CINT", "FIX", "INT", "LEN", "ASC"):
+                return "integer"
+            return FROM_LETTER[known.result[0]]
+        if (known_status := status(key)) is not None:
+            return "integer" if key in SIGNALS else FROM_LETTER[known_status.type]
+        return self.m.type_of_key(key)
+
+    def is_truth(self, node: s.Expression) -> bool:
+        """Whether it is 0 or 1 (or a truth), so that bits and truths are the same."""
+        match node:
+            case s.Binary(operator=written, left=left, right=right):
+                operator = operator_name(written)
+                if operator in e.LOGICAL:
+                    return self.is_truth(left) and self.is_truth(right)
+                return operator in e.RELATIONS
+            case s.Variable():
+                return self.is_bit(node) or self.type_of(node) == "truth" or self.m.own
+            case s.Unary():
+                return self.m.own or is_comparison(node)
+        return self.m.own
+
+    def is_bit(self, node: s.Expression) -> bool:
+        if not isinstance(node, s.Variable) or node.component:
+            return False
+        known = SIGNALS.get(node.key) if node.arguments else None
+        if known is not None:
+            return known[0] == "digital"
+        return node.key in self.m.io and self.m.io[node.key][0] == 1
+
+    def joins_bits(self, left: s.Expression, right: s.Expression) -> bool:
+        """Whether logic between two values is of the bits of numbers.
+
+        In a text that was written here 0 and 1 may be truths, and what a function gives.
+        """
+        sides = (left, right)
+        if any(self.is_bit(side) or any(map(is_comparison, nodes(side))) for side in sides):
+            return False
+        kinds = [self.type_of(side) for side in sides]
+        if not all(kind in ("number", "integer") for kind in kinds):
+            return False
+        return not self.m.own or not are_truths(*sides) or any(map(self._is_number, sides))
+
+    def _is_number(self, node: s.Expression) -> bool:
+        """Whether a value that has the type of a number is one for certain."""
+        match node:
+            case s.Number():
+                return False
+            case s.Variable() if node.key in self.m.routines:
+                return self.m.routines[node.key].result not in (None, "truth")
+        return True
