@@ -31,7 +31,7 @@ from assistant.program.statements import (
     Wait,
 )
 from assistant.sources.process import NO_PROCESS, Defaults, Process
-from assistant.sources.tables import csv_tables as tables
+from assistant.sources.tables import csv_tables
 
 POSE = "x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z"
 CELL = Process(
@@ -43,7 +43,7 @@ CELL = Process(
 
 def read(text: str | bytes, process: Process = NO_PROCESS) -> sources.Reading:
     data = text.encode() if isinstance(text, str) else text
-    return tables.read_table(data, "part.csv", "part", process)
+    return csv_tables.read_table(data, "part.csv", "part", process)
 
 
 def path_of(text: str | bytes, process: Process = NO_PROCESS) -> Path:

@@ -9,6 +9,7 @@ from assistant.languages.melfa_basic.checks import (
     corners,
     flow,
     kinds,
+    left_out,
     motions,
     names,
     programs,
@@ -18,7 +19,6 @@ from assistant.languages.melfa_basic.checks import (
     values,
     words,
 )
-from assistant.languages.melfa_basic.checks import left_out as gaps
 from assistant.languages.melfa_basic.checks.damage import Damage, damage_of
 from assistant.languages.melfa_basic.checks.file_view import Calls, Look
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
@@ -51,9 +51,9 @@ RULES: Final[tuple[Callable[[Look], Iterator[Diagnostic]], ...]] = (
     values.counts,
     values.types,
     values.status,
-    gaps.positions,
-    gaps.arguments,
-    gaps.lines,
+    left_out.positions,
+    left_out.arguments,
+    left_out.lines,
     motions.never_taught,
     motions.flags,
     motions.arcs,

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
-from assistant.languages.melfa_basic.convert import comments, names, steps, words
-from assistant.languages.melfa_basic.convert import original_names as memories
+from assistant.languages.melfa_basic.convert import comments, names, original_names, steps, words
 from assistant.languages.melfa_basic.convert.conversion import convert
 from assistant.languages.melfa_basic.convert.original_names import Memory
 from assistant.languages.melfa_basic.lift.files.program import lift, stem
@@ -67,7 +66,7 @@ def _lifted(trees: Sequence[s.File], robot: Robot | None) -> Program:
 
 
 def _plain(tree: s.File, lowest: int) -> s.File:
-    items, memory = memories.taken_out(tree.items)
+    items, memory = original_names.taken_out(tree.items)
     items, made = steps.labelled(steps.apart(items))
     jumped = {label.upper() for label in made} | set(memory.steps)
     order = [i.label.upper() for i in items if isinstance(i, s.Line) and i.label]
@@ -79,7 +78,7 @@ def _plain(tree: s.File, lowest: int) -> s.File:
     labels = {short: name.upper() for short, name in memory.labelled.items()}
     stems = {short: name.upper() for short, name in memory.stems.items()}
     table = names.Names(named, stems, labels | numbers)
-    items = memories.renamed(names.renamed(items, table, upper=True), named)
+    items = original_names.renamed(names.renamed(items, table, upper=True), named)
     return replace(tree, items=tuple(items), parsed=())
 
 

@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import PurePath
 
 from assistant.languages.melfa_basic import rules
-from assistant.languages.melfa_basic.convert import comments, names, steps, words
-from assistant.languages.melfa_basic.convert import original_names as memories
+from assistant.languages.melfa_basic.convert import comments, names, original_names, steps, words
 from assistant.languages.melfa_basic.convert.blocks import to_blocks
 from assistant.languages.melfa_basic.convert.jumps import Jumps
 from assistant.languages.melfa_basic.convert.nesting import nested
@@ -102,7 +101,7 @@ class _File:
             self.items = words.Words(self.dialect, self.memory, self.complain).lines(self.items)
 
     def down(self) -> None:
-        items, self.memory = memories.taken_out(self.items)
+        items, self.memory = original_names.taken_out(self.items)
         items, made = steps.labelled(items)
         self.as_steps = {*made, *self.memory.steps}
         self.memory.steps.clear()
@@ -124,7 +123,7 @@ class _File:
         self.items = words.Words(self.dialect, self.memory, self.complain).lines(items)
 
     def up(self) -> None:
-        items, self.memory = memories.taken_out(self.items)
+        items, self.memory = original_names.taken_out(self.items)
         items, made = steps.labelled(items)
         self.memory.steps |= dict.fromkeys(made)
         items = to_blocks(steps.bare(items), self.dialect)
@@ -136,7 +135,7 @@ class _File:
         labels = steps.labels_of(items)
         tags = {k: v for k, v in known.labelled.items() if v.upper() not in labels}
         table = names.Names(back, dict(known.stems), tags)
-        self.items = memories.renamed(names.renamed(items, table, upper=False), back)
+        self.items = original_names.renamed(names.renamed(items, table, upper=False), back)
         for kind, used in (("named", back), ("stems", known.stems), ("labelled", tags)):
             left = {k: v for k, v in getattr(known, kind).items() if k not in used}
             setattr(known, kind, left)
@@ -160,7 +159,7 @@ class _File:
             if label in written:
                 self.memory.labelled[shorter] = written[label]
         self.items = names.renamed(self.items, short, upper=self.dialect.upper)
-        self.items = memories.renamed(self.items, short.variables)
+        self.items = original_names.renamed(self.items, short.variables)
 
     # -------------------------------------------------------------------------- writing
 
@@ -168,7 +167,7 @@ class _File:
         """The tree of the text that is written."""
         source = self.tree.source
         if self.keeps_numbers:
-            items = tuple(memories.put_in(self.items, self.memory, self.dialect.name))
+            items = tuple(original_names.put_in(self.items, self.memory, self.dialect.name))
             changed = replace(self.tree, dialect=self.dialect.name, items=items)
             return _read(render(changed), self.dialect, self.tree)
         text = self.numbered_text(marked=False)
@@ -179,7 +178,7 @@ class _File:
         return _read(text, self.dialect, self.tree)
 
     def numbered_text(self, *, marked: bool) -> str:
-        items = memories.put_in(self.items, self.memory, self.dialect.name, marked=marked)
+        items = original_names.put_in(self.items, self.memory, self.dialect.name, marked=marked)
         lines = steps.numbered(items, self.dialect.step, self.as_steps)
         if lines is None:
             self.complain(self.items[0], "a program of so many lines", "split it into programs")

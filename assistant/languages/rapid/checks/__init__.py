@@ -7,6 +7,7 @@ from typing import Final
 
 from assistant.languages.rapid.checks import (
     arcs,
+    by_construct,
     configurations,
     flow,
     literals,
@@ -15,11 +16,10 @@ from assistant.languages.rapid.checks import (
     order,
     orientations,
     storage,
+    timing,
     undeclared,
     unused,
 )
-from assistant.languages.rapid.checks import by_construct as meaning
-from assistant.languages.rapid.checks import timing as fly
 from assistant.languages.rapid.checks.damage import damage_of
 from assistant.languages.rapid.checks.module_view import Look, Task
 from assistant.languages.rapid.checks.tasks import tasks
@@ -45,7 +45,7 @@ RULES: Final[tuple[Callable[[Look], Iterator[Diagnostic]], ...]] = (
     orientations.quaternions,
     configurations.configurations,
     motions.arguments,
-    meaning.uses,
+    by_construct.uses,
     flow.jumps,
     flow.handled,
     flow.returns,
@@ -57,8 +57,8 @@ RULES: Final[tuple[Callable[[Look], Iterator[Diagnostic]], ...]] = (
 
 ADVICE: Final[tuple[Callable[[Look], Iterator[Diagnostic]], ...]] = (
     arcs.arcs,
-    fly.endless_waits,
-    fly.on_the_fly,
+    timing.endless_waits,
+    timing.on_the_fly,
     unused.unused,
 )
 """Rules of how a program is written. They are not asked about a module that was compiled: the

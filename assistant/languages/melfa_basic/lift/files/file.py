@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from assistant.languages.melfa_basic.lift.files import declared, routines
 from assistant.languages.melfa_basic.lift.files.parts import ALL_SETTINGS, File
-from assistant.languages.melfa_basic.lift.settings import equal_forms as alike
-from assistant.languages.melfa_basic.lift.settings import forms_by_way as division
+from assistant.languages.melfa_basic.lift.settings import equal_forms, forms_by_way
 from assistant.languages.melfa_basic.lift.settings.flow import Flow
 from assistant.languages.melfa_basic.lift.settings.forms import Contexts, Form
 from assistant.languages.melfa_basic.lift.settings.held import (
@@ -144,7 +143,7 @@ class Unit:
             return whole
         undivided: frozenset[int] = frozenset()
         while True:
-            flow = division.divided(ways.contexts.flow, ways.structure, undivided)
+            flow = forms_by_way.divided(ways.contexts.flow, ways.structure, undivided)
             contexts = Contexts(flow, self._initial()) if flow.cuts else ways.contexts
             if not flow.cuts or contexts.too_long:
                 return whole
@@ -209,7 +208,7 @@ class Unit:
                 self._procedure(number, form, reading, taken_away)
         several = [forms.values() for forms in ways.contexts.forms if len(forms) > 1]
         origin = {form.name: form.region for forms in several for form in forms}
-        reading.procedures = alike.as_one(reading.procedures, origin)
+        reading.procedures = equal_forms.as_one(reading.procedures, origin)
         reading.procedures += [replace(f, unit=self.unit) for f in functions]
         return reading
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from assistant.languages.melfa_basic.lift.settings import copies as passes
+from assistant.languages.melfa_basic.lift.settings import copies
 from assistant.languages.melfa_basic.lift.settings.forms import Form
 from assistant.languages.melfa_basic.lift.settings.held import FRAME, TOOL
 from assistant.languages.melfa_basic.lift.statements import waits
@@ -31,7 +31,7 @@ class Reader(Statements):
     own_labels: those of the lines that are read, upper case → name.
     """
 
-    names: passes.Names | None = None
+    names: copies.Names | None = None
     own_labels: Mapping[str, str]
 
     # ---------------------------------------------------------------------- procedures
@@ -67,8 +67,8 @@ class Reader(Statements):
 
     def in_passes(self, head: Form) -> list[p.Statement]:
         """The statements of a divided procedure."""
-        order = passes.in_order(head)
-        self.names = passes.Names(order, self._labels)
+        order = copies.in_order(head)
+        self.names = copies.Names(order, self._labels)
         made: list[p.Statement] = []
         for one, below in zip(order, (*order[1:], None), strict=True):
             self.form, self.runs.arc_pending = one, False
@@ -78,7 +78,7 @@ class Reader(Statements):
             self.control.labels = {f"**{n}": n for n in self.names.taken} | self.own_labels
             made += self.statements(one.low, one.high)
             self.names.taken |= set(self.control.labels.values())
-            if passes.leaves(made) or one.falls is below:
+            if copies.leaves(made) or one.falls is below:
                 continue
             if one.falls is not None:
                 made.append(p.Goto(self._label_at(one.falls)))
