@@ -52,7 +52,7 @@ def error(number: int) -> CrError:
 
 @cache
 def _table() -> Mapping[int, CrError]:
-    text = files("assistant.controllers").joinpath("cr_errors.tsv").read_text(encoding="ascii")
+    text = files(__package__).joinpath("cr_errors.tsv").read_text(encoding="ascii")
     rows = csv.DictReader(io.StringIO(text), delimiter="\t", quoting=csv.QUOTE_NONE)
     return {
         int(row["number"]): CrError(

@@ -39,7 +39,7 @@ def load(path: str | FilePath) -> Robot:
 
 
 def _folder() -> Traversable:
-    return files("assistant.robots").joinpath("catalogue")
+    return files(__package__).joinpath("catalogue")
 
 
 def _is_robot(file: Traversable) -> bool:

@@ -3,27 +3,16 @@
 from __future__ import annotations
 
 import importlib
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path as FilePath
-from typing import Final, Protocol, cast
+from typing import Final, cast
 
-from assistant.program.diagnostics import Diagnostic, Rule, Severity, Unreadable
-from assistant.program.program import Program
+from assistant.program.diagnostics import Rule, Severity, Unreadable
 from assistant.sources.lengths import known_unit, unit_stated
 from assistant.sources.process import NO_PROCESS, Process
+from assistant.sources.reading import Reader, Reading
 
-
-@dataclass(frozen=True, slots=True)
-class Reading:
-    """The pseudo-program of a source, and what was found on the way."""
-
-    program: Program
-    findings: tuple[Diagnostic, ...] = ()
-
-
-class Reader(Protocol):
-    def __call__(self, path: FilePath, process: Process) -> Reading: ...
-
+__all__ = ["READERS", "Reading", "process_of", "read"]
 
 READERS: Final = {
     ".dxf": "assistant.sources.drawing",

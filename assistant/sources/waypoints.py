@@ -30,9 +30,9 @@ from assistant.program.diagnostics import (
 from assistant.program.path import Path
 from assistant.program.program import Program, identifier
 from assistant.program.text import decode, read_bytes
-from assistant.sources import Reading
 from assistant.sources.lengths import UNITS
 from assistant.sources.process import NO_PROCESS, Process
+from assistant.sources.reading import Reading
 from assistant.sources.tables import rows
 from assistant.sources.tables.arrays import read_npy, read_npz
 from assistant.sources.tables.headers import shown

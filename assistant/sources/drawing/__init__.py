@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path as FilePath
 
 from assistant.program.diagnostics import Refused, has_errors
-from assistant.sources import Reading
 from assistant.sources.drawing.assembly import assemble
 from assistant.sources.drawing.contents import Contents, read_contents
 from assistant.sources.process import Process
+from assistant.sources.reading import Reading
 
 __all__ = ["Contents", "read", "read_contents"]
 

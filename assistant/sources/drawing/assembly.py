@@ -13,7 +13,6 @@ from assistant.program.expressions import Name
 from assistant.program.geometry import Target
 from assistant.program.program import MANGLED, Procedure, Program, identifier
 from assistant.program.statements import Call, Move
-from assistant.sources import Reading
 from assistant.sources.contours.layers import contour_program
 from assistant.sources.drawing.contents import Contents
 from assistant.sources.drawing.findings import (
@@ -25,6 +24,7 @@ from assistant.sources.drawing.findings import (
 )
 from assistant.sources.drawing.locations import Location
 from assistant.sources.process import Process
+from assistant.sources.reading import Reading
 
 MAIN: Final = "main"
 LOCATIONS: Final = "locations"

@@ -28,8 +28,8 @@ from assistant.program.statements import (
     Wait,
 )
 from assistant.program.text import read_bytes
-from assistant.sources import Reading
 from assistant.sources.process import Process
+from assistant.sources.reading import Reading
 from assistant.sources.tables import rows
 from assistant.sources.tables.actions import output
 from assistant.sources.tables.cells import Cells

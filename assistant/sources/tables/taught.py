@@ -60,12 +60,12 @@ from assistant.program.statements import (
     Wait,
 )
 from assistant.program.text import SourceText, decode, read_bytes
-from assistant.sources import Reading
 from assistant.sources.process import Process
 from assistant.sources.process import values as values
 from assistant.sources.process.file import ENCODINGS, process_in, read_toml
 from assistant.sources.process.table import REPAIRED, Table
 from assistant.sources.process.values import Wrong, kind_of
+from assistant.sources.reading import Reading
 from assistant.sources.tables import rows
 from assistant.sources.tables.actions import output
 from assistant.sources.tables.headers import MOST_JOINTS

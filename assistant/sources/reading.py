@@ -1,0 +1,23 @@
+"""What reading a source gives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import Protocol
+
+from assistant.program.diagnostics import Diagnostic
+from assistant.program.program import Program
+from assistant.sources.process import Process
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """The pseudo-program of a source, and what was found on the way."""
+
+    program: Program
+    findings: tuple[Diagnostic, ...] = ()
+
+
+class Reader(Protocol):
+    def __call__(self, path: FilePath, process: Process) -> Reading: ...
