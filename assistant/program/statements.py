@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
@@ -282,3 +283,30 @@ Statement = (
     | Message
     | Opaque
 )
+
+Trait = Literal[
+    "moves", "waits", "sets", "calls", "jumps", "marks", "ends", "holds", "says", "kept"
+]
+"""What a statement does: moves the robot; lets it stand still, for a time or until something; sets
+a signal, variable, timer or what holds for moves; calls a procedure; jumps to a label; marks a
+place that is jumped to; ends or stops the procedure or program; holds other statements; says
+something to people alone; or is kept as its text, which may do any of them."""
+
+TRAITS: Final[Mapping[type, Trait]] = {
+    **dict.fromkeys((Move, MoveCircular, MoveJoints, Follow), "moves"),
+    **dict.fromkeys((Wait, WaitSignal, WaitUntil), "waits"),
+    **dict.fromkeys((StartTimer, SetSignal, Gripper, Assign), "sets"),
+    **dict.fromkeys((SetAcceleration, SetOverride), "sets"),
+    Call: "calls",
+    Goto: "jumps",
+    Label: "marks",
+    **dict.fromkeys((Return, Stop), "ends"),
+    **dict.fromkeys((If, While, For, Switch), "holds"),
+    **dict.fromkeys((Comment, Message), "says"),
+    Opaque: "kept",
+}
+
+
+def trait(statement: Statement) -> Trait:
+    """What a statement does, which whoever walks through a program has to answer."""
+    return TRAITS[type(statement)]

@@ -23,18 +23,15 @@ from assistant.program.program import Procedure, Program, bodies
 from assistant.program.rewriting import records, rewrite
 from assistant.program.statements import (
     Assign,
-    Call,
     Follow,
-    Goto,
     If,
-    Label,
     Motion,
     Move,
     MoveCircular,
     MoveJoints,
     Moving,
-    Opaque,
     Statement,
+    trait,
 )
 from assistant.robots import findings as rules
 from assistant.robots.branches.row_reach import Cures
@@ -86,6 +83,8 @@ def journey(program: Program, robot: Robot) -> Journey:
 
 
 UNMOVED: Final = Motion(MAXIMUM_SPEED, FINE)
+LEADING_AWAY: Final = ("calls", "jumps", "marks", "kept")
+"""Traits of statements behind which nothing tells where the arm is."""
 """How a target would be reached that no move names."""
 
 
@@ -153,13 +152,11 @@ class _Survey:
                     self.follow(statement)
                 case Assign(Name(name), value):
                     self.origins[name.lower()] = self.coming_from(value)
-                case Call() | Goto() | Label() | Opaque():
+                case _ if trait(statement) == "holds":
+                    self.nested(statement, bodies(statement))
+                case _ if trait(statement) in LEADING_AWAY:
                     self.flush()
                     self.joined = False
-                case _:
-                    inner = bodies(statement)
-                    if inner:
-                        self.nested(statement, inner)
         self.flush()
 
     def nested(self, statement: Statement, inner: tuple[tuple[Statement, ...], ...]) -> None:

@@ -33,6 +33,7 @@ from assistant.program.statements import (
     WaitSignal,
     WaitUntil,
     While,
+    trait,
 )
 from assistant.program.text import words_of
 from assistant.robots.solved_program import Journey
@@ -50,6 +51,8 @@ MOST_STATEMENTS: Final = 50_000
 """Statements that are walked through; then each loop is walked once and multiplied. Calls, too,
 that are followed: some programs have more calls than anybody could wait for.
 """
+STANDING: Final = ("waits", "calls", "jumps", "ends", "holds", "kept")
+"""Traits of statements that the moves before them have to end for."""
 MOVING: Final = re.compile(r"\s*(?:[0-9]+\s+)?(?:mov|mv[acrst]|trigg|search)", re.IGNORECASE)
 """How the statements of either language begin that move the arm, where they are kept as text."""
 
@@ -211,11 +214,7 @@ class Walker:
                 return replace(way, known={**way.known, name.lower(): self.values.value(value)})
             case Assign(target=target):
                 return way.without({root(target)})
-            case (
-                Wait() | WaitSignal() | WaitUntil() | Call() | If() | Switch() | For() | While()
-            ) | (Return() | Stop() | Goto() | Opaque()):
-                return None
-        return way
+        return None if trait(statement) in STANDING else way
 
     def acting(self, statement: Statement, way: Way) -> Way | None:
         """What the arm stands still for; None if nothing behind it is reached."""
