@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
-from typing import Any, Final, cast
+from keyword import iskeyword
+from typing import Any, Final, NamedTuple
 
-from lark import Token, Tree
+from lark import Tree
 
 from assistant.program.diagnostics import Span
 from assistant.program.expressions import Binary, Expression, Index, Member, Name, Verbatim
@@ -51,13 +53,7 @@ from assistant.program.statements import (
     WaitUntil,
 )
 
-# ------------------------------------------------------------------------------------- to text
-
-
-def statement_text(statement: Statement) -> str | None:
-    """The line of a statement; None for those of `blocks`."""
-    printer = _PRINTERS.get(type(statement))
-    return printer(statement) if printer else None
+# -------------------------------------------------------------------------------- parts of lines
 
 
 def motion_text(motion: Motion) -> str:
@@ -65,74 +61,6 @@ def motion_text(motion: Motion) -> str:
     parts += [f"tool {name_text(motion.tool)}"] if motion.tool != FLANGE else []
     parts += [f"frame {name_text(motion.frame)}"] if motion.frame != BASE else []
     return " ".join(parts)
-
-
-def _value(value: Expression) -> str:
-    """What stands behind a `=`; a comparison for equality in brackets, for the eye."""
-    equality = isinstance(value, Binary) and value.operator == "="
-    return expression_text(value, ATOM if equality else 0)
-
-
-def _timeout(timeout: Expression | None) -> str:
-    return "" if timeout is None else f" timeout {expression_text(timeout)} s"
-
-
-def _set_signal(s: SetSignal) -> str:
-    pulse = "" if s.pulse is None else f" pulse {expression_text(s.pulse)} s"
-    return f"set {name_text(s.signal)} = {_value(s.value)}{pulse}"
-
-
-def _call(s: Call) -> str:
-    arguments = f"({arguments_text(s.arguments)})" if s.arguments else ""
-    unit = "" if s.unit is None else f" unit {name_text(s.unit)}"
-    return f"call {name_text(s.procedure)}{arguments}{unit}"
-
-
-def _circular(s: MoveCircular) -> str:
-    points = f"via {expression_text(s.via)} to {expression_text(s.target)}"
-    return f"move circular {points} {motion_text(s.motion)}"
-
-
-def _wait_signal(s: WaitSignal) -> str:
-    awaited = f"{name_text(s.signal)} = {_value(s.value)}"
-    return f"wait for {awaited}{_timeout(s.timeout)}"
-
-
-def _acceleration(s: SetAcceleration) -> str:
-    rates = expression_text(s.acceleration), expression_text(s.deceleration)
-    return f"acceleration {rates[0]} % deceleration {rates[1]} %"
-
-
-_PRINTERS: Final[dict[type, Callable[[Any], str]]] = {
-    Move: lambda s: f"move {s.kind} {expression_text(s.target)} {motion_text(s.motion)}",
-    MoveCircular: _circular,
-    MoveJoints: lambda s: f"move absolute {expression_text(s.target)} {motion_text(s.motion)}",
-    Wait: lambda s: f"wait {expression_text(s.seconds)} s",
-    WaitSignal: _wait_signal,
-    WaitUntil: lambda s: f"wait until {expression_text(s.condition)}{_timeout(s.timeout)}",
-    SetSignal: _set_signal,
-    Gripper: lambda s: f"{s.action} hand {s.hand}",
-    SetAcceleration: _acceleration,
-    SetOverride: lambda s: f"override {expression_text(s.percent)} %",
-    Call: _call,
-    StartTimer: lambda s: f"restart timer {name_text(s.timer)}",
-    Assign: lambda s: f"{assignable_text(s.target)} = {_value(s.value)}",
-    Stop: lambda s: "exit" if s.end else "stop",
-    Return: lambda s: "return" if s.value is None else f"return {expression_text(s.value)}",
-    Comment: lambda s: comment_text(s.text),
-    Label: lambda s: f"label {name_text(s.name)}",
-    Goto: lambda s: f"goto {name_text(s.label)}",
-    Message: lambda s: f"message {arguments_text(s.parts)}".rstrip(),
-}
-
-
-# ----------------------------------------------------------------------------------- from text
-
-
-def read_statement(tree: Node, span: Span) -> Statement | None:
-    """The statement of a line; None if it is one of `blocks`. Raises Wrong."""
-    reader = _READERS.get(tree.data)
-    return reader(*tree.children, span=span) if reader else None
 
 
 def read_motion(tree: object) -> Motion:
@@ -146,12 +74,103 @@ def read_motion(tree: object) -> Motion:
     )
 
 
-def _or_none(tree: object) -> Expression | None:
-    return None if tree is None else read_expression(tree)
+def _value(value: Expression) -> str:
+    """What stands behind a `=`; a comparison for equality in brackets, for the eye."""
+    equality = isinstance(value, Binary) and value.operator == "="
+    return expression_text(value, ATOM if equality else 0)
 
 
-def _read_timeout(tree: object) -> Expression | None:
-    return None if tree is None else read_expression(cast(Node, tree).children[0])
+def _optional(before: str = " ", after: str = "") -> _Slot:
+    """An expression that may be missing, with the words around it."""
+    return _Slot(
+        lambda value: "" if value is None else f"{before}{expression_text(value)}{after}",
+        lambda tree: None if tree is None else read_expression(tree),
+    )
+
+
+def _arguments(arguments: tuple[Expression, ...]) -> str:
+    return f"({arguments_text(arguments)})" if arguments else ""
+
+
+class _Slot(NamedTuple):
+    """What stands in a place of a line: as text, and from the tree of its place."""
+
+    text: Callable[[Any], str]
+    read: Callable[[Any], Any]
+
+
+_SLOTS: Final[dict[str, _Slot]] = {
+    "": _Slot(expression_text, read_expression),
+    "side": _Slot(_value, read_expression),
+    "name": _Slot(name_text, read_name),
+    "word": _Slot(str, str),
+    "integer": _Slot(str, read_integer),
+    "motion": _Slot(motion_text, read_motion),
+    "optional": _optional(),
+    "pulse": _optional(" pulse ", " s"),
+    "timeout": _Slot(
+        lambda value: "" if value is None else f" timeout {expression_text(value)} s",
+        lambda tree: None if tree is None else read_expression(tree.children[0]),
+    ),
+    "unit": _Slot(
+        lambda name: "" if name is None else f" unit {name_text(name)}",
+        lambda tree: None if tree is None else read_name(tree),
+    ),
+    "arguments": _Slot(_arguments, lambda tree: () if tree is None else read_arguments(tree)),
+    "parts": _Slot(lambda parts: f" {arguments_text(parts)}".rstrip(), read_arguments),
+}
+
+
+class _Form:
+    """The line of a plain statement: words, and fields in braces, with their slot behind a colon.
+
+    The rule of the grammar that reads it is named like the record, and has its fields in the order
+    of the line.
+    """
+
+    def __init__(self, record: type, line: str) -> None:
+        parts = re.split(r"\{(\w+)(?::(\w+))?\}", line)
+        words, fields = parts[::3], list(zip(parts[1::3], parts[2::3], strict=True))
+        self.record, self.first = record, words[0]
+        self.places = [
+            (field, _SLOTS[slot or ""], word)
+            for (field, slot), word in zip(fields, words[1:], strict=True)
+        ]
+        rule = re.sub(r"(?<!^)(?=[A-Z])", "_", record.__name__).lower()
+        self.rule = f"{rule}_" if iskeyword(rule) else rule
+
+    def text(self, statement: Any) -> str:
+        found = [self.first]
+        for field, slot, word in self.places:
+            found += (slot.text(getattr(statement, field)), word)
+        return "".join(found)
+
+    def read(self, *children: Any, span: Span) -> Statement:
+        places = zip(self.places, children, strict=True)
+        fields = {field: slot.read(tree) for (field, slot, _), tree in places}
+        made: Statement = self.record(**fields, span=span)
+        return made
+
+
+_FORMS: Final = (
+    _Form(Move, "move {kind:word} {target} {motion:motion}"),
+    _Form(MoveCircular, "move circular via {via} to {target} {motion:motion}"),
+    _Form(MoveJoints, "move absolute {target} {motion:motion}"),
+    _Form(Wait, "wait {seconds} s"),
+    _Form(WaitSignal, "wait for {signal:name} = {value:side}{timeout:timeout}"),
+    _Form(WaitUntil, "wait until {condition}{timeout:timeout}"),
+    _Form(StartTimer, "restart timer {timer:name}"),
+    _Form(SetSignal, "set {signal:name} = {value:side}{pulse:pulse}"),
+    _Form(Gripper, "{action:word} hand {hand:integer}"),
+    _Form(SetAcceleration, "acceleration {acceleration} % deceleration {deceleration} %"),
+    _Form(SetOverride, "override {percent} %"),
+    _Form(Call, "call {procedure:name}{arguments:arguments}{unit:unit}"),
+    _Form(Return, "return{value:optional}"),
+    _Form(Label, "label {name:name}"),
+    _Form(Goto, "goto {label:name}"),
+    _Form(Message, "message{parts:parts}"),
+)
+"""A plain statement is one row here, a rule in the grammar, and a record."""
 
 
 def _read_assign(place: Node, value: Node, span: Span) -> Statement:
@@ -161,56 +180,27 @@ def _read_assign(place: Node, value: Node, span: Span) -> Statement:
     return Assign(target, read_expression(value), span=span)
 
 
-def _read_move(kind: Token, target: Node, motion: Node, span: Span) -> Statement:
-    return Move(
-        "joint" if kind == "joint" else "linear",
-        read_expression(target),
-        read_motion(motion),
-        span=span,
-    )
-
-
-def _read_call(name: Node, arguments: Node | None, unit: Node | None, span: Span) -> Statement:
-    return Call(
-        read_name(name),
-        () if arguments is None else read_arguments(arguments),
-        None if unit is None else read_name(unit),
-        span=span,
-    )
-
-
+_TEXTS: Final[dict[type, Callable[[Any], str]]] = {
+    **{form.record: form.text for form in _FORMS},
+    Assign: lambda s: f"{assignable_text(s.target)} = {_value(s.value)}",
+    Stop: lambda s: "exit" if s.end else "stop",
+    Comment: lambda s: comment_text(s.text),
+}
 _READERS: Final[dict[str, Callable[..., Statement]]] = {
-    "move": _read_move,
-    "move_circular": lambda via, target, motion, span: MoveCircular(
-        read_expression(via), read_expression(target), read_motion(motion), span=span
-    ),
-    "move_joints": lambda target, motion, span: MoveJoints(
-        read_expression(target), read_motion(motion), span=span
-    ),
-    "wait": lambda seconds, span: Wait(read_expression(seconds), span=span),
-    "wait_signal": lambda signal, value, timeout, span: WaitSignal(
-        read_name(signal), read_expression(value), _read_timeout(timeout), span=span
-    ),
-    "wait_until": lambda condition, timeout, span: WaitUntil(
-        read_expression(condition), _read_timeout(timeout), span=span
-    ),
-    "start_timer": lambda timer, span: StartTimer(read_name(timer), span=span),
-    "set_signal": lambda signal, value, pulse, span: SetSignal(
-        read_name(signal), read_expression(value), _or_none(pulse), span=span
-    ),
-    "gripper": lambda action, hand, span: Gripper(
-        "open" if action == "open" else "close", read_integer(hand), span=span
-    ),
-    "set_acceleration": lambda up, down, span: SetAcceleration(
-        read_expression(up), read_expression(down), span=span
-    ),
-    "set_override": lambda percent, span: SetOverride(read_expression(percent), span=span),
-    "call": _read_call,
+    **{form.rule: form.read for form in _FORMS},
     "assign": _read_assign,
     "stop": lambda span: Stop(span=span),
     "exit": lambda span: Stop(end=True, span=span),
-    "return_": lambda value, span: Return(_or_none(value), span=span),
-    "label": lambda name, span: Label(read_name(name), span=span),
-    "goto": lambda name, span: Goto(read_name(name), span=span),
-    "message": lambda parts, span: Message(read_arguments(parts), span=span),
 }
+
+
+def statement_text(statement: Statement) -> str | None:
+    """The line of a statement; None for those of `blocks`."""
+    text = _TEXTS.get(type(statement))
+    return text(statement) if text else None
+
+
+def read_statement(tree: Node, span: Span) -> Statement | None:
+    """The statement of a line; None if it is one of `blocks`. Raises Wrong."""
+    reader = _READERS.get(tree.data)
+    return reader(*tree.children, span=span) if reader else None
