@@ -175,7 +175,7 @@ def compile_program(
         return replace(compiled, found=tuple(findings))
     units = dict.fromkeys([None, *(p.unit for p in program.procedures)])
     files = {
-        target.file_name(program, unit): target.encode(target.build(program, arm, unit))
+        target.file_name(program, unit): target.encode(target.built(adapted, arm, unit))
         for unit in units
     }
     proof = prove(target, program, files, arm)

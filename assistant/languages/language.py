@@ -6,7 +6,7 @@ import abc
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Generic, Literal, Protocol, Self, TypeVar
@@ -104,10 +104,14 @@ ARITHMETIC: Final[Mapping[str, Choice]] = MappingProxyType(
 
 @dataclass(frozen=True, slots=True)
 class Adapted:
-    """A program as one language will say it, with a finding for everything that changed."""
+    """A program as one language will say it, with a finding for everything that changed.
+
+    trees: of its units, where they were built to see whether that can be done.
+    """
 
     program: Program
     findings: tuple[Diagnostic, ...] = ()
+    trees: Mapping[str | None, Any] = field(default_factory=dict)
 
 
 Frames = Literal["base", "product"]
@@ -321,7 +325,12 @@ class Language(abc.ABC, Generic[T]):
         return self.merge(tree, before, after, program)
 
     def _built(self, program: Program, robot: Robot | None) -> T:
-        return self.build(self.adapt(program, robot).program, robot)
+        return self.built(self.adapt(program, robot), robot)
+
+    def built(self, adapted: Adapted, robot: Robot | None = None, unit: str | None = None) -> T:
+        """The tree of a unit of an adapted program, which may have been built already."""
+        known: T | None = adapted.trees.get(unit)
+        return self.build(adapted.program, robot, unit) if known is None else known
 
     def merge(self, tree: T, before: T, after: T, program: Program) -> T:  # noqa: ARG002
         """A tree with the changes made to it that lead from one built tree to another.

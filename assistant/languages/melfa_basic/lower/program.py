@@ -51,8 +51,7 @@ def build(
     findings = [f for f in lines.findings if f.severity == "error"]
     if findings:
         raise Refused(*findings)
-    data = list(lines.data())
-    return s.File(dialect_name, (*gathered(numbered(code, dialect)), *gathered(data)))
+    return lines.tree(code)
 
 
 def steps(items: list[s.Item]) -> int:
@@ -89,6 +88,11 @@ class UnitLines(Unit):
         else:
             self.as_subroutines(first, others)
         return [*heading(self), *self.writer.items]
+
+    def tree(self, code: list[s.Item]) -> s.File:
+        """The file of its code lines, which it gave before, and its variable lines."""
+        steps = gathered(numbered(code, self.dialect))
+        return s.File(self.dialect.name, (*steps, *gathered(list(self.data()))))
 
     def as_subroutines(self, first: Procedure | None, others: list[Procedure]) -> None:
         """The first procedure, and what it calls behind its end."""

@@ -25,7 +25,7 @@ from assistant.languages.melfa_basic.tables.capabilities import capabilities
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP, Dialect
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.program.diagnostics import Diagnostic, Findings, Span
+from assistant.program.diagnostics import Diagnostic, Findings, Span, has_errors
 from assistant.program.geometry import BASE
 from assistant.program.passes.arrays import (
     with_array_parameters,
@@ -69,12 +69,13 @@ def adapt(
         context.findings.append(rules.NO_ENTRY(name=adapted.name))
     context.findings += _shared(adapted)
     context.findings += _long(adapted, dialect)
-    context.findings += _written(context, adapted)
+    trees = _written(context, adapted)
     if context.unstated:
         context.findings.append(rules.NO_CONFIGURATION(count=context.unstated))
     if context.named:
         context.findings.append(rules.NAMED(count=context.named))
-    return Adapted(adapted, tuple(context.findings))
+    findings = context.findings
+    return Adapted(adapted, tuple(findings), {} if has_errors(findings) else trees)
 
 
 def without_recursion(job: Legalising) -> Program:
@@ -141,22 +142,27 @@ def _long(program: Program, dialect: Dialect) -> Iterator[Diagnostic]:
             yield rules.LONG_NAME(name=name, most=dialect.longest, place=name, span=variable.span)
 
 
-def _written(context: Context, program: Program) -> Iterator[Diagnostic]:
-    """What is found as each unit is written."""
+def _written(context: Context, program: Program) -> dict[str | None, s.File]:
+    """The units that can be written; what is found as they are is added to the findings."""
+    trees: dict[str | None, s.File] = {}
+    findings = context.findings
     names = naming(program, context.dialect, context.products)
     check_names(program, names, context.findings)
     if context.products:
         for name, branches in branches_in(program, context.robot).items():
             if name != BASE and len(branches) > 1:
-                yield rules.SHARED_BRANCH(name=name, place=name)
+                findings.append(rules.SHARED_BRANCH(name=name, place=name))
     for unit in dict.fromkeys([None, *(q.unit for q in program.procedures)]):
         writing = UnitLines(program, context.robot, unit, context.dialect, names)
         code = writing.code()
-        yield from writing.findings
-        yield from _too_long(code, context.dialect, writing.writer.spans)
+        findings += writing.findings
+        findings += _too_long(code, context.dialect, writing.writer.spans)
         if (count := steps(code)) > LAST_STEP:
-            name = names.units[unit]
-            yield rules.TOO_MANY_STEPS(name=name, count=count, most=LAST_STEP, place=name)
+            name, most = names.units[unit], LAST_STEP
+            findings.append(rules.TOO_MANY_STEPS(name=name, count=count, most=most, place=name))
+        if not has_errors(findings):
+            trees[unit] = writing.tree(code)
+    return trees
 
 
 def _too_long(

@@ -25,6 +25,7 @@ from assistant.languages.rapid.lower.names import naming, units
 from assistant.languages.rapid.lower.program import build
 from assistant.languages.rapid.tables.words import LONGEST_NAME, MOST_TARGETS, PREDEFINED, RESERVED
 from assistant.languages.rapid.text import verbatim
+from assistant.languages.rapid.tree.syntax import File
 from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
@@ -45,11 +46,11 @@ def adapt(program: Program, most_targets: int | None = None) -> Adapted:
         adapted = split(with_paths(adapted), most_targets or MOST_TARGETS, findings)
         _find_names(adapted, findings)
         _find_shared_outputs(adapted, findings)
-        _find_unbuildable(adapted, findings)
+        trees = _built(adapted, findings)
     except Refused as refused:
         findings += refused.findings
-        adapted = program
-    return Adapted(adapted, tuple(findings))
+        return Adapted(program, tuple(findings))
+    return Adapted(adapted, tuple(findings), trees)
 
 
 def _sayable(program: Program, findings: Findings) -> Program:
@@ -125,8 +126,14 @@ def _why(name: str) -> str:
     return "it is a word of RAPID" if name.lower() in RESERVED | PREDEFINED else "it is taken"
 
 
-def _find_unbuildable(program: Program, findings: Findings) -> None:
-    """A finding for each procedure or declaration that cannot be built."""
+def _built(program: Program, findings: Findings) -> dict[str | None, File]:
+    """The units, or a finding for each procedure or declaration that cannot be built."""
+    whole: tuple[Diagnostic, ...] = ()
+    if not has_errors(findings):
+        try:
+            return {unit: build(program, unit) for unit in (None, *units(program))}
+        except Refused as refused:
+            whole = refused.findings  # of the first place alone
     data = [] if has_errors(findings) else [replace(program, procedures=())]
     for tried in (*data, *(_alone(program, q) for q in program.procedures)):
         try:
@@ -135,6 +142,8 @@ def _find_unbuildable(program: Program, findings: Findings) -> None:
         except Refused as refused:
             known = {(f.code, f.message, f.span) for f in findings}
             findings += [f for f in refused.findings if (f.code, f.message, f.span) not in known]
+    findings += () if has_errors(findings) else whole
+    return {}
 
 
 def _alone(program: Program, procedure: Procedure) -> Program:
