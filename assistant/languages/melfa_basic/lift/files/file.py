@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from assistant.languages.melfa_basic.lift.files import declared, routines
-from assistant.languages.melfa_basic.lift.files.parts import ALL_SETTINGS, File
+from assistant.languages.melfa_basic.lift.files.parts import File
 from assistant.languages.melfa_basic.lift.settings import equal_forms, forms_by_way
+from assistant.languages.melfa_basic.lift.settings.calls import calls_of
 from assistant.languages.melfa_basic.lift.settings.flow import Flow
 from assistant.languages.melfa_basic.lift.settings.forms import Contexts, Form
 from assistant.languages.melfa_basic.lift.settings.held import (
@@ -32,7 +33,6 @@ from assistant.languages.melfa_basic.lift.values.pallets import pallets, still_m
 from assistant.languages.melfa_basic.lift.values.symbols import Inside, Meanings, Routine
 from assistant.languages.melfa_basic.lift.values.timers import timers
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program.arrays import Ints
 from assistant.program.program import (
     Declaration,
@@ -222,7 +222,7 @@ class Unit:
         structure, parts = self._regions(code)
         constants = meanings.constants
         settings = Settings(self.file.positions, constants, self.header.names, own=self.own)
-        flow = Flow(code, parts, structure, settings.effect, self._calls(parts))
+        flow = Flow(code, parts, structure, settings.effect, calls_of(parts, self.touched))
         return _Ways(
             constants, structure, parts, settings, Contexts(flow, self._initial()),
             {} if self.own else used_once(code), meanings.timers, "M_BRKCQ" in set(all_keys(code)),
@@ -265,31 +265,6 @@ class Unit:
         return tuple(
             Held(UNKNOWN) if slot in set_anywhere else held for slot, held in enumerate(INITIAL)
         )
-
-    def _calls(self, parts: list[Region]) -> Any:
-        by_label = {region.label: k for k, region in enumerate(parts) if region.label}
-        by_name = {r.function.name.upper(): k for k, r in enumerate(parts) if r.function}
-
-        def calls(statement: s.Statement) -> Iterable[int | frozenset[int]]:
-            match statement:
-                case s.CallP(program=s.String(value=name)):
-                    yield self.touched.get(identifier(name).upper(), ALL_SETTINGS)
-                case s.CallP():
-                    yield ALL_SETTINGS
-                case s.Jump(keyword="GoSub", target=target):
-                    yield by_label.get(str(target.place).upper(), ALL_SETTINGS)
-                case s.OnJump(keyword="GoSub", targets=targets):
-                    for target_ in targets:
-                        if target_ is not None:
-                            yield by_label.get(str(target_.place).upper(), ALL_SETTINGS)
-            if by_name:
-                node = statement.condition if isinstance(statement, s.If) else statement
-                for part in nodes(node):
-                    if isinstance(part, s.Variable) and part.key in by_name:
-                        if part is not getattr(statement, "target", None):
-                            yield by_name[part.key]
-
-        return calls
 
     # -------------------------------------------------------------------------- procedures
 

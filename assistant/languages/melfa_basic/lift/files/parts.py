@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from assistant.languages.melfa_basic.lift.settings.held import SETTINGS
+from assistant.languages.melfa_basic.lift.settings.held import ALL_SETTINGS, SETTINGS
 from assistant.languages.melfa_basic.lift.statements.waits import comment_text
 from assistant.languages.melfa_basic.lift.structure.blocks import Entry
 from assistant.languages.melfa_basic.lift.structure.order import in_order
@@ -18,8 +18,6 @@ from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.positions import Positions
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program.program import identifier
-
-ALL_SETTINGS = frozenset(range(5))
 
 
 class File:

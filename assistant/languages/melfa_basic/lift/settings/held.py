@@ -40,6 +40,8 @@ State = tuple[Held, ...]
 
 INITIAL: Final[State] = tuple(Held(v) for v in (math.inf, 100.0, FINE, FLANGE, BASE))
 """What holds when a program starts (COSIROP help; tool and base as the controller has them)."""
+ALL_SETTINGS: Final = frozenset(range(len(INITIAL)))
+"""Of a program that nothing is known of."""
 
 
 class Settings:
