@@ -324,7 +324,7 @@ class Robot:
 
     def check(self, program: Program) -> tuple[Diagnostic, ...]:
         """What of a program is out of this robot's reach or limits."""
-        from assistant.robots.configure import configure
+        from assistant.robots.configuring import configure
 
         _, findings = configure(program, self)
         return findings
