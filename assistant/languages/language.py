@@ -11,7 +11,7 @@ from pathlib import Path as FilePath
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Generic, Literal, Protocol, Self, TypeVar
 
-from assistant.program.diagnostics import Diagnostic, Span
+from assistant.program.diagnostics import Diagnostic, Refused, Severity, Span
 from assistant.program.program import Origin, Program
 from assistant.program.text import SourceText, decode, encode, read_bytes
 
@@ -325,7 +325,11 @@ class Language(abc.ABC, Generic[T]):
         return self.merge(tree, before, after, program)
 
     def _built(self, program: Program, robot: Robot | None) -> T:
-        return self.built(self.adapt(program, robot), robot)
+        adapted = self.adapt(program, robot)
+        errors = [f for f in adapted.findings if f.severity is Severity.ERROR]
+        if errors:
+            raise Refused(*errors)
+        return self.built(adapted, robot)
 
     def built(self, adapted: Adapted, robot: Robot | None = None, unit: str | None = None) -> T:
         """The tree of a unit of an adapted program, which may have been built already."""

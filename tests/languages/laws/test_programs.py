@@ -13,6 +13,7 @@ from assistant.compiler.proof import prove
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.comparison import Tolerance, compare
+from assistant.program.diagnostics import Refused
 from assistant.program.geometry import Configuration, Frame, Pose, Target, Tool
 from assistant.program.motion import FINE, FULL_BLEND, Speed
 from assistant.program.path import Path
@@ -199,3 +200,14 @@ def test_what_is_odd_is_an_error_or_proven(name: str, statement: p.Statement) ->
     program = Program("job", (Procedure("main", (statement,)),), **PARTS)
     if not errors(languages.get(name).adapt(program).findings):
         proven(name, program)
+
+
+@every_language
+def test_what_cannot_be_said_is_never_lowered(name: str) -> None:
+    foreign = p.Opaque("some-other-language", "WOBBLE 3")
+    program = Program("p", (Procedure("main", (p.Wait(e.Number(1.0)), foreign)),), "main")
+    language = languages.get(name)
+    assert errors(language.adapt(program).findings)
+    with pytest.raises(Refused) as refused:
+        language.lower(program)
+    assert errors(refused.value.findings)
