@@ -19,7 +19,7 @@ from assistant.findings.severity import severities_for
 from assistant.program import pseudo
 from assistant.program.diagnostics import Severity
 from assistant.sources.process.file import read_process
-from docs import findings
+from docs import findings, house
 
 PROJECT = Path(__file__).parent.parent
 PAGES = [PROJECT / "README.md", *sorted((PROJECT / "docs").glob("*.md"))]
@@ -164,3 +164,12 @@ def test_every_finding_says_what_to_do():
     """An info may be just that."""
     asking = [rule for rule in rulebook.rules().values() if rule.severity is not Severity.INFO]
     assert [rule.code for rule in asking if not rule.cure.strip()] == []
+
+
+def test_the_rooms_of_languages_are_counted() -> None:
+    assert house.code_lines('"""Says."""\n\n# Why\nx = [\n    1,  # one\n]\n') == 3
+    sizes = house.sizes()
+    for name in ("rapid", "melfa_basic"):
+        assert {"tree", "reading", "text", "checks", "lift", "lower", "tables"} <= set(sizes[name])
+    lines = house.table(sizes).splitlines()
+    assert lines[-1].split()[1:] == [str(sum(inside.values())) for inside in sizes.values()]
