@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -13,8 +14,9 @@ from assistant.program.expressions import Expression, Name, TargetValue
 from assistant.program.path import Kind, Path
 from assistant.program.program import Program, bodies
 from assistant.program.statements import Follow, Move, MoveCircular, Statement
+from assistant.program.subjects import Declared, PathRow
 
-_Place = Callable[[int], str]
+_Place = Callable[[int], Declared | PathRow]
 """Row of an arc → where it is."""
 
 LEAST_APART: Final = 0.1
@@ -55,10 +57,11 @@ NEARLY_ROUND = Rule(
 
 def arcs(program: Program) -> Iterator[Diagnostic]:
     for procedure in program.procedures:
-        yield from _body(program, procedure.body, f"procedure {procedure.name}")
+        about = Declared(procedure.name, "procedures", in_full=True)
+        yield from _body(program, procedure.body, about)
 
 
-def _body(program: Program, body: tuple[Statement, ...], place: str) -> Iterator[Diagnostic]:
+def _body(program: Program, body: tuple[Statement, ...], about: Declared) -> Iterator[Diagnostic]:
     """Follows the position through straight code; where it is not known only the rest counts."""
     here: Floats | None = None
     for statement in body:
@@ -71,12 +74,12 @@ def _body(program: Program, body: tuple[Statement, ...], place: str) -> Iterator
             case MoveCircular(via=via, target=target):
                 points = [here, _position(program, via), _position(program, target)]
                 row = np.array([p if p is not None else np.full(3, np.nan) for p in points])
-                yield from _found(row[None], lambda _: place)
+                yield from _found(row[None], lambda _: about)
                 here = points[2]
             case _:
                 here = None if bodies(statement) else here
         for inner in bodies(statement):
-            yield from _body(program, inner, place)
+            yield from _body(program, inner, about)
 
 
 def _path(path: Path, before: Floats | None) -> Iterator[Diagnostic]:
@@ -88,7 +91,7 @@ def _path(path: Path, before: Floats | None) -> Iterator[Diagnostic]:
     if vias[0] == 0:
         starts[0] = before if before is not None else np.nan
     points = np.stack([starts, path.positions[vias], path.positions[vias + 1]], axis=1)
-    yield from _found(points, lambda row: f"path {path.name} row {vias[row] + 1}")
+    yield from _found(points, lambda row: PathRow(path.name, int(vias[row]) + 1, in_full=True))
 
 
 def _found(points: Floats, place: _Place) -> Iterator[Diagnostic]:
@@ -101,7 +104,7 @@ def _found(points: Floats, place: _Place) -> Iterator[Diagnostic]:
     straight = ~close & (height < LEAST_HEIGHT * lengths[:, 2])
     for rule, rows in ((TOO_CLOSE, close), (STRAIGHT, straight)):
         for row in np.flatnonzero(rows):
-            yield rule(place=place(int(row)))
+            yield rule(about=place(int(row)))
     sound = ~close & ~straight & np.isfinite(lengths).all(axis=1)
     flat = np.degrees(np.arctan2(height, np.einsum("ij,ij->i", sides[:, 0], sides[:, 2])))
     inner = np.arctan2(
@@ -121,8 +124,10 @@ def _of_angle(rule: Rule, angle: Floats, rows: Rows, place: _Place) -> Iterator[
     if not len(rows):
         return
     worst = int(rows[(angle if rule is NEARLY_ROUND else -angle)[rows].argmax()])
-    more = f" and {len(rows) - 1} more" if len(rows) > 1 else ""
-    yield rule(place=place(worst) + more, angle=angle[worst])
+    about = place(worst)
+    if isinstance(about, PathRow):
+        about = replace(about, more=len(rows) - 1)
+    yield rule(about=about, angle=angle[worst])
 
 
 def _position(program: Program, expression: Expression) -> Floats | None:

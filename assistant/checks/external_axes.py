@@ -26,7 +26,7 @@ def external_axes(tour: Tour) -> Iterator[Diagnostic]:
             rows = np.flatnonzero(~stated[:, axis])
             for group, _ in stage.groups(rows, np.zeros(len(rows))):
                 yield MISSING(
-                    place=stage.moves.run.what(group),
+                    about=stage.moves.run.what(group),
                     span=stage.span(int(group[0])),
                     axis=axis + 1,
                     others=count[axis],

@@ -9,6 +9,7 @@ from assistant.checks.tour import Tour
 from assistant.program.diagnostics import Diagnostic, Rule, Severity
 from assistant.program.geometry import FLANGE, Tool
 from assistant.program.statements import Follow
+from assistant.program.subjects import Declared
 
 NO_MASS: Final = Rule(
     "CK331",
@@ -32,15 +33,16 @@ def loads(tour: Tour) -> Iterator[Diagnostic]:
         if not tool.held or tool.load is None:
             continue
         mass = tool.load.mass
+        about = Declared(name, "tools", in_full=True)
         if not mass > 0.0 and "rapid" in robot.languages:
-            yield NO_MASS(name=name, place=f"tool {name}")
+            yield NO_MASS(name=name, about=about)
         elif robot.payload is not None and mass > robot.payload:
             yield TOO_HEAVY(
                 name=name,
                 mass=mass,
                 robot=robot.title,
                 payload=robot.payload,
-                place=f"tool {name}",
+                about=about,
             )
 
 

@@ -108,8 +108,8 @@ class Stage:
     def told(self, rule: Rule, rows: Rows, row: int, **fields: Any) -> Diagnostic:
         """A finding about some rows, the worst of which is one of them."""
         where = f" (worst at {self.moves.run.label(row)})" if len(rows) > 1 else ""
-        place = self.moves.run.what(rows)
-        return rule(place=place, span=self.span(row), worst=where, **fields)
+        about = self.moves.run.what(rows)
+        return rule(about=about, span=self.span(row), worst=where, **fields)
 
     def span(self, row: int) -> Span | None:
         """Where the statement stands that moves to a row."""

@@ -16,6 +16,7 @@ from assistant.program.geometry import JointTarget, Target
 from assistant.program.path import Path, configuration_row
 from assistant.program.program import Declaration, Program, Variable, walk
 from assistant.program.rewriting import head, records, rewrite
+from assistant.program.subjects import Declared
 from assistant.program.text import words_of
 
 if TYPE_CHECKING:
@@ -233,28 +234,32 @@ def _stated(program: Program) -> Iterator[_Stated]:
     own = {q.name.lower(): {n.lower() for n in q.variables} for q in program.procedures}
     for name, target in program.joint_targets.items():
         seen = frozenset(q for q, names in own.items() if name.lower() not in names)
-        yield _Stated(f"`{name}`", target, {"place": name}, name.lower(), seen)
+        about = Declared(name, "joint_targets")
+        yield _Stated(f"`{name}`", target, {"about": about}, name.lower(), seen)
     for name, variable in program.variables.items():
         seen = frozenset(q for q, names in own.items() if name.lower() not in names)
-        yield from _held(name, variable, f"variable {name}", seen)
+        yield from _held(name, variable, Declared(name, "variables", in_full=True), seen)
     for procedure in program.procedures:
         alone = frozenset({procedure.name.lower()})
         for name, variable in procedure.variables.items():
-            place = f"procedure {procedure.name} variable {name}"
-            yield from _held(name, variable, place, alone)
+            about = Declared(name, "variables", procedure.name, in_full=True)
+            yield from _held(name, variable, about, alone)
         for statement in walk(procedure.body):
-            where: dict[str, Any] = {"place": f"procedure {procedure.name}"}
-            where = where if statement.span is None else {"span": statement.span}
+            where: dict[str, Any] = {"span": statement.span}
+            if statement.span is None:
+                where = {"about": Declared(procedure.name, "procedures", in_full=True)}
             for part in records(head(statement)):
                 if isinstance(part, JointTarget):
                     yield _Stated("the move", part, where)
 
 
-def _held(name: str, variable: Variable, place: str, seen: frozenset[str]) -> Iterator[_Stated]:
+def _held(
+    name: str, variable: Variable, about: Declared, seen: frozenset[str]
+) -> Iterator[_Stated]:
     """The joint targets in the first value of a variable."""
     for part in records(variable.initial):
         if isinstance(part, JointTarget):
-            where = {"place": place, "span": variable.span}
+            where = {"about": about, "span": variable.span}
             yield _Stated(f"`{name}`", part, where, name.lower(), seen)
 
 

@@ -6,11 +6,10 @@ declarations that cannot be said become comments at the head.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path as FilePath
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 from assistant.compiler.arms import Arms
 from assistant.compiler.compiling import Compiled, compile_program
@@ -21,6 +20,7 @@ from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, Rule, Severity, Span
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import Body, map_bodies, records
+from assistant.program.subjects import DATA, Declared, Inner
 from assistant.program.text import lines_of, words_of
 
 LEFT_OUT = Rule(
@@ -41,7 +41,8 @@ MOST_ROUNDS: Final = 8
 """What is left out may be missed elsewhere (a label, a variable), but not for ever."""
 PLACES: Final = ("position", "pose", "joints")
 """Types of variables that say where something is."""
-TABLES: Final = ("variables", "targets", "joint_targets", "tools", "frames", "signals")
+Names: TypeAlias = Collection[tuple[str, str]]
+"""Procedure, empty for the program, and name of what is declared, in lower case."""
 
 
 def draft(
@@ -77,7 +78,7 @@ def draft(
 
 def _declared_names(program: Program) -> set[str]:
     """Names in lower case of what is declared, or what a declaration as text speaks of."""
-    names = {name.lower() for table in TABLES for name in getattr(program, table)}
+    names = {name.lower() for table in DATA for name in getattr(program, table)}
     for declaration in program.declarations:
         names.update(words_of(declaration.text))
     return names
@@ -85,46 +86,39 @@ def _declared_names(program: Program) -> set[str]:
 
 def _for_want(finding: Diagnostic, missing: Collection[str]) -> Diagnostic:
     """What is found of a name that a draft lacks is for want of its declaration."""
-    named = re.findall(r"`(\w+)`", finding.message)
-    name = next((n for n in named if n.lower() in missing), None)
-    if name is None:
+    name = finding.missing
+    if name is None or name.lower() not in missing:
         return finding
-    return replace(LEFT_OUT(name=name), span=finding.span, place=finding.place)
+    return LEFT_OUT(name=name, span=finding.span, about=finding.about)
 
 
-def _unsayable(compiled: Compiled) -> tuple[set[Span], set[str]]:
-    """Spans of statements and names of declarations that errors are about."""
+def _unsayable(compiled: Compiled) -> tuple[set[Span], set[tuple[str, str]]]:
+    """Spans of statements and `Names` of declarations that errors are about."""
     trace = Trace(compiled.program, compiled.proof.lifted)
     spans: set[Span] = set()
-    names: set[str] = set()
+    names: set[tuple[str, str]] = set()
     for finding in compiled.found:
         if finding.severity is Severity.ERROR:
-            span, name = trace.source(finding), _declared(finding.place or "")
-            if name is not None and (span is None or finding in compiled.proof.findings):
-                names.add(name)
+            span, declared = trace.source(finding), _declared(finding)
+            if declared is not None and (span is None or finding in compiled.proof.findings):
+                names.add((declared.owner.lower(), declared.name.lower()))
             elif span is not None:
                 spans.add(span)
     return spans, names
 
 
-def _declared(place: str) -> str | None:
-    """The name of what is declared at a place in words, with its procedure's before a blank."""
-    match place.lower().split():
-        case ["procedure", owner, "variable" | "variables", name, *_]:
-            return f"{owner} {name}"
-        case ["variable", name]:
-            return name
-        case [table, name, *_] if table in TABLES:
-            return name
-        case [name]:
-            return name
+def _declared(finding: Diagnostic) -> Declared | None:
+    """The variable, target, tool … that a finding is about, or a part of which it is about."""
+    match finding.about:
+        case Inner() as inner:
+            return inner.declared
+        case Declared(table=table) as declared if table is None or table in DATA:
+            return declared
     return None
 
 
-def _without(
-    program: Program, spans: Collection[Span], names: Collection[str], places: Places
-) -> Program:
-    """spans: of statements and declarations that go. names: of data that go, lower case."""
+def _without(program: Program, spans: Collection[Span], names: Names, places: Places) -> Program:
+    """spans: of statements and declarations that go. names: of data that go."""
     heads: list[str] = []
     kept = []
     for declaration in program.declarations:
@@ -133,10 +127,11 @@ def _without(
         else:
             kept.append(declaration)
     tables: dict[str, Any] = {}
-    parts = {part.name.lower(): part for part in places.parts() if part.name}
-    for table in TABLES:
+    inner_first = sorted(places.parts(), key=lambda part: not part.owner)
+    parts = {part.name.lower(): part for part in inner_first if part.name}
+    for table in DATA:
         given = getattr(program, table)
-        gone = [n for n, v in given.items() if n.lower() in names or _stands_in(v, spans)]
+        gone = [n for n, v in given.items() if ("", n.lower()) in names or _stands_in(v, spans)]
         if gone:
             tables[table] = _fewer(given, gone)
         for name in gone:
@@ -173,7 +168,7 @@ def _fewer(given: Mapping[str, Any], gone: Collection[str]) -> dict[str, Any]:
 
 
 def _procedure(
-    procedure: Procedure, spans: Collection[Span], names: Collection[str], places: Places
+    procedure: Procedure, spans: Collection[Span], names: Names, places: Places
 ) -> Procedure:
     if procedure.span is not None and procedure.span in spans:
         return replace(procedure, body=tuple(_stopped(procedure.span, places)), variables={})
@@ -181,7 +176,7 @@ def _procedure(
     gone = [
         name
         for name, variable in variables.items()
-        if f"{procedure.name} {name}".lower() in names or _stands_in(variable, spans)
+        if (procedure.name.lower(), name.lower()) in names or _stands_in(variable, spans)
     ]
     if gone:
         said = (t for name in gone for t in _quoted(variables[name].span, places, name))

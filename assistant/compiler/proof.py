@@ -85,13 +85,16 @@ def prove(
             return Proof(None, (*_reasons(REFUSED_THERE, findings), *findings), lifted)
         expected, actual = compared(trees) if compared else (program, lifted)
     except Refused as refused:
-        reasons = [NOT_READ_BACK(reason=f.message, place=f.place) for f in refused.findings]
+        reasons = [
+            NOT_READ_BACK(reason=f.message, about=f.about, missing=f.missing)
+            for f in refused.findings
+        ]
         return Proof(None, tuple(reasons))
     precision = language.precision
     tolerance = Tolerance(precision.position, precision.angle, precision.number)
     comparison = compare(expected, actual, tolerance)
     otherwise = [
-        SAYS_OTHERWISE(message=m.message, place=m.place, span=None if compared else m.span)
+        SAYS_OTHERWISE(message=m.message, about=m.about, span=None if compared else m.span)
         for m in comparison.mismatches
     ]
     return Proof(comparison, (*otherwise, *findings), lifted)
@@ -107,7 +110,8 @@ def _reasons(rule: Rule, findings: Sequence[Diagnostic]) -> list[Diagnostic]:
             column=f.column,
             reason=f.message,
             cure=f.cure,
-            place=f.place,
+            about=f.about,
+            missing=f.missing,
         )
         for f in findings
         if f.severity is Severity.ERROR

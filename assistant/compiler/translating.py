@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 
 from assistant.compiler.arms import Arms, robot_of
 from assistant.compiler.compiling import Compiled, compile_program
@@ -17,6 +17,7 @@ from assistant.compiler.source_map import Place, Places, Trace
 from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, Span, fold
 from assistant.program.program import Program, bodies, walk
+from assistant.program.subjects import Declared, PathRow, Subject, Table
 from assistant.program.text import lines_of
 from assistant.program.without_gc import uncollected
 
@@ -138,6 +139,11 @@ def translate(
     )
 
 
+_Name: TypeAlias = tuple[Table | None, str, str]
+"""Procedures or paths, None for any table; the procedure whose own it is, empty if that is not
+known; and a name, both in lower case."""
+
+
 @dataclass(slots=True)
 class _Part:
     """What a row is made of: a part of the source, and what is found about it.
@@ -148,7 +154,7 @@ class _Part:
 
     span: Span
     count: int = 1
-    names: tuple[str, ...] = ()
+    names: tuple[_Name, ...] = ()
     head: bool = False
     silent: bool = False
     found: list[Diagnostic] = field(default_factory=list)
@@ -163,16 +169,16 @@ def _report(
     """
     places = compiled.places
     parts: dict[Span, _Part] = {}
-    names: dict[str, _Part] = {}
+    names: dict[_Name, _Part] = {}
     for part in _parts(compiled.source, places):
         known = parts.setdefault(part.span, part)
         known.silent = known.silent and part.silent
         for name in part.names:
-            names.setdefault(name.lower(), known)
+            names.setdefault(name, known)
     back = Trace(compiled.program, compiled.proof.lifted)
     whole: list[Diagnostic] = []
     for finding in compiled.found:
-        proven = finding in compiled.proof.findings  # its places in words are in another tree
+        proven = finding in compiled.proof.findings  # what it is about is in another tree
         about = _about(finding, back.source(finding), parts, {} if proven else names)
         if about is None:
             whole.append(places.finding(finding))
@@ -194,12 +200,12 @@ def _parts(program: Program, places: Places) -> Iterator[_Part]:
     """Each part of the source once or twice: as it is lifted, then as it stands in the tree."""
     for procedure in program.procedures:
         if procedure.span is not None:
-            called = procedure.name, f"procedure {procedure.name}"
+            called = _names("procedures", procedure.name)
             yield _Part(procedure.span, names=called, head=True)
         for statement in walk(procedure.body):
             match statement:
                 case p.Follow(path, span=Span() as span):
-                    called = path.name, f"path {path.name}"
+                    called = _names("paths", path.name)
                     yield _Part(span, len(path), called, head=True)
                 case p.Comment(span=Span() as span) | p.Label(span=Span() as span):
                     yield _Part(span, silent=True)
@@ -209,14 +215,16 @@ def _parts(program: Program, places: Places) -> Iterator[_Part]:
         if declaration.span is not None:
             yield _Part(declaration.span, head=True)
     for part in places.parts():
-        yield _Part(part.span, part.count, (part.name,) if part.name else (), head=True)
+        name, owner = (part.name or "").lower(), part.owner.lower()
+        called = ((None, "", name), (None, owner, name)) if name else ()
+        yield _Part(part.span, part.count, called, head=True)
 
 
 def _about(
     finding: Diagnostic,
     span: Span | None,
     parts: Mapping[Span, _Part],
-    names: Mapping[str, _Part],
+    names: Mapping[_Name, _Part],
 ) -> _Part | None:
     """The part that a finding is about, None if it is about the whole."""
     if span is not None:
@@ -224,20 +232,23 @@ def _about(
             return parts[span]
         holding = [s for s in parts if s.start <= span.start and span.end <= s.end]
         return parts[min(holding, key=lambda s: s.end - s.start)] if holding else None
-    return next((names[q] for q in _named(finding.place or "") if q in names), None)
+    return next((names[name] for name in _named(finding.about) if name in names), None)
 
 
-def _named(place: str) -> Iterator[str]:
-    """What a place in words may name: a target, `path x row 3`, `x_17`."""
-    words = place.lower().split()
-    yield place.lower()
-    if "variable" in words[:-1]:  # `variable x`, `procedure p variable x`
-        yield words[words.index("variable") + 1]
-    if len(words) > 1:
-        yield " ".join(words[:2])
-    if words:
-        yield words[0]
-        yield words[0].rpartition("_")[0]
+def _names(table: Table, name: str) -> tuple[_Name, ...]:
+    return (None, "", name.lower()), (table, "", name.lower())
+
+
+def _named(about: Subject | str | None) -> tuple[_Name, ...]:
+    """What the part is known by that a finding is about, the surest first; not if of several."""
+    match about:
+        case Declared(name=name, table="procedures" | "paths" as table):
+            return ((table, "", name.lower()),)
+        case Declared(name=name, owner=owner):
+            return (None, owner.lower(), name.lower()), (None, "", name.lower())
+        case PathRow(path=name):
+            return (("paths", "", name.lower()),)
+    return ()
 
 
 def _advice(compiled: Compiled) -> Callable[[Diagnostic], bool]:

@@ -26,6 +26,11 @@ GITHUB_LEVELS: Final = {
     Severity.WARNING: "warning",
     Severity.INFO: "notice",
 }
+RECORDED: Final = (
+    "code", "severity", "message", "cure", "path", "span", "line", "column", "place", "excerpt",
+    "end_line", "end_column",
+)  # fmt: skip
+"""What a record of a finding holds, in this order; what it is about as words."""
 BASE: Final = "ROOT"
 """What addresses of files in a SARIF log are relative to."""
 
@@ -35,7 +40,9 @@ def finding_record(finding: Diagnostic) -> dict[str, Any]:
 
     A line that is too long to be shown is left out.
     """
-    said = {key: value for key, value in asdict(finding).items() if value is not None}
+    said = {key: value for key in RECORDED if (value := getattr(finding, key)) is not None}
+    if finding.span is not None:
+        said["span"] = asdict(finding.span)
     if len(said.get("excerpt", "")) > LONGEST_EXCERPT:
         del said["excerpt"]
     return said

@@ -49,12 +49,14 @@ class Precision:
 class Part:
     """A declaration or statement as it stands in a text.
 
-    name: of what is declared. count: rows of a table, 1 for anything else.
+    name: of what is declared. count: rows of a table, 1 for anything else. owner: the procedure
+    whose own it is, empty for the program's.
     """
 
     span: Span
     name: str | None = None
     count: int = 1
+    owner: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, is_dataclass
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from assistant.program.geometry import Pose
 from assistant.program.path import Path
 from assistant.program.program import Procedure, Program
 from assistant.program.pseudo.parts import part_text
+from assistant.program.subjects import Inner
 
 MOST_MISMATCHES: Final = 20
 """After so many the comparison stops: the first ones tell what is wrong."""
@@ -33,11 +34,11 @@ class Tolerance:
 class Mismatch:
     """What differs.
 
-    place: where in the program, in words. message: what is there against what should be.
+    about: where in the program. message: what is there against what should be.
     span: of the statement or procedure that it is in, as the expected program has it.
     """
 
-    place: str
+    about: Inner
     message: str
     span: Span | None = field(default=None, compare=False)
 
@@ -61,6 +62,8 @@ class Comparison:
         return not self.mismatches
 
 
+Steps: TypeAlias = tuple[str, ...]
+"""The fields, names and rows that lead to a part of a program, see `Inner`."""
 EXACT: Final = Tolerance()
 
 
@@ -72,14 +75,14 @@ def compare(expected: Program, actual: Program, tolerance: Tolerance = EXACT) ->
     walk = _Walk(tolerance)
     for part in fields(Program):
         if part.name != "procedures" and part.compare:
-            walk.value(getattr(expected, part.name), getattr(actual, part.name), part.name)
-    walk.value(_by_name(expected), _by_name(actual), "procedure")
+            walk.value(getattr(expected, part.name), getattr(actual, part.name), (part.name,))
+    walk.value(_by_name(expected), _by_name(actual), ("procedure",))
     return Comparison(
         sum(1 for _ in expected.statements()) + walk.rows,
         walk.targets,
         walk.position,
         walk.angle,
-        walk.worst,
+        str(Inner(walk.worst)),
         tuple(walk.mismatches),
     )
 
@@ -95,75 +98,75 @@ class _Walk:
     rows: int = 0
     position: float = 0.0
     angle: float = 0.0
-    worst: str = ""
+    worst: Steps = ()
     mismatches: list[Mismatch] = field(default_factory=list)
     span: Span | None = None
 
-    def value(self, expected: Any, actual: Any, place: str) -> None:
+    def value(self, expected: Any, actual: Any, steps: Steps) -> None:
         """Any part of a program; records, tuples and tables are compared part by part."""
         if len(self.mismatches) >= MOST_MISMATCHES:
             return
         around, self.span = self.span, getattr(expected, "span", None) or self.span
-        self._value(expected, actual, place)
+        self._value(expected, actual, steps)
         self.span = around
 
-    def _value(self, expected: Any, actual: Any, place: str) -> None:
+    def _value(self, expected: Any, actual: Any, steps: Steps) -> None:
         if isinstance(expected, (int, float)) and isinstance(actual, (int, float)):
-            self._number(expected, actual, place)
+            self._number(expected, actual, steps)
         elif type(expected) is not type(actual):
-            self._differ(place, _short(expected), _short(actual))
+            self._differ(steps, _short(expected), _short(actual))
         elif isinstance(expected, Path):
-            self._path(expected, actual, f"path {expected.name}")
+            self._path(expected, actual, ("path", expected.name))
         elif isinstance(expected, Pose):
             self.targets += 1
             self._poses(
                 np.array([expected.position, actual.position]),
                 np.array([expected.quaternion, actual.quaternion]),
-                place,
+                steps,
             )
         elif isinstance(expected, Mapping):
-            self._table(expected, actual, place)
+            self._table(expected, actual, steps)
         elif isinstance(expected, tuple):
             if len(expected) != len(actual):
-                self._differ(place, f"{len(expected)} items", f"{len(actual)} items")
+                self._differ(steps, f"{len(expected)} items", f"{len(actual)} items")
             for i, (mine, theirs) in enumerate(zip(expected, actual, strict=False), 1):
-                self.value(mine, theirs, f"{place} {i}")
+                self.value(mine, theirs, (*steps, str(i)))
         elif is_dataclass(expected):
             for part in fields(expected):
                 if part.compare:
                     self.value(
                         getattr(expected, part.name),
                         getattr(actual, part.name),
-                        f"{place} {part.name}",
+                        (*steps, part.name),
                     )
         elif expected != actual:
-            self._differ(place, _short(expected), _short(actual))
+            self._differ(steps, _short(expected), _short(actual))
 
-    def _number(self, expected: float, actual: float, place: str) -> None:
+    def _number(self, expected: float, actual: float, steps: Steps) -> None:
         if isinstance(expected, bool) is not isinstance(actual, bool):
-            self._differ(place, _short(expected), _short(actual))
+            self._differ(steps, _short(expected), _short(actual))
         elif math.isnan(expected) or math.isnan(actual):
             if math.isnan(expected) is not math.isnan(actual):
-                self._differ(place, _short(expected), _short(actual))
+                self._differ(steps, _short(expected), _short(actual))
         elif not math.isclose(
             expected, actual, rel_tol=self.tolerance.number, abs_tol=self.tolerance.number
         ):
-            self._differ(place, _short(expected), _short(actual))
+            self._differ(steps, _short(expected), _short(actual))
 
-    def _table(self, expected: Mapping[str, Any], actual: Mapping[str, Any], place: str) -> None:
+    def _table(self, expected: Mapping[str, Any], actual: Mapping[str, Any], steps: Steps) -> None:
         for name in expected.keys() - actual.keys():
-            self._differ(f"{place} {name}", "it", "nothing")
+            self._differ((*steps, name), "it", "nothing")
         for name in actual.keys() - expected.keys():
-            self._differ(f"{place} {name}", "nothing", "it")
+            self._differ((*steps, name), "nothing", "it")
         for name, mine in expected.items():
             if name in actual:
-                self.value(mine, actual[name], f"{place} {name}")
+                self.value(mine, actual[name], (*steps, name))
 
     def _poses(
         self,
         positions: np.ndarray[Any, np.dtype[np.float64]],
         quaternions: np.ndarray[Any, np.dtype[np.float64]],
-        place: str,
+        steps: Steps,
     ) -> None:
         """Positions (2, …, 3) and quaternions (2, …, 4), expected before actual."""
         apart = np.abs(positions[0] - positions[1]).reshape(-1, 3)
@@ -173,18 +176,18 @@ class _Walk:
         row = int(distance.argmax())
         if distance[row] > self.position:
             self.position = float(distance[row])
-            self.worst = f"{place} row {row + 1}" if many else place
+            self.worst = (*steps, f"row {row + 1}") if many else steps
         self.angle = max(self.angle, float(turned.max(initial=0.0)))
         # NaN must not pass as within the tolerance
         off = ~((apart.max(axis=1) <= self.tolerance.position) & (turned <= self.tolerance.angle))
         for row in np.flatnonzero(off)[:MOST_MISMATCHES]:
-            where = f"{place} row {row + 1}" if many else place
+            where = (*steps, f"row {row + 1}") if many else steps
             self._differ(where, "the pose", f"one {distance[row]:.4g} mm, {turned[row]:.4g}° away")
 
-    def _path(self, expected: Path, actual: Path, place: str) -> None:
-        self.value(expected.name, actual.name, f"{place} name")
+    def _path(self, expected: Path, actual: Path, steps: Steps) -> None:
+        self.value(expected.name, actual.name, (*steps, "name"))
         if len(expected) != len(actual):
-            self._differ(place, f"{len(expected)} targets", f"{len(actual)} targets")
+            self._differ(steps, f"{len(expected)} targets", f"{len(actual)} targets")
             return
         if not len(expected):
             return
@@ -192,7 +195,7 @@ class _Walk:
         self.rows += len(expected)
         for start in range(0, len(expected), 65536):  # keeps the memory of a long path flat
             mine, theirs = (p.rows(start, start + 65536) for p in (expected, actual))
-            label = f"{place} from row {start + 1}" if start else place
+            label = (*steps, f"from row {start + 1}") if start else steps
             self._poses(
                 np.stack([mine.positions, theirs.positions]),
                 np.stack([mine.quaternions, theirs.quaternions]),
@@ -200,10 +203,10 @@ class _Walk:
             )
             self._columns(mine, theirs, label)
 
-    def _columns(self, mine: Path, theirs: Path, place: str) -> None:
+    def _columns(self, mine: Path, theirs: Path, steps: Steps) -> None:
         for column in ("kinds", "configurations"):
             equal = getattr(mine, column) == getattr(theirs, column)
-            self._rows(np.flatnonzero(~equal.reshape(len(mine), -1).all(axis=1)), column, place)
+            self._rows(np.flatnonzero(~equal.reshape(len(mine), -1).all(axis=1)), column, steps)
         close = np.isclose(
             mine.external,
             theirs.external,
@@ -211,22 +214,22 @@ class _Walk:
             atol=self.tolerance.position,
             equal_nan=True,
         )
-        self._rows(np.flatnonzero(~close.all(axis=1)), "external axes", place)
+        self._rows(np.flatnonzero(~close.all(axis=1)), "external axes", steps)
         for column in ("speed", "blend", "tool", "frame"):
             table, other = getattr(mine, column + "s"), getattr(theirs, column + "s")
             paired = getattr(mine, column) * len(other) + getattr(theirs, column)
             for pair in np.flatnonzero(np.bincount(paired)):
                 first, second = divmod(int(pair), len(other))
-                self.value(table[first], other[second], f"{place} {column}")
+                self.value(table[first], other[second], (*steps, column))
 
-    def _rows(self, rows: np.ndarray[Any, np.dtype[np.intp]], column: str, place: str) -> None:
+    def _rows(self, rows: np.ndarray[Any, np.dtype[np.intp]], column: str, steps: Steps) -> None:
         if len(rows):
             self._differ(
-                f"{place} row {rows[0] + 1}", column, f"other {column} in {len(rows)} rows"
+                (*steps, f"row {rows[0] + 1}"), column, f"other {column} in {len(rows)} rows"
             )
 
-    def _differ(self, place: str, expected: str, actual: str) -> None:
-        self.mismatches.append(Mismatch(place, f"{expected} became {actual}", self.span))
+    def _differ(self, steps: Steps, expected: str, actual: str) -> None:
+        self.mismatches.append(Mismatch(Inner(steps), f"{expected} became {actual}", self.span))
 
 
 def _short(value: object) -> str:

@@ -16,6 +16,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any, Final, Self
 
+from assistant.program.subjects import Subject
+
 LONGEST_EXCERPT: Final = 240
 """Characters of a source line that are shown with a finding."""
 
@@ -53,8 +55,9 @@ class Diagnostic:
     path: the file, as the user named it. span: offsets in its text.
     line, column: counted from 1, None where the input has no lines. end_line, end_column:
     just behind the last character, None where only the start is known.
-    place: the entity, row, target or field, for input that has no lines.
-    excerpt: the source line that `column` points into.
+    about: what it is about, where that is no statement: a part of a program, or, in words, the
+    entity, cell or field of other input.
+    excerpt: the source line that `column` points into. missing: a name that is not declared.
     """
 
     code: str
@@ -65,10 +68,16 @@ class Diagnostic:
     span: Span | None = None
     line: int | None = None
     column: int | None = None
-    place: str | None = None
+    about: Subject | str | None = None
     excerpt: str | None = None
     end_line: int | None = None
     end_column: int | None = None
+    missing: str | None = None
+
+    @property
+    def place(self) -> str | None:
+        """What it is about, in words."""
+        return None if self.about is None else str(self.about)
 
     def where(self) -> str:
         """`file:line:column place`, as far as each is known."""
@@ -83,12 +92,16 @@ class Diagnostic:
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """A row of a table of findings; `message` and `cure` are `str.format` templates."""
+    """A row of a table of findings; `message` and `cure` are `str.format` templates.
+
+    misses: whether it tells that what its `{name}` stands for is not declared, or not in full.
+    """
 
     code: str
     severity: Severity
     message: str
     cure: str = ""
+    misses: bool = False
 
     def __call__(
         self,
@@ -97,13 +110,16 @@ class Rule:
         span: Span | None = None,
         line: int | None = None,
         column: int | None = None,
+        about: Subject | str | None = None,
         place: str | None = None,
         excerpt: str | None = None,
         end_line: int | None = None,
         end_column: int | None = None,
         severity: Severity | None = None,
+        missing: str | None = None,
         **fields: Any,
     ) -> Diagnostic:
+        """about: see `Diagnostic`; place: the same in words, of what is no part of a program."""
         return Diagnostic(
             self.code,
             severity or self.severity,
@@ -113,10 +129,11 @@ class Rule:
             span,
             line,
             column,
-            place,
+            place if about is None else about,
             excerpt,
             end_line,
             end_column,
+            fields["name"] if self.misses else missing,
         )
 
     def sentence(self, template: str) -> str:
@@ -221,4 +238,4 @@ def _folded(group: list[Diagnostic]) -> Diagnostic:
     named = [f.place or (f"line {f.line}" if f.line else "") for f in group[:MOST_PLACES]]
     places = ", ".join(n for n in named if n)
     more = f" and {rest} more" if rest > 0 else ""
-    return replace(first, place=f"{len(group)} times: {places}{more}" if places else first.place)
+    return replace(first, about=f"{len(group)} times: {places}{more}" if places else first.about)

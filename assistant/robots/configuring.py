@@ -33,6 +33,7 @@ from assistant.program.statements import (
     Statement,
     trait,
 )
+from assistant.program.subjects import Declared, Goal, NumberedMove
 from assistant.robots import findings as rules
 from assistant.robots.branches.row_reach import Cures
 from assistant.robots.branches.solving import solve
@@ -194,10 +195,12 @@ class _Survey:
         self.moves.append(SingleMove(kind, place, tool, frame, motion, label))
         self.rows += 1
 
-    def label(self, target: Expression) -> str:
+    def label(self, target: Expression) -> Goal:
         """What the next move is called in a finding."""
         self.count += 1
-        return target.name if isinstance(target, Name) else f"move {self.count} of {self.where}"
+        if isinstance(target, Name):
+            return Declared(target.name)
+        return NumberedMove(self.count, self.where)
 
     def coming_from(self, value: Expression) -> set[str]:
         """The names in an expression, and those that the variables among them come from."""
@@ -206,9 +209,9 @@ class _Survey:
 
     def follow(self, statement: Follow) -> None:
         path = statement.path
-        place = f"path {path.name}"
-        tools = [self.tool(name, place) for name in path.tools]
-        frames = [self.frame(name, place) for name in path.frames]
+        about = Declared(path.name, "paths", in_full=True)
+        tools = [self.tool(name, about) for name in path.tools]
+        frames = [self.frame(name, about) for name in path.frames]
         self.used.update((tool, frame) for tool in path.tools for frame in path.frames)
         known_tools = [tool for tool in tools if tool is not None]
         known_frames = [frame for frame in frames if frame is not None]
@@ -297,7 +300,7 @@ class _Survey:
             self.before, self.joined = joints, True
         return joints
 
-    def joints(self, target: JointTarget, label: str | None) -> Floats | None:
+    def joints(self, target: JointTarget, label: Goal | None) -> Floats | None:
         """The angles of the robot's axes; findings, if it has a label, for what is wrong."""
         robot = self.robot
         given = np.array(robot.own_joints(target.joints), dtype=np.float64)
@@ -305,7 +308,7 @@ class _Survey:
             if label is not None:
                 self.findings.append(
                     rules.JOINT_COUNT(
-                        place=label,
+                        about=label,
                         robot=robot.title,
                         count=len(target.joints),
                         axes=" ".join(robot.axes),
@@ -316,7 +319,7 @@ class _Survey:
         for axis in np.flatnonzero((given < low) | (given > high)) if label is not None else ():
             self.findings.append(
                 rules.JOINT_OUTSIDE(
-                    place=label,
+                    about=label,
                     axis=robot.axes[axis],
                     unit=robot.units[axis],
                     value=given[axis],
@@ -328,7 +331,7 @@ class _Survey:
 
     def joint_targets(self) -> None:
         for name, target in self.program.joint_targets.items():
-            self.joints(target, name)
+            self.joints(target, Declared(name, "joint_targets"))
 
     def unused(self) -> None:
         """Configures what no move names, in silence: nobody says how it will be used."""
@@ -346,13 +349,14 @@ class _Survey:
             return value
 
         rewrite(self.program, visit)
-        moves = []
+        moves: list[SingleMove] = []
         for key, target in targets.items():
             tool, frame = aimed.get(key, usual)
             known_tool, known_frame = self.names.tool(tool), self.names.frame(frame)
             if key not in self.done and known_tool is not None and known_frame is not None:
                 place = Place(target, target.pose)
-                moves.append(SingleMove(Kind.JOINT, place, known_tool, known_frame, UNMOVED, ""))
+                label = NumberedMove(len(moves) + 1, "")
+                moves.append(SingleMove(Kind.JOINT, place, known_tool, known_frame, UNMOVED, label))
         if not moves:
             return
         parts = [moves_part("", moves, self.done)]
@@ -360,25 +364,25 @@ class _Survey:
         solved = solve(run, self.robot, Cures(self.robot, 0))
         self.keep(parts, solved.configurations)
 
-    def tool(self, name: str, place: str) -> Tool | None:
+    def tool(self, name: str, about: Goal) -> Tool | None:
         tool = self.names.tool(name)
         if tool is None:
             there = ", ".join([FLANGE, *self.program.tools])
             self.findings.append(
-                rules.UNKNOWN_TOOL(place=place, kind="tool", name=name, names=there)
+                rules.UNKNOWN_TOOL(about=about, kind="tool", name=name, names=there)
             )
         return tool
 
-    def frame(self, name: str, place: str) -> Frame | None:
+    def frame(self, name: str, about: Goal) -> Frame | None:
         frame = self.names.frame(name)
         if frame is None:
             there = ", ".join([BASE, *self.program.frames])
             self.findings.append(
-                rules.UNKNOWN_TOOL(place=place, kind="frame", name=name, names=there)
+                rules.UNKNOWN_TOOL(about=about, kind="frame", name=name, names=there)
             )
         elif frame.mechanism:
             self.findings.append(
-                rules.MOVED_FRAME(place=place, name=name, mechanism=frame.mechanism)
+                rules.MOVED_FRAME(about=about, name=name, mechanism=frame.mechanism)
             )
             return None
         return frame

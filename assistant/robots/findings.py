@@ -116,6 +116,7 @@ UNKNOWN_TOOL: Final = Rule(
     Severity.WARNING,
     "no {kind} `{name}` is declared, so where moves with it lead is not checked",
     "declare it, or name one of {names}",
+    misses=True,
 )
 MOVED_FRAME: Final = Rule(
     "RB112",

@@ -60,7 +60,7 @@ def test_a_result_names_rule_level_and_region() -> None:
 
 
 def test_files_elsewhere_and_findings_without_a_file() -> None:
-    elsewhere = Diagnostic("RA204", Severity.INFO, "x", path="../other/m.mod", place="p1")
+    elsewhere = Diagnostic("RA204", Severity.INFO, "x", path="../other/m.mod", about="p1")
     inside = Diagnostic("RA204", Severity.INFO, "x", path="/cell/programs/a/m.mod")
     nowhere = Diagnostic("RA204", Severity.WARNING, "x")
     log = sarif([elsewhere, inside, nowhere], [FINDING], ROOT)
@@ -85,7 +85,7 @@ FINDINGS = st.builds(
     path=st.none() | st.text(st.characters(exclude_characters="\0", codec="utf-8"), max_size=20),
     line=NUMBERS,
     column=NUMBERS,
-    place=st.none() | st.text(),
+    about=st.none() | st.text(),
 )
 
 

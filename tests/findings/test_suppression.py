@@ -38,7 +38,7 @@ def test_several_codes_and_a_reason() -> None:
 def test_a_whole_file() -> None:
     text = "! assistant: ignore-file RA204\na;\nb;\n"
     assert left(text, at(2), at(3), at(3, "RA205")) == [("RA205", 3)]
-    nowhere = Diagnostic("RA204", Severity.ERROR, "x", path="m.mod", place="m")
+    nowhere = Diagnostic("RA204", Severity.ERROR, "x", path="m.mod", about="m")
     assert left(text, nowhere) == []
 
 

@@ -101,7 +101,7 @@ CHANGES = {
 def test_every_change_is_found(change):
     result = compare(PROGRAM, CHANGES[change](PROGRAM), Tolerance(1e-3, 1e-3, 1e-6))
     assert not result.same
-    assert result.mismatches[0].place
+    assert str(result.mismatches[0].about)
 
 
 def test_tables_in_another_order_are_the_same_path():

@@ -135,7 +135,7 @@ NO_CALL = Rule(
 # ---------------------------------------------------------------------------- adapting
 NO_NUMBER = Rule(
     "MB201", E, "the signal `{name}` has no number, which MELFA-BASIC addresses signals by",
-    "give `number = …` for the signal in the process file",
+    "give `number = …` for the signal in the process file", misses=True,
 )  # fmt: skip
 NO_CONFIGURATION = Rule(
     "MB202", W, "{count} targets state no arm configuration and get the flags (7,0)",
@@ -166,7 +166,9 @@ FRAME_JOINED = Rule(
     "MB208", I, "user and object frame of `{name}` are written as one", "none is needed"
 )
 CANNOT_SAY = Rule("MB209", E, "MELFA-BASIC cannot say {what}", "{cure}")
-UNKNOWN = Rule("MB210", E, "{what} `{name}` is not declared", "declare it or correct the name")
+UNKNOWN = Rule(
+    "MB210", E, "{what} `{name}` is not declared", "declare it or correct the name", misses=True
+)
 MESSAGE = Rule(
     "MB211", W, "a message on the teach pendant becomes a comment: {text}",
     "watch the program another way, MELFA-BASIC has no statement for it",
@@ -230,11 +232,11 @@ SHARED_BRANCH = Rule(
 )  # fmt: skip
 UNDECLARED = Rule(
     "MB229", E, "`{name}` is not declared in what was read",
-    "give the file that declares it as well, or declare it",
+    "give the file that declares it as well, or declare it", misses=True,
 )  # fmt: skip
 MISSING = Rule(
     "MB230", E, "the procedure `{name}` that is called is not in what was read",
-    "give the file that holds it as well, or take the call out",
+    "give the file that holds it as well, or take the call out", misses=True,
 )  # fmt: skip
 ROUNDED_TEXT = Rule(
     "MB231", W, "a number is written out without the zeros behind its last decimal",

@@ -81,7 +81,11 @@ RESERVED_NAME: Final = Rule(
     "RA210", WARNING, "`{name}` is predefined, and is declared again", "choose another name"
 )
 UNDECLARED: Final = Rule(
-    "RA211", ERROR, "nothing declares `{name}`", "declare it, or write the name that is meant"
+    "RA211",
+    ERROR,
+    "nothing declares `{name}`",
+    "declare it, or write the name that is meant",
+    misses=True,
 )
 
 SHORTENED: Final = Rule(

@@ -14,6 +14,7 @@ from assistant.program.passes.legalising import Legalising
 from assistant.program.passes.procedures import NOTHING
 from assistant.program.program import Procedure, Program, Variable, identifier
 from assistant.program.rewriting import Body, map_bodies
+from assistant.program.subjects import Declared
 
 MOST_ALIKE: Final = 4
 """Elements that are given the same value one by one: a loop takes no more steps."""
@@ -28,13 +29,13 @@ def with_filled_arrays(job: Legalising) -> Program:
     program = job.program
     taken = {q.name for q in program.procedures} | _names(program)
     counters = [identifier(name, taken) for name in "ijk"]
-    variables, first = _filled(program.variables, counters, job)
+    variables, first = _filled(program.variables, "", counters, job)
     if first and program.entry is None:
         entry = Procedure(identifier("main", taken), ())
         program = replace(program, procedures=(entry, *program.procedures), entry=entry.name)
     procedures = []
     for procedure in program.procedures:
-        own, filling = _filled(procedure.variables, counters, job)
+        own, filling = _filled(procedure.variables, procedure.name, counters, job)
         if procedure.name == program.entry and procedure.unit is None:
             filling = [*first, *filling]
         if filling:
@@ -105,7 +106,7 @@ def with_array_parameters(job: Legalising) -> Program:
                 job.findings.append(job.can.cannot_say(
                     what=f"the array parameter `{q.name}` of `{procedure.name}`",
                     cure="use an array of the program" if called else "give it one dimension",
-                    place=procedure.name,
+                    about=Declared(procedure.name, "procedures"),
                 ))  # fmt: skip
         parameters = tuple(
             replace(q, type="number") if q.dimensions and q.type == "integer" else q
@@ -128,8 +129,9 @@ def _names(program: Program) -> set[str]:
 
 
 def _filled(
-    variables: Mapping[str, Variable], counters: Sequence[str], job: Legalising
+    variables: Mapping[str, Variable], owner: str, counters: Sequence[str], job: Legalising
 ) -> tuple[dict[str, Variable], list[p.Statement]]:
+    """owner: procedure whose own variables they are, empty for those of the program."""
     made: dict[str, Variable] = {}
     first: list[p.Statement] = []
     for name, variable in variables.items():
@@ -143,7 +145,7 @@ def _filled(
                 what=f"the array `{name}` of {extents} elements",
                 cure=f"use at most {can.most_dimensions} dimensions "
                 f"of {can.most_elements} elements",
-                place=name,
+                about=Declared(name, "variables", owner),
             ))  # fmt: skip
             continue
         values = list(_elements(name, variable, counters))
@@ -151,7 +153,7 @@ def _filled(
             job.findings.append(job.can.cannot_say(
                 what=f"the first values of the array `{name}`",
                 cure="write a value for each element",
-                place=name,
+                about=Declared(name, "variables", owner),
             ))  # fmt: skip
         first += values
         type = "number" if variable.type == "integer" else variable.type

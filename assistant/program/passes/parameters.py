@@ -31,6 +31,7 @@ from assistant.program.passes.legalising import Legalising
 from assistant.program.passes.procedures import has_form, is_called_with_arguments
 from assistant.program.program import Parameter, Procedure, Program, Variable, identifier, walk
 from assistant.program.rewriting import Body, head, map_head, records, rewrite
+from assistant.program.subjects import Declared
 
 MOST_COPIES: Final = 200
 """Procedures that are made of one with parameters; more is no program that anybody reads."""
@@ -56,8 +57,9 @@ def without_parameters(job: Legalising) -> Program:
         if has_form(q) and not is_called_with_arguments(q, program)
     ]  # fmt: skip
     for procedure in formed:
+        about = Declared(procedure.name, "procedures")
         with job.findings.at(procedure.span):
-            job.findings.append(job.can.as_variables(name=procedure.name, place=procedure.name))
+            job.findings.append(job.can.as_variables(name=procedure.name, about=about))
     return _Forms(job, formed).program() if formed else program
 
 
@@ -164,7 +166,7 @@ class _Forms:
                     what=f"so many calls of `{procedure.name}` with variables that it uses by "
                     "another name as well",
                     cure="hand over variables of their own, and assign them after the call",
-                    place=procedure.name,
+                    about=Declared(procedure.name, "procedures"),
                 ))  # fmt: skip
         if key not in self.made:
             again = any(made.procedure is procedure for made in self.made.values())

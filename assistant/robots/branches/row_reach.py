@@ -92,11 +92,11 @@ class Survey:
     def findings(self, run: Run, robot: Robot, cures: Cures) -> list[Diagnostic]:
         out = []
         if self.no_number:
-            out.append(rules.NO_NUMBER(place=run.what(np.concatenate(self.no_number))))
+            out.append(rules.NO_NUMBER(about=run.what(np.concatenate(self.no_number))))
         if self.reach.rows and not robot.arm.named:
             out.append(
                 rules.UNSOLVED(
-                    place=run.what(self.reach.all()),
+                    about=run.what(self.reach.all()),
                     robot=robot.title,
                     worst=self.reach.value,
                     where=run.label(self.reach.row),
@@ -109,7 +109,7 @@ class Survey:
             cure = f"move the work piece or the robot, or take one that reaches {need:.0f} mm"
             out.append(
                 rules.OUT_OF_REACH(
-                    place=run.what(self.reach.all()),
+                    about=run.what(self.reach.all()),
                     robot=robot.title,
                     worst=distance(self.reach.value),
                     side="too far out" if far else "too near to the arm",
@@ -119,20 +119,20 @@ class Survey:
                 )
             )
         if self.plane.rows:
-            place, where = run.what(self.plane.all()), run.label(self.plane.row)
+            about, where = run.what(self.plane.all()), run.label(self.plane.row)
             worst = self.plane.value
             if robot.five_axis:
                 nearest = cures.nearest(run, self.plane.row)
-                finding = rules.NOT_IN_PLANE(place=place, worst=worst, where=where, nearest=nearest)
+                finding = rules.NOT_IN_PLANE(about=about, worst=worst, where=where, nearest=nearest)
             else:
-                finding = rules.TILTED(place=place, worst=worst, where=where, robot=robot.title)
+                finding = rules.TILTED(about=about, worst=worst, where=where, robot=robot.title)
             out.append(finding)
         if self.limits.rows:
             axis, value = int(self.limits.fields["axis"]), float(self.limits.fields["angle"])  # type: ignore[call-overload,arg-type]
             low, high = robot.limits[axis]
             out.append(
                 rules.OUTSIDE_LIMITS(
-                    place=run.what(self.limits.all()),
+                    about=run.what(self.limits.all()),
                     robot=robot.title,
                     axis=robot.axes[axis],
                     unit=robot.units[axis],

@@ -80,12 +80,12 @@ def solve(run: Run, robot: Robot, cures: Cures, theirs: Truths | None = None) ->
         report.append(rules.UNNAMED(robot=robot.title))
     if len(done.choice.through):
         through = run.what(done.choice.through)
-        report.append(rules.THROUGH_WRIST(place=through, robot=robot.title))
+        report.append(rules.THROUGH_WRIST(about=through, robot=robot.title))
     for axis, rows in done.wound:
         if len(rows):
             low, high = robot.limits[axis]
             name = robot.axes[axis]
-            report.append(rules.WOUND_UP(place=run.what(rows), axis=name, low=low, high=high))
+            report.append(rules.WOUND_UP(about=run.what(rows), axis=name, low=low, high=high))
     return Solved(joints, configurations, tuple(report))
 
 
@@ -152,7 +152,7 @@ def _tried(run: Run, robot: Robot, choice: Choice, given: _Given) -> _Tried:
     lost = np.flatnonzero((choice.branches >= 0) & np.isnan(joints).any(axis=1))
     if len(lost):
         where = run.label(int(lost[0]))
-        findings.append(rules.NOT_CLOSED(place=run.what(lost), robot=robot.title, where=where))
+        findings.append(rules.NOT_CLOSED(about=run.what(lost), robot=robot.title, where=where))
     way = None
     if given.look and not findings and not len(choice.broken):
         way = ways(run, robot, joints, choice.branches)
@@ -292,7 +292,7 @@ def _branch_change(
     else:
         reason = "is not what is stated or what the rest of the path allows"
     return rules.BRANCH_CHANGE(
-        place=run.what(rows),
+        about=run.what(rows),
         severity=severity,
         robot=robot.title,
         branch=robot.arm.words(before[0, : QUADRANTS.start]),
@@ -307,7 +307,7 @@ def _not_as_stated(run: Run, robot: Robot, rows: Rows, found: NDArray[np.int8]) 
     row = int(rows[0])
     return [
         rules.NOT_AS_STATED(
-            place=run.what(rows),
+            about=run.what(rows),
             robot=robot.title,
             where=run.label(row),
             stated=_described(run.configurations[row], robot),
@@ -324,7 +324,7 @@ def _other_quadrant(
     row = int(rows[0])
     return [
         rules.OTHER_QUADRANT(
-            place=run.what(rows),
+            about=run.what(rows),
             robot=robot.title,
             where=run.label(row),
             # A turn that does not fit can only be one beyond the limits.

@@ -15,6 +15,7 @@ from assistant.program.expressions import Name
 from assistant.program.geometry import Frame, Pose, Tool
 from assistant.program.motion import Blend, Speed
 from assistant.program.path import Kind
+from assistant.program.subjects import Goal, Neighbours, Several, SomeTargets
 
 NAMED: Final = 3
 """How many rows, or ranges of rows, a finding names before it counts the rest."""
@@ -119,7 +120,7 @@ class Run:
     external: Floats
     before: Floats
     joined: bool
-    label: Callable[[int], str]
+    label: Callable[[int], Goal]
     exact: Truths | None = None
 
     def __len__(self) -> int:
@@ -133,7 +134,7 @@ class Run:
     def exact_rows(self) -> Truths:
         return np.ones(len(self), bool) if self.exact is None else self.exact
 
-    def what(self, rows: Rows) -> str:
+    def what(self, rows: Rows) -> Goal | SomeTargets | Several:
         """The first of some rows (ascending) of each part of the run, the rest counted.
 
         Many neighbours are named by the first and the last of them.
@@ -143,15 +144,15 @@ class Run:
             self._of_part(part, rows[ends[part] : ends[part + 1]])
             for part in np.flatnonzero(np.diff(ends))[:NAMED]
         ]
-        more = int(np.count_nonzero(np.diff(ends))) - NAMED
-        return "; ".join(said) + (f"; and in {more} more paths" if more > 0 else "")
+        more = int(np.count_nonzero(np.diff(ends))) - len(said)
+        return said[0] if len(said) == 1 and not more else Several(tuple(said), more)
 
-    def _of_part(self, part: int, rows: Rows) -> str:
+    def _of_part(self, part: int, rows: Rows) -> Goal | SomeTargets:
         whole = int(self.starts[part + 1] - self.starts[part])
         if whole == 1:
             return self.label(int(rows[0]))
         cuts = np.flatnonzero(np.diff(rows) > 1) + 1
-        said: list[str] = []
+        said: list[Goal | Neighbours] = []
         count = 0
         for group in np.split(rows, cuts[:NAMED])[:NAMED]:
             first, last = self.label(int(group[0])), self.label(int(group[-1]))
@@ -159,12 +160,11 @@ class Run:
                 group = group[: NAMED - len(said)]
                 said += [self.label(int(row)) for row in group]
             else:
-                said.append(f"{first} to {last}")
+                said.append(Neighbours(first, last))
             count += len(group)
             if len(said) >= NAMED:
                 break
-        more = f" and {len(rows) - count} more" if len(rows) > count else ""
-        return f"{self.names[part]}: {len(rows)} of {whole} targets ({', '.join(said)}{more})"
+        return SomeTargets(self.names[part], len(rows), whole, tuple(said), len(rows) - count)
 
 
 def continued(run: Run) -> bool:

@@ -16,6 +16,7 @@ from assistant.program.geometry import Frame, Tool
 from assistant.program.motion import Blend, Speed
 from assistant.program.path import UNSTATED, Kind, Path, configuration_row
 from assistant.program.statements import Motion
+from assistant.program.subjects import Goal, PathRow
 from assistant.robots.configurations import BACK
 from assistant.robots.motion.run import Mounting, Pace, Run
 from assistant.robots.target_lookup import Place
@@ -34,7 +35,7 @@ class SingleMove:
     tool: Tool
     frame: Frame
     motion: Motion
-    label: str
+    label: Goal
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +57,7 @@ class Part:
     mounting: Mounting
     pace: Pace
     exact: Truths
-    label: Callable[[int], str]
+    label: Callable[[int], Goal]
 
     def __len__(self) -> int:
         return len(self.kinds)
@@ -78,7 +79,7 @@ def path_part(
         mounting=Mounting(path.tool, path.frame, tools, frames),
         pace=Pace(path.speed, path.blend, path.speeds, path.blends),
         exact=np.broadcast_to(np.True_, (len(path),)),
-        label=lambda row: f"{path.name}_{row + 1}",
+        label=lambda row: PathRow(path.name, row + 1),
     )
 
 
@@ -116,7 +117,7 @@ def run_of(parts: Sequence[Part], before: Floats, joined: bool) -> Run:
     quaternion = _joined([part.quaternions for part in parts])
     firsts = starts[:-1].tolist()
 
-    def label(row: int) -> str:
+    def label(row: int) -> Goal:
         part = bisect_right(firsts, row) - 1
         return parts[part].label(row - firsts[part])
 

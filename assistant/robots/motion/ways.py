@@ -74,7 +74,7 @@ class Ways:
             if told:
                 findings.append(
                     rules.ON_THE_WAY(
-                        place=run.what(np.array([row for row, _ in told], dtype=np.intp)),
+                        about=run.what(np.array([row for row, _ in told], dtype=np.intp)),
                         way=way,
                         robot=robot.title,
                         reason=told[0][1],

@@ -21,6 +21,7 @@ from assistant.program import statements as p
 from assistant.program.geometry import BASE
 from assistant.program.motion import Blend, Speed
 from assistant.program.path import Kind, Path
+from assistant.program.subjects import Declared
 
 if TYPE_CHECKING:
     from assistant.languages.melfa_basic.lower.writer import Writer
@@ -113,7 +114,7 @@ def _arc_start(w: Writer, tool: str, frame: str) -> s.Expression:
     if w.previous is not None and w.previous[1:] == (tool, frame):
         return _placed(w, s.Variable(w.previous[0]), frame)
     name = w.owner.name if w.owner else "main"
-    w.report(rules.ARC_AT_START(name=name, place=f"procedure {name}"))
+    w.report(rules.ARC_AT_START(name=name, about=Declared(name, "procedures", in_full=True)))
     start = s.Variable(ARC_START)
     w.add(s.Assign(start, s.Variable(w.expressions.word("P_Curr"))))
     return start

@@ -23,6 +23,7 @@ from assistant.program.diagnostics import Refused
 from assistant.program.path import configuration_row
 from assistant.program.program import Parameter, Procedure, Program, ValueType, Variable
 from assistant.program.rewriting import records
+from assistant.program.subjects import Declared
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
@@ -176,8 +177,8 @@ class UnitLines(Unit):
             if isinstance(variable, Variable) and variable.initial is not None:
                 whole = _whole(self.names.variables[owner, name.lower()])
                 of = next((q for q in self.program.procedures if q.name.lower() == owner), None)
-                place = f"variable {name}" if of is None else f"procedure {of.name} variable {name}"
-                with writer.findings.at(variable.span), writer.saying(place):
+                about = Declared(name, "variables", of.name if of else "", in_full=True)
+                with writer.findings.at(variable.span), writer.saying(about):
                     writer.add(s.Assign(whole, writer.expressions.of(variable.initial)))
 
     # ---------------------------------------------------------------------------- data

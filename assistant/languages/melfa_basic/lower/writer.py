@@ -24,6 +24,7 @@ from assistant.program.geometry import BASE
 from assistant.program.path import Path
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import head, records
+from assistant.program.subjects import Declared
 from assistant.program.text import words_of
 
 if TYPE_CHECKING:
@@ -91,28 +92,29 @@ class Writer:
     def report(self, finding: Diagnostic) -> None:
         self.findings.append(finding)
 
-    def cannot(self, what: str, cure: str, place: str | None = None) -> None:
-        where = place or (f"procedure {self.owner.name}" if self.owner else None)
-        self.report(rules.CANNOT_SAY(what=what, cure=cure, place=where))
+    def cannot(self, what: str, cure: str, about: Declared | None = None) -> None:
+        if about is None and self.owner is not None:
+            about = Declared(self.owner.name, "procedures", in_full=True)
+        self.report(rules.CANNOT_SAY(what=what, cure=cure, about=about))
 
     @contextmanager
-    def saying(self, place: str | None = None) -> Iterator[None]:
+    def saying(self, about: Declared | None = None) -> Iterator[None]:
         """What cannot be said in here becomes a finding."""
         try:
             yield
         except NoNumber as signal:
-            self.report(rules.NO_NUMBER(name=signal.what, place=place))
+            self.report(rules.NO_NUMBER(name=signal.what, about=about))
         except Undeclared as name:
             if name.what.lower() in self.mounts:
                 self.cannot(
                     f"`{name.what}` as a value, which is a tool or frame",
                     "declare one for each value that it has, and name these in the moves",
-                    place,
+                    about,
                 )
             elif name.what.lower() not in self.elsewhere:
-                self.report(rules.UNDECLARED(name=name.what, place=place))
+                self.report(rules.UNDECLARED(name=name.what, about=about))
         except Unsayable as unsayable:
-            self.cannot(unsayable.what, unsayable.cure, place)
+            self.cannot(unsayable.what, unsayable.cure, about)
 
     # ---------------------------------------------------------------------------- lines
 

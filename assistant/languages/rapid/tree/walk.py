@@ -19,10 +19,11 @@ def data(file: s.File) -> Iterator[Part]:
     """The data of modules and routines that have a place in the text."""
     for module in file.modules:
         for item in module.items:
+            owner = item.name if isinstance(item, s.Routine) else ""
             for node in item.body if isinstance(item, s.Routine) else (item,):
                 match node:
                     case s.Data(span=Span() as span):
-                        yield Part(span, node.name)
+                        yield Part(span, node.name, owner=owner)
                     case s.TargetRunNode(span=Span() as span):
                         yield Part(span, count=len(node.run))
 

@@ -20,6 +20,7 @@ from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
 from assistant.program.motion import MAXIMUM_SPEED, Blend, Speed
 from assistant.program.path import configuration_of, configuration_row
 from assistant.program.program import Procedure, Program, Signal, walk
+from assistant.program.subjects import Subject
 from assistant.program.timers import timers
 
 if TYPE_CHECKING:
@@ -146,10 +147,10 @@ class Context:
             self.findings.append(rules.UNKNOWN(what=what, name=name))
         return known or name
 
-    def target(self, name: str, target: Target) -> Target:
+    def target(self, name: str, target: Target, about: Subject | str) -> Target:
         numbers = (*target.pose.position, *target.pose.quaternion)
         if not all(math.isfinite(v) and abs(v) < FARTHEST for v in numbers):
-            self.findings.append(rules.NOT_FINITE(where=f"the target `{name}`", place=name))
+            self.findings.append(rules.NOT_FINITE(where=f"the target `{name}`", about=about))
             return target
         if target.configuration is None:
             self.unstated += 1
@@ -158,36 +159,36 @@ class Context:
         if any(v == v for v in target.external[2:]):
             self.findings.append(rules.CANNOT_SAY(
                 what=f"external axes beyond the second, of `{name}`", cure="leave them out",
-                place=name,
+                about=about,
             ))  # fmt: skip
         first, second, *_ = (*target.external, math.nan, math.nan)
         if math.isnan(first) and not math.isnan(second):
             self.findings.append(rules.CANNOT_SAY(
                 what=f"the second external axis of `{name}` without the first",
-                cure="give the first one a value as well", place=name,
+                cure="give the first one a value as well", about=about,
             ))  # fmt: skip
         if self.five_axis:
-            target = self._in_reach(name, target)
+            target = self._in_reach(name, target, about)
         return replace(target, configuration=configuration, external=_printed(target.external))
 
-    def _in_reach(self, name: str, target: Target) -> Target:
+    def _in_reach(self, name: str, target: Target, about: Subject | str) -> Target:
         from assistant.robots.arms import five_axis
 
         position = np.array([target.pose.position])
         quaternion = np.array([target.pose.quaternion])
         row = np.array([configuration_row(target.configuration)], dtype=np.int8)
         if over_the_back(position, quaternion, row)[0]:
-            self.findings.append(rules.OVER_THE_BACK(name=name, place=name))
+            self.findings.append(rules.OVER_THE_BACK(name=name, about=about))
         miss = float(five_axis.miss(position, quaternion)[0])
         if miss > MISS:
-            self.findings.append(rules.UNREACHABLE(name=name, angle=miss, place=name))
+            self.findings.append(rules.UNREACHABLE(name=name, angle=miss, about=about))
         if miss <= SAME:
             return target
         projected = five_axis.from_ab(position, five_axis.to_ab(position, quaternion))
         w, x, y, z = (float(v) for v in projected[0])
         return replace(target, pose=replace(target.pose, quaternion=(w, x, y, z)))
 
-    def joints(self, name: str, target: JointTarget) -> JointTarget:
+    def joints(self, name: str, target: JointTarget, about: Subject | str) -> JointTarget:
         joints = target.joints
         if self.five_axis and len(joints) == 6:
             fourth = joints[3]
@@ -206,14 +207,14 @@ class Context:
             self.findings.append(rules.CANNOT_SAY(
                 what=f"the {len(joints)} joints and external axes of `{name}`",
                 cure=f"give {wanted} joints and at most two external axes",
-                place=name,
+                about=about,
             ))  # fmt: skip
-        self.finite(f"the joint target `{name}`", (v for v in joints if v == v), name)
+        self.finite(f"the joint target `{name}`", (v for v in joints if v == v), about)
         return JointTarget(_printed(joints), _printed(target.external))
 
-    def finite(self, where: str, values: Iterable[float], place: str) -> None:
+    def finite(self, where: str, values: Iterable[float], about: Subject | str) -> None:
         if not all(math.isfinite(v) and abs(v) < FARTHEST for v in values):
-            self.findings.append(rules.NOT_FINITE(where=where, place=place))
+            self.findings.append(rules.NOT_FINITE(where=where, about=about))
 
 
 def _printed(values: Iterable[float]) -> tuple[float, ...]:

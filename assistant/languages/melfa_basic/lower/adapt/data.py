@@ -12,6 +12,7 @@ from assistant.languages.melfa_basic.lower.adapt.expressions import plain_expres
 from assistant.program import rotations
 from assistant.program.geometry import BASE, FLANGE, IDENTITY, Frame, Tool
 from assistant.program.program import Program, Variable
+from assistant.program.subjects import Declared
 
 if TYPE_CHECKING:
     from assistant.languages.melfa_basic.lower.adapt.context import Context
@@ -31,8 +32,13 @@ def with_plain_data(context: Context, program: Program) -> Program:
         frames=dict(_frames(context, program)),
         speeds={},
         blends={},
-        targets={n: context.target(n, t) for n, t in program.targets.items()},
-        joint_targets={n: context.joints(n, t) for n, t in program.joint_targets.items()},
+        targets={
+            n: context.target(n, t, Declared(n, "targets")) for n, t in program.targets.items()
+        },
+        joint_targets={
+            n: context.joints(n, t, Declared(n, "joint_targets"))
+            for n, t in program.joint_targets.items()
+        },
         variables=plain_variables(context, program.variables),
     )
 
@@ -53,15 +59,16 @@ def _tools(context: Context, program: Program) -> Iterator[tuple[str, Tool]]:
     for name, tool in program.tools.items():
         if name.lower() == FLANGE and tool.tip == IDENTITY:
             continue
+        about = Declared(name, "tools")
         if not tool.held:
-            context.findings.append(rules.HELD(name=name, place=name))
+            context.findings.append(rules.HELD(name=name, about=about))
         if tool.load is not None:
-            context.findings.append(rules.LOAD(name=name, place=name))
+            context.findings.append(rules.LOAD(name=name, about=about))
         if context.five_axis:
             turned = rotations.angle_between(tool.tip.quaternion, IDENTITY.quaternion)
             if math.hypot(*tool.tip.position[:2]) > 0.01 or turned > 0.01:
-                context.findings.append(rules.FIVE_AXIS_TOOL(name=name, place=name))
-        context.finite(f"the tool `{name}`", (*tool.tip.position, *tool.tip.quaternion), name)
+                context.findings.append(rules.FIVE_AXIS_TOOL(name=name, about=about))
+        context.finite(f"the tool `{name}`", (*tool.tip.position, *tool.tip.quaternion), about)
         yield name, replace(tool, load=None)
 
 
@@ -69,10 +76,11 @@ def _frames(context: Context, program: Program) -> Iterator[tuple[str, Frame]]:
     for name, frame in program.frames.items():
         if name.lower() == BASE and frame.pose == IDENTITY:
             continue
+        about = Declared(name, "frames")
         if frame.held or frame.mechanism:
-            context.findings.append(rules.HELD(name=name, place=name))
+            context.findings.append(rules.HELD(name=name, about=about))
         if frame.object != IDENTITY:
-            context.findings.append(rules.FRAME_JOINED(name=name, place=name))
+            context.findings.append(rules.FRAME_JOINED(name=name, about=about))
             frame = replace(frame, user=frame.pose, object=IDENTITY)
-        context.finite(f"the frame `{name}`", (*frame.user.position, *frame.user.quaternion), name)
+        context.finite(f"the frame `{name}`", (*frame.user.position, *frame.user.quaternion), about)
         yield name, frame

@@ -58,9 +58,9 @@ def plain_expression(context: Context, value: e.Expression, deep: bool = True) -
         case e.Name(name):
             return e.Name(context.spelled(name))
         case e.TargetValue(target):
-            return e.TargetValue(context.target("a target", target))
+            return e.TargetValue(context.target("a target", target, "a target"))
         case e.JointValue(target):
-            return e.JointValue(context.joints("a joint target", target))
+            return e.JointValue(context.joints("a joint target", target, "a joint target"))
     return value
 
 

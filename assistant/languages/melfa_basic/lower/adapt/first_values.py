@@ -15,6 +15,7 @@ from assistant.program.analysis.assignment import Assigning
 from assistant.program.passes.legalising import Legalising
 from assistant.program.passes.procedures import NOTHING
 from assistant.program.program import Program, Variable
+from assistant.program.subjects import Declared
 
 
 def with_first_values(job: Legalising) -> Program:
@@ -39,10 +40,11 @@ def with_first_values(job: Legalising) -> Program:
             variable = replace(variable, initial=NOTHING[variable.type])
             variables[name] = variable
         if variable.initial is not None:
+            about = Declared(name, "variables")
             changes = key in assigning.written and run.ends
             with findings.at(variable.span):
                 if variable.storage == "persistent":
-                    findings.append(rules.PERSISTENT(name=name, place=name))
+                    findings.append(rules.PERSISTENT(name=name, about=about))
                 elif changes:
-                    findings.append(rules.CARRIED(name=name, place=name))
+                    findings.append(rules.CARRIED(name=name, about=about))
     return replace(program, variables=variables)

@@ -13,6 +13,7 @@ from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lower.adapt.reached import MISS, SAME, over_the_back
 from assistant.languages.melfa_basic.tables import poses
 from assistant.program.path import UNSTATED, Kind, Path
+from assistant.program.subjects import Declared
 
 if TYPE_CHECKING:
     from assistant.languages.melfa_basic.lower.adapt.context import Context
@@ -24,7 +25,7 @@ def plain_path(context: Context, path: Path) -> Path:
     wild = np.flatnonzero(~(np.abs(numbers) < 1e6).all(axis=1))
     if len(wild):
         where = f"`{path.name}_{wild[0] + 1}`"
-        context.findings.append(rules.NOT_FINITE(where=where, place=path.name))
+        context.findings.append(rules.NOT_FINITE(where=where, about=Declared(path.name, "paths")))
         return path
     if not np.isnan(path.external[:, 2:]).all():
         context.findings.append(rules.CANNOT_SAY(

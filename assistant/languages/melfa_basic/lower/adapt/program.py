@@ -37,6 +37,7 @@ from assistant.program.passes.parameters import with_sayable_procedures
 from assistant.program.passes.procedures import recursive, with_fresh_variables
 from assistant.program.passes.settled_loops import with_settled_loops
 from assistant.program.program import Procedure, Program
+from assistant.program.subjects import Declared
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
@@ -83,8 +84,8 @@ def without_recursion(job: Legalising) -> Program:
     for procedure in recursive(job.program):
         if not has_functions(job.program, procedure.unit, job.can.functions):
             with job.findings.at(procedure.span):
-                found = job.can.recursive(name=procedure.name, place=procedure.name)
-                job.findings.append(found)
+                about = Declared(procedure.name, "procedures")
+                job.findings.append(job.can.recursive(name=procedure.name, about=about))
     return job.program
 
 
@@ -132,14 +133,15 @@ def _shared(program: Program) -> Iterator[Diagnostic]:
     for name, variable in program.variables.items():
         own = variable.storage != "constant" and not is_external(name, variable)
         if own and any(name.lower() in w for w in units.values()):
-            yield rules.LOCAL_DATA(name=name, place=name)
+            yield rules.LOCAL_DATA(name=name, about=Declared(name, "variables"))
 
 
 def _long(program: Program, dialect: Dialect) -> Iterator[Diagnostic]:
     """External variables whose names, which stay, are longer than the controller takes."""
     for name, variable in program.variables.items():
         if is_external(name, variable) and len(name) > dialect.longest:
-            yield rules.LONG_NAME(name=name, most=dialect.longest, place=name, span=variable.span)
+            about = Declared(name, "variables")
+            yield rules.LONG_NAME(name=name, most=dialect.longest, about=about, span=variable.span)
 
 
 def _written(context: Context, program: Program) -> dict[str | None, s.File]:
@@ -151,7 +153,8 @@ def _written(context: Context, program: Program) -> dict[str | None, s.File]:
     if context.products:
         for name, branches in branches_in(program, context.robot).items():
             if name != BASE and len(branches) > 1:
-                findings.append(rules.SHARED_BRANCH(name=name, place=name))
+                about = Declared(name, "frames")
+                findings.append(rules.SHARED_BRANCH(name=name, about=about))
     for unit in dict.fromkeys([None, *(q.unit for q in program.procedures)]):
         writing = UnitLines(program, context.robot, unit, context.dialect, names)
         code = writing.code()
@@ -159,7 +162,8 @@ def _written(context: Context, program: Program) -> dict[str | None, s.File]:
         findings += _too_long(code, context.dialect, writing.writer.spans)
         if (count := steps(code)) > LAST_STEP:
             name, most = names.units[unit], LAST_STEP
-            findings.append(rules.TOO_MANY_STEPS(name=name, count=count, most=most, place=name))
+            about = Declared(name)
+            findings.append(rules.TOO_MANY_STEPS(name=name, count=count, most=most, about=about))
         if not has_errors(findings):
             trees[unit] = writing.tree(code)
     return trees

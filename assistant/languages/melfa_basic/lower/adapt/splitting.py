@@ -16,6 +16,7 @@ from assistant.program.arrays import Ints
 from assistant.program.path import Kind, Path
 from assistant.program.program import Procedure, identifier, walk
 from assistant.program.rewriting import Body, map_bodies
+from assistant.program.subjects import Declared
 
 if TYPE_CHECKING:
     from assistant.languages.melfa_basic.lower.adapt.context import Context
@@ -47,7 +48,10 @@ def split(context: Context, procedure: Procedure, most: int) -> Iterator[Procedu
             yield p.Call(name, unit=name, span=node.span)
         context.findings.append(
             rules.SPLIT(
-                name=node.path.name, count=len(node.path), parts=len(pieces), place=procedure.name
+                name=node.path.name,
+                count=len(node.path),
+                parts=len(pieces),
+                about=Declared(procedure.name, "procedures"),
             )
         )
 

@@ -21,17 +21,18 @@ from assistant.program.geometry import (
     Target,
     Tool,
 )
+from assistant.program.subjects import Declared, Subject
 
 
 def sayable_tool(tool: Tool, name: str, findings: Findings) -> Tool:
     """With a load that the controller takes."""
-    load = tool.load
+    load, about = tool.load, Declared(name, "tools")
     if load is None:
-        findings.append(rules.NO_LOAD(name=name, place=name))
+        findings.append(rules.NO_LOAD(name=name, about=about))
         load = Load(LEAST_MASS, LEAST_CENTRE)
     if load.mass < LEAST_MASS:
         findings.changed(
-            f"the mass of tool `{name}`", f"{LEAST_MASS} kg", "state the tool's mass", name
+            f"the mass of tool `{name}`", f"{LEAST_MASS} kg", "state the tool's mass", about
         )
         load = replace(load, mass=LEAST_MASS)
     if not any(load.centre):
@@ -39,7 +40,7 @@ def sayable_tool(tool: Tool, name: str, findings: Findings) -> Tool:
             f"the centre of gravity of tool `{name}`, which is none",
             "0.001 mm before the flange",
             "state the tool's centre of gravity",
-            name,
+            about,
         )
         load = replace(load, centre=LEAST_CENTRE)
     return replace(tool, tip=sayable_pose(tool.tip, findings), load=_printed(load))
@@ -50,22 +51,22 @@ def sayable_frame(frame: Frame, findings: Findings) -> Frame:
     return replace(frame, user=user, object=object)
 
 
-def sayable_target(target: Target, place: str, findings: Findings) -> Target:
+def sayable_target(target: Target, about: Subject | str, findings: Findings) -> Target:
     """With a configuration."""
     configuration = target.configuration
     if configuration is None:
-        findings.append(rules.NO_CONFIGURATION(place=place))
+        findings.append(rules.NO_CONFIGURATION(about=about))
         configuration = Configuration()
     return Target(sayable_pose(target.pose, findings), configuration, _axes(target.external))
 
 
-def sayable_joints(target: JointTarget, place: str, findings: Findings) -> JointTarget:
+def sayable_joints(target: JointTarget, about: Subject | str, findings: Findings) -> JointTarget:
     """With six joints."""
     joints = target.joints
     if len(joints) > 6:
-        findings.cannot(f"{len(joints)} joints", "use six; further axes are external", place)
+        findings.cannot(f"{len(joints)} joints", "use six; further axes are external", about)
     if len(joints) < 6 or any(j != j for j in joints):
-        findings.changed("a joint that is not stated", "0 degrees", "state every joint", place)
+        findings.changed("a joint that is not stated", "0 degrees", "state every joint", about)
         joints = tuple(0.0 if j != j else j for j in joints) + (0.0,) * (6 - len(joints))
     joints = tuple(round(j, JOINT_PLACES) + 0.0 for j in joints)
     return JointTarget(joints, _axes(target.external))

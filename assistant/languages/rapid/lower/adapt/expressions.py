@@ -21,6 +21,7 @@ from assistant.program import expressions as e
 from assistant.program.diagnostics import Refused
 from assistant.program.program import Variable
 from assistant.program.rewriting import map_expressions
+from assistant.program.subjects import Declared
 
 
 def sayable_expression(x: e.Expression, findings: Findings) -> e.Expression:
@@ -78,12 +79,15 @@ def _unset(x: e.Expression) -> e.Expression:
     return e.Aggregate(tuple(e.Aggregate(tuple(map(e.Number, part))) for part in parts))
 
 
-def sayable_variable(variable: Variable, name: str, findings: Findings) -> Variable:
-    """With a type that RAPID has."""
+def sayable_variable(
+    variable: Variable, name: str, findings: Findings, owner: str = ""
+) -> Variable:
+    """With a type that RAPID has. owner: procedure whose own it is, empty for the program's."""
     if variable.type == "integer":
         variable = replace(variable, type="number")
     if variable.storage == "constant" and variable.initial is None:
-        findings.cannot(f"the constant `{name}` without a value", "give it one", name)
+        about = Declared(name, "variables", owner)
+        findings.cannot(f"the constant `{name}` without a value", "give it one", about)
     if variable.type == "position" and variable.size:
         variable = replace(variable, initial=map_expressions(variable.initial, _unset))
     if variable.type == "truth":

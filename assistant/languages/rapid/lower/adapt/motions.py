@@ -31,6 +31,7 @@ from assistant.program import statements as p
 from assistant.program.motion import Blend, Speed
 from assistant.program.path import UNSTATED, Kind, Path
 from assistant.program.program import Program, identifier
+from assistant.program.subjects import Declared
 
 
 class Motions:
@@ -62,7 +63,9 @@ class Motions:
         if bad.any():
             row = int(np.flatnonzero(bad)[0]) + 1
             self._findings.append(
-                rules.NOT_FINITE(what=f"target {row} of path `{path.name}`", place=path.name)
+                rules.NOT_FINITE(
+                    what=f"target {row} of path `{path.name}`", about=Declared(path.name, "paths")
+                )
             )
             return path
         configurations = path.configurations
@@ -124,15 +127,16 @@ class Motions:
         kept = (more[0] if o else b for o, b in zip(open_, path.blends, strict=True))
         return replace(path, blend=blend, blends=(*kept, *more))
 
-    def _speed(self, speed: Speed, place: str | None) -> Speed:
+    def _speed(self, speed: Speed, name: str | None) -> Speed:
         said, changed = sayable_speed(speed)
+        about = None if name is None else Declared(name, "speeds")
         if self._only_percent(speed):
             cure = "name both arms, or state `joint_speed` (mm/s) in the process file"
-            self._findings.cannot(f"a joint speed of {speed.joint:g} % alone", cure, place)
+            self._findings.cannot(f"a joint speed of {speed.joint:g} % alone", cure, about)
         elif changed:
-            self._findings.changed(changed, speed_name(said), "state a speed in mm/s", place)
+            self._findings.changed(changed, speed_name(said), "state a speed in mm/s", about)
         if not all(v > 0 for v in (said.tcp, said.rotation)) or said.tcp != said.tcp:
-            self._findings.cannot(f"a speed of {said.tcp} mm/s", "state a speed above 0", place)
+            self._findings.cannot(f"a speed of {said.tcp} mm/s", "state a speed above 0", about)
         return said
 
     def _only_percent(self, speed: Speed) -> bool:
@@ -144,13 +148,14 @@ class Motions:
             return False
         return speed.joint < 100.0 or self._slowed
 
-    def _blend(self, blend: Blend, place: str | None) -> Blend:
+    def _blend(self, blend: Blend, name: str | None) -> Blend:
         said, changed = sayable_blend(blend)
+        about = None if name is None else Declared(name, "blends")
         if changed:
-            self._findings.changed(changed, zone_name(said), "state one radius in mm", place)
+            self._findings.changed(changed, zone_name(said), "state one radius in mm", about)
         if said.radius is not None and not said.radius >= 0:
             what = f"a corner radius of {said.radius} mm"
-            self._findings.cannot(what, "state 0 or more", place)
+            self._findings.cannot(what, "state 0 or more", about)
         return said
 
 

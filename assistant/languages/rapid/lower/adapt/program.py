@@ -33,6 +33,7 @@ from assistant.program.passes.counted_loops import counted
 from assistant.program.passes.paths import with_paths
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import map_bodies
+from assistant.program.subjects import Declared
 
 
 def adapt(program: Program, most_targets: int | None = None) -> Adapted:
@@ -59,8 +60,13 @@ def _sayable(program: Program, findings: Findings) -> Program:
             with findings.at(declaration.span):
                 findings.append(rules.OTHER_LANGUAGE(**verbatim.foreign(declaration)))
     motions = Motions(program, findings)
-    targets = {n: sayable_target(t, n, findings) for n, t in program.targets.items()}
-    joints = {n: sayable_joints(t, n, findings) for n, t in program.joint_targets.items()}
+    targets = {
+        n: sayable_target(t, Declared(n, "targets"), findings) for n, t in program.targets.items()
+    }
+    joints = {
+        n: sayable_joints(t, Declared(n, "joint_targets"), findings)
+        for n, t in program.joint_targets.items()
+    }
     variables = {n: sayable_variable(v, n, findings) for n, v in program.variables.items()}
     for name, variable in list(variables.items()):
         match None if variable.local else fixed_target(variable):
@@ -107,7 +113,7 @@ def _as_while(name: str, why: str, **where: Any) -> Diagnostic:
 def _find_names(program: Program, findings: Findings) -> None:
     for short, name in naming(program).changed:
         why = _why(name)
-        findings.append(rules.SHORTENED(name=name, short=short, why=why, place=name))
+        findings.append(rules.SHORTENED(name=name, short=short, why=why, about=Declared(name)))
 
 
 def _find_shared_outputs(program: Program, findings: Findings) -> None:

@@ -54,7 +54,8 @@ class StatementAdapter:
     def _procedure(self, procedure: Procedure) -> Procedure:
         self.known = kinds(self.program, procedure)
         variables = {
-            n: sayable_variable(v, n, self.findings) for n, v in procedure.variables.items()
+            n: sayable_variable(v, n, self.findings, procedure.name)
+            for n, v in procedure.variables.items()
         }
         for name, variable in variables.items():
             if variable.storage == "persistent":
