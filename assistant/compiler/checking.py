@@ -296,7 +296,7 @@ def _check_texts(
     loaded = _in_cell(program, process)
     found += loaded.findings
     places = Places(loaded.program)
-    meant = map(places.finding, _check_meaning(places.program, arm))
+    meant = map(places.finding, _check_meaning(loaded.program, arm))
     return [*found, *(f for f in meant if language.restated.get(f.code) not in told)]
 
 

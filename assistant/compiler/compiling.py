@@ -120,9 +120,9 @@ def compile(
     else:
         loaded = load(source, process=process, robot=robot_of(from_robot), unit=unit)
         loaded = replace(loaded, findings=tuple(f.within(str(source)) for f in loaded.findings))
-    places = Places(entered(loaded.program, entry))
+    program = entered(loaded.program, entry)
     arms = Arms(robot_of(robot), robot_of(from_robot), loaded.joint_speed)
-    compiled = compile_program(places.program, places, target, arms, most_targets)
+    compiled = compile_program(program, Places(program), target, arms, most_targets)
     return replace(compiled, found=(*loaded.findings, *compiled.found))
 
 

@@ -5,16 +5,14 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import partial
-from pathlib import Path as FilePath
 
 from assistant.compiler.loading import language_of
 from assistant.languages.language import Part
 from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.program import Program, bodies
-from assistant.program.rewriting import Body, map_spans
-from assistant.program.text import SourceText
+from assistant.program.rewriting import Body
+from assistant.program.text import SourceText, starts_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,27 +25,13 @@ class Place:
 
 
 class Places:
-    """The texts of a program that was lifted from a vendor language.
-
-    program: the same one, with spans that count on from one text to the next, so that those
-    of several files differ.
-    """
+    """The texts of a program that was lifted from a vendor language."""
 
     def __init__(self, program: Program) -> None:
-        self._texts: list[SourceText] = []
-        self._starts: list[int] = []
-        self.program = program
-        origin = program.origin
-        if origin is None:
-            return
-        end = 0
-        for tree in origin.trees:
-            source = tree.source or SourceText("")
-            self._texts.append(source)
-            self._starts.append(end)
-            end += len(source.text) + 1
-        if len(self._texts) > 1 and not language_of(origin.language).counts_on:
-            self.program = self._counted_on(program)
+        self._origin = program.origin
+        trees = () if program.origin is None else program.origin.trees
+        self._texts = [tree.source or SourceText("") for tree in trees]
+        self._starts = starts_of(self._texts)
 
     @property
     def several(self) -> bool:
@@ -56,7 +40,7 @@ class Places:
 
     def parts(self) -> Iterator[Part]:
         """What the trees hold beside their statements, in order of text."""
-        origin = self.program.origin
+        origin = self._origin
         if origin is None:
             return
         language = language_of(origin.language)
@@ -125,34 +109,6 @@ class Places:
         local = span.moved(-start)
         return (source, local) if local.end <= len(source.text) else None
 
-    def _counted_on(self, program: Program) -> Program:
-        """With the spans of each unit moved to where its text is."""
-        texts = [FilePath(source.path or "").stem.lower() for source in self._texts]
-        starts: dict[str | None, int | None] = {None: 0}
-        for unit in {q.unit for q in program.procedures} - {None}:
-            names = [(unit or "").lower(), _file_stem(program, unit)]
-            found = next((texts.index(n) for n in names if n in texts), None)
-            starts[unit] = None if found is None else self._starts[found]
-        procedures = tuple(
-            replace(
-                q,
-                body=map_spans(q.body, partial(_in_text, start=starts[q.unit])),
-                span=_in_text(q.span, starts[q.unit]),
-            )
-            for q in program.procedures
-        )
-        return replace(program, procedures=procedures)
-
-
-def _file_stem(program: Program, unit: str | None) -> str:
-    origin = program.origin
-    assert origin is not None
-    return FilePath(language_of(origin.language).file_name(program, unit)).stem.lower()
-
-
-def _in_text(span: Span | None, start: int | None) -> Span | None:
-    return None if span is None or start is None else span.moved(start)
-
 
 class Trace:
     """Where statements of the source went in the text that was read back.
@@ -163,7 +119,7 @@ class Trace:
 
     def __init__(self, adapted: Program, written: Program | None) -> None:
         self._there = Places(written) if written is not None else None
-        pairs = () if self._there is None else _pairs_of(adapted, self._there.program)
+        pairs = () if written is None else _pairs_of(adapted, written)
         self._went: dict[Span, list[Span]] = {}
         self._from: dict[Span, Span] = {}
         for mine, its in pairs:

@@ -121,9 +121,10 @@ def translate(
         loaded = load(loaded, process=process, robot=arms.written_for, language=language)
     if loaded.language is None or loaded.program.origin is None:
         raise Refused(NO_PROGRAM(name=source), exit_status=2)
-    places = Places(entered(loaded.program, entry))
+    program = entered(loaded.program, entry)
+    places = Places(program)
     arms = replace(arms, joint_speed=loaded.joint_speed)
-    compiled = compile_program(places.program, places, target, arms, most_targets)
+    compiled = compile_program(program, places, target, arms, most_targets)
     written, later = compiled, tuple[Diagnostic, ...]()
     if not compiled.ok:
         drawn, later = drafted(compiled, target, arms, most_targets)

@@ -149,9 +149,6 @@ class Language(abc.ABC, Generic[T]):
     """What a project may state about its controllers, by key."""
     stated: Mapping[str, str] = MappingProxyType({})
     """What it does state of ARITHMETIC."""
-    counts_on: bool = False
-    """Whether the spans of a lifted program count on from one tree's text to the next, by one
-    more than its length; else those of each unit are in its own text."""
     joint_percent: bool = False
     """Whether joint moves state percents of the axes' speeds; else mm/s and degrees/s."""
     steps: bool = False
@@ -214,7 +211,10 @@ class Language(abc.ABC, Generic[T]):
 
     @abc.abstractmethod
     def lift_trees(self, trees: Sequence[T], robot: Robot | None) -> Program:
-        """What `lift` gives, without its origin."""
+        """What `lift` gives, without its origin.
+
+        Spans count on from the text of one tree to that of the next, see `starts_of`.
+        """
 
     def convert(
         self,
@@ -230,7 +230,7 @@ class Language(abc.ABC, Generic[T]):
     def assumed(self, program: Program, to: str) -> Iterator[Diagnostic]:  # noqa: ARG002
         """What a program of this language takes as given, and the language `to` says for it.
 
-        program: as it was lifted, with the spans of `Places`.
+        program: as it was lifted.
         """
         yield from ()
 

@@ -10,7 +10,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Span
 from assistant.program.path import Path
-from assistant.program.program import bodies
+from assistant.program.program import Procedure, bodies
 
 T = TypeVar("T")
 Body = tuple[p.Statement, ...]
@@ -50,6 +50,14 @@ def map_spans(body: Body, change: Callable[[Span], Span | None]) -> Body:
         )
         for node in body
     )
+
+
+def counted_on(procedure: Procedure, start: int) -> Procedure:
+    """A procedure with its spans counted on, its text beginning at `start`, see `starts_of`."""
+    if not start:
+        return procedure
+    body = map_spans(procedure.body, lambda span: span.moved(start))
+    return replace(procedure, body=body, span=procedure.span and procedure.span.moved(start))
 
 
 def map_expressions(node: T, change: Callable[[e.Expression], e.Expression]) -> T:

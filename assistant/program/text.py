@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 from bisect import bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path as FilePath
@@ -218,3 +218,15 @@ def encode(source: SourceText) -> bytes:
         raise Refused(
             source.finding(UNWRITABLE, span, character=character, encoding=source.encoding)
         ) from None
+
+
+def starts_of(texts: Iterable[SourceText | None]) -> list[int]:
+    """Where each text of a program begins, for spans that count on from one text to the next.
+
+    They are one character apart; None stands for a tree without a text.
+    """
+    starts, end = [], 0
+    for text in texts:
+        starts.append(end)
+        end += len(text.text if text else "") + 1
+    return starts

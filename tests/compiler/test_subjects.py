@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from assistant.compiler import Translation, translate
+from assistant.compiler import Translation, load, translate
+from assistant.program import statements as p
 from assistant.program.comparison import compare
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.subjects import Declared
@@ -107,3 +108,22 @@ def test_a_mismatch_tells_what_it_is_a_part_of() -> None:
         "variables n size 1",
         "procedure main variables n size 1",
     ]
+
+
+def test_spans_count_on_from_one_text_to_the_next(tmp_path: Path) -> None:
+    """So that a span alone tells in which file of a program something is."""
+    files = {
+        "MAIN.prg": '1 Dly 1\n2 CallP "SUB"\n3 End\n',
+        "SUB.prg": "1 Dly 2\n2 Dly 3\n3 End\n",
+        "a.mod": "MODULE a\nPROC main()\nWaitTime 4;\nENDPROC\nENDMODULE\n",
+        "b.mod": "MODULE b\nPROC other()\nWaitTime 5;\nENDPROC\nENDMODULE\n",
+        "cell.pgf": "<Program><Module>a.mod</Module><Module>b.mod</Module></Program>\n",
+    }
+    for name, text in files.items():
+        (tmp_path / name).write_text(text, encoding="utf-8", newline="\n")
+    for name, waits in (("MAIN.prg", ["1", "2", "3"]), ("cell.pgf", ["4", "5"])):
+        program = load(tmp_path / name).program
+        assert program.origin is not None
+        whole = "\n".join(tree.source.text for tree in program.origin.trees)
+        spans = [x.span for x in program.statements() if isinstance(x, p.Wait) and x.span]
+        assert [whole[s.start : s.end].strip(" ;\n")[-1] for s in spans] == waits

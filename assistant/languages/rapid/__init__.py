@@ -43,7 +43,6 @@ class Rapid(Language[File]):
     restated = MappingProxyType(
         {"CK101": "RA459", "CK102": "RA460", "CK103": "RA460", "CK104": "RA461"}
     )
-    counts_on = True
     table = "rapid"
     settings = ARITHMETIC
 

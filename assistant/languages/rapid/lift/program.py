@@ -34,7 +34,8 @@ from assistant.program.program import (
     Variable,
     identifier,
 )
-from assistant.program.rewriting import map_spans, rewrite
+from assistant.program.rewriting import counted_on, rewrite
+from assistant.program.text import starts_of
 
 T = TypeVar("T")
 
@@ -43,11 +44,9 @@ def lift(files: Sequence[s.File]) -> Program:
     """The program that the modules of these files say together."""
     modules: list[s.Module] = []
     starts: list[int] = []
-    start = 0
-    for file in files:
+    for file, start in zip(files, starts_of(file.source for file in files), strict=True):
         modules += file.modules
         starts += [start] * len(file.modules)
-        start += len(file.source.text if file.source else "") + 1
     return _Lift(modules, starts).program() if modules else Program("empty", entry=None)
 
 
@@ -57,7 +56,7 @@ def routines(nodes: Iterable[s.Routine]) -> tuple[Procedure, ...]:
 
 
 class _Lift:
-    """modules: one at least. starts: where the text of each begins, see `Language.counts_on`."""
+    """modules: one at least. starts: where the text of each begins, see `starts_of`."""
 
     def __init__(self, modules: Sequence[s.Module], starts: Sequence[int]) -> None:
         self.modules, self.starts = modules, starts
@@ -130,9 +129,13 @@ class _Lift:
             before = len(self.procedures), len(self.declarations)
             self.data.start = start
             self.module(module, own)
-            if start:
-                _count_on(self.procedures, before[0], start)
-                _count_on(self.declarations, before[1], start)
+            self.procedures[before[0] :] = [
+                counted_on(q, start) for q in self.procedures[before[0] :]
+            ]
+            self.declarations[before[1] :] = [
+                replace(d, span=d.span and d.span.moved(start))
+                for d in self.declarations[before[1] :]
+            ]
             if hidden := self._hidden(module):
                 mine = self.procedures[before[0] :]
                 self.procedures[before[0] :] = [_renamed(q, hidden) for q in mine]
@@ -249,15 +252,6 @@ class _Lift:
                 mode: Any = "inout" if q.mode else "in"
                 found.append(Parameter(self.original(q.name), type, mode, q.dimensions))
         return tuple(found)
-
-
-def _count_on(parts: list[Any], first: int, start: int) -> None:
-    """Moves the spans of procedures and declarations from the first on."""
-    for at, part in enumerate(parts[first:], first):
-        part = replace(part, span=part.span and part.span.moved(start))
-        if isinstance(part, Procedure):
-            part = replace(part, body=map_spans(part.body, lambda span: span.moved(start)))
-        parts[at] = part
 
 
 def _routines(module: s.Module) -> dict[str, s.Routine]:

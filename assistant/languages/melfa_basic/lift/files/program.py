@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import PurePath
 from typing import TYPE_CHECKING
 
@@ -11,6 +12,8 @@ from assistant.languages.melfa_basic.lift.files.file import Unit
 from assistant.languages.melfa_basic.lift.files.parts import File, touching
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.program import Program, identifier
+from assistant.program.rewriting import counted_on
+from assistant.program.text import starts_of
 from assistant.program.wholes import without_needless_rounding
 
 if TYPE_CHECKING:
@@ -37,9 +40,14 @@ def lift(trees: Sequence[s.File], robot: Robot | None = None, *, divide: bool = 
     )
     touched = touching({(stem(f.tree) or f"-{k}").upper(): f for k, f in enumerate(files)})
     programs = frozenset(name for f in files for name in f.called() if name is not None)
+    starts = dict(zip(map(id, files), starts_of(f.tree.source for f in files), strict=True))
     for file in [main, *rest]:
+        known = program.procedures
         unit = None if file is main else (file.header.unit or stem(file.tree) or "unit")
         program = Unit(file, main, unit, robot, touched, programs, divide).add_to(program)
+        added = program.procedures[len(known) :]
+        counted = (counted_on(procedure, starts[id(file)]) for procedure in added)
+        program = replace(program, procedures=(*known, *counted))
     return program if any(file.own for file in files) else without_needless_rounding(program)
 
 
