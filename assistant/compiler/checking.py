@@ -16,6 +16,7 @@ from assistant.compiler.loading import (
     files_in,
     language_of,
     load,
+    parse_pseudo,
     read_companions,
     read_pseudo,
     read_trees,
@@ -227,7 +228,7 @@ def _check_pseudo(
 ) -> list[Diagnostic]:
     name = text.path or ""
     checked.texts[name] = Text(text, PSEUDO_MARK, complete=False)
-    program = pseudo.parse(text, side_tables=tables)
+    program = parse_pseudo(text, tables)
     checked.texts[name] = Text(text, PSEUDO_MARK, complete=True)
     loaded = _in_cell(program, process)
     meant = _check_meaning(loaded.program, arm)

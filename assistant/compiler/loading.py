@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant import languages, sources
 from assistant.program import pseudo
 from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, has_errors
+from assistant.program.kept import with_effects
 from assistant.program.program import Program
 from assistant.program.text import SourceText, decode, read_bytes
 from assistant.sources.lengths import unit_stated
@@ -59,7 +60,7 @@ def load(
     source = FilePath(path)
     stated = () if unit is None else (unit_stated(path, unit),)
     if source.suffix.lower() == pseudo.SUFFIX:
-        program = pseudo.parse(read_pseudo(path), side_tables=source.parent)
+        program = parse_pseudo(read_pseudo(path), source.parent)
         loaded = Loaded(program, None, stated)
         return loaded if process is None else with_process(loaded, process)
     data = None if source.suffix.lower() in sources.READERS else read_bytes(source)
@@ -81,7 +82,7 @@ def load_text(
 ) -> Loaded:
     """The same for a text that is no file: a robot language's if named, else pseudo text."""
     if language is None:
-        lifted = Loaded(pseudo.parse(text))
+        lifted = Loaded(parse_pseudo(text))
     else:
         lifted = lift(language_of(language), [text], robot)
     return lifted if process is None else with_process(lifted, process)
@@ -100,6 +101,15 @@ def with_process(loaded: Loaded, process: str | FilePath) -> Loaded:
 
 def read_pseudo(path: str | FilePath) -> SourceText:
     return decode(read_bytes(path), str(path), PSEUDO_ENCODINGS)
+
+
+def parse_pseudo(text: SourceText, side_tables: FilePath | None = None) -> Program:
+    """The program of pseudo text, with what its vendor text does; raises Refused.
+
+    The reader of pseudo text knows no vendor's language. side_tables: folder of tables that are
+    files of their own.
+    """
+    return with_effects(pseudo.parse(text, side_tables=side_tables), languages.effect)
 
 
 def files_in(folder: str, suffixes: Collection[str]) -> Iterator[str]:

@@ -8,6 +8,8 @@ from pathlib import Path as FilePath
 from typing import Any, Final
 
 from assistant.languages.language import Adapted, Language, Precision, Tree
+from assistant.program.effects import Effect
+from assistant.program.kept import Kept, kind_of
 
 ROOMS: Final = {
     "rapid": "assistant.languages.rapid",
@@ -17,7 +19,7 @@ ROOMS: Final = {
 }
 """Language name → package, whose `language(name)` gives the `Language`."""
 
-__all__ = ["Adapted", "Language", "Precision", "Tree", "get", "names", "of_file"]
+__all__ = ["Adapted", "Language", "Precision", "Tree", "effect", "get", "names", "of_file"]
 
 
 def names() -> tuple[str, ...]:
@@ -31,6 +33,11 @@ def get(name: str) -> Language[Any]:
         raise KeyError(f"no language {name!r}; there are {', '.join(ROOMS)}")
     language: Language[Any] = importlib.import_module(ROOMS[name]).language(name)
     return language
+
+
+def effect(kept: Kept) -> Effect | None:
+    """What a kept text does, None if there is no such language."""
+    return get(kept.language).effect(kept.text, kind_of(kept)) if kept.language in ROOMS else None
 
 
 def of_file(path: str | FilePath, data: bytes) -> Language[Any] | None:

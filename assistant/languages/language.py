@@ -12,6 +12,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Generic, Literal, Protocol, Self, TypeVar
 
 from assistant.program.diagnostics import Diagnostic, Refused, Severity, Span
+from assistant.program.effects import Effect, KeptKind, unknown
 from assistant.program.program import Origin, Program
 from assistant.program.text import SourceText, decode, encode, read_bytes
 
@@ -208,6 +209,10 @@ class Language(abc.ABC, Generic[T]):
         listed = tuple(trees) if isinstance(trees, Sequence) else (trees,)
         program = self.lift_trees(listed, robot)
         return replace(program, origin=Origin(self.name, listed, program, robot))
+
+    def effect(self, text: str, kind: KeptKind) -> Effect:  # noqa: ARG002
+        """What a text does that a program keeps as it is; anything if it cannot be read."""
+        return unknown(text)
 
     @abc.abstractmethod
     def lift_trees(self, trees: Sequence[T], robot: Robot | None) -> Program:

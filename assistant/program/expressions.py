@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
+from assistant.program.effects import Effect
 from assistant.program.geometry import JointTarget, Pose, Target
 
 BinaryOperator = Literal[
@@ -169,12 +170,14 @@ class Reason:
 class Verbatim:
     """An expression that only one vendor language can say, as its text.
 
-    reason: why it is not said otherwise, None if that is not known; not part of what it says.
+    reason: why it is not said otherwise, None if that is not known. effect: what it does, None
+    if nobody has read it. Neither is part of what it says.
     """
 
     language: str
     text: str
     reason: Reason | None = field(default=None, compare=False, repr=False, kw_only=True)
+    effect: Effect | None = field(default=None, compare=False, repr=False, kw_only=True)
 
 
 Expression = (

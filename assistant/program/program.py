@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final, Literal
 
 from assistant.program.diagnostics import Rule, Severity, Span
+from assistant.program.effects import Effect
 from assistant.program.expressions import Expression
 from assistant.program.geometry import Frame, JointTarget, Target, Tool
 from assistant.program.motion import Blend, Speed
@@ -133,10 +134,14 @@ class Procedure:
 
 @dataclass(frozen=True, slots=True)
 class Declaration(Spanned):
-    """A declaration that only one vendor language can say, as its text."""
+    """A declaration that only one vendor language can say, as its text.
+
+    effect: what it does, None if nobody has read it; not part of what it says.
+    """
 
     language: str
     text: str
+    effect: Effect | None = field(default=None, compare=False, repr=False, kw_only=True)
 
 
 @dataclass(frozen=True, slots=True)

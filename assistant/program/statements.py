@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Final, Literal
 
 from assistant.program.diagnostics import Span
+from assistant.program.effects import Effect
 from assistant.program.expressions import Expression, Name, Number
 from assistant.program.expressions import Reason as Reason
 from assistant.program.geometry import BASE, FLANGE
@@ -243,12 +244,14 @@ class Message(Spanned):
 class Opaque(Spanned):
     """A statement that only one vendor language can say, as its text.
 
-    reason: why it is not said otherwise, None if that is not known; not part of what it says.
+    reason: why it is not said otherwise, None if that is not known. effect: what it does, None
+    if nobody has read it. Neither is part of what it says.
     """
 
     language: str
     text: str
     reason: Reason | None = field(default=None, compare=False, repr=False, kw_only=True)
+    effect: Effect | None = field(default=None, compare=False, repr=False, kw_only=True)
 
 
 MoveStatement = Move | MoveCircular | MoveJoints

@@ -25,6 +25,7 @@ from assistant.languages.melfa_basic.tree import syntax
 from assistant.languages.melfa_basic.tree.syntax import CallP, File, Line, String
 from assistant.program.comparison import Tolerance, compare
 from assistant.program.diagnostics import Diagnostic, Severity, has_errors
+from assistant.program.effects import Effect, KeptKind
 from assistant.program.program import Program
 from assistant.program.text import SourceText
 
@@ -147,6 +148,11 @@ class MelfaBasic(Language[File]):
         from assistant.languages.melfa_basic.tree.parts import parts
 
         return parts(tree)
+
+    def effect(self, text: str, kind: KeptKind) -> Effect:
+        from assistant.languages.melfa_basic.text.effects import of_text
+
+        return of_text(text, kind)
 
     def lift_trees(self, trees: Sequence[File], robot: Robot | None) -> Program:
         from assistant.languages.melfa_basic.lift.files.program import lift

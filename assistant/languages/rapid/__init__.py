@@ -12,6 +12,7 @@ from assistant.languages.language import ARITHMETIC, Adapted, Language, Part, Pr
 from assistant.languages.rapid.tree import syntax
 from assistant.languages.rapid.tree.syntax import File
 from assistant.program.diagnostics import Diagnostic, has_errors
+from assistant.program.effects import Effect, KeptKind
 from assistant.program.program import Program
 from assistant.program.text import SourceText
 
@@ -83,6 +84,11 @@ class Rapid(Language[File]):
         from assistant.languages.rapid.tree.walk import data
 
         return data(tree)
+
+    def effect(self, text: str, kind: KeptKind) -> Effect:
+        from assistant.languages.rapid.text.effects import of_text
+
+        return of_text(text, kind)
 
     def lift_trees(self, trees: Sequence[File], robot: Robot | None) -> Program:  # noqa: ARG002
         from assistant.languages.rapid.lift.program import lift

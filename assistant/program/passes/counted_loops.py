@@ -16,6 +16,7 @@ from typing import Any, Final
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic
+from assistant.program.kept import respelled
 from assistant.program.passes.paths import mentioned
 from assistant.program.program import Procedure, Program, Variable, bodies, identifier, walk
 from assistant.program.rewriting import Body, head, map_bodies, map_head, records
@@ -77,8 +78,8 @@ def _renamed(body: Body, old: str, new: str) -> Body:
         match x:
             case e.Name(name) if name.lower() == old.lower():
                 return e.Name(new)
-            case e.Verbatim(language, text):
-                return e.Verbatim(language, other(text))
+            case e.Verbatim(text=text):
+                return respelled(x, other(text), old.lower(), new.lower())
         return x
 
     out: list[p.Statement] = []
@@ -86,7 +87,7 @@ def _renamed(body: Body, old: str, new: str) -> Body:
         hides = isinstance(x, p.For) and x.variable.lower() == old.lower()
         x = map_head(x, change)
         if isinstance(x, p.Opaque):
-            x = replace(x, text=other(x.text))
+            x = respelled(x, other(x.text), old.lower(), new.lower())
         out.append(x if hides else map_bodies(x, lambda b: _renamed(b, old, new)))
     return tuple(out)
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from assistant.program.expressions import Expression, Index, Member, Name
+from assistant.program.kept import effect_of
 from assistant.program.rewriting import records
 from assistant.program.statements import Follow, Opaque, Statement
-from assistant.program.text import words_of
 
 
 def root(target: Expression) -> str:
@@ -20,7 +20,7 @@ def root(target: Expression) -> str:
 def mentions(statement: Statement, name: str) -> bool:
     """Whether a statement may read a variable; name: in lower case."""
     if isinstance(statement, Opaque):
-        return name in words_of(statement.text)
+        return name in effect_of(statement).names
     parts: Any = records(statement)
     return not isinstance(statement, Follow) and any(
         isinstance(part, Name) and part.name.lower() == name for part in parts

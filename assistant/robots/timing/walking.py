@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
@@ -10,7 +9,9 @@ from typing import Final
 import numpy as np
 
 from assistant.program.arrays import Rows
+from assistant.program.effects import unknown
 from assistant.program.expressions import Expression, Name, Number
+from assistant.program.kept import effect_of
 from assistant.program.path import Kind
 from assistant.program.program import Procedure, walk
 from assistant.program.pseudo.expressions import expression_text
@@ -35,10 +36,10 @@ from assistant.program.statements import (
     While,
     trait,
 )
-from assistant.program.text import words_of
 from assistant.robots.solved_program import Journey
 from assistant.robots.target_lookup import Names
 from assistant.robots.timing.drive import Drive
+from assistant.robots.timing.kept import KeptMotion
 from assistant.robots.timing.ledger import Ledger
 from assistant.robots.timing.pieces import Piece, Pieces, label_of
 from assistant.robots.timing.plan import Plan, plan_of
@@ -53,8 +54,6 @@ that are followed: some programs have more calls than anybody could wait for.
 """
 STANDING: Final = ("waits", "calls", "jumps", "ends", "holds", "kept")
 """Traits of statements that the moves before them have to end for."""
-MOVING: Final = re.compile(r"\s*(?:[0-9]+\s+)?(?:mov|mv[acrst]|trigg|search)", re.IGNORECASE)
-"""How the statements of either language begin that move the arm, where they are kept as text."""
 
 
 class Walker:
@@ -68,6 +67,7 @@ class Walker:
         self.names = Names(journey.program)
         self.values = Values(journey.program, self.names)
         self.pieces = Pieces(journey, self.names, self.values)
+        self.kept_motion = KeptMotion(journey.program)
         self.ledger = Ledger()
         self.procedures: dict[str, Duration] = {}
         self.plans: dict[tuple[object, ...], Plan] = {}
@@ -242,15 +242,23 @@ class Walker:
                 self.note("a stop, until somebody starts the program again")
             case Goto(label=label):
                 self.note(f"the jump to {label} is not followed")
-            case Opaque(text=text):
-                line = text.strip().splitlines()[0] if text.strip() else text
-                way = way.without(set(words_of(text)))
-                if MOVING.match(text):
-                    self.note(f"`{line}` is a motion whose time is not known")
-                    return replace(way, places=())
-                self.note(f"`{line}` is taken as neither time nor motion")
-                return way
+            case Opaque():
+                return self.kept(statement, way)
         return way
+
+    def kept(self, statement: Opaque, way: Way) -> Way:
+        """Vendor text: where it leads to, and for how long, only its own controller knows."""
+        text, effect = statement.text, effect_of(statement)
+        line = text.strip().splitlines()[0] if text.strip() else text
+        way = way.without(set(effect.names))
+        if not self.kept_motion.possible(effect):
+            self.note(f"`{line}` is taken as neither time nor motion")
+            return way
+        if effect.moves and effect != unknown(text):
+            self.note(f"`{line}` is a motion whose time is not known")
+        else:
+            self.note(f"`{line}` may move the arm, in a time that is not known")
+        return replace(way, places=())
 
     def call(self, statement: Call, way: Way) -> Way:
         procedure = self.journey.program.procedure(statement.procedure)

@@ -9,8 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assistant import robots
+from assistant import languages, robots
 from assistant.program.diagnostics import Refused
+from assistant.program.kept import with_effects
+from assistant.program.program import Declaration
 from assistant.program.pseudo import parse
 from assistant.program.statements import Opaque
 from assistant.robots.timing import Drive, Simulation, simulate
@@ -209,25 +211,51 @@ def test_what_follows_a_place_that_is_not_known_is_not_timed() -> None:
     assert simulation.moves.number.tolist() == [1, 4]
 
 
+MOTION = "is a motion whose time is not known"
+PERHAPS = "may move the arm, in a time that is not known"
+NEITHER = "is taken as neither time nor motion"
+
+
 @pytest.mark.parametrize(
-    ("text", "count", "what"),
+    ("language", "text", "what"),
     [
-        ("MoveL c,v100\\T:=7,fine,tool0;", 2, "is a motion whose time is not known"),
-        ("30 MVS P3 WTH M_OUT(8)=1", 2, "is a motion whose time is not known"),
-        ("SetAO ao1,3;", 1, "is taken as neither time nor motion"),
+        ("rapid", "MoveL c,v100\\T:=7,fine,tool0;", MOTION),
+        ("rapid", "ArcL c,v100,seam1,weld1,fine,tool0;", MOTION),
+        ("rapid", "TriggIO gun,0.2\\DOp:=do1,1;", NEITHER),
+        ("rapid", "SetAO ao1,3;", NEITHER),
+        ("rapid", "elsewhere\\fast;", PERHAPS),
+        ("rapid", "stands\\fast;", NEITHER),
+        ("rapid", "goes\\fast;", PERHAPS),
+        ("rapid", "runs\\fast;", PERHAPS),
+        ("rapid", "logs\\fast;", NEITHER),
+        ("melfa-basic-5", "Mvs P3 Wth M_Out(8)=1", MOTION),
+        ("melfa-basic-5", "If M1=0 Then Mov P3", MOTION),
+        ("melfa-basic-5", "MvTune 2", NEITHER),
+        ("melfa-basic-5", "GoSub *Away", PERHAPS),
+        ("another", "PTP P3", PERHAPS),
     ],
 )
 def test_a_motion_that_is_kept_as_its_text_leads_nobody_knows_where(
-    text: str, count: int, what: str
+    language: str, text: str, what: str
 ) -> None:
-    program = parse(HEAD + THERE + FORTH + BACK + FORTH + "end\n")
-    (main,) = program.procedures
-    kept = Opaque("rapid", text)
-    main = replace(main, body=(*main.body[:2], kept, *main.body[3:]))
-    simulation = simulate(robots.journey(replace(program, procedures=(main,)), ARM), drive=LOOSE)
-    assert what in str(simulation.unknown[0])
+    rest = "\nprocedure stands\n  wait 1 s\nend\n\nprocedure goes\n  call stands\n" + BACK + "end\n"
+    program = parse(HEAD + THERE + FORTH + BACK + FORTH + "end\n" + rest)
+    main, *others = program.procedures
+    main = replace(main, body=(*main.body[:2], Opaque(language, text), *main.body[3:]))
+    program = replace(
+        program,
+        procedures=(main, *others),
+        declarations=(
+            Declaration("rapid", "PROC runs(\\switch fast)\n  logs;\n  goes;\nENDPROC"),
+            Declaration("rapid", "PROC logs(\\switch fast)\n  IF TRUE logs;\n  stands;\nENDPROC"),
+        ),
+    )
+    program = with_effects(program, languages.effect)
+    simulation = simulate(robots.journey(program, ARM), drive=LOOSE)
+    told = [str(one) for one in simulation.unknown if one.procedure == "main"]
+    assert told[0] == f"main: `{text}` {what}"
+    assert len(told) == (1 if what == NEITHER else 2)  # the move behind a motion as well
     assert simulation.seconds == near(2)
-    assert len(simulation.unknown) == count  # the move behind a motion as well
 
 
 def test_procedures_that_nobody_calls_and_that_call_themselves() -> None:

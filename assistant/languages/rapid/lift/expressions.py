@@ -7,6 +7,7 @@ from typing import Final
 
 from assistant.languages.rapid.tables.operators import AS_FUNCTIONS, BINARY
 from assistant.languages.rapid.tables.words import BITS, COMPONENTS, FUNCTIONS, UNUSED
+from assistant.languages.rapid.text import effects
 from assistant.languages.rapid.text.printer import expression as printed
 from assistant.languages.rapid.text.verbatim import LANGUAGE
 from assistant.languages.rapid.tree import syntax as s
@@ -86,7 +87,13 @@ def lift(node: s.Expression, original: Original) -> e.Expression:
             return e.Binary(name_, lift(left, original), lift(right, original))  # type: ignore[arg-type]
         case s.FunctionCall():
             return _call(node, original)
-    return e.Verbatim(LANGUAGE, printed(node))
+    return kept(node)
+
+
+def kept(node: s.Expression) -> e.Verbatim:
+    """An expression as its text."""
+    text = printed(node)
+    return e.Verbatim(LANGUAGE, text, effect=effects.of_nodes((node,), text))
 
 
 def negative(operand: e.Expression) -> e.Expression:
@@ -125,11 +132,10 @@ def _call(node: s.FunctionCall, original: Original) -> e.Expression:
     name = node.name.lower()
     options = {a.name.lower(): a.value for a in node.arguments if isinstance(a, s.Option)}
     plain = [a for a in node.arguments if isinstance(a, s.Positional) and a.name is None]
-    verbatim = e.Verbatim(LANGUAGE, printed(node))
     if len(plain) + len(options) != len(node.arguments):
-        return verbatim
+        return kept(node)
     if any(value is None for value in options.values()):
-        return verbatim
+        return kept(node)
     given = tuple(lift(a.value, original) for a in plain)
     turned = {k: lift(v, original) for k, v in options.items() if v is not None}
     if name == "reltool" and len(given) == 4:
@@ -139,9 +145,9 @@ def _call(node: s.FunctionCall, original: Original) -> e.Expression:
             turns = tuple(turned.get(k, e.Number(0)) for k in ("rx", "ry", "rz"))
             return e.Apply("relative", given + turns)
     if name == "crobt" and not given:
-        return here(node, original) or verbatim
+        return here(node, original) or kept(node)
     if turned:
-        return verbatim
+        return kept(node)
     if name == "dnumtonum" and (bits := _bits(node, original)) is not None:
         return bits
     if name == "cjointt" and not given:
@@ -150,20 +156,20 @@ def _call(node: s.FunctionCall, original: Original) -> e.Expression:
         points = [_whole_target(a.value, original) for a in plain]
         if all(p is not None for p in points):
             return e.Apply("distance", tuple(p for p in points if p is not None))
-        return verbatim
+        return kept(node)
     if name in READS and len(given) == 1:
-        return given[0] if isinstance(given[0], e.Name) else verbatim
+        return given[0] if isinstance(given[0], e.Name) else kept(node)
     if name == "testdi" and len(given) == 1:
         return e.Binary("=", given[0], e.Number(1))
     if name in _POWERS and len(given) == 2:
         return e.Binary(_POWERS[name], *given)  # type: ignore[arg-type]
     if name in _FUNCTIONS:
         known = _FUNCTIONS[name]
-        return e.Apply(known, given) if len(given) in ARITY.get(known, (1,)) else verbatim
+        return e.Apply(known, given) if len(given) in ARITY.get(known, (1,)) else kept(node)
     if name in ("reltool", "crobt", "cjointt", "distance", "pow", "posemult"):
-        return verbatim
+        return kept(node)
     if original(node.name) in e.FUNCTIONS:
-        return verbatim
+        return kept(node)
     return e.Apply(original(node.name), given)
 
 

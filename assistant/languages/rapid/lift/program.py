@@ -14,10 +14,10 @@ from assistant.languages.rapid.lift.messages import with_values
 from assistant.languages.rapid.lift.paths import PathLift
 from assistant.languages.rapid.lift.places import with_places
 from assistant.languages.rapid.lift.signals import uses, with_used
-from assistant.languages.rapid.lift.statements import StatementLift, opaque
+from assistant.languages.rapid.lift.statements import StatementLift, handler, opaque
 from assistant.languages.rapid.lift.timers import clocks, with_timers
 from assistant.languages.rapid.tables.words import VALUE_OF_TYPE
-from assistant.languages.rapid.text import verbatim
+from assistant.languages.rapid.text import effects, verbatim
 from assistant.languages.rapid.text.header import Header, opening
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
@@ -229,10 +229,7 @@ class _Lift:
             *(p.Comment(n) for n in notes),
             *foreign,
             *self.statements.block(statements),
-            *(
-                p.Opaque(verbatim.LANGUAGE, verbatim.of_handler(h), span=h.span)
-                for h in node.handlers
-            ),
+            *map(handler, node.handlers),
         )
         name = self.original(node.name)
         return Procedure(
@@ -275,4 +272,6 @@ def _renamed(procedure: Procedure, names: Mapping[str, str]) -> Procedure:
 
 
 def _declaration(item: s.Item) -> Declaration:
-    return Declaration(verbatim.LANGUAGE, verbatim.of_item(item), span=item.span)
+    text = verbatim.of_item(item)
+    effect = effects.of_nodes((item,), text)
+    return Declaration(verbatim.LANGUAGE, text, span=item.span, effect=effect)

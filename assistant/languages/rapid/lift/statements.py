@@ -13,7 +13,7 @@ from assistant.languages.rapid.lift.paths import PathLift
 from assistant.languages.rapid.lift.timers import restarted
 from assistant.languages.rapid.tables.standard import INSTRUCTIONS, OF_OPTIONS
 from assistant.languages.rapid.tables.words import LOADED_FROM
-from assistant.languages.rapid.text import verbatim
+from assistant.languages.rapid.text import effects, verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes as tree_nodes
 from assistant.program import expressions as e
@@ -31,9 +31,9 @@ def statements_of(text: str, program: Program) -> tuple[p.Statement, ...]:
     try:
         read = verbatim.statements(text)
     except Refused:
-        return (p.Opaque(verbatim.LANGUAGE, text),)  # a finding when it is built
+        return (_kept(text),)  # a finding when it is built
     if any(isinstance(n, s.Data | s.TargetRunNode) for n in read):
-        return (p.Opaque(verbatim.LANGUAGE, text),)
+        return (_kept(text),)
     paths = PathLift((), DataLift((), (), str), str)
     procedures = {q.name.lower() for q in program.procedures}
     return StatementLift(Meaning(), paths, procedures).block(read)
@@ -160,5 +160,18 @@ def _clock(node: s.StatementNode) -> str:
     return next(part.name for part in tree_nodes(node) if isinstance(part, s.NameRef))
 
 
+def _kept(text: str) -> p.Opaque:
+    return p.Opaque(verbatim.LANGUAGE, text, effect=effects.of_text(text, "statement"))
+
+
 def opaque(node: s.StatementNode) -> p.Opaque:
-    return p.Opaque(verbatim.LANGUAGE, verbatim.of_statement(node), span=node.span)
+    return _opaque(node, verbatim.of_statement(node))
+
+
+def handler(node: s.Handler) -> p.Opaque:
+    return _opaque(node, verbatim.of_handler(node))
+
+
+def _opaque(node: s.Node, text: str) -> p.Opaque:
+    effect = effects.of_nodes((node,), text)
+    return p.Opaque(verbatim.LANGUAGE, text, span=node.span, effect=effect)

@@ -323,8 +323,8 @@ class Unit:
         region, routine = reader.flow.regions[number], reader.routines[number]
         if routine.parameters is None:
             if form.number == 1:
-                text = routines.text_of(reader.code, region, meanings.dialect)
-                reading.declarations.append(Declaration(meanings.dialect, text))
+                kept = routines.declaration(reader.code, region, meanings.dialect)
+                reading.declarations.append(kept)
             return
         variables: dict[str, Variable] = {}
         if region.function is not None:

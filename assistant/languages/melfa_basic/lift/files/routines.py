@@ -22,11 +22,18 @@ from assistant.languages.melfa_basic.lift.values.symbols import (
     Routine,
     Unliftable,
 )
-from assistant.languages.melfa_basic.text import printer
+from assistant.languages.melfa_basic.text import effects, printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program import statements as p
-from assistant.program.program import Parameter, Procedure, ValueType, Variable, identifier
+from assistant.program.program import (
+    Declaration,
+    Parameter,
+    Procedure,
+    ValueType,
+    Variable,
+    identifier,
+)
 
 EXIT: Final = s.Command("Exit Function")
 
@@ -193,12 +200,13 @@ def defined_functions(code: Code, meanings: Meanings) -> list[Procedure]:
     return made
 
 
-def text_of(code: Code, region: Region, dialect: str) -> str:
+def declaration(code: Code, region: Region, dialect: str) -> Declaration:
     """A whole function as its text."""
     upper = dialect.endswith("-4")
     items = code[region.low - 1 : region.high + 1]
-    return "\n".join(
+    text = "\n".join(
         printer.line(replace(item, number=None), upper)
         for item in items
         if isinstance(item, s.Line)
     )
+    return Declaration(dialect, text, effect=effects.of_text(text, "declaration"))

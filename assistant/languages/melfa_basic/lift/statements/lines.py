@@ -18,6 +18,7 @@ from assistant.languages.melfa_basic.lift.values import reasons
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
 from assistant.languages.melfa_basic.lift.values.pallets import define as define_pallet
 from assistant.languages.melfa_basic.lift.values.symbols import Meanings, Routine, Unliftable
+from assistant.languages.melfa_basic.text import effects
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program import expressions as e
@@ -117,7 +118,8 @@ class Statements:
         if self.form is not None and (self.form.passes or self.form.head):
             self.torn |= any(isinstance(part, s.Target) for part in nodes(statement))
         reason = reasons.reason_for(statement, found)
-        return p.Opaque(dialect, reasons.text_of(statement, dialect), reason=reason)
+        text = reasons.text_of(statement, dialect)
+        return p.Opaque(dialect, text, reason=reason, effect=effects.of_node(statement, text))
 
     def note_dependence(self, statement: s.Statement) -> None:
         """Notes what a statement at hand, which stays as its text, depends on."""

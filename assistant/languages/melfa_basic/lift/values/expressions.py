@@ -26,7 +26,7 @@ from assistant.languages.melfa_basic.lift.values.types import Types
 from assistant.languages.melfa_basic.tables.functions import ANALOG, OF_ANGLE, PLAIN, TO_ANGLE
 from assistant.languages.melfa_basic.tables.poses import JOINTS, is_angle, is_length
 from assistant.languages.melfa_basic.tables.vocabulary.timers import MILLISECONDS
-from assistant.languages.melfa_basic.text import printer
+from assistant.languages.melfa_basic.text import effects, printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import target_of
 from assistant.program import expressions as e
@@ -61,7 +61,8 @@ class Expressions(Types):
 
     def verbatim(self, node: s.Expression, reason: e.Reason | None = None) -> e.Verbatim:
         upper = self.m.dialect.endswith("-4")
-        return e.Verbatim(self.m.dialect, printer.expression(node, upper), reason=reason)
+        text = printer.expression(node, upper)
+        return e.Verbatim(self.m.dialect, text, reason=reason, effect=effects.of_node(node, text))
 
     def plain(self, node: s.Expression) -> e.Expression:
         match node:

@@ -26,7 +26,8 @@ def plain_verbatim(value: e.Verbatim, dialect: Dialect) -> e.Verbatim:
     line = None if origin is None else _assignment(value.text)
     if line is None or not isinstance(line.statement, s.Assign) or not _has_all(line, dialect):
         return value
-    return e.Verbatim(dialect.name, printer.expression(line.statement.value, dialect.upper))
+    text = printer.expression(line.statement.value, dialect.upper)
+    return e.Verbatim(dialect.name, text, effect=value.effect)
 
 
 def _has_all(line: s.Line, dialect: Dialect) -> bool:

@@ -17,10 +17,10 @@ from importlib.resources import files
 from typing import Final, Literal, cast
 
 Role = Literal["motion", "command", "statement", "part"]
-Effect = Literal["reads", "gives", "sets", "needs", "stays"]
+Effect = Literal["reads", "gives", "sets", "needs", "stays", "moves", "jumps", "waits"]
 
 ROLES: Final = ("motion", "command", "statement", "part")
-EFFECTS: Final = ("reads", "gives", "sets", "needs", "stays")
+EFFECTS: Final = ("reads", "gives", "sets", "needs", "stays", "moves", "jumps", "waits")
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,56 @@
+"""Vendor text in a program, and what it does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, Final, TypeVar
+
+from assistant.program.effects import Effect, KeptKind, unknown
+from assistant.program.expressions import Verbatim
+from assistant.program.program import Declaration, Program
+from assistant.program.rewriting import rewrite
+from assistant.program.statements import Opaque
+from assistant.program.text import words_of
+
+Kept = Opaque | Verbatim | Declaration
+"""Records that hold text of a vendor's language."""
+K = TypeVar("K", Opaque, Verbatim)
+
+_KINDS: Final[dict[type, KeptKind]] = {
+    Opaque: "statement",
+    Verbatim: "expression",
+    Declaration: "declaration",
+}
+
+
+def kind_of(kept: Kept) -> KeptKind:
+    return _KINDS[type(kept)]
+
+
+def effect_of(kept: Kept) -> Effect:
+    """What a kept text does: anything, if nobody has read it."""
+    return unknown(kept.text) if kept.effect is None else kept.effect
+
+
+def respelled(kept: K, text: str, old: str, new: str) -> K:
+    """A kept text in which a name was exchanged, but for strings; both names in lower case."""
+    if kept.effect is None:
+        return replace(kept, text=text)
+    stays = old in words_of(text)
+    return replace(kept, text=text, effect=kept.effect.renamed(old, {new, old} if stays else {new}))
+
+
+def with_effects(program: Program, read: Callable[[Kept], Effect | None]) -> Program:
+    """The program whose kept texts carry their effects; those that do already keep them.
+
+    read: gives the effect of one, None if there is nobody who can read it.
+    """
+
+    def visit(record: Any) -> Any:
+        if isinstance(record, Kept) and record.effect is None:
+            effect = read(record)
+            return record if effect is None else replace(record, effect=effect)
+        return record
+
+    return rewrite(program, visit)
