@@ -10,6 +10,7 @@ from assistant.program.diagnostics import Diagnostic, Rule, Severity
 from assistant.program.geometry import FLANGE, Tool
 from assistant.program.statements import Follow
 from assistant.program.subjects import Declared
+from assistant.robots.programming import has
 
 NO_MASS: Final = Rule(
     "CK331",
@@ -34,7 +35,7 @@ def loads(tour: Tour) -> Iterator[Diagnostic]:
             continue
         mass = tool.load.mass
         about = Declared(name, "tools", in_full=True)
-        if not mass > 0.0 and "rapid" in robot.languages:
+        if not mass > 0.0 and has(robot, "stops-without-mass"):
             yield NO_MASS(name=name, about=about)
         elif robot.payload is not None and mass > robot.payload:
             yield TOO_HEAVY(

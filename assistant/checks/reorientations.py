@@ -9,6 +9,7 @@ import numpy as np
 
 from assistant.checks.tour import Tour, figure
 from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from assistant.robots.programming import has
 
 LEAST_LENGTH: Final = 1.0
 """mm below which a move turns on the spot, and no speed of the TCP is expected of it."""
@@ -27,8 +28,8 @@ TURN_BINDS: Final = Rule(
 
 
 def reorientations(tour: Tour) -> Iterator[Diagnostic]:
-    """Only of controllers that take such a speed from the program: RAPID's v_ori."""
-    if "rapid" not in tour.robot.languages:
+    """Only of controllers that take such a speed from the program."""
+    if not has(tour.robot, "turning-speed"):
         return
     for stage in tour.stages:
         moves = stage.moves

@@ -24,8 +24,8 @@ SOURCES: Final = {
     "positioning.csv": "A trajectory of 35 poses",
     "plate.dxf": "A drawing with locations and contours",
 }
-ROBOTS: Final = {"irb1200-7-0.7": "rapid", "rv-2aj": "melfa-basic-4"}
-"""Robot → language; each has its virtual controller."""
+ROBOTS: Final = ("irb1200-7-0.7", "rv-2aj")
+"""Each has its virtual controller."""
 REPORT: Final = "report.html"
 
 
@@ -81,10 +81,12 @@ def _section(
 
 
 def _compiled(source: Path, robot: str) -> Compiled:
+    from assistant import robots
     from assistant.compiler import compile
 
+    language = robots.get(robot).languages[0]
     with working(f"compiling {source.name} for {robot}"):
-        compiled = compile(source, language=ROBOTS[robot], robot=robot)
+        compiled = compile(source, language=language, robot=robot)
     asked = (f for f in compiled.findings if f.severity is not Severity.INFO)
     print_findings(f.within(source.name) for f in asked)
     say(f"{source.name} for {robot}: {compiled.proof.line()}")

@@ -44,7 +44,7 @@ NO_STEPS: Final = Rule(
     "CO404",
     Severity.ERROR,
     "`{name}` is {language}, which has no step numbers",
-    "leave --renumber out, or name MELFA-BASIC programs only",
+    "leave --renumber out, or name programs in {others} only",
 )
 
 Numbering = tuple[int, int]
@@ -71,6 +71,11 @@ class Formatted:
         return encode(replace(self.source, text=self.text))
 
 
+def _families_with_steps() -> list[str]:
+    spoken = map(languages.get, languages.names())
+    return sorted({one.family_title or one.title for one in spoken if one.steps})
+
+
 def format_text(
     source: SourceText, language: Language[Any], numbering: Numbering | None = None
 ) -> Formatted:
@@ -81,7 +86,8 @@ def format_text(
     """
     if numbering and not language.steps:
         name = source.path or "input"
-        refused = NO_STEPS(path=source.path, name=name, language=language.title)
+        others = ", ".join(_families_with_steps())
+        refused = NO_STEPS(path=source.path, name=name, language=language.title, others=others)
         raise Refused(refused, exit_status=2)
     tree = language.parse(source)
     if has_errors(tree.findings):

@@ -23,6 +23,8 @@ class Controller(Protocol):
 
     languages: tuple[str, ...]
     """Names of the languages whose programs it takes."""
+    lists: tuple[str, ...]
+    """Suffixes of files that name the files of a program; they go last, when those are there."""
 
     def __enter__(self) -> Self: ...
 

@@ -57,6 +57,8 @@ class Cr:
     timeout: seconds for an answer.
     """
 
+    lists: tuple[str, ...] = ()
+
     def __init__(
         self, address: Address, *, timeout: float = 10.0, terminator: bytes = b"\r"
     ) -> None:

@@ -37,6 +37,7 @@ class Irc5:
     """
 
     languages = ("rapid",)
+    lists = (".pgf",)
 
     def __init__(
         self,

@@ -17,8 +17,6 @@ from assistant.languages import Tree
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.text import decode, read_bytes
 
-PROGRAM_FILE: Final = ".pgf"
-"""Names the modules of a RAPID program; goes last, when they are there."""
 ENCODINGS: Final = ("utf-8", "latin-1")
 """To show a program in; differences are found on its bytes."""
 
@@ -75,7 +73,7 @@ def plan(files: Sequence[str | FilePath], controller: Controller) -> Plan:
     if not files:
         raise Refused(rules.NO_FILES())
     data = {str(file): read_bytes(file) for file in files}
-    ordered = sorted(data, key=lambda path: path.lower().endswith(PROGRAM_FILE))
+    ordered = sorted(data, key=lambda path: path.lower().endswith(controller.lists))
     names = _names(ordered, controller)
     with controller:
         # Only a session knows which version of a language the controller takes.
@@ -149,7 +147,7 @@ def _looked_at(data: dict[str, bytes], controller: Controller) -> dict[str, tupl
 
 def _language(path: str, data: bytes, controller: Controller) -> str | Diagnostic | None:
     """Name of the controller's language that a file is in, None for a list of modules."""
-    if path.lower().endswith(PROGRAM_FILE) and "rapid" in controller.languages:
+    if path.lower().endswith(controller.lists):
         return None
     for name in controller.languages:
         language = languages.get(name)

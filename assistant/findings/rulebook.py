@@ -17,7 +17,7 @@ from assistant import languages
 from assistant.languages import Language
 from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity
 
-FAMILIES: Final = {
+_OWN_FAMILIES: Final = {
     "CK": "Checks of programs",
     "CL": "Command line",
     "CN": "Controllers",
@@ -27,16 +27,14 @@ FAMILIES: Final = {
     "DX": "Drawings",
     "FN": "Severities and ignored findings",
     "IN": "Reading files",
-    "MB": "MELFA-BASIC",
     "NM": "Names",
     "PS": "Pseudo-program text",
-    "RA": "RAPID",
     "RB": "Robots",
     "SR": "Sources",
     "TB": "Tables and waypoints",
     "VC": "Virtual controllers",
 }
-"""The letters that codes begin with → what the family is about."""
+"""Those that are of no language."""
 
 PAGES: Final = "https://github.com/robot-assistant/robot-assistant/blob/main/docs/findings.md"
 NO_RULE: Final = Rule(
@@ -58,6 +56,13 @@ class Page:
     why: str = ""
     example: str = ""
     better: str = ""
+
+
+def families() -> Mapping[str, str]:
+    """The letters that codes begin with → what the family is about, those of languages as well."""
+    spoken = map(languages.get, languages.names())
+    theirs = {one.family: one.family_title or one.title for one in spoken}
+    return dict(sorted({**_OWN_FAMILIES, **theirs}.items()))
 
 
 @cache

@@ -140,6 +140,8 @@ class Language(abc.ABC, Generic[T]):
     """Is found in every text of the language that speaks of joint angles, and in few others."""
     family: str
     """The two letters that the codes of its findings begin with."""
+    family_title: str = ""
+    """What people call it, whichever version or maker; empty if that is its title."""
     fixed: tuple[str, ...]
     """How codes begin whose errors no project may turn down: unreadable, or cannot be said."""
     restated: Mapping[str, str] = MappingProxyType({})

@@ -40,6 +40,7 @@ class Rapid(Language[File]):
     comment_mark = "!"
     joint_words = re.compile(r"(?i)joint|absj")
     family = "RA"
+    family_title = "RAPID"
     fixed = ("RA1", "RA3")
     restated = MappingProxyType(
         {"CK101": "RA459", "CK102": "RA460", "CK103": "RA460", "CK104": "RA461"}

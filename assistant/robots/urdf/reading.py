@@ -16,6 +16,7 @@ from assistant.robots.arms.arm import Arm
 from assistant.robots.arms.chain import Joint as Axis
 from assistant.robots.arms.recognition import recognised
 from assistant.robots.arms.serial import Serial
+from assistant.robots.programming import languages
 from assistant.robots.urdf import tree
 from assistant.robots.urdf.elements import Element, parse
 
@@ -32,7 +33,6 @@ MOST_AXES: Final = 32
 """Of a chain; more than any arm has."""
 TURNS: Final = 360.0
 """degrees to either side for an axis that turns without end."""
-LANGUAGES: Final = ("rapid", "melfa-basic-4", "melfa-basic-5", "melfa-basic-6")
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +118,7 @@ def _table(
         "title": title or name,
         "maker": "unknown",
         "controller": "unknown",
-        "languages": list(LANGUAGES),
+        "languages": list(languages()),
         "configuration": "quadrants",
         "reach_mm": max(arm.reach, 1.0),
         "unconfirmed": ["maker", "controller", "languages", "configuration", "home"],

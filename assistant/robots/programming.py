@@ -1,0 +1,31 @@
+"""What controllers do with every program, by the languages that they are programmed in."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from functools import cache
+from importlib.resources import files
+from typing import Literal
+
+from assistant.robots.robot import Robot
+
+Trait = Literal["stops-without-mass", "turning-speed"]
+"""A key of `programming.toml`, which says what it means."""
+
+
+@cache
+def table() -> Mapping[str, Mapping[Trait, bool]]:
+    """Language → its traits."""
+    text = files("assistant.robots").joinpath("programming.toml").read_text("utf-8")
+    return tomllib.loads(text)
+
+
+def languages() -> tuple[str, ...]:
+    """Every language that a robot may be programmed in."""
+    return tuple(table())
+
+
+def has(robot: Robot, trait: Trait) -> bool:
+    """Whether a controller of the robot has a trait, in any of the robot's languages."""
+    return any(table()[name][trait] for name in robot.languages if name in table())

@@ -1,0 +1,128 @@
+"""Words of the vendors' languages stand in the rooms of the vendors only.
+
+A literal with such a word elsewhere is behaviour that knows a vendor: another one's would
+silently be left out there. The words are those of the languages' own tables.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path as FilePath
+from typing import Final
+
+import pytest
+
+from assistant import languages
+from assistant.languages.melfa_basic.tables import vocabulary
+from assistant.languages.rapid.tables import signatures
+from assistant.languages.rapid.tables.words import PREDEFINED_DATA, RESERVED, TYPES
+from assistant.robots import programming
+
+PACKAGE = FilePath(__file__).parent.parent / "assistant"
+VENDORS = ("languages", "virtual", "controllers")
+"""Rooms that may know vendors; what robots know of them is data, no Python."""
+
+COMMON: Final = frozenset(
+    """
+    abs acos add and as asin atan atan2 base bitand bitor bitxor case clock close com cos
+    default deg dim distance div do double else elseif end error exit exp false fine float fn
+    for from goto high if inout input is left ln load local log long low max min mod module next
+    not off on open or pose present print rad record remove return right round save set sin sqrt
+    step stop string switch tan then title to tool true trunc type wait while with work write
+    xor zone
+    """.split()  # noqa: SIM905
+)
+"""Words of vendors that are also English, mathematics, or the pseudo-program's own."""
+
+EXCEPTIONS: Final = {
+    ("checks/arcs.py", "rapid"): "says whose limit it is",
+    ("cli/app.py", "rapid"): "help: what the program is for",
+    ("cli/app.py", "melfa"): "help: what the program is for, and an address to type",
+    ("cli/options.py", "melfa"): "help: whose frames the option is about",
+    ("program/geometry.py", "tool0"): "the flange's own name in a pseudo-program",
+    ("program/pseudo/findings.py", "tool0"): "the flange's own name in a pseudo-program",
+    ("report/robots.py", "confdata"): "tells people what the maker calls it",
+    ("robots/urdf/tree.py", "tool0"): "what robot files call the flange, whosever the robot is",
+    ("sources/drawing/attributes.py", "movej"): "what people write into drawings",
+    ("sources/drawing/attributes.py", "movel"): "what people write into drawings",
+    ("sources/drawing/attributes.py", "mov"): "what people write into drawings",
+    ("sources/drawing/attributes.py", "mvs"): "what people write into drawings",
+}
+"""File and word → why it stays."""
+
+
+def vendor_words() -> frozenset[str]:
+    """Lower-case words of every language's tables, and what the languages are called."""
+    found = {*signatures.rows(), *RESERVED, *TYPES, *PREDEFINED_DATA}
+    for row in vocabulary.statements().values():
+        found.update(row.word.lower().split())
+    found |= {name.lower() for name in (*vocabulary.functions(), *vocabulary.variables())}
+    for name in languages.names():
+        found |= set(re.findall(r"[a-z]{3,}", name))
+    return frozenset(found) - COMMON - {"basic"}
+
+
+WORDS: Final = vendor_words()
+
+
+def literals(tree: ast.AST) -> Iterator[ast.Constant]:
+    """The texts of a module but for docstrings."""
+    told = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in told:
+            yield node
+
+
+def found_in(package: FilePath) -> set[tuple[str, str]]:
+    """File and vendor word of each text outside the vendors' rooms that has one."""
+    found = set()
+    for file in sorted(package.rglob("*.py")):
+        name = file.relative_to(package).as_posix()
+        if name.split("/")[0] in VENDORS:
+            continue
+        tree = ast.parse(file.read_text(encoding="utf-8"), name)
+        for literal in literals(tree):
+            words = re.findall(r"[a-z_]\w*", str(literal.value).lower())
+            found |= {(name, word) for word in words if word in WORDS}
+    return found
+
+
+def test_vendor_words_stand_in_the_rooms_of_the_vendors_only() -> None:
+    assert found_in(PACKAGE) - set(EXCEPTIONS) == set()
+
+
+def test_every_exception_is_needed() -> None:
+    assert set(EXCEPTIONS) - found_in(PACKAGE) == set()
+
+
+def test_every_common_word_is_one_of_a_vendor_that_is_used() -> None:
+    seen = set()
+    for file in PACKAGE.rglob("*.py"):
+        if file.relative_to(PACKAGE).parts[0] not in VENDORS:
+            for literal in literals(ast.parse(file.read_text(encoding="utf-8"))):
+                seen |= set(re.findall(r"[a-z_]\w*", str(literal.value).lower()))
+    assert COMMON - seen == set()
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        ('if "rapid" in robot.languages: ...', "rapid"),
+        ('name = "melfa-basic-5"', "melfa"),
+        (r're.compile(r"\s*(?:mov|mv[acrst]|trigg|search)")', "mov"),
+        ('f"  MoveL {name}"', "movel"),
+        ('{"tooldata": 1}', "tooldata"),
+        ('signal = "M_Out(8)"', "m_out"),
+    ],
+)
+def test_a_vendor_word_is_found(tmp_path: FilePath, text: str, word: str) -> None:
+    for room in ("robots", "languages"):
+        (tmp_path / room).mkdir()
+        (tmp_path / room / "module.py").write_text(f'"""MoveL."""\n{text}\n', encoding="utf-8")
+    assert found_in(tmp_path) == {("robots/module.py", word)}
+
+
+def test_robots_know_the_languages_that_there_are() -> None:
+    assert set(programming.languages()) == set(languages.names())
