@@ -13,11 +13,11 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, Rule, Severity, Span
 from assistant.program.geometry import JointTarget, Target
+from assistant.program.kept import effect_of
 from assistant.program.path import Path, configuration_row
 from assistant.program.program import Declaration, Program, Variable, walk
 from assistant.program.rewriting import head, records, rewrite
 from assistant.program.subjects import Declared
-from assistant.program.text import words_of
 
 if TYPE_CHECKING:
     from assistant.languages import Language
@@ -118,7 +118,7 @@ def without_unused(
     if _refusal(program, language, source, arm) is None:
         return program, ()
     declared = {name.lower() for name in (*program.joint_targets, *program.variables)}
-    unused = declared - _words(program)
+    unused = declared - _named(program)
     idle: dict[str, _Stated] = {}
     for one in _stated(program):
         if one.name in unused:
@@ -129,14 +129,14 @@ def without_unused(
     return replace(program, joint_targets=targets, variables=variables), findings
 
 
-def _words(program: Program) -> set[str]:
-    """Names that the program uses, and every word of text that is kept, in lower case."""
+def _named(program: Program) -> set[str]:
+    """Names that the program uses, also in text that is kept, in lower case."""
     found: set[str] = set()
     for part in records((program.procedures, program.declarations, program.variables)):
         if isinstance(part, e.Name):
             found.add(part.name.lower())
         elif isinstance(part, p.Opaque | e.Verbatim | Declaration):
-            found |= set(words_of(part.text))
+            found |= effect_of(part).names
     return found
 
 
@@ -185,8 +185,8 @@ def unsaid(
         for part in records((program.procedures, program.declarations, program.variables)):
             if isinstance(part, p.Opaque | e.Verbatim | Declaration):
                 spoken = language_of(part.language)
-                words = set(words_of(part.text))
-                telling = spoken.joint_words.search(part.text) or not names.isdisjoint(words)
+                named = not names.isdisjoint(effect_of(part).names)
+                telling = spoken.joint_words.search(part.text) or named
                 if spoken.family == language.family and telling:
                     span = getattr(part, "span", None)
                     text = " ".join(part.text.split())

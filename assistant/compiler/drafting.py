@@ -18,10 +18,11 @@ from assistant.languages.language import Language
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, Rule, Severity, Span
+from assistant.program.kept import effect_of
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import Body, map_bodies, records
 from assistant.program.subjects import DATA, Declared, Inner
-from assistant.program.text import lines_of, words_of
+from assistant.program.text import lines_of
 
 LEFT_OUT = Rule(
     "CO007",
@@ -80,7 +81,7 @@ def _declared_names(program: Program) -> set[str]:
     """Names in lower case of what is declared, or what a declaration as text speaks of."""
     names = {name.lower() for table in DATA for name in getattr(program, table)}
     for declaration in program.declarations:
-        names.update(words_of(declaration.text))
+        names.update(effect_of(declaration).names)
     return names
 
 

@@ -10,9 +10,9 @@ from typing import Any
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.effects import base, indices_of, named
+from assistant.program.kept import effect_of
 from assistant.program.program import Procedure, Program, bodies
 from assistant.program.rewriting import Body, head, records
-from assistant.program.text import words_of
 
 Element = tuple[str, tuple[int, ...]]
 Known = frozenset[str | Element]
@@ -77,8 +77,8 @@ class Assigning:
                     yield base(target)
                 case p.For(variable):
                     yield variable.lower()
-                case p.Opaque(_, text) | e.Verbatim(_, text):
-                    yield from words_of(text)
+                case p.Opaque() | e.Verbatim():
+                    yield from effect_of(record).names
                 case p.Call(name, arguments) | e.Apply(name, arguments):
                     callee = self.program.procedure(name)
                     given = zip(callee.parameters, arguments, strict=False) if callee else ()
@@ -169,8 +169,8 @@ class _Reading:
             match record:
                 case e.Name(name):
                     self.read({name.lower()}, state)
-                case p.Opaque(_, text) | e.Verbatim(_, text):
-                    self.read(set(words_of(text)), state)
+                case p.Opaque() | e.Verbatim():
+                    self.read(set(effect_of(record).names), state)
                 case e.Apply(name):
                     self.called(name, state)
         return state

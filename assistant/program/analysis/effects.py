@@ -13,9 +13,9 @@ from typing import Any, Final
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, Rule
+from assistant.program.kept import effect_of
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import records
-from assistant.program.text import words_of
 
 POSITION: Final = "<position>"
 """Stands among names for where the robot is."""
@@ -210,8 +210,8 @@ def _changed(procedure: Procedure, procedures: Mapping[str, Procedure]) -> froze
             case p.Call(name, arguments) | e.Apply(name, arguments) if name.lower() in procedures:
                 callee = procedures[name.lower()]
                 names |= {base(place) for place in handed_over(callee, arguments)}
-            case p.Opaque(_, text):
-                names.update(words_of(text))
+            case p.Opaque():
+                names.update(effect_of(record).names)
     return frozenset(names)
 
 
@@ -222,8 +222,8 @@ def _acts(procedure: Procedure, inputs: frozenset[str]) -> frozenset[str]:
         match record:
             case p.SetSignal(signal):
                 names.add(signal.lower())
-            case p.Opaque(_, text):
-                names |= {POSITION, TIME, *inputs, *words_of(text)}
+            case p.Opaque():
+                names |= {POSITION, TIME, *inputs, *effect_of(record).names}
         if isinstance(record, p.Moving):
             names.add(POSITION)
         if isinstance(record, _LASTING):
@@ -240,6 +240,6 @@ def named(procedure: Procedure) -> frozenset[str]:
                 names.add(name.lower())
             case p.For(variable):
                 names.add(variable.lower())
-            case p.Opaque(_, text) | e.Verbatim(_, text):
-                names.update(words_of(text))
+            case p.Opaque() | e.Verbatim():
+                names.update(effect_of(record).names)
     return frozenset(names)

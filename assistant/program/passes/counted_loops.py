@@ -16,7 +16,7 @@ from typing import Any, Final
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic
-from assistant.program.kept import respelled
+from assistant.program.kept import effect_of, respelled
 from assistant.program.passes.paths import mentioned
 from assistant.program.program import Procedure, Program, Variable, bodies, identifier, walk
 from assistant.program.rewriting import Body, head, map_bodies, map_head, records
@@ -134,9 +134,7 @@ class _Uses:
         self.program = program
         self.of = {id(q): _Use.of(q.body) for q in program.procedures}
         self.known = {n.lower() for n in _globals(program)}
-        self.words = {
-            w.lower() for d in program.declarations for w in re.findall(r"[A-Za-z]\w*", d.text)
-        }
+        self.declared = {name for d in program.declarations for name in effect_of(d).names}
 
     def outside(self, x: p.For, procedure: Procedure, *, verbatim: bool) -> str:
         """What tells the loop's variable from one of the loop's own, empty if nothing does.
@@ -156,7 +154,7 @@ class _Uses:
         others = [q for q in self.program.procedures if name not in _own(q)]
         called = self.reached(_Use.of(x.body).called)
         if (
-            name in self.words
+            name in self.declared
             or any(name in self.of[id(q)].read for q in others)
             or any(name in self.of[id(q)].touched for q in others if q.name.lower() in called)
         ):
@@ -179,7 +177,7 @@ class _Uses:
 def writes(body: Body, program: Program, *, verbatim: bool = True) -> set[str]:
     """Lower-case names that a body assigns, counts or hands over to be assigned.
 
-    verbatim: whether every name in a statement that is kept as text counts as one.
+    verbatim: whether statements that are kept as text count as well.
     """
     found: set[str] = set()
     for x in walk(body):
@@ -194,7 +192,7 @@ def writes(body: Body, program: Program, *, verbatim: bool = True) -> set[str]:
             case p.For():
                 found.add(x.variable.lower())
             case p.Opaque() if verbatim:
-                found |= {n.lower() for n in mentioned(x)}
+                found |= effect_of(x).writes
         for part in records(head(x)):
             if isinstance(part, p.Call | e.Apply):
                 name = part.procedure if isinstance(part, p.Call) else part.function

@@ -14,12 +14,12 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import over
 from assistant.program.geometry import Target
+from assistant.program.kept import effect_of
 from assistant.program.path import Kind, Path, configuration_row
 from assistant.program.program import Program, bodies
 from assistant.program.rewriting import map_bodies, records
 
 _ROW: Final = re.compile(r"(.*)_([1-9][0-9]{0,14})", re.DOTALL)
-_WORD: Final = re.compile(r"[A-Za-z]\w*")
 
 
 def with_paths(program: Program, original: Callable[[str], str] = str) -> Program:
@@ -31,7 +31,7 @@ def with_paths(program: Program, original: Callable[[str], str] = str) -> Progra
     for procedure in program.procedures:
         uses.update(n.lower() for n in mentioned(procedure))
     for declaration in program.declarations:
-        uses.update(w.lower() for w in _WORD.findall(declaration.text))
+        uses.update(effect_of(declaration).names)
     once = {n.lower(): (n, t) for n, t in program.targets.items() if uses[n.lower()] == 1}
     if not once:
         return program
@@ -42,12 +42,12 @@ def with_paths(program: Program, original: Callable[[str], str] = str) -> Progra
 
 
 def mentioned(node: Any) -> Iterator[str]:
-    """Every name in an expression or statement; the words of what is verbatim."""
+    """Every name in an expression or statement; of text that is kept in lower case, once each."""
     for part in records(node):
         if isinstance(part, e.Name):
             yield part.name
         elif isinstance(part, e.Verbatim | p.Opaque):
-            yield from _WORD.findall(part.text)
+            yield from sorted(effect_of(part).names)
 
 
 class _Gatherer:

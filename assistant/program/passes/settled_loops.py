@@ -14,9 +14,9 @@ from typing import Final
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.effects import base
+from assistant.program.kept import effect_of
 from assistant.program.program import Procedure, Program, Variable, identifier
 from assistant.program.rewriting import Body, map_bodies, records
-from assistant.program.text import words_of
 
 _PLAIN: Final = (e.Number, e.Truth, e.Name, e.Unary, e.Binary)
 """Expressions that give the same each time, as long as nothing is assigned to their names."""
@@ -127,8 +127,8 @@ class _Loops:
                     yield variable.lower()
                 case p.Call(_, arguments) | e.Apply(_, arguments):
                     yield from map(base, arguments)
-                case p.Opaque(_, text) | e.Verbatim(_, text):
-                    yield from words_of(text)
+                case p.Opaque() | e.Verbatim():
+                    yield from effect_of(record).names
 
 
 def _own(procedure: Procedure) -> Iterator[str]:

@@ -9,6 +9,7 @@ from assistant.program import expressions as e
 from assistant.program import pseudo
 from assistant.program import statements as p
 from assistant.program.diagnostics import Severity
+from assistant.program.kept import with_effects
 from assistant.program.program import Parameter, Procedure, Program, Variable
 from tests.languages.rapid.test_translation import codes, proved, text
 
@@ -59,6 +60,20 @@ def test_a_variable_that_is_used_elsewhere_is_counted_by_a_while(given: Program)
     assert "n:=n+1;" in shown
     assert "n_2" not in shown
     assert "RA306" in codes(given)
+
+
+@pytest.mark.parametrize(
+    ("said", "counts"),
+    [
+        ("SetAO ao1,n;", "FOR n FROM 1 TO 3 DO"),
+        ("Incr n;", "WHILE n<=3 DO"),
+        ("fetch n\\fast;", "WHILE n<=3 DO"),
+        ('SetDataVal "n",5;', "WHILE n<=3 DO"),
+    ],
+)
+def test_a_variable_that_kept_text_may_change_is_counted_by_a_while(said: str, counts: str) -> None:
+    read = with_effects(program(loop(p.Opaque("rapid", said))), languages.effect)
+    assert counts in text(read)
 
 
 def test_counting_down_is_kept() -> None:

@@ -21,11 +21,11 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, Findings, Span
 from assistant.program.geometry import BASE
+from assistant.program.kept import effect_of
 from assistant.program.path import Path
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import head, records
 from assistant.program.subjects import Declared
-from assistant.program.text import words_of
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
@@ -67,7 +67,7 @@ class Writer:
         self.owner: Procedure | None = None
         self.expressions = Expressions(program, dialect, names, robot, self.next_number)
         self.used, self.shared = self._used()
-        self.elsewhere = {word for d in program.declarations for word in words_of(d.text)}
+        self.elsewhere = {name for d in program.declarations for name in effect_of(d).names}
         """Words of declarations that were refused already: what they declare is no news."""
         self.mounts = {name.lower() for name in (*program.tools, *program.frames)}
         """Tools and frames, which are no values here."""

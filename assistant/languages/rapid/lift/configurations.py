@@ -15,11 +15,11 @@ import numpy as np
 from assistant.languages.rapid.lift.ways import LINES, Ways
 from assistant.program import statements as p
 from assistant.program.geometry import Target
+from assistant.program.kept import effect_of
 from assistant.program.passes.paths import mentioned
 from assistant.program.path import Kind, Path, configuration_row
 from assistant.program.program import Program, walk
 from assistant.program.rewriting import Body, map_bodies, rewrite
-from assistant.program.text import words_of
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
@@ -42,7 +42,7 @@ def with_open_lines(program: Program, arm: Robot | None) -> Program:
     for part in (program.procedures, program.variables):
         uses.update(name.lower() for name in mentioned(part))
     for declaration in program.declarations:
-        uses.update(words_of(declaration.text))
+        uses.update(effect_of(declaration).names)
     for node in program.statements():
         if id(node) in free:
             open_uses.update(name.lower() for name in mentioned(node))

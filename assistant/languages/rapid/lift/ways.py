@@ -15,6 +15,7 @@ from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.kept import effect_of
 from assistant.program.motion import Blend
 from assistant.program.program import Procedure, Program, bodies
 from assistant.program.rewriting import Body, head, records
@@ -68,7 +69,7 @@ class Ways:
         self.any_called = False
         self.handled: set[str] = set()
         """Procedures with error handlers, which may move between any two statements."""
-        declared = " ".join(d.text.lower() for d in program.declarations)
+        declared = {name for d in program.declarations for name in effect_of(d).names}
         self.elsewhere = {name for name in self.procedures if name in declared}
         """Procedures that are perhaps called by what is kept as its text."""
         while True:
@@ -181,10 +182,9 @@ class Ways:
                 asked = True
                 continue
             match record:
-                case e.Verbatim(text=text):
-                    for name in self.procedures:
-                        if name in text.lower():
-                            state = self.lost(state)
+                case e.Verbatim():
+                    if not effect_of(record).names.isdisjoint(self.procedures):
+                        state = self.lost(state)
                 case e.Apply(name) if name.lower() in self.procedures:
                     state = self.called(name, state)
         if asked:
