@@ -66,7 +66,7 @@ def _constructs(language: Language[Any], tree: Any) -> Iterator[tuple[str, Level
     text = language.render(tree)
     for statement in program.statements():
         count = len(statement.path) if isinstance(statement, p.Follow) else 1
-        yield _name(statement, text), _level(statement), count
+        yield _name(language, statement, text), _level(statement), count
     for name, table in _tables(program):
         if table:
             yield name, "supported", len(table)
@@ -74,7 +74,7 @@ def _constructs(language: Language[Any], tree: Any) -> Iterator[tuple[str, Level
         yield "routine", "supported", 1
         yield from (("variable", "supported", 1) for _ in procedure.variables)
     for declaration in program.declarations:
-        yield _first_words(declaration.text), "verbatim", 1
+        yield _kept(language, declaration.text), "verbatim", 1
 
 
 def _tables(program: Program) -> Iterator[tuple[str, Any]]:
@@ -98,39 +98,35 @@ NAMED: Final[dict[type, str]] = {
 _WORD: Final = re.compile(r"\s*(?:\d+\s+)?([A-Za-z_]\w*)")
 
 
-def _name(statement: p.Statement, text: str) -> str:
+def _name(language: Language[Any], statement: p.Statement, text: str) -> str:
     named = NAMED.get(type(statement))
     if named is not None:
         return named
     if isinstance(statement, p.Opaque):
-        return _first_words(statement.text)
+        return _kept(language, statement.text)
     span = statement.span
     word = _WORD.match(text, span.start, span.end) if span is not None else None
     return word[1] if word else type(statement).__name__
 
 
-_STORED: Final = re.compile(r"(?:(?:LOCAL|TASK) )?(VAR|PERS|CONST) (\w+)", re.IGNORECASE)
+def _kept(language: Language[Any], text: str) -> str:
+    return language.declares(text) or _first_words(text)
+
+
 _ASSIGNED: Final = re.compile(r"[A-Za-z_]\w*[%!#&$]?(?:\([^=]*\)|\{[^=]*\}|\.\w+)*\s*:?=(?!=)")
 _CALLED: Final = re.compile(r"[A-Za-z_]\w*\s*\(.*\)\s*;?", re.DOTALL)
 _MARKED: Final = re.compile(r"\*[A-Za-z_]\w*|[A-Za-z_]\w*:(?!=)")
-_BEFORE: Final = ("LOCAL", "TASK")
-"""Words that stand before the one that says what is declared."""
 
 
 def _first_words(text: str) -> str:
-    """What a verbatim text is: its own word, or storage and type of data."""
-    stored = _STORED.match(text)
-    if stored:
-        return f"{stored[1].upper()} {stored[2].lower()}"
+    """What a verbatim text is by its own word."""
     for form, name in ((_ASSIGNED, "assignment"), (_MARKED, "label")):
         if form.match(text):
             return name
     if _CALLED.fullmatch(text):
         return NAMED[p.Call]
-    words: list[str] = re.findall(r"[A-Za-z_]\w*|[^\sA-Za-z_]", text[:80])
-    if len(words) > 1 and words[0].upper() in _BEFORE:
-        return words[1]
-    return words[0] if words else "nothing"
+    word = re.search(r"[A-Za-z_]\w*|[^\sA-Za-z_]", text[:80])
+    return word[0] if word else "nothing"
 
 
 def _level(statement: p.Statement) -> Level:

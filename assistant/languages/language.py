@@ -216,6 +216,10 @@ class Language(abc.ABC, Generic[T]):
         """What a text does that a program keeps as it is; anything if it cannot be read."""
         return unknown(text)
 
+    def declares(self, text: str) -> str:  # noqa: ARG002
+        """What a kept text declares, as a table of constructs names it; empty if nothing."""
+        return ""
+
     @abc.abstractmethod
     def lift_trees(self, trees: Sequence[T], robot: Robot | None) -> Program:
         """What `lift` gives, without its origin.

@@ -91,6 +91,11 @@ class Rapid(Language[File]):
 
         return of_text(text, kind)
 
+    def declares(self, text: str) -> str:
+        from assistant.languages.rapid.text.verbatim import declares
+
+        return declares(text)
+
     def lift_trees(self, trees: Sequence[File], robot: Robot | None) -> Program:  # noqa: ARG002
         from assistant.languages.rapid.lift.program import lift
 

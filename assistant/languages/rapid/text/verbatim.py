@@ -78,6 +78,23 @@ def understood(read: Callable[[str], T], text: str) -> T | None:
         return None
 
 
+def declares(text: str) -> str:
+    """Storage and type of data, or the word of another declaration; empty if it is none."""
+    found = understood(items, text) or understood(statements, text) or ()
+    match found[:1]:
+        case (s.Data(storage=storage, type=type),):
+            return f"{storage} {type.lower()}"
+        case (s.TargetRunNode(),):
+            return "CONST robtarget"
+        case (s.Routine(kind=kind),):
+            return kind
+        case (s.Record(),):
+            return "RECORD"
+        case (s.Alias(),):
+            return "ALIAS"
+    return ""
+
+
 def of_item(node: s.Item) -> str:
     """The text that says a declaration."""
     from assistant.languages.rapid.text.printer import print_items
