@@ -156,11 +156,19 @@ def show(
         Path | None,
         typer.Option("--output", "-o", help="Write a .pseudo file, long paths in tables beside."),
     ] = None,
+    to: Annotated[
+        str | None,
+        typer.Option(help="As this language will say it.", autocompletion=complete_language),
+    ] = None,
+    after: Annotated[
+        str | None, typer.Option(help="On the way into that language, after this pass.")
+    ] = None,
 ) -> None:
     """Print the pseudo-program of any source or robot program."""
-    from assistant.cli.compiling import run_show
+    from assistant.cli.showing import Wanted, run_show
 
-    raise typer.Exit(run_show(source, robot, process, unit, from_language, output, entry))
+    wanted = Wanted(robot, process, unit, from_language, entry, to, after)
+    raise typer.Exit(run_show(source, wanted, output))
 
 
 @app.command()

@@ -26,7 +26,6 @@ from assistant.program.diagnostics import (
     Rule,
     Severity,
     Unreadable,
-    fold,
     has_errors,
 )
 
@@ -128,33 +127,6 @@ def run_compile(
             for name in written:
                 say(f"wrote {name}")
     return max(answers.status, 0 if ok else 1)
-
-
-def run_show(
-    source: str,
-    robot: str | None,
-    process: Path | None,
-    unit: str | None,
-    from_language: str | None,
-    output: Path | None,
-    entry: str | None = None,
-) -> int:
-    from assistant.program import pseudo
-
-    loaded = load_given(source, robot, process, unit, from_language, entry)
-    print_findings(fold(f.within(source) for f in loaded.findings))
-    if output is None:
-        sys.stdout.write(pseudo.print_program(loaded.program).text)
-        return 0
-    from assistant.compiler.output import write_files
-
-    printed = pseudo.print_program(loaded.program, side_tables_above=SIDE_TABLES_ABOVE)
-    if not output.name or output.name in (".", ".."):
-        raise Refused(NO_FILE_NAME(path=str(output), name=output), exit_status=2)
-    name = output.with_suffix(pseudo.SUFFIX).name
-    for path in write_files({name: printed.text.encode(), **printed.tables}, output.parent):
-        say(f"wrote {path}")
-    return 0
 
 
 def load_given(

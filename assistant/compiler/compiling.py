@@ -25,6 +25,7 @@ from assistant.program.diagnostics import (
     has_errors,
 )
 from assistant.program.expressions import Verbatim
+from assistant.program.passes.watching import passed
 from assistant.program.program import Origin, Program
 from assistant.program.rewriting import head, records
 
@@ -139,13 +140,14 @@ def compile_program(
     arm = arms.robot or known_robot(program.robot)
     if source.origin is not None:
         said = language_of(source.origin.language).exported(program, target, arm)
-        program, findings = said.program, [*findings, *said.findings]
+        program, findings = passed("exported", said.program), [*findings, *said.findings]
     taught = taught_on(program, arms)
     program, left = without_unused(program, target, taught, arms.robot)
     findings += (*left, *unsaid(program, target, taught, arms.robot))
     if arm is not None:
         program, changed = for_arm(program, taught, arm)
         findings += changed
+        passed("for-the-arm", program)
     conversion = target.convert(program, arm) if most_targets is None else None
     if conversion is not None:
         return _converted(conversion, findings, source, places, target, arm)
@@ -162,7 +164,9 @@ def compile_program(
         from assistant import robots
 
         journey = robots.journey(program, arm)
+        passed("with-configurations", journey.program)
         program, changed = at_the_pace(journey, source, taught, target.joint_percent)
+        passed("at-the-pace", program)
         findings += (*journey.findings, *with_robot(journey), *changed)
     if arms.joint_speed is not None and not target.joint_percent:
         program, changed = at_a_speed(program, arms.joint_speed)

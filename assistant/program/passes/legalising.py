@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import wraps
 
 from assistant.program.diagnostics import Findings, Rule
+from assistant.program.passes.watching import passed
 from assistant.program.program import Program
 
 
@@ -51,6 +52,8 @@ def pure(change: Callable[[Program], Program]) -> Pass:
 
 
 def legalised(job: Legalising, passes: Sequence[Pass]) -> Program:
+    """The program after all passes, each shown under its name to whoever watches."""
     for one in passes:
-        job = replace(job, program=one(job))
+        name = getattr(one, "__name__", "").replace("_", "-")
+        job = replace(job, program=passed(name, one(job)))
     return job.program

@@ -36,6 +36,7 @@ from assistant.program.passes.legalising import Legalising, Pass, legalised, pur
 from assistant.program.passes.parameters import with_sayable_procedures
 from assistant.program.passes.procedures import recursive, with_fresh_variables
 from assistant.program.passes.settled_loops import with_settled_loops
+from assistant.program.passes.watching import passed
 from assistant.program.program import Procedure, Program
 from assistant.program.subjects import Declared
 
@@ -59,13 +60,13 @@ def adapt(
     program = legalised(job, PASSES)
     context = Context(program, dialect, robot, findings, products)
     if context.five_axis:
-        context.program = in_base(context, context.program)
+        context.program = passed("in-base", in_base(context, context.program))
     adapted = with_plain_data(context, context.program)
     most = MOST_TARGETS if most_targets is None else max(2, most_targets)
     procedures: list[Procedure] = []
     for procedure in context.program.procedures:
         procedures += split(context, plain_procedure(context, procedure), most)
-    adapted = replace(adapted, procedures=_grouped(procedures))
+    adapted = passed("sayable", replace(adapted, procedures=_grouped(procedures)))
     if adapted.procedures and adapted.entry is None:
         context.findings.append(rules.NO_ENTRY(name=adapted.name))
     context.findings += _shared(adapted)

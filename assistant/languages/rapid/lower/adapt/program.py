@@ -31,6 +31,7 @@ from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
 from assistant.program.passes.counted_loops import counted
 from assistant.program.passes.paths import with_paths
+from assistant.program.passes.watching import passed
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import map_bodies
 from assistant.program.subjects import Declared
@@ -40,11 +41,12 @@ def adapt(program: Program, most_targets: int | None = None) -> Adapted:
     """most_targets: of one module, None for MOST_TARGETS."""
     findings = Findings()
     try:
-        adapted, loops = counted(
-            with_places(_sayable(program, findings)), refused=rules.COUNTER, changed=_as_while
-        )
+        adapted = passed("sayable", _sayable(program, findings))
+        adapted = passed("with-places", with_places(adapted))
+        adapted, loops = counted(adapted, refused=rules.COUNTER, changed=_as_while)
         findings += loops
-        adapted = split(with_paths(adapted), most_targets or MOST_TARGETS, findings)
+        adapted = passed("with-paths", with_paths(passed("counted-loops", adapted)))
+        adapted = passed("split", split(adapted, most_targets or MOST_TARGETS, findings))
         _find_names(adapted, findings)
         _find_shared_outputs(adapted, findings)
         trees = _built(adapted, findings)

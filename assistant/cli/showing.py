@@ -1,0 +1,78 @@
+"""`show`: the pseudo-program of a source, also on its way into a language."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from assistant.cli.compiling import NO_FILE_NAME, SIDE_TABLES_ABOVE, load_given
+from assistant.cli.presentation import print_findings, say
+from assistant.program.diagnostics import Refused, Rule, Severity, fold
+
+if TYPE_CHECKING:
+    from assistant.compiler import Loaded
+    from assistant.program.program import Program
+
+NO_PASS: Final = Rule(
+    "CL012", Severity.ERROR, "the program goes through no pass `{name}`", "name one of {passes}"
+)
+NO_LANGUAGE: Final = Rule(
+    "CL013", Severity.ERROR, "a pass is on the way into a language", "name it: `--to LANGUAGE`"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """What of a source is shown. to, after: as a language says it, after one of its passes."""
+
+    robot: str | None
+    process: Path | None
+    unit: str | None
+    from_language: str | None
+    entry: str | None
+    to: str | None
+    after: str | None
+
+
+def run_show(source: str, wanted: Wanted, output: Path | None) -> int:
+    from assistant.program import pseudo
+
+    loaded = load_given(
+        source, wanted.robot, wanted.process, wanted.unit, wanted.from_language, wanted.entry
+    )
+    print_findings(fold(f.within(source) for f in loaded.findings))
+    program = _on_the_way(loaded, wanted)
+    if output is None:
+        sys.stdout.write(pseudo.print_program(program).text)
+        return 0
+    from assistant.compiler.output import write_files
+
+    printed = pseudo.print_program(program, side_tables_above=SIDE_TABLES_ABOVE)
+    if not output.name or output.name in (".", ".."):
+        raise Refused(NO_FILE_NAME(path=str(output), name=output), exit_status=2)
+    name = output.with_suffix(pseudo.SUFFIX).name
+    for path in write_files({name: printed.text.encode(), **printed.tables}, output.parent):
+        say(f"wrote {path}")
+    return 0
+
+
+def _on_the_way(loaded: Loaded, wanted: Wanted) -> Program:
+    """The program that was loaded, or what a pass on its way into a language makes of it."""
+    if wanted.to is None:
+        if wanted.after is not None:
+            raise Refused(NO_LANGUAGE(), exit_status=2)
+        return loaded.program
+    from assistant.compiler import compile
+    from assistant.program.passes.watching import watched
+
+    seen: dict[str, Program] = {}
+    with watched(seen.__setitem__):
+        compiled = compile(loaded, language=wanted.to, robot=wanted.robot)
+    if wanted.after is None:
+        return compiled.program
+    if wanted.after not in seen:
+        passes = ", ".join(f"`{name}`" for name in seen)
+        raise Refused(NO_PASS(name=wanted.after, passes=passes), exit_status=2)
+    return seen[wanted.after]
