@@ -86,7 +86,7 @@ def prove(
         expected, actual = compared(trees) if compared else (program, lifted)
     except Refused as refused:
         reasons = [
-            NOT_READ_BACK(reason=f.message, about=f.about, missing=f.missing)
+            NOT_READ_BACK(reason=f.message, about=f.about, missed=f.missing)
             for f in refused.findings
         ]
         return Proof(None, tuple(reasons))
@@ -111,7 +111,7 @@ def _reasons(rule: Rule, findings: Sequence[Diagnostic]) -> list[Diagnostic]:
             reason=f.message,
             cure=f.cure,
             about=f.about,
-            missing=f.missing,
+            missed=f.missing,
         )
         for f in findings
         if f.severity is Severity.ERROR

@@ -116,7 +116,7 @@ class Rule:
         end_line: int | None = None,
         end_column: int | None = None,
         severity: Severity | None = None,
-        missing: str | None = None,
+        missed: str | None = None,
         **fields: Any,
     ) -> Diagnostic:
         """about: see `Diagnostic`; place: the same in words, of what is no part of a program."""
@@ -133,7 +133,7 @@ class Rule:
             excerpt,
             end_line,
             end_column,
-            fields["name"] if self.misses else missing,
+            fields["name"] if self.misses else missed,
         )
 
     def sentence(self, template: str) -> str:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import inspect
 from pathlib import Path
+from string import Formatter
 
 import pytest
 
@@ -102,3 +104,10 @@ def test_fields_are_shown_in_capitals() -> None:
 def test_what_only_some_findings_add_is_not_shown() -> None:
     rule = Rule("XX001", Severity.INFO, "{count} cell{s} in [0]{hint} {place}{more}; mend it")
     assert rule.sentence(rule.message) == "COUNT cell in [0] PLACE; mend it"
+
+
+def test_no_field_of_a_message_is_called_like_what_every_finding_has() -> None:
+    taken = set(inspect.signature(Rule.__call__).parameters)
+    for rule in rules().values():
+        parts = (*Formatter().parse(rule.message), *Formatter().parse(rule.cure))
+        assert taken.isdisjoint(field for _, field, _, _ in parts if field), rule.code
