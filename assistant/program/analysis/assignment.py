@@ -9,7 +9,7 @@ from typing import Any
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.effects import base, indices_of, named
+from assistant.program.analysis.uses import base, indices_of, named
 from assistant.program.kept import effect_of
 from assistant.program.program import Procedure, Program, bodies
 from assistant.program.rewriting import Body, head, records

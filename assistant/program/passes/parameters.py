@@ -16,7 +16,7 @@ from typing import Any, Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.effects import (
+from assistant.program.analysis.uses import (
     along_calls,
     altered,
     base,

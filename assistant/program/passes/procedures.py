@@ -9,7 +9,7 @@ from typing import Final
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.assignment import Assigning
-from assistant.program.analysis.effects import called
+from assistant.program.analysis.uses import called
 from assistant.program.geometry import IDENTITY, Configuration, JointTarget, Target
 from assistant.program.program import (
     Procedure,

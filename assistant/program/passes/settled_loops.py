@@ -13,7 +13,7 @@ from typing import Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.effects import base
+from assistant.program.analysis.uses import base
 from assistant.program.kept import effect_of
 from assistant.program.program import Procedure, Program, Variable, identifier
 from assistant.program.rewriting import Body, map_bodies, records

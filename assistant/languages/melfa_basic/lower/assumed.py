@@ -13,7 +13,7 @@ from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.assignment import Assigning
-from assistant.program.analysis.effects import unordered
+from assistant.program.analysis.uses import unordered
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.program import Program, walk
