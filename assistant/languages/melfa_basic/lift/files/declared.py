@@ -10,7 +10,7 @@ from assistant.languages.melfa_basic.lift.statements.data import value_of
 from assistant.languages.melfa_basic.lift.statements.paths import Runs
 from assistant.languages.melfa_basic.lift.structure.blocks import Entry
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
-from assistant.languages.melfa_basic.lift.values.symbols import Meanings
+from assistant.languages.melfa_basic.lift.values.symbols import Symbols
 from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.text.header import Header
 from assistant.languages.melfa_basic.tree import syntax as s
@@ -111,21 +111,21 @@ def first_parameters(code: list[Entry]) -> tuple[s.Variable, ...]:
     return found
 
 
-def elements(file: Holding, meanings: Meanings) -> None:
+def elements(file: Holding, symbols: Symbols) -> None:
     """First values of arrays; of joints, one that only some have values of is not understood."""
     for key, (written, found) in file.positions.elements.items():
-        size = meanings.scope.sizes.get(key)
+        size = symbols.scope.sizes.get(key)
         if file.own or size is None:
             continue
-        values = _all_elements(size, found, meanings)
+        values = _all_elements(size, found, symbols)
         if values is None:
-            del meanings.scope.sizes[key]
+            del symbols.scope.sizes[key]
             continue
-        _keep(written, values, meanings)
+        _keep(written, values, symbols)
     for key, (written, given) in file.positions.plain.items():
-        size = meanings.scope.sizes.get(key)
+        size = symbols.scope.sizes.get(key)
         if not file.own and size is not None:
-            _keep(written, _nested(size, _others_empty(given)), meanings)
+            _keep(written, _nested(size, _others_empty(given)), symbols)
 
 
 def _others_empty(given: Plain) -> Callable[[tuple[int, ...]], e.Expression]:
@@ -133,11 +133,11 @@ def _others_empty(given: Plain) -> Callable[[tuple[int, ...]], e.Expression]:
     return lambda at: given.get(at, e.Text("") if texts else e.Number(0))
 
 
-def _keep(written: str, values: e.Expression | None, meanings: Meanings) -> None:
+def _keep(written: str, values: e.Expression | None, symbols: Symbols) -> None:
     """Declares an array with the first values that its file has for it."""
-    name = meanings.declared(s.Variable(written))
-    known = meanings.variables[name]
-    meanings.variables[name] = Variable(known.type, values, known.size, "persistent")
+    name = symbols.declared(s.Variable(written))
+    known = symbols.variables[name]
+    symbols.variables[name] = Variable(known.type, values, known.size, "persistent")
 
 
 def _nested(
@@ -156,9 +156,7 @@ def _nested(
     return inside(size, ())
 
 
-def _all_elements(
-    size: tuple[int, ...], found: Elements, meanings: Meanings
-) -> e.Expression | None:
+def _all_elements(size: tuple[int, ...], found: Elements, symbols: Symbols) -> e.Expression | None:
     placed = all(constant.flags is not None for constant in found.values())
 
     def value(at: tuple[int, ...]) -> e.Expression | None:
@@ -166,8 +164,8 @@ def _all_elements(
         if constant is None:
             return e.NEVER_GIVEN if placed else None
         if constant.flags is None:
-            return e.JointValue(joints_of(constant, meanings.robot))
-        return e.TargetValue(target_of(constant, meanings.robot))
+            return e.JointValue(joints_of(constant, symbols.robot))
+        return e.TargetValue(target_of(constant, symbols.robot))
 
     return _nested(size, value)
 
@@ -175,10 +173,10 @@ def _all_elements(
 class Declared:
     """Targets, tools and frames of a file that has been read."""
 
-    def __init__(self, file: Holding, meanings: Meanings, settings: Settings, runs: Runs) -> None:
+    def __init__(self, file: Holding, symbols: Symbols, settings: Settings, runs: Runs) -> None:
         self.own, self.header, self.positions = file.own, file.header, file.positions
-        self.meanings, self.settings, self.runs = meanings, settings, runs
-        self.robot = meanings.robot
+        self.symbols, self.settings, self.runs = symbols, settings, runs
+        self.robot = symbols.robot
 
     def tools(self) -> dict[str, Tool]:
         """Declared and used tools."""
@@ -208,7 +206,7 @@ class Declared:
 
     def _own_targets(self) -> dict[str, Target]:
         names = {**self.header.names["target"]}
-        names.update({k: k for k in sorted(self.meanings.targets) if k[0] != "J"})
+        names.update({k: k for k in sorted(self.symbols.targets) if k[0] != "J"})
         made = {}
         for short, name in names.items():
             constant = self.positions.constant(short)
@@ -223,14 +221,14 @@ class Declared:
             key = written.upper()
             if key[0] == "J" or identifier(written) != written or self.runs.holds(key):
                 continue
-            if key in placed and key not in self.meanings.targets:
+            if key in placed and key not in self.symbols.targets:
                 continue
-            if key in self.meanings.constants.assigned:
-                self.meanings.declared(s.Variable(written))
+            if key in self.symbols.constants.assigned:
+                self.symbols.declared(s.Variable(written))
                 continue
             constant = self.positions.constant(written)
             if constant is not None:
-                made[self.meanings.target_name(written)] = target_of(constant, self.robot)
+                made[self.symbols.target_name(written)] = target_of(constant, self.robot)
         return made
 
     def joints(self) -> dict[str, JointTarget]:
@@ -242,8 +240,8 @@ class Declared:
             if self.own:
                 if written in names:
                     made[names[written]] = joints_of(constant, self.robot)
-            elif written in self.meanings.constants.assigned:
-                self.meanings.declared(s.Variable(given))
+            elif written in self.symbols.constants.assigned:
+                self.symbols.declared(s.Variable(given))
             else:
-                made[self.meanings.target_name(given)] = joints_of(constant, self.robot)
+                made[self.symbols.target_name(given)] = joints_of(constant, self.robot)
         return made

@@ -11,7 +11,7 @@ from assistant.languages.melfa_basic.lift.files.parts import File
 from assistant.languages.melfa_basic.lift.settings import equal_forms, forms_by_way
 from assistant.languages.melfa_basic.lift.settings.calls import calls_of
 from assistant.languages.melfa_basic.lift.settings.flow import Flow
-from assistant.languages.melfa_basic.lift.settings.forms import Contexts, Form
+from assistant.languages.melfa_basic.lift.settings.forms import CalledForms, Form
 from assistant.languages.melfa_basic.lift.settings.held import (
     INITIAL,
     UNKNOWN,
@@ -30,7 +30,7 @@ from assistant.languages.melfa_basic.lift.structure.scopes import Scope, all_key
 from assistant.languages.melfa_basic.lift.values.constants import Constants
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
 from assistant.languages.melfa_basic.lift.values.pallets import pallets, still_mentioned
-from assistant.languages.melfa_basic.lift.values.symbols import Inside, Meanings, Routine
+from assistant.languages.melfa_basic.lift.values.symbols import Inside, Routine, Symbols
 from assistant.languages.melfa_basic.lift.values.timers import timers
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.arrays import Ints
@@ -51,7 +51,7 @@ if TYPE_CHECKING:
 class _Reading:
     """What one reading of a file gave."""
 
-    meanings: Meanings
+    symbols: Symbols
     settings: Settings
     reader: Reader
     local: dict[tuple[str, str], Variable]
@@ -70,7 +70,7 @@ class _Ways:
     structure: dict[int, list[int]]
     parts: list[Region]
     settings: Settings
-    contexts: Contexts
+    called: CalledForms
     single: Mapping[str, Ints]
     timers: dict[int, str]
     breaks: bool
@@ -113,11 +113,11 @@ class Unit:
         kept = self._kept(reading)
         if kept:
             reading = self._read(program, kept)
-        if reading.meanings.pallets and still_mentioned(tuple(reading.procedures)):
+        if reading.symbols.pallets and still_mentioned(tuple(reading.procedures)):
             self.grids = False
             reading = self._read(program, kept)
-        meanings, reader = reading.meanings, reading.reader
-        made = declared.Declared(self.file, meanings, reading.settings, reader.runs)
+        symbols, reader = reading.symbols, reading.reader
+        made = declared.Declared(self.file, symbols, reading.settings, reader.runs)
         entry = program.entry
         if self.is_main:
             has_entry = bool(reading.procedures) and self.header.entry != "-"
@@ -127,8 +127,8 @@ class Unit:
             program,
             procedures=(*program.procedures, *reading.procedures),
             entry=entry,
-            signals=meanings.signals,
-            variables=meanings.variables,
+            signals=symbols.signals,
+            variables=symbols.variables,
             tools=_with(program.tools, made.tools()),
             frames=_with(program.frames, made.frames()),
             targets=_with(program.targets, targets),
@@ -143,14 +143,14 @@ class Unit:
             return whole
         undivided: frozenset[int] = frozenset()
         while True:
-            flow = forms_by_way.divided(ways.contexts.flow, ways.structure, undivided)
-            contexts = Contexts(flow, self._initial()) if flow.cuts else ways.contexts
-            if not flow.cuts or contexts.too_long:
+            flow = forms_by_way.divided(ways.called.flow, ways.structure, undivided)
+            called = CalledForms(flow, self._initial()) if flow.cuts else ways.called
+            if not flow.cuts or called.too_long:
                 return whole
-            if not contexts.unread:
+            if not called.unread:
                 break
-            undivided |= contexts.unread  # lines that never run are kept as well
-        self.ways = replace(ways, contexts=contexts)
+            undivided |= called.unread  # lines that never run are kept as well
+        self.ways = replace(ways, called=called)
         made = self._read(program, frozenset())
         if not made.reader.torn and _depending(made) < _depending(whole):
             return made
@@ -164,7 +164,7 @@ class Unit:
         return frozenset(
             line
             for form, at, settings in reader.depending
-            for slot, held in enumerate(reader.contexts.at(at, form))
+            for slot, held in enumerate(reader.called.at(at, form))
             if slot in settings
             for line in held.by
         )
@@ -178,35 +178,35 @@ class Unit:
         ways = self.ways
         # a program written here still has the lines of first values, which are taken out below
         parts = ways.parts if ways and not own else self._regions(code)[1]
-        meanings = self._meanings(program, code, parts)
-        meanings.timers = ways.timers if ways else timers(code, self.header, self.own)
+        symbols = self._meanings(program, code, parts)
+        symbols.timers = ways.timers if ways else timers(code, self.header, self.own)
         if self.grids:
-            meanings.pallets = pallets(code, meanings)
-        expressions = Expressions(meanings)
+            symbols.pallets = pallets(code, symbols)
+        expressions = Expressions(symbols)
         local = own.values(expressions) if own else {}
-        declared.elements(self.file, meanings)
+        declared.elements(self.file, symbols)
         if ways is None:
-            self.ways = ways = self._ways(code, meanings)
-        listed = self._routines(code, ways.parts, meanings, program)
-        self._name_forms(ways.contexts, listed, program)
+            self.ways = ways = self._ways(code, symbols)
+        listed = self._routines(code, ways.parts, symbols, program)
+        self._name_forms(ways.called, listed, program)
         source = self.file.tree.source
         calls = dict(self.main.header.names["unit"]), dict(self.main.header.names["first"])
         reader = Reader(
-            code, meanings, ways.contexts, listed, calls, self.is_main, kept, source, ways.single
+            code, symbols, ways.called, listed, calls, self.is_main, kept, source, ways.single
         )
         reader.control = Control(
             code, ways.structure, reader.expressions, reader.body, reader.branch, reader.enter,
             ways.breaks,
         )  # fmt: skip
-        reading = _Reading(meanings, ways.settings, reader, local)
+        reading = _Reading(symbols, ways.settings, reader, local)
         for node in _statements(code, s.DefIo):
             if (io := data.io_of(node, expressions)) is not None:
-                meanings.io[node.variable.key] = io
-        functions = [] if self.own else routines.defined_functions(code, meanings)
-        for number, forms in enumerate(ways.contexts.forms):
+                symbols.io[node.variable.key] = io
+        functions = [] if self.own else routines.defined_functions(code, symbols)
+        for number, forms in enumerate(ways.called.forms):
             for form in forms.values():
                 self._procedure(number, form, reading, taken_away)
-        several = [forms.values() for forms in ways.contexts.forms if len(forms) > 1]
+        several = [forms.values() for forms in ways.called.forms if len(forms) > 1]
         origin = {form.name: form.region for forms in several for form in forms}
         reading.procedures = equal_forms.as_one(reading.procedures, origin)
         reading.procedures += [replace(f, unit=self.unit) for f in functions]
@@ -218,17 +218,17 @@ class Unit:
         named = self.header.names["procedure"]
         return structure, regions.regions(code, structure, named, self.own)
 
-    def _ways(self, code: list[Entry], meanings: Meanings) -> _Ways:
+    def _ways(self, code: list[Entry], symbols: Symbols) -> _Ways:
         structure, parts = self._regions(code)
-        constants = meanings.constants
+        constants = symbols.constants
         settings = Settings(self.file.positions, constants, self.header.names, own=self.own)
         flow = Flow(code, parts, structure, settings.effect, calls_of(parts, self.touched))
         return _Ways(
-            constants, structure, parts, settings, Contexts(flow, self._initial()),
-            {} if self.own else used_once(code), meanings.timers, "M_BRKCQ" in set(all_keys(code)),
+            constants, structure, parts, settings, CalledForms(flow, self._initial()),
+            {} if self.own else used_once(code), symbols.timers, "M_BRKCQ" in set(all_keys(code)),
         )  # fmt: skip
 
-    def _meanings(self, program: Program, code: list[Entry], parts: list[Region]) -> Meanings:
+    def _meanings(self, program: Program, code: list[Entry], parts: list[Region]) -> Symbols:
         functions = {r.function.name for r in parts if r.function is not None}
         first = parts[0] if parts else Region(0, 0)
         shared = code
@@ -244,7 +244,7 @@ class Unit:
                 scope.names.setdefault(parameter.key, parameter.name)
                 # given by the caller, whatever value a line of the file has for it
                 constants.assigned |= {parameter.key}
-        return Meanings(
+        return Symbols(
             self.header, self.file.positions, constants, scope, self.robot,
             self.file.tree.dialect, self.own, dict(program.signals), dict(program.variables),
             {
@@ -269,9 +269,9 @@ class Unit:
     # -------------------------------------------------------------------------- procedures
 
     def _routines(
-        self, code: list[Entry], parts: list[Region], meanings: Meanings, program: Program
+        self, code: list[Entry], parts: list[Region], symbols: Symbols, program: Program
     ) -> list[Routine]:
-        """What each region is called; functions are noted among the meanings."""
+        """What each region is called; functions are noted among the symbols."""
         taken = {*(q.name for q in program.procedures), *self.programs}
         listed = []
         for number, region in enumerate(parts):
@@ -284,17 +284,17 @@ class Unit:
             if region.function is None:
                 routine = Routine(name)
             else:
-                routine = routines.routine_of(code, region, name, meanings)
+                routine = routines.routine_of(code, region, name, symbols)
                 if number:
-                    meanings.routines[region.function.name.upper()] = routine
+                    symbols.routines[region.function.name.upper()] = routine
             taken.add(name)
             listed.append(routine)
         return listed
 
-    def _name_forms(self, contexts: Contexts, listed: list[Routine], program: Program) -> None:
+    def _name_forms(self, called: CalledForms, listed: list[Routine], program: Program) -> None:
         """The first form of a procedure has its name, the others a number behind it."""
         taken = {*(q.name for q in program.procedures), *(r.name for r in listed), *self.programs}
-        for routine, forms in zip(listed, contexts.forms, strict=True):
+        for routine, forms in zip(listed, called.forms, strict=True):
             for form in forms.values():
                 form.name = routine.name
                 if form.number > 1:
@@ -319,24 +319,24 @@ class Unit:
         self, number: int, form: Form, reading: _Reading, first: tuple[s.Variable, ...]
     ) -> None:
         """Reads a procedure in one of its forms."""
-        reader, meanings = reading.reader, reading.meanings
+        reader, symbols = reading.reader, reading.symbols
         region, routine = reader.flow.regions[number], reader.routines[number]
         if routine.parameters is None:
             if form.number == 1:
-                kept = routines.declaration(reader.code, region, meanings.dialect)
+                kept = routines.declaration(reader.code, region, symbols.dialect)
                 reading.declarations.append(kept)
             return
         variables: dict[str, Variable] = {}
         if region.function is not None:
             inside, variables = routines.inside_of(
-                reader.code, region, routine, meanings, meanings.scope
+                reader.code, region, routine, symbols, symbols.scope
             )
-            meanings.inside = inside if number or not _is_plain(inside) else None
+            symbols.inside = inside if number or not _is_plain(inside) else None
         parameters = routine.parameters
         if number == 0 and first:
-            parameters = tuple(self._parameter(v, meanings) for v in first)
+            parameters = tuple(self._parameter(v, symbols) for v in first)
         body = reader.read(form)
-        meanings.inside = None
+        symbols.inside = None
         if number == 0 and self._has_no_code(reader, body):
             return
         name = form.name
@@ -348,13 +348,13 @@ class Unit:
             )
         )
 
-    def _parameter(self, variable: s.Variable, meanings: Meanings) -> Parameter:
+    def _parameter(self, variable: s.Variable, symbols: Symbols) -> Parameter:
         known = self.header.variables.get(variable.key)
         if known is not None:
             return Parameter(known.name, known.type)
-        kind = meanings.type_of_key(variable.key)
-        name = meanings.declared(variable)
-        meanings.variables.pop(name, None)
+        kind = symbols.type_of_key(variable.key)
+        name = symbols.declared(variable)
+        symbols.variables.pop(name, None)
         return Parameter(name, kind)
 
     def _has_no_code(self, reader: Reader, body: tuple[Any, ...]) -> bool:

@@ -18,8 +18,8 @@ from assistant.languages.melfa_basic.lift.values.constants import changed
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
 from assistant.languages.melfa_basic.lift.values.symbols import (
     Inside,
-    Meanings,
     Routine,
+    Symbols,
     Unliftable,
 )
 from assistant.languages.melfa_basic.text import effects, printer
@@ -38,11 +38,11 @@ from assistant.program.program import (
 EXIT: Final = s.Command("Exit Function")
 
 
-def routine_of(code: Code, region: Region, name: str, meanings: Meanings) -> Routine:
+def routine_of(code: Code, region: Region, name: str, symbols: Symbols) -> Routine:
     """What a function is. Parameters of several extents, or changed in an unknown way, are None."""
     function = region.function
     assert function is not None
-    kept = meanings.constants.kept
+    kept = symbols.constants.kept
     assigned = {
         key
         for item in code[region.low : region.high]
@@ -55,13 +55,13 @@ def routine_of(code: Code, region: Region, name: str, meanings: Meanings) -> Rou
         key = given.name.upper()
         whole = extents.get(key, set()) <= {1}  # no other number of subscripts than one
         if (not given.mode and key in assigned) or (given.array and not whole):
-            return Routine(name, result_type(function, meanings), None)
+            return Routine(name, result_type(function, symbols), None)
         mode: Any = "inout" if given.mode == "ByRef" else "in"
-        known = meanings.header.variables.get(key) if meanings.own else None
+        known = symbols.header.variables.get(key) if symbols.own else None
         kind = known.type if known else SUFFIXES.get(given.suffix, letter_type(key))
         spelled = known.name if known else given.name
         parameters.append(Parameter(spelled, kind, mode, int(given.array)))
-    return Routine(name, result_type(function, meanings), tuple(parameters))
+    return Routine(name, result_type(function, symbols), tuple(parameters))
 
 
 def _extents(code: Code) -> dict[str, set[int]]:
@@ -74,19 +74,19 @@ def _extents(code: Code) -> dict[str, set[int]]:
     return found
 
 
-def result_type(function: s.Function, meanings: Meanings) -> ValueType | None:
+def result_type(function: s.Function, symbols: Symbols) -> ValueType | None:
     """The type of a function's result, None for none."""
     written = function.result.upper()
     if written in ("", "V"):
         return None
-    stated = meanings.header.names["result"].get(function.name.upper()) if meanings.own else None
+    stated = symbols.header.names["result"].get(function.name.upper()) if symbols.own else None
     if stated in ("truth", "integer", "pose"):
         return cast(ValueType, stated)
     return SUFFIXES.get(written[-1], LETTERS.get(written[0], "number"))
 
 
 def inside_of(
-    code: Code, region: Region, routine: Routine, meanings: Meanings, globals_: Scope
+    code: Code, region: Region, routine: Routine, symbols: Symbols, globals_: Scope
 ) -> tuple[Inside, dict[str, Variable]]:
     """A function's own names, and the variables that it declares."""
     function = region.function
@@ -94,35 +94,35 @@ def inside_of(
     key = function.name.upper()
     inside = Inside(key, {}, {}, {})
     local: dict[str, Variable] = {}
-    if meanings.own:
+    if symbols.own:
         return inside, {}
     for parameter in routine.parameters or ():
         inside.names[parameter.name.upper()] = parameter.name
         inside.types[parameter.name.upper()] = parameter.type
         inside.sizes[parameter.name.upper()] = (0,) * parameter.dimensions
-    scope = scope_of(code[region.low : region.high], (*meanings.routines, key))
+    scope = scope_of(code[region.low : region.high], (*symbols.routines, key))
     taken = set(inside.names)
     defined = _defined(code[region.low : region.high])
     for name_key, written in scope.names.items():
         declared = name_key in scope.types and name_key in defined
-        known = name_key in globals_.names or meanings.positions.constant(written) is not None
+        known = name_key in globals_.names or symbols.positions.constant(written) is not None
         if name_key in inside.names or name_key[1:2] == "_" or (known and not declared):
             continue
-        if name_key in meanings.io:
+        if name_key in symbols.io:
             continue
         name = identifier(written, taken)
         kind = scope.types.get(name_key, letter_type(name_key))
         size = scope.sizes.get(name_key, ())
         if name_key in scope.static:  # outlives the function
-            name = meanings.static(routine.name, name_key, name)
-            meanings.variables.setdefault(name, Variable(kind, None, size))
+            name = symbols.static(routine.name, name_key, name)
+            symbols.variables.setdefault(name, Variable(kind, None, size))
         else:
             local[name] = Variable(kind, None, size)
         taken.add(name)
         inside.names[name_key], inside.types[name_key] = name, kind
         inside.sizes[name_key] = size
     if routine.result is not None and not _direct(code, region, key):
-        inside.result = identifier("result", taken | {n.upper() for n in meanings.spelling})
+        inside.result = identifier("result", taken | {n.upper() for n in symbols.spelling})
         local[inside.result] = Variable(routine.result)
     return inside, local
 
@@ -170,13 +170,13 @@ def _is_result(variable: s.Variable, key: str) -> bool:
     return variable.key == key and variable.arguments is None
 
 
-def defined_functions(code: Code, meanings: Meanings) -> list[Procedure]:
+def defined_functions(code: Code, symbols: Symbols) -> list[Procedure]:
     """Functions of one expression (`Def FN`) as procedures; those that can be said get routines."""
     made = []
-    taken = {r.name for r in meanings.routines.values()}
+    taken = {r.name for r in symbols.routines.values()}
     for item in code:
         node = item.statement if isinstance(item, s.Line) else None
-        if not isinstance(node, s.DefFunction) or node.name.upper() in meanings.routines:
+        if not isinstance(node, s.DefFunction) or node.name.upper() in symbols.routines:
             continue
         name = identifier(node.name, taken)
         key = node.name.upper()
@@ -185,17 +185,17 @@ def defined_functions(code: Code, meanings: Meanings) -> list[Procedure]:
             Parameter(v.name, SUFFIXES.get(v.suffix, letter_type(v.key))) for v in node.parameters
         )
         names = {q.name.upper(): q.name for q in parameters}
-        meanings.inside = Inside(key, names, {q.name.upper(): q.type for q in parameters}, {})
+        symbols.inside = Inside(key, names, {q.name.upper(): q.type for q in parameters}, {})
         try:
-            value = Expressions(meanings).number(node.value)
+            value = Expressions(symbols).number(node.value)
         except Unliftable:
             continue
         finally:
-            meanings.inside = None
+            symbols.inside = None
         span = item.span if isinstance(item, s.Line) else None
         body = (p.Return(value, span=span),)
         made.append(Procedure(name, body, parameters, result=kind, span=span))
-        meanings.routines[key] = Routine(name, kind, parameters)
+        symbols.routines[key] = Routine(name, kind, parameters)
         taken.add(name)
     return made
 

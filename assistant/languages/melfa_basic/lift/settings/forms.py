@@ -56,7 +56,7 @@ class Form:
     name: str = ""
 
 
-class Contexts:
+class CalledForms:
     """forms: by procedure, in the order in which calls are met from the first procedure on.
 
     lines: of all of them, as often as they are read.

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.languages.melfa_basic.lift.values.pallets import unchanged
-from assistant.languages.melfa_basic.lift.values.symbols import Meanings, Unliftable
+from assistant.languages.melfa_basic.lift.values.symbols import Symbols, Unliftable
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import target_of
 from assistant.program import expressions as e
@@ -32,18 +32,18 @@ STRAIGHT: Final = 1e-6
 
 
 def via_of(
-    keyword: str, points: tuple[s.Expression, ...], meanings: Meanings
+    keyword: str, points: tuple[s.Expression, ...], symbols: Symbols
 ) -> e.TargetValue | None:
     """The point halfway on `Mvr2` or `Mvr3`, None for a straight line; raises Unliftable.
 
     It has the branch of the start and an orientation between those of start and end.
     """
-    found = [unchanged(point, meanings) for point in points]
+    found = [unchanged(point, symbols) for point in points]
     constants = [constant for constant in found if constant is not None]
-    five_axis = meanings.robot is not None and meanings.robot.five_axis
-    if len(constants) != 3 or meanings.own or five_axis:
+    five_axis = symbols.robot is not None and symbols.robot.five_axis
+    if len(constants) != 3 or symbols.own or five_axis:
         raise Unliftable(KEPT)
-    first, last, third = (target_of(c, meanings.robot) for c in constants)
+    first, last, third = (target_of(c, symbols.robot) for c in constants)
     start, end, other = (np.array(t.pose.position) for t in (first, last, third))
     middle = (across if keyword == "Mvr2" else around)(start, end, other)
     if middle is None:

@@ -11,7 +11,7 @@ from assistant.languages.melfa_basic.lift.structure.blocks import Code
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
 from assistant.languages.melfa_basic.lift.values.operators import operator_name
 from assistant.languages.melfa_basic.lift.values.reasons import NO_LABEL
-from assistant.languages.melfa_basic.lift.values.symbols import Meanings, Unliftable
+from assistant.languages.melfa_basic.lift.values.symbols import Symbols, Unliftable
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import opened
 from assistant.program import expressions as e
@@ -54,7 +54,7 @@ class Control:
         self.asks_for_breaks = asks_for_breaks
 
     @property
-    def meanings(self) -> Meanings:
+    def symbols(self) -> Symbols:
         return self.expressions.m
 
     # ------------------------------------------------------------------------------ blocks

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
-from assistant.languages.melfa_basic.lift.settings.forms import Contexts, Form, depends
+from assistant.languages.melfa_basic.lift.settings.forms import CalledForms, Form, depends
 from assistant.languages.melfa_basic.lift.settings.held import State
 from assistant.languages.melfa_basic.lift.settings.unknown_settings import UnknownSettings
 from assistant.languages.melfa_basic.lift.statements import data, waits
@@ -17,7 +17,7 @@ from assistant.languages.melfa_basic.lift.structure.regions import Region
 from assistant.languages.melfa_basic.lift.values import reasons
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
 from assistant.languages.melfa_basic.lift.values.pallets import define as define_pallet
-from assistant.languages.melfa_basic.lift.values.symbols import Meanings, Routine, Unliftable
+from assistant.languages.melfa_basic.lift.values.symbols import Routine, Symbols, Unliftable
 from assistant.languages.melfa_basic.text import effects
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.walk import nodes
@@ -44,8 +44,8 @@ class Statements:
     def __init__(
         self,
         code: Code,
-        meanings: Meanings,
-        contexts: Contexts,
+        symbols: Symbols,
+        called: CalledForms,
         routines: list[Routine],
         calls: tuple[dict[str, str], dict[str, str]],
         main: bool,
@@ -53,13 +53,13 @@ class Statements:
         source: SourceText | None,
         single: Mapping[str, Ints],
     ) -> None:
-        self.code, self.meanings, self.contexts = code, meanings, contexts
-        self.flow, self.routines, self.main, self.kept = contexts.flow, routines, main, kept
+        self.code, self.symbols, self.called = code, symbols, called
+        self.flow, self.routines, self.main, self.kept = called.flow, routines, main, kept
         self.units, self.firsts = calls
-        self.own = meanings.own
-        self.unknown = UnknownSettings(code, self.flow.effect, meanings.dialect, source)
-        self.expressions = Expressions(meanings)
-        self.runs = Runs(meanings, single, self.own, self.one_move)
+        self.own = symbols.own
+        self.unknown = UnknownSettings(code, self.flow.effect, symbols.dialect, source)
+        self.expressions = Expressions(symbols)
+        self.runs = Runs(symbols, single, self.own, self.one_move)
         self.moves = Moves(self.expressions, self.runs)
         self.by_label = {r.label: k for k, r in enumerate(self.flow.regions) if r.label}
         self.form: Form | None = None
@@ -73,7 +73,7 @@ class Statements:
     @property
     def values(self) -> Values:
         assert self.form is not None
-        state: State = self.contexts.at(self.at, self.form)
+        state: State = self.called.at(self.at, self.form)
         return tuple(held.value for held in state)
 
     def branch(self, node: s.Statement) -> list[p.Statement]:
@@ -113,8 +113,8 @@ class Statements:
         self.runs.arc_pending = False
         self.note_dependence(statement)
         if found is reasons.WAYS and self.form is not None:
-            found = self.unknown.differing(statement, self.contexts.at(self.at, self.form))
-        dialect = self.meanings.dialect
+            found = self.unknown.differing(statement, self.called.at(self.at, self.form))
+        dialect = self.symbols.dialect
         if self.form is not None and (self.form.passes or self.form.head):
             self.torn |= any(isinstance(part, s.Target) for part in nodes(statement))
         reason = reasons.reason_for(statement, found)
@@ -129,7 +129,7 @@ class Statements:
 
     def left(self, _: s.Command) -> list[p.Statement]:
         """`Exit Function`."""
-        inside = self.meanings.inside
+        inside = self.symbols.inside
         if self.region.function is None:
             raise Unliftable
         result = inside.result if inside is not None else None
@@ -166,12 +166,12 @@ class Statements:
 
     def call(self, node: s.Call) -> list[p.Statement]:
         key = node.function.key
-        routine = self.meanings.routines.get(key)
+        routine = self.symbols.routines.get(key)
         if routine is None or routine.parameters is None:
             raise Unliftable
         given = self.expressions.arguments(routine.parameters, node.function.arguments or ())
         self.runs.forget()
-        return [p.Call(self.meanings.variants.get(key, routine.name), given)]
+        return [p.Call(self.symbols.variants.get(key, routine.name), given)]
 
     def callp(self, node: s.CallP) -> list[p.Statement]:
         if not isinstance(node.program, s.String):
@@ -197,7 +197,7 @@ class Statements:
 
     def hand(self, node: s.Command) -> list[p.Statement]:
         (hand,) = _exactly(node.arguments, 1)
-        number = self.meanings.value(hand)
+        number = self.symbols.value(hand)
         if not isinstance(number, float):
             raise Unliftable
         action: Any = "open" if node.keyword == "HOpen" else "close"
@@ -263,6 +263,6 @@ STATEMENTS: Final[dict[type, Callable[[Statements, Any], list[p.Statement]]]] = 
     s.Static: lambda reader, node: data.define(node.definition.variables, reader.expressions),
     s.Const: lambda reader, node: data.constant(node, reader.expressions),
     s.DefIo: lambda reader, node: data.known_io(node, reader.expressions),
-    s.DefOther: lambda reader, node: define_pallet(node, reader.meanings),
+    s.DefOther: lambda reader, node: define_pallet(node, reader.symbols),
     s.DefFunction: lambda reader, node: data.known_function(node, reader.expressions),
 }

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from assistant.languages.melfa_basic.lift.settings.framed_targets import unframed
 from assistant.languages.melfa_basic.lift.settings.held import FRAME, JOINT, TCP, TOOL, UNKNOWN
 from assistant.languages.melfa_basic.lift.structure.blocks import Entry
-from assistant.languages.melfa_basic.lift.values.symbols import Meanings
+from assistant.languages.melfa_basic.lift.values.symbols import Symbols
 from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.words import ARC_START
 from assistant.languages.melfa_basic.tree import syntax as s
@@ -71,8 +71,8 @@ class Runs:
     from the robot.
     """
 
-    def __init__(self, meanings: Meanings, single: Mapping[str, Ints], own: bool, one: One) -> None:
-        self.meanings, self.own, self.one = meanings, own, one
+    def __init__(self, symbols: Symbols, single: Mapping[str, Ints], own: bool, one: One) -> None:
+        self.symbols, self.own, self.one = symbols, own, one
         self.previous: Place | None = None
         self.arc_pending = False
         self.at: Span | None = None
@@ -81,7 +81,7 @@ class Runs:
         self.chunks: list[_Chunk] = []
         self.names: set[str] = set()
         self.taken: list[tuple[str, int, int]] = []
-        self.ranges = sorted(meanings.header.paths)
+        self.ranges = sorted(symbols.header.paths)
         self.starts = [first for first, _, _ in self.ranges]
         self.single = single
 
@@ -129,7 +129,7 @@ class Runs:
         self, node: s.Motion, values: Values, span: Span | None, made: list[p.Statement]
     ) -> bool:
         """A single line that may go on with the path or begin one; False if it cannot."""
-        node, values = unframed(node, values, self.meanings.header)
+        node, values = unframed(node, values, self.symbols.header)
         if node.type or node.append or node.keyword not in KEYWORDS:
             return False
         if not sayable(values, node.keyword == KEYWORDS[MOV]):
@@ -201,7 +201,7 @@ class Runs:
 
     def allowed(self, stem: str, numbers: Ints) -> Truths:
         """Whether positions of a path: known, and in a range or used nowhere else."""
-        _, _, known = self.meanings.positions.find(stem, numbers)
+        _, _, known = self.symbols.positions.find(stem, numbers)
         if self.own:
             if stem.upper() != "P" or not self.ranges:
                 return np.zeros(len(numbers), dtype=bool)
@@ -236,19 +236,19 @@ class Runs:
             made += self._lone(chunks[0])
             return
         numbers = np.arange(self.first, self.last + 1, dtype=np.int64)
-        meanings = self.meanings
-        values, flags, _ = meanings.positions.find(self.stem, numbers)
+        symbols = self.symbols
+        values, flags, _ = symbols.positions.find(self.stem, numbers)
         width = (
             8 if not np.isnan(values[:, 7]).all() else 7 if not np.isnan(values[:, 6]).all() else 6
         )
-        position, quaternion, external = poses.from_values(values[:, :width], meanings.robot)
+        position, quaternion, external = poses.from_values(values[:, :width], symbols.robot)
         self.taken.append((self.stem.upper(), self.first, self.last))
         path = Path.of(
             self.name(),
             position,
             quaternion,
             kinds=kinds,
-            configurations=configurations(flags, meanings.robot),
+            configurations=configurations(flags, symbols.robot),
             external=external,
             **_columns(chunks),
         )

@@ -59,7 +59,7 @@ class Reader(Statements):
         self.control.labels = {}
         for low, high in (region.before, (region.low, region.high)):
             for label in sorted(labels_in(self.code, max(low, 0), max(high, 0))):
-                given = self.meanings.header.names["label"].get(label)
+                given = self.symbols.header.names["label"].get(label)
                 name = given or identifier(self._spelled(label), taken)
                 self.control.labels[label] = name
                 taken.add(name)
@@ -108,7 +108,7 @@ class Reader(Statements):
                 made += self.control.note(region.high)
         for at in range(*region.behind):
             made += self.control.note(at)
-        inside = self.meanings.inside
+        inside = self.symbols.inside
         if inside is not None and inside.result is not None:
             made.append(p.Return(e.Name(inside.result)))
         return made
@@ -134,9 +134,9 @@ class Reader(Statements):
         """Sets what holds where a line begins."""
         self.at = at
         values = self.values
-        self.meanings.placing = values[TOOL], values[FRAME]
+        self.symbols.placing = values[TOOL], values[FRAME]
         assert self.form is not None
-        self.meanings.variants = {
+        self.symbols.variants = {
             self._function_key(callee): made.name
             for callee, made in self.form.called.get(at, {}).items()
         }
@@ -206,7 +206,7 @@ class Reader(Statements):
 
     def result(self, at: int, node: s.Statement, made: list[p.Statement]) -> int:
         """The result of a function, and the way out behind it; the place after both, or 0."""
-        inside = self.meanings.inside
+        inside = self.symbols.inside
         if inside is None or not isinstance(node, s.Assign) or node.target.key != inside.key:
             return 0
         if node.target.arguments is not None or node.target.component:

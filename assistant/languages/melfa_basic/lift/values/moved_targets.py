@@ -4,53 +4,53 @@ from __future__ import annotations
 
 import numpy as np
 
-from assistant.languages.melfa_basic.lift.values.symbols import Meanings, Unliftable
+from assistant.languages.melfa_basic.lift.values.symbols import Symbols, Unliftable
 from assistant.languages.melfa_basic.tables.poses import plain_pose, plain_values
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import rotations
 from assistant.program.geometry import Pose
 
 
-def shift(node: s.Expression, meanings: Meanings) -> s.Constant | None:
+def shift(node: s.Expression, symbols: Symbols) -> s.Constant | None:
     """The constant that a position is moved by, also by the name of one that never changes."""
     if isinstance(node, s.Constant):
         return node
     if isinstance(node, s.Variable) and node.arguments is None and not node.component:
-        if not meanings.own and node.key not in meanings.constants.assigned:
-            return meanings.positions.constant(node.key)
-    if isinstance(node, s.Variable) and node.key == "INV" and (pose := fixed(node, meanings)):
+        if not symbols.own and node.key not in symbols.constants.assigned:
+            return symbols.positions.constant(node.key)
+    if isinstance(node, s.Variable) and node.key == "INV" and (pose := fixed(node, symbols)):
         return s.Constant(plain_values(pose))
     return None
 
 
-def fixed(node: s.Expression | None, meanings: Meanings) -> Pose | None:
+def fixed(node: s.Expression | None, symbols: Symbols) -> Pose | None:
     """Where a constant, or the inverse or product of such, is; None if that is not known."""
-    if meanings.own or (meanings.robot is not None and meanings.robot.five_axis):
+    if symbols.own or (symbols.robot is not None and symbols.robot.five_axis):
         return None
     match node:
         case s.Variable(key="INV", arguments=(inner,), component=""):
-            pose = fixed(inner, meanings)
+            pose = fixed(inner, symbols)
             return None if pose is None else pose.inverse()
         case s.Binary(operator="*", left=left, right=right):
-            one, two = fixed(left, meanings), fixed(right, meanings)
+            one, two = fixed(left, symbols), fixed(right, symbols)
             return None if one is None or two is None else one @ two
         case None:
             return None
-    constant = shift(node, meanings)
+    constant = shift(node, symbols)
     if constant is None or any(constant.values[6:]) or None in constant.values:
         return None
     return plain_pose(constant.values)
 
 
-def amounts(operator: str, constant: s.Constant, meanings: Meanings) -> list[float]:
+def amounts(operator: str, constant: s.Constant, symbols: Symbols) -> list[float]:
     """How far: mm along x, y, z, and degrees about x, the new y, the new z if it turns at all.
 
     operator: `+`, `-` or `*`. Raises Unliftable for what the pseudo-program has no words for.
     """
     values = [0.0 if v is None else float(v) for v in constant.values]
     values += [0.0] * (6 - len(values))
-    five_axis = meanings.robot is not None and meanings.robot.five_axis
-    if any(values[6:]) or (five_axis and any(values[3:]) and not meanings.own):
+    five_axis = symbols.robot is not None and symbols.robot.five_axis
+    if any(values[6:]) or (five_axis and any(values[3:]) and not symbols.own):
         raise Unliftable
     if operator == "-":
         values = [-v + 0.0 for v in values]

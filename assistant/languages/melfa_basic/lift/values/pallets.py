@@ -14,7 +14,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from assistant.languages.melfa_basic.lift.values.symbols import Meanings, Unliftable
+from assistant.languages.melfa_basic.lift.values.symbols import Symbols, Unliftable
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.positions import target_of
@@ -37,26 +37,26 @@ _MENTIONED: Final = re.compile(r"\bPlt\b", re.IGNORECASE)
 
 
 def pallets(
-    code: Sequence[s.Line | MoveRows], meanings: Meanings
+    code: Sequence[s.Line | MoveRows], symbols: Symbols
 ) -> dict[int, tuple[str, tuple[Target, ...]]]:
     """The array of each pallet that has one definition and corners that stay, by its number."""
     found: dict[int, list[s.DefOther]] = {}
     for item in code:
         statement = item.statement if isinstance(item, s.Line) else None
         if isinstance(statement, s.DefOther) and statement.kind == "Plt":
-            number = meanings.constants.value(statement.arguments[0])
+            number = symbols.constants.value(statement.arguments[0])
             if not isinstance(number, float):
                 return {}
             found.setdefault(round(number), []).append(statement)
     made = {}
     for key, definitions in found.items():
-        points = grid(definitions[0], meanings) if len(definitions) == 1 else None
+        points = grid(definitions[0], symbols) if len(definitions) == 1 else None
         if points is not None:
-            made[key] = meanings.free(f"pallet_{key}"), points
+            made[key] = symbols.free(f"pallet_{key}"), points
     return made
 
 
-def grid(node: s.DefOther, meanings: Meanings) -> tuple[Target, ...] | None:
+def grid(node: s.DefOther, symbols: Symbols) -> tuple[Target, ...] | None:
     """The targets of a pallet in their order; None if they are not known or no plain grid.
 
     Start S, end of the first row A, end of the first column B, and the corner D across, which
@@ -65,10 +65,10 @@ def grid(node: s.DefOther, meanings: Meanings) -> tuple[Target, ...] | None:
     if len(node.arguments) != 8:
         return None
     _, start, along, across, diagonal, *counts = node.arguments
-    numbers = [meanings.constants.value(count) for count in counts]
-    corners = [unchanged(point, meanings) for point in (start, along, across)]
+    numbers = [symbols.constants.value(count) for count in counts]
+    corners = [unchanged(point, symbols) for point in (start, along, across)]
     if diagonal is not None:
-        corners.append(unchanged(diagonal, meanings))
+        corners.append(unchanged(diagonal, symbols))
     known = [corner for corner in corners if corner is not None]
     if len(known) != len(corners) or not all(isinstance(n, float) for n in numbers):
         return None
@@ -81,17 +81,17 @@ def grid(node: s.DefOther, meanings: Meanings) -> tuple[Target, ...] | None:
     made = []
     for point in _points(places, columns, rows, direction == ZIGZAG):
         values = (*(float(v) for v in point), *known[0].values[3:])
-        made.append(target_of(s.Constant(values, known[0].flags), meanings.robot))
+        made.append(target_of(s.Constant(values, known[0].flags), symbols.robot))
     return tuple(made)
 
 
-def unchanged(node: s.Expression | None, meanings: Meanings) -> s.Constant | None:
+def unchanged(node: s.Expression | None, symbols: Symbols) -> s.Constant | None:
     """The value of a position that no line changes; other programs change shared ones."""
     if not isinstance(node, s.Variable) or node.arguments is not None or node.component:
         return None
-    if node.key[1:2] == "_" or node.key in meanings.constants.assigned:
+    if node.key[1:2] == "_" or node.key in symbols.constants.assigned:
         return None
-    constant = meanings.positions.constant(node.name)
+    constant = symbols.positions.constant(node.name)
     if constant is None or len(constant.values) < 6 or None in constant.values[:6]:
         return None
     return constant
@@ -118,22 +118,22 @@ def _points(corners: Floats, columns: int, rows: int, zigzag: bool) -> Iterator[
             yield (1 - down) * near + down * far
 
 
-def define(node: s.DefOther, meanings: Meanings) -> list[p.Statement]:
+def define(node: s.DefOther, symbols: Symbols) -> list[p.Statement]:
     """`Def Plt`, which is no statement where the points are known."""
-    number = meanings.constants.value(node.arguments[0]) if node.kind == "Plt" else None
+    number = symbols.constants.value(node.arguments[0]) if node.kind == "Plt" else None
     if not isinstance(number, float):
         raise Unliftable
-    if round(number) not in meanings.pallets:
+    if round(number) not in symbols.pallets:
         raise Unliftable(KEPT)
-    declared(round(number), meanings)
+    declared(round(number), symbols)
     return []
 
 
-def declared(number: int, meanings: Meanings) -> e.Name:
+def declared(number: int, symbols: Symbols) -> e.Name:
     """The array of a pallet, declared where it is first met."""
-    name, points = meanings.pallets[number]
+    name, points = symbols.pallets[number]
     values = e.Aggregate(tuple(e.TargetValue(point) for point in points))
-    meanings.variables.setdefault(
+    symbols.variables.setdefault(
         name, Variable("position", values, (len(points),), storage="constant")
     )
     return e.Name(name)

@@ -56,7 +56,7 @@ class Routine:
 
 
 @dataclass
-class Meanings:
+class Symbols:
     """variables, signals: of the whole program. targets: positions that expressions name.
 
     scope: of the file. routines: the user's functions by upper-case name. inside: the function

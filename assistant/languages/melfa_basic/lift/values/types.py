@@ -10,7 +10,7 @@ from assistant.languages.melfa_basic.lift.values.operators import (
     is_comparison,
     operator_name,
 )
-from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS, Meanings
+from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS, Symbols
 from assistant.languages.melfa_basic.tables.vocabulary import function, status
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.walk import nodes
@@ -28,8 +28,8 @@ FROM_LETTER: Final[dict[str, ValueType]] = {
 class Types:
     """The types of what stands in one file."""
 
-    def __init__(self, meanings: Meanings) -> None:
-        self.m = meanings
+    def __init__(self, symbols: Symbols) -> None:
+        self.m = symbols
 
     def type_of(self, node: s.Expression | None) -> ValueType:
         match node:
