@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
@@ -21,8 +22,6 @@ from assistant.languages.language import (
 )
 from assistant.languages.melfa_basic.reading.files import READ, TOKENISED
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
-from assistant.languages.melfa_basic.tree import syntax
-from assistant.languages.melfa_basic.tree.syntax import CallP, File, Line, String
 from assistant.program.comparison import Tolerance, compare
 from assistant.program.diagnostics import Diagnostic, Severity, has_errors
 from assistant.program.effects import Effect, KeptKind
@@ -30,6 +29,8 @@ from assistant.program.program import Program
 from assistant.program.text import SourceText
 
 if TYPE_CHECKING:
+    from assistant.languages.melfa_basic.tree import syntax
+    from assistant.languages.melfa_basic.tree.syntax import File
     from assistant.robots import Robot
 
 __all__ = ["MelfaBasic", "language", "syntax"]
@@ -52,7 +53,14 @@ SETTINGS_OF: Final = {"name-length": "longest", "step-length": "line"}
 """Setting of a project → what it is in the table of dialects."""
 
 
-class MelfaBasic(Language[File]):
+def __getattr__(name: str) -> Any:
+    """`syntax`, the typed tree, which most that ask for a language do not need."""
+    if name != "syntax":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return importlib.import_module(f"{__name__}.tree.syntax")
+
+
+class MelfaBasic(Language["File"]):
     """One dialect of MELFA-BASIC."""
 
     suffixes = (".prg", ".mb4", ".mb5", ".mb6", ".pos")
@@ -215,6 +223,8 @@ class MelfaBasic(Language[File]):
 
     def called_files(self, tree: File) -> tuple[str, ...]:
         """A call that works out the program's name is left aside."""
+        from assistant.languages.melfa_basic.tree.syntax import CallP, Line, String
+
         statements = [item.statement for item in tree.items if isinstance(item, Line)]
         named = [s.program for s in statements if isinstance(s, CallP)]
         called = [program.value for program in named if isinstance(program, String)]

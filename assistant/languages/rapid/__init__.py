@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path as FilePath
@@ -9,14 +10,14 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.language import ARITHMETIC, Adapted, Language, Part, Precision
-from assistant.languages.rapid.tree import syntax
-from assistant.languages.rapid.tree.syntax import File
 from assistant.program.diagnostics import Diagnostic, has_errors
 from assistant.program.effects import Effect, KeptKind
 from assistant.program.program import Program
 from assistant.program.text import SourceText
 
 if TYPE_CHECKING:
+    from assistant.languages.rapid.tree import syntax
+    from assistant.languages.rapid.tree.syntax import File
     from assistant.robots import Robot
 
 __all__ = ["Rapid", "language", "syntax"]
@@ -29,7 +30,14 @@ def language(name: str) -> Rapid:
     return Rapid()
 
 
-class Rapid(Language[File]):
+def __getattr__(name: str) -> Any:
+    """`syntax`, the typed tree, which most that ask for a language do not need."""
+    if name != "syntax":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return importlib.import_module(f"{__name__}.tree.syntax")
+
+
+class Rapid(Language["File"]):
     """RAPID: modules of data and routines."""
 
     name = "rapid"
