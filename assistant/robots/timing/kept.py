@@ -26,23 +26,34 @@ class KeptMotion:
         return effect.moves or any(map(self._moves, sorted(effect.calls)))
 
     def _moves(self, name: str) -> bool:
-        """A routine, in lower case; one that the program does not hold may."""
+        """Whether a routine, in lower case, or one that it calls may move the arm."""
         if name not in self._moving:
-            self._moving[name] = False  # a call of itself adds nothing
-            self._moving[name] = self._does_move(name)
+            reached, pending = {name}, [name]
+            while pending and name not in self._moving:
+                moves, calls = self._does(pending.pop())
+                if moves:
+                    self._moving[name] = True
+                pending += sorted(calls - reached)
+                reached |= calls
+            self._moving.setdefault(name, False)
         return self._moving[name]
 
-    def _does_move(self, name: str) -> bool:
+    def _does(self, name: str) -> tuple[bool, set[str]]:
+        """Whether a routine moves by itself, as one that is not there may; and what it calls."""
         procedure = self._program.procedure(name)
         if procedure is None:
             effects = self._declared.get(name)
-            return effects is None or any(map(self.possible, effects))
+            if effects is None:
+                return True, set()
+            return any(one.moves for one in effects), {c for one in effects for c in one.calls}
+        moves, calls = False, set[str]()
         for record in records(procedure.body):
             match record:
-                case Call(called) if self._moves(called.lower()):
-                    return True
-                case Opaque() if self.possible(effect_of(record)):
-                    return True
-            if isinstance(record, Moving):
-                return True
-        return False
+                case Call(called):
+                    calls.add(called.lower())
+                case Opaque():
+                    effect = effect_of(record)
+                    moves |= effect.moves
+                    calls |= effect.calls
+            moves |= isinstance(record, Moving)
+        return moves, calls

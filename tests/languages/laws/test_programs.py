@@ -183,6 +183,9 @@ def test_what_cannot_be_said_is_an_error_that_keeps_all_from_being_written(
     program = Program("job", (Procedure("main", (statement,)),), **PARTS)
     assert errors(language.adapt(program).findings)
     assert not compile(program, language=name).files
+    with pytest.raises(Refused) as refused:
+        language.lower(program)
+    assert errors(refused.value.findings)
 
 
 ODD = {
@@ -200,14 +203,3 @@ def test_what_is_odd_is_an_error_or_proven(name: str, statement: p.Statement) ->
     program = Program("job", (Procedure("main", (statement,)),), **PARTS)
     if not errors(languages.get(name).adapt(program).findings):
         proven(name, program)
-
-
-@every_language
-def test_what_cannot_be_said_is_never_lowered(name: str) -> None:
-    foreign = p.Opaque("some-other-language", "WOBBLE 3")
-    program = Program("p", (Procedure("main", (p.Wait(e.Number(1.0)), foreign)),), "main")
-    language = languages.get(name)
-    assert errors(language.adapt(program).findings)
-    with pytest.raises(Refused) as refused:
-        language.lower(program)
-    assert errors(refused.value.findings)

@@ -258,6 +258,24 @@ def test_a_motion_that_is_kept_as_its_text_leads_nobody_knows_where(
     assert simulation.seconds == near(2)
 
 
+def test_routines_in_kept_text_that_call_each_other_may_both_move() -> None:
+    program = parse(HEAD + THERE + FORTH + "end\n\nprocedure runs\n" + BACK + "end\n")
+    main, *others = program.procedures
+    calls = tuple(Opaque("rapid", f"{name}\\fast;") for name in ("ping", "pong"))
+    program = replace(
+        program,
+        procedures=(replace(main, body=(*main.body, *calls)), *others),
+        declarations=(
+            Declaration("rapid", "PROC ping(\\switch fast)\n  pong;\n  runs;\nENDPROC"),
+            Declaration("rapid", "PROC pong(\\switch fast)\n  ping;\nENDPROC"),
+        ),
+    )
+    program = with_effects(program, languages.effect)
+    simulation = simulate(robots.journey(program, ARM), drive=LOOSE)
+    told = [one.what for one in simulation.unknown if one.procedure == "main"]
+    assert told == [f"`{name}\\fast;` {PERHAPS}" for name in ("ping", "pong")]
+
+
 def test_procedures_that_nobody_calls_and_that_call_themselves() -> None:
     rest = f"\nprocedure alone\n{THERE}{FORTH}end\n\nprocedure again\n  call again\nend\n"
     simulation = done(THERE + "  call again\n", rest)
