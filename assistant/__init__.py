@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
+
+from assistant.lazy import offered
 
 __version__ = "0.1.0"
 
@@ -23,11 +24,4 @@ _LAZY: Final = {
 __all__ = ["__version__", "compile", "languages", "load", "robots", "translate"]
 
 
-def __getattr__(name: str) -> Any:
-    if name not in _LAZY:
-        raise AttributeError(f"module 'assistant' has no attribute {name!r}")
-    module, attribute = _LAZY[name]
-    found = importlib.import_module(module)
-    value = getattr(found, attribute) if attribute else found
-    globals()[name] = value
-    return value
+__getattr__ = offered(__name__, _LAZY)

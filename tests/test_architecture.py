@@ -52,11 +52,11 @@ CLOSED_LATE = frozenset({"", "robots", "virtual"})
 and its statements. Elsewhere such imports count as others do.
 """
 
-SHARED = frozenset({"resources"})
+SHARED = frozenset({"lazy", "resources"})
 """Modules of the top folder that every room may import."""
 
-TOP_MAY_IMPORT = frozenset({"compiler", "languages", "robots"})
-"""What `assistant/__init__.py` offers to users, loaded when first used."""
+TOP_MAY_IMPORT = frozenset({"lazy", "compiler", "languages", "robots"})
+"""What `assistant/__init__.py` offers to users, loaded when first used, and what loads it."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final, Literal
 
 from assistant.program.text import words_of
@@ -40,6 +40,30 @@ class Effect:
         """With other names for one, where it occurs."""
         named = (self.reads, self.writes, self.calls)
         reads, writes, calls = (n - {old} | new if old in n else n for n in named)
+        return Effect(reads, writes, calls, self.moves, self.jumps, self.waits)
+
+
+@dataclass(slots=True)
+class Collected:
+    """An effect as it is put together; names in any case."""
+
+    reads: set[str] = field(default_factory=set)
+    writes: set[str] = field(default_factory=set)
+    calls: set[str] = field(default_factory=set)
+    moves: bool = False
+    jumps: bool = False
+    waits: bool = False
+
+    def declare(self, *names: str) -> None:
+        """Names of what begins to be there."""
+        self.reads.update(name.lower() for name in names if name)
+        self.writes.update(name.lower() for name in names if name)
+
+    def effect(self) -> Effect:
+        reads, writes, calls = (
+            frozenset(name.lower() for name in names)
+            for names in (self.reads, self.writes, self.calls)
+        )
         return Effect(reads, writes, calls, self.moves, self.jumps, self.waits)
 
 

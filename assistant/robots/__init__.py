@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
+
+from assistant.lazy import offered
 
 if TYPE_CHECKING:
     from assistant.robots.catalogue import get, load, names
@@ -12,21 +13,17 @@ if TYPE_CHECKING:
     from assistant.robots.solved_program import Journey
 
 _LAZY: Final = {
-    "Journey": "assistant.robots.solved_program",
-    "Robot": "assistant.robots.robot",
-    "configure": "assistant.robots.configuring",
-    "get": "assistant.robots.catalogue",
-    "journey": "assistant.robots.configuring",
-    "load": "assistant.robots.catalogue",
-    "names": "assistant.robots.catalogue",
+    "Journey": ("assistant.robots.solved_program", "Journey"),
+    "Robot": ("assistant.robots.robot", "Robot"),
+    "configure": ("assistant.robots.configuring", "configure"),
+    "get": ("assistant.robots.catalogue", "get"),
+    "journey": ("assistant.robots.configuring", "journey"),
+    "load": ("assistant.robots.catalogue", "load"),
+    "names": ("assistant.robots.catalogue", "names"),
 }
 """Public names and where they stand; many a command speaks of configurations, but of no arm."""
 
 __all__ = ["Journey", "Robot", "configure", "get", "journey", "load", "names"]
 
 
-def __getattr__(name: str) -> Any:
-    if name not in _LAZY:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = globals()[name] = getattr(importlib.import_module(_LAZY[name]), name)
-    return value
+__getattr__ = offered(__name__, _LAZY)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
@@ -22,6 +21,7 @@ from assistant.languages.language import (
 )
 from assistant.languages.melfa_basic.reading.files import READ, TOKENISED
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
+from assistant.lazy import offered
 from assistant.program.comparison import Tolerance, compare
 from assistant.program.diagnostics import Diagnostic, Severity, has_errors
 from assistant.program.effects import Effect, KeptKind
@@ -52,12 +52,7 @@ SETTINGS: Final = {
 SETTINGS_OF: Final = {"name-length": "longest", "step-length": "line"}
 """Setting of a project → what it is in the table of dialects."""
 
-
-def __getattr__(name: str) -> Any:
-    """`syntax`, the typed tree, which most that ask for a language do not need."""
-    if name != "syntax":
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return importlib.import_module(f"{__name__}.tree.syntax")
+__getattr__ = offered(__name__, {"syntax": ("assistant.languages.melfa_basic.tree.syntax", None)})
 
 
 class MelfaBasic(Language["File"]):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path as FilePath
@@ -10,6 +9,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.language import ARITHMETIC, Adapted, Language, Part, Precision
+from assistant.lazy import offered
 from assistant.program.diagnostics import Diagnostic, has_errors
 from assistant.program.effects import Effect, KeptKind
 from assistant.program.program import Program
@@ -30,11 +30,7 @@ def language(name: str) -> Rapid:
     return Rapid()
 
 
-def __getattr__(name: str) -> Any:
-    """`syntax`, the typed tree, which most that ask for a language do not need."""
-    if name != "syntax":
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return importlib.import_module(f"{__name__}.tree.syntax")
+__getattr__ = offered(__name__, {"syntax": ("assistant.languages.rapid.tree.syntax", None)})
 
 
 class Rapid(Language["File"]):

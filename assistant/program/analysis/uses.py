@@ -50,6 +50,15 @@ def altered(program: Program) -> dict[str, frozenset[str]]:
     return along_calls(program, {key: names | acts[key] for key, names in own.items()})
 
 
+def names_in(node: Any) -> Iterator[str]:
+    """Every name in an expression or statement; of text that is kept in lower case, once each."""
+    for part in records(node):
+        if isinstance(part, e.Name):
+            yield part.name
+        elif isinstance(part, e.Verbatim | p.Opaque):
+            yield from sorted(effect_of(part).names)
+
+
 def mentioned(program: Program) -> dict[str, frozenset[str]]:
     """Variables of the program that each procedure, or one that it calls, names: lower case."""
     own = {q.name.lower(): named(q) for q in program.procedures}

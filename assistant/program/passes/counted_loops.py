@@ -15,9 +15,9 @@ from typing import Any, Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.uses import names_in
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.kept import effect_of, respelled
-from assistant.program.passes.paths import mentioned
 from assistant.program.program import Procedure, Program, Variable, bodies, identifier, walk
 from assistant.program.rewriting import Body, head, map_bodies, map_head, records
 
@@ -117,7 +117,7 @@ class _Use:
             if isinstance(x, p.Assign) and isinstance(x.target, e.Name):
                 self.touched.add(x.target.name.lower())
                 used = x.value
-            names = {n.lower() for n in mentioned(used)}
+            names = {n.lower() for n in names_in(used)}
             self.touched |= names
             self.read |= names - counts
             self.called |= _called(used)
@@ -200,7 +200,7 @@ def writes(body: Body, program: Program, *, verbatim: bool = True) -> set[str]:
                 pairs = zip(part.arguments, called.parameters if called else (), strict=False)
                 for argument, parameter in pairs:
                     if parameter.mode == "inout":
-                        found |= {n.lower() for n in mentioned(argument)}
+                        found |= {n.lower() for n in names_in(argument)}
     return found
 
 
@@ -213,7 +213,7 @@ def _called(node: Any) -> set[str]:
             case e.Apply():
                 found.add(part.function.lower())
             case e.Verbatim() | p.Opaque():
-                found |= {n.lower() for n in mentioned(part)}
+                found |= {n.lower() for n in names_in(part)}
     return found
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, Final
 
@@ -12,12 +12,13 @@ import numpy as np
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.uses import names_in
 from assistant.program.diagnostics import over
 from assistant.program.geometry import Target
 from assistant.program.kept import effect_of
 from assistant.program.path import Kind, Path, configuration_row
 from assistant.program.program import Program, bodies
-from assistant.program.rewriting import map_bodies, records
+from assistant.program.rewriting import map_bodies
 
 _ROW: Final = re.compile(r"(.*)_([1-9][0-9]{0,14})", re.DOTALL)
 
@@ -29,7 +30,7 @@ def with_paths(program: Program, original: Callable[[str], str] = str) -> Progra
     """
     uses: Counter[str] = Counter()
     for procedure in program.procedures:
-        uses.update(n.lower() for n in mentioned(procedure))
+        uses.update(n.lower() for n in names_in(procedure))
     for declaration in program.declarations:
         uses.update(effect_of(declaration).names)
     once = {n.lower(): (n, t) for n, t in program.targets.items() if uses[n.lower()] == 1}
@@ -39,15 +40,6 @@ def with_paths(program: Program, original: Callable[[str], str] = str) -> Progra
     procedures = tuple(replace(q, body=gatherer.body(q.body)) for q in program.procedures)
     left = {n: t for n, t in program.targets.items() if n.lower() not in gatherer.gone}
     return replace(program, procedures=procedures, targets=left)
-
-
-def mentioned(node: Any) -> Iterator[str]:
-    """Every name in an expression or statement; of text that is kept in lower case, once each."""
-    for part in records(node):
-        if isinstance(part, e.Name):
-            yield part.name
-        elif isinstance(part, e.Verbatim | p.Opaque):
-            yield from sorted(effect_of(part).names)
 
 
 class _Gatherer:

@@ -11,7 +11,7 @@ from assistant.languages.melfa_basic.tables.vocabulary import commands, status
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import is_word
 from assistant.languages.melfa_basic.tree.walk import nodes
-from assistant.program.effects import Effect, KeptKind, together, unknown
+from assistant.program.effects import Collected, Effect, KeptKind, together, unknown
 from assistant.program.text import words_of
 
 
@@ -25,14 +25,7 @@ def of_node(tree: s.Statement | s.Expression, text: str) -> Effect:
         if isinstance(node, s.CallP) and not isinstance(node.program, s.String):
             return unknown(text)
         collected.take(node)
-    return Effect(
-        frozenset(collected.reads),
-        frozenset(collected.writes),
-        frozenset(collected.calls),
-        collected.moves,
-        collected.jumps,
-        collected.waits,
-    )
+    return collected.effect()
 
 
 @lru_cache(maxsize=1 << 14)
@@ -54,14 +47,8 @@ def _of_line(text: str) -> Effect:
     return together((label, of_node(line.statement, text) if line.statement else Effect()))
 
 
-class _Collected:
+class _Collected(Collected):
     """What the nodes do that were taken, in lower case."""
-
-    def __init__(self) -> None:
-        self.reads: set[str] = set()
-        self.writes: set[str] = set()
-        self.calls: set[str] = set()
-        self.moves = self.jumps = self.waits = False
 
     def take(self, node: Any) -> None:
         """One node, without those in it."""
@@ -110,10 +97,6 @@ class _Collected:
                 self.calls.update(words_of(program))
             case s.Command(keyword, arguments):
                 self.command(keyword, *arguments)
-
-    def declare(self, *names: str) -> None:
-        self.reads.update(name.lower() for name in names)
-        self.writes.update(name.lower() for name in names)
 
     def write(self, *places: Any) -> None:
         self.writes.update(p.key.lower() for p in places if isinstance(p, s.Variable))

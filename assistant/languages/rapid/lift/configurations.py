@@ -14,9 +14,9 @@ import numpy as np
 
 from assistant.languages.rapid.lift.ways import LINES, Ways
 from assistant.program import statements as p
+from assistant.program.analysis.uses import names_in
 from assistant.program.geometry import Target
 from assistant.program.kept import effect_of
-from assistant.program.passes.paths import mentioned
 from assistant.program.path import Kind, Path, configuration_row
 from assistant.program.program import Program, walk
 from assistant.program.rewriting import Body, map_bodies, rewrite
@@ -40,12 +40,12 @@ def with_open_lines(program: Program, arm: Robot | None) -> Program:
         return program
     uses, open_uses = Counter[str](), Counter[str]()
     for part in (program.procedures, program.variables):
-        uses.update(name.lower() for name in mentioned(part))
+        uses.update(name.lower() for name in names_in(part))
     for declaration in program.declarations:
         uses.update(effect_of(declaration).names)
     for node in program.statements():
         if id(node) in free:
-            open_uses.update(name.lower() for name in mentioned(node))
+            open_uses.update(name.lower() for name in names_in(node))
     targets = {
         name: replace(target, configuration=None)
         if 0 < uses[name.lower()] == open_uses[name.lower()]

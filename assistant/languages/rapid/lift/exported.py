@@ -35,10 +35,10 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.uses import names_in
 from assistant.program.diagnostics import Findings
 from assistant.program.geometry import Frame, Tool
 from assistant.program.motion import FINE
-from assistant.program.passes.paths import mentioned
 from assistant.program.program import Procedure, Program, Variable, identifier, walk
 from assistant.program.rewriting import Body, map_bodies, records, rewrite
 
@@ -303,7 +303,7 @@ def _with_rows(program: Program) -> Program:
         return record if move is None else replace(move, span=record.span)
 
     procedures = rewrite(program.procedures, plain)
-    left = {name.lower() for name in mentioned(procedures)} & tables.rows.keys()
+    left = {name.lower() for name in names_in(procedures)} & tables.rows.keys()
     if left:  # something else reads or changes it
         return program
     rows = {name: tables.rows[table][at - 1] for (table, at), name in tables.named.items()}
@@ -357,7 +357,7 @@ def _with_predefined(program: Program) -> Program:
     """With the variables that every controller has, where the program declares none."""
     declared = _names(program) | {q.name.lower() for r in program.procedures for q in r.parameters}
     found = {}
-    for name in mentioned(program.procedures):
+    for name in names_in(program.procedures):
         known = predefined().get(name.lower())
         if known is not None and known.storage == "VAR" and name.lower() not in declared:
             type = VALUE_OF_TYPE.get(known.type)

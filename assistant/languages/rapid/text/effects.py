@@ -15,7 +15,7 @@ from assistant.languages.rapid.tree.runs import Names
 from assistant.languages.rapid.tree.walk import root
 from assistant.languages.walking import Walk
 from assistant.program.diagnostics import Refused
-from assistant.program.effects import Effect, KeptKind, unknown
+from assistant.program.effects import Collected, Effect, KeptKind, unknown
 from assistant.program.text import words_of
 
 _SPEED: Final = "speeddata"
@@ -42,14 +42,7 @@ def of_nodes(tree: Sequence[s.Node], text: str) -> Effect:
             if isinstance(node, s.Placeholder) or _is_untold(node):
                 return unknown(text)
             collected.take(node)
-    done = Effect(
-        frozenset(collected.reads),
-        frozenset(collected.writes),
-        frozenset(collected.calls),
-        collected.moves,
-        collected.jumps,
-        collected.waits,
-    )
+    done = collected.effect()
     if all(isinstance(node, s.Handler) for node in tree):  # only once an error has happened
         return replace(done, calls=frozenset(), moves=False, waits=False)
     return done
@@ -70,14 +63,8 @@ def of_text(text: str, kind: KeptKind) -> Effect:
         return unknown(text)
 
 
-class _Collected:
+class _Collected(Collected):
     """What the nodes do that were taken, in lower case."""
-
-    def __init__(self) -> None:
-        self.reads: set[str] = set()
-        self.writes: set[str] = set()
-        self.calls: set[str] = set()
-        self.moves = self.jumps = self.waits = False
 
     def take(self, node: Any) -> None:
         """One node, without those in it."""
@@ -112,10 +99,6 @@ class _Collected:
                 for motion in run.motions:
                     given = (motion.speed, motion.zone, motion.tool, motion.frame)
                     self.reads.update(n.lower() for n in given if n)
-
-    def declare(self, *names: str) -> None:
-        self.reads.update(name.lower() for name in names if name)
-        self.writes.update(name.lower() for name in names if name)
 
     def write(self, place: Any) -> None:
         if (changed := root(place)) is not None:
