@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.lalr import END
 from assistant.languages.rapid.reading.grammar import tables
-from assistant.languages.rapid.reading.recovery.lexemes import scanner
+from assistant.languages.rapid.reading.scanner import scanner
 
 if TYPE_CHECKING:
     from assistant.languages.rapid.reading.nodes import Nodes

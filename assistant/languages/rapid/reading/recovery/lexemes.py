@@ -2,33 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
-from functools import cache
 from typing import Final
 
-from assistant.languages.rapid.reading.grammar import grammar
+from assistant.languages.rapid.reading.scanner import SILENT, scanner
 
 END: Final = "$END"
-SILENT: Final = frozenset({"NOTE", "COMMENT", "BLANK"})
-
-FOREIGN_BEFORE: Final = {
-    "FOREIGN_COMMENT": r"//[^\r\n]*|\#[^\r\n]*|/\*[^\r\n]*",
-    "FOREIGN_EQUAL": r"==",
-}
-FOREIGN_AFTER: Final = {
-    "FOREIGN_STRING": (
-        r"[\u201c\u201d\u201e\u00ab\u2018\u2019'`][^\r\n;]*?[\u201c\u201d\u00bb\u2018\u2019'`]"
-    ),
-    "BAD_ESCAPE": r'"(?:[^"\r\n]|"")*"',
-    "OPEN_STRING": r'"[^"\r\n]*(?:\r?\n[^"\r\n;]*"(?=[^"\r\n]*$)|(?=;[ \t]*$)|$)',
-    "STRANGE": r".",
-}
-"""What other languages write, by regular expressions; none of it is a terminal of the grammar."""
-
-
-FREQUENT: Final = ("BLANK", "SEMICOLON", "COMMA", "NAME", "LPAR", "RPAR", "BACKSLASH", "_ASSIGN")
-"""Tried first, for speed: nothing else begins as they do, but for `:`, which is shorter."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,20 +41,3 @@ def lexemes(text: str, start: int, stop: int, further: int) -> list[Lexeme]:
             return found
     end = end if found else len(text[:start].rstrip())
     return [*found, Lexeme(END, "", end, end, True)]
-
-
-@cache
-def scanner() -> re.Pattern[str]:
-    """The terminals in the order in which lark tries them, and the foreign ones around them."""
-    known = sorted(
-        grammar().terminals,
-        key=lambda t: (-t.priority, -t.pattern.max_width, -len(t.pattern.value), t.name),
-    )
-    patterns = {t.name: t.pattern.to_regexp() for t in known}
-    rows = {
-        **{name: patterns[name] for name in FREQUENT},
-        **FOREIGN_BEFORE,
-        **patterns,
-        **FOREIGN_AFTER,
-    }
-    return re.compile("|".join(f"(?P<{n}>{r})" for n, r in rows.items()), re.MULTILINE)

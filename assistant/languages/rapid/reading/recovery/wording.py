@@ -10,8 +10,8 @@ from collections.abc import Set
 from typing import TYPE_CHECKING, Final
 
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.reading.recovery.lexemes import SILENT
 from assistant.languages.rapid.reading.recovery.statement_mistakes import MISTAKES
+from assistant.languages.rapid.reading.scanner import SILENT
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.text import SourceText
 
