@@ -14,7 +14,7 @@ PASSES: Final = (
     "instructions",  # calls that the pseudo-program has a statement for
     "paths",  # runs of targets and of moves through them
     "statements",
-    "ways",  # what holds at a place, along all ways that lead there
+    "ways",  # what kept texts do to what holds along the ways
     "places",  # where the position is read
     "program",  # modules as procedures and data
     "configurations",  # those that are left to the arm

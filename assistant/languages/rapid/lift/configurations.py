@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from assistant.languages.rapid.lift.ways import LINES, Ways
+from assistant.languages.rapid.lift.ways import steps
 from assistant.program import statements as p
 from assistant.program.analysis.uses import names_in
+from assistant.program.analysis.ways import LINES, OPEN, Ways
 from assistant.program.geometry import Target
 from assistant.program.kept import effect_of
 from assistant.program.path import Kind, Path, configuration_row
@@ -29,12 +30,12 @@ def with_open_lines(program: Program, arm: Robot | None) -> Program:
     """With the targets open that only straight moves behind it use, for an arm to choose."""
     if arm is None:
         return program
-    ways = Ways(program, _is_straight)
+    ways = Ways(program, _is_straight, steps)
     free = {
         id(node)
         for procedure in program.procedures
         for node in walk(procedure.body)
-        if _is_straight(node) and ways.at(procedure, node)[LINES] == {"off"}
+        if _is_straight(node) and ways.at(procedure, node)[LINES] == {OPEN}
     }
     if not free:
         return program

@@ -19,15 +19,7 @@ from assistant.languages.rapid.lift.data import frame_of, numbers, tool_of
 from assistant.languages.rapid.lift.instructions import Meaning, instruction
 from assistant.languages.rapid.lift.program import routines
 from assistant.languages.rapid.lift.switches import with_switches
-from assistant.languages.rapid.lift.ways import (
-    CORNER,
-    STOP,
-    UNKNOWN,
-    Ways,
-    corner_of,
-    options,
-    stands_at_target,
-)
+from assistant.languages.rapid.lift.ways import options, stands_at_target, steps
 from assistant.languages.rapid.tables.predefined import data as predefined
 from assistant.languages.rapid.tables.words import VALUE_OF_TYPE
 from assistant.languages.rapid.text import verbatim
@@ -36,6 +28,7 @@ from assistant.languages.rapid.tree.gather import literal_number
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import names_in
+from assistant.program.analysis.ways import CORNER, STOP, UNKNOWN, Ways, corner_of
 from assistant.program.diagnostics import Findings
 from assistant.program.geometry import Frame, Tool
 from assistant.program.motion import FINE
@@ -132,7 +125,7 @@ def _key(call: s.ProcedureCall) -> str:
 
 def _with_stops(program: Program, arm: Robot | None, findings: Findings) -> Program:
     """Without instructions that other languages need no word for."""
-    ways = Ways(program, _is_text)
+    ways = Ways(program, _is_text, steps)
     stopping = _stopping(program, ways)
 
     def said(owner: Procedure, body: Body) -> Body:

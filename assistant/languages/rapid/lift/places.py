@@ -12,11 +12,12 @@ from dataclasses import replace
 from typing import Any, Final
 
 from assistant.languages.rapid.lift.expressions import here
-from assistant.languages.rapid.lift.ways import Ways
+from assistant.languages.rapid.lift.ways import steps
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.ways import Ways
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import Body, map_bodies, map_head, records
 
@@ -33,7 +34,7 @@ def with_places(program: Program, original: Callable[[str], str] = str) -> Progr
     """
     if not any(map(_reads, records(program.procedures))):
         return program
-    flow = Ways(program, _reads)
+    flow = Ways(program, _reads, steps)
     made = tuple(_said(flow, q, q.body, original) for q in program.procedures)
     changed = (replace(q, body=b) for q, b in zip(program.procedures, made, strict=True))
     return replace(program, procedures=tuple(changed))
