@@ -5,10 +5,8 @@ from __future__ import annotations
 from typing import Final
 
 PASSES: Final = (
-    "constants",  # predefined values that mean the same to every controller
-    "signals",  # how they are named and used
+    "signals",  # those of hands
     "timers",  # clocks that are restarted and read
-    "messages",  # texts put together of values
     "expressions",
     "data",  # declared tools, work objects, speeds, zones, targets, variables
     "instructions",  # calls that the pseudo-program has a statement for

@@ -7,24 +7,24 @@ from dataclasses import replace
 from itertools import chain
 from typing import Any, TypeVar
 
-from assistant.languages.rapid.lift.constants import with_constants
 from assistant.languages.rapid.lift.data import DataLift
 from assistant.languages.rapid.lift.instructions import Meaning
-from assistant.languages.rapid.lift.messages import with_values
 from assistant.languages.rapid.lift.paths import PathLift
 from assistant.languages.rapid.lift.places import with_places
-from assistant.languages.rapid.lift.signals import uses, with_used
 from assistant.languages.rapid.lift.statements import StatementLift, handler, opaque
 from assistant.languages.rapid.lift.timers import clocks, with_timers
-from assistant.languages.rapid.tables.words import VALUE_OF_TYPE
+from assistant.languages.rapid.tables.words import PREDEFINED_VALUES, VALUE_OF_TYPE
 from assistant.languages.rapid.text import effects, verbatim
 from assistant.languages.rapid.text.header import Header, opening
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.signals import uses, with_used
 from assistant.program.geometry import JointTarget
+from assistant.program.passes.constants import with_constants
 from assistant.program.passes.counted_loops import apart
+from assistant.program.passes.messages import with_values
 from assistant.program.passes.paths import with_paths
 from assistant.program.program import (
     Declaration,
@@ -161,7 +161,8 @@ class _Lift:
         used = chain(self.meaning.used, uses(program.statements()))
         program = with_timers(program, self.clocks, self.original)
         program = apart(replace(program, signals=with_used(declared, used)))
-        program = with_values(with_places(with_constants(program), self.original))
+        program = with_constants(program, PREDEFINED_VALUES)
+        program = with_values(with_places(program, self.original))
         return with_paths(program, self.original)
 
     def _hidden(self, module: s.Module) -> dict[str, str]:

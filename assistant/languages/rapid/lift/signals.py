@@ -1,64 +1,13 @@
-"""Signals: how statements use them, and those that open and close hands."""
+"""Signals that open and close hands."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
 from typing import Final
 
 from assistant.languages.rapid.tables.words import GRIPPER_SIGNAL, GRIPPER_VALUE
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.program import Program, Signal
-from assistant.program.rewriting import head, records
-
-
-def with_used(
-    declared: Mapping[str, Signal], used: Iterable[tuple[str, Signal]]
-) -> dict[str, Signal]:
-    """The declared signals, and each other one as it is used first."""
-    found = dict(declared)
-    known = {name.lower() for name in declared}
-    for name, signal in used:
-        if name.lower() not in known:
-            known.add(name.lower())
-            found[name] = signal
-    return found
-
-
-def uses(statements: Iterable[p.Statement]) -> Iterator[tuple[str, Signal]]:
-    """The signals that statements set and wait for, digital as far as one can see."""
-    for statement in statements:
-        match statement:
-            case p.SetSignal(name):
-                yield name, Signal("digital", "output")
-            case p.WaitSignal(name):
-                yield name, Signal("digital", "input")
-
-
-def read_by_another_name(program: Program) -> Iterator[tuple[p.Statement, str, str]]:
-    """Statements that read an output which others set as part of a signal of another name.
-
-    With each the name that it reads and the one that is set. Digital outputs and groups share
-    numbers; how signals of a controller that are mapped to the same bits follow each other, no
-    manual of RAPID tells.
-    """
-    outputs = {
-        name.lower(): range(signal.number, signal.number + signal.bits)
-        for name, signal in program.signals.items()
-        if signal.number is not None and signal.direction == "output" and signal.kind != "analog"
-    }
-    statements = tuple(program.statements())
-    written = {one.signal.lower(): one.signal for one in statements if isinstance(one, p.SetSignal)}
-    written = {key: name for key, name in written.items() if key in outputs}
-    for statement in statements:
-        names = [r.name for r in records(head(statement)) if isinstance(r, e.Name)]
-        names += [statement.signal] if isinstance(statement, p.WaitSignal) else []
-        for name in names:
-            own = outputs.get(name.lower(), range(0))
-            for key, other in written.items():
-                if key != name.lower() and not set(own).isdisjoint(outputs[key]):
-                    yield statement, name, other
 
 
 def gripper(signal: str, value: e.Expression) -> p.Gripper | None:

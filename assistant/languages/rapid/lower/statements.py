@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator
 from typing import Any, Final
 
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.lift.messages import is_value, kinds, parts
 from assistant.languages.rapid.lower.expressions import Expressions, refuse
 from assistant.languages.rapid.lower.motions import motion_names, path_moves
 from assistant.languages.rapid.lower.names import Naming, spelt
@@ -22,8 +21,10 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import gathered
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.kinds import is_value, kinds
 from assistant.program.diagnostics import Findings, Refused
 from assistant.program.passes.counted_loops import ascends
+from assistant.program.passes.messages import parts
 from assistant.program.program import Procedure, Program
 
 

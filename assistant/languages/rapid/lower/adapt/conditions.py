@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final
 
-from assistant.languages.rapid.lift.messages import Kinds
-from assistant.languages.rapid.tables.words import COMPONENTS
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.kinds import COMPONENTS, Kinds
 
 _ARITHMETIC: Final = ("+", "-", "*", "/", "div", "mod", "^")
 _TRUTHS: Final = (*e.LOGICAL, *e.RELATIONS)

@@ -9,7 +9,6 @@ from assistant.languages.language import Adapted
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.data import fixed_target
 from assistant.languages.rapid.lift.places import with_places
-from assistant.languages.rapid.lift.signals import read_by_another_name, uses, with_used
 from assistant.languages.rapid.lower.adapt.data import (
     sayable_frame,
     sayable_joints,
@@ -27,6 +26,7 @@ from assistant.languages.rapid.tables.words import LONGEST_NAME, MOST_TARGETS, P
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree.syntax import File
 from assistant.program import statements as p
+from assistant.program.analysis.signals import read_by_another_name, uses, with_used
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
 from assistant.program.passes.counted_loops import counted

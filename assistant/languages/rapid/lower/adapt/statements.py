@@ -9,7 +9,6 @@ from functools import partial
 from typing import Any, Final, Literal
 
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.lift.messages import Kinds, kinds, lines, parts
 from assistant.languages.rapid.lift.signals import gripper
 from assistant.languages.rapid.lift.statements import statements_of
 from assistant.languages.rapid.lower.adapt.conditions import (
@@ -30,8 +29,10 @@ from assistant.languages.rapid.tables.words import LEAST_ACCELERATION, LONGEST_S
 from assistant.languages.rapid.text import verbatim
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.kinds import Kinds, kinds
 from assistant.program.diagnostics import has_errors
 from assistant.program.geometry import Target
+from assistant.program.passes.messages import lines, parts
 from assistant.program.path import Kind
 from assistant.program.program import Procedure, Program, identifier
 from assistant.program.rewriting import is_repeatable, map_bodies, map_head

@@ -1,23 +1,23 @@
-"""The predefined constants of RAPID whose values mean the same to every controller."""
+"""Predefined constants of a language whose values mean the same to every controller."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any, Final
+from typing import Any
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Program
 from assistant.program.rewriting import records, rewrite
 
-VALUES: Final[Mapping[str, e.Number]] = {"low": e.Number(0), "high": e.Number(1)}
-"""Of type dionum (RAPID reference manual, data types), by lower-case name."""
 
+def with_constants(program: Program, predefined: Mapping[str, float]) -> Program:
+    """The program with the numbers instead of the names, where these mean nothing else in it.
 
-def with_constants(program: Program) -> Program:
-    """The program with the numbers instead of the names, where these mean nothing else in it."""
+    predefined: by lower-case name.
+    """
     taken = set(_declared(program))
-    values = {name: value for name, value in VALUES.items() if name not in taken}
+    values = {name: e.Number(value) for name, value in predefined.items() if name not in taken}
     if not values:
         return program
 

@@ -1,0 +1,110 @@
+"""What a program relies on that languages understand differently."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from typing import Literal
+
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.analysis.assignment import Assigning
+from assistant.program.diagnostics import Span
+from assistant.program.program import Program, Variable, walk
+from assistant.program.rewriting import Body, head, records
+from assistant.program.wholes import Numbers
+
+
+def first_move(program: Program, name: str, of: Literal["tool", "frame"]) -> Span | None:
+    """Where the program first moves with the tool, or in the frame, of that name."""
+    for statement in program.statements():
+        match statement:
+            case p.Follow(path=path):
+                used = set(path.tools if of == "tool" else path.frames)
+            case (
+                p.Move(motion=motion) | p.MoveCircular(motion=motion) | p.MoveJoints(motion=motion)
+            ):
+                used = {motion.tool if of == "tool" else motion.frame}
+            case _:
+                continue
+        if name in used:
+            return statement.span
+    return None
+
+
+def read_unset(program: Program) -> Iterator[tuple[str, Variable, Span | None]]:
+    """Variables of the program that are read before they have a value, but for arrays.
+
+    With the place that first names one, else that of its declaration.
+    """
+    entry = program.procedure(program.entry) if program.entry else None
+    read = Assigning(program).run(entry).read if entry is not None else set()
+    for name, variable in program.variables.items():
+        own = variable.storage == "variable" and variable.initial is None and not variable.size
+        if own and name.lower() in read:
+            met = next((x for x in program.statements() if _mentions(x, name)), None)
+            yield name, variable, met.span if met is not None else variable.span
+
+
+def _mentions(statement: p.Statement, name: str) -> bool:
+    names = (r.name.lower() for r in records(head(statement)) if isinstance(r, e.Name))
+    return name.lower() in names
+
+
+def signed_bits(program: Program, functions: Collection[str]) -> Iterator[tuple[str, Span | None]]:
+    """Functions of bits, of those given, whose numbers may be below 0."""
+    numbers: Numbers | None = None
+    for procedure in program.procedures:
+        for statement in walk(procedure.body):
+            for part in records(head(statement)):
+                if isinstance(part, e.Apply) and part.function in functions:
+                    numbers = numbers or Numbers(program)
+                    if not all(numbers.of(x, procedure).positive for x in part.arguments):
+                        yield part.function, statement.span
+
+
+def with_changing_limits(program: Program) -> Iterator[tuple[p.For, list[str]]]:
+    """Loops whose end or step changes inside, with the names that do, in lower case.
+
+    Not those that change their own variable, which are no plain counts.
+    """
+    written = {q.name.lower(): set(_written(q.body)) for q in program.procedures}
+    called = {q.name.lower(): set(_called(q.body)) for q in program.procedures}
+    for statement in program.statements():
+        if not isinstance(statement, p.For):
+            continue
+        changed = set(_written(statement.body))
+        for name in _reached(set(_called(statement.body)), called):
+            changed |= written.get(name, set())
+        limits = {
+            r.name.lower()
+            for r in records((statement.last, statement.step))
+            if isinstance(r, e.Name)
+        }
+        found = sorted(limits & changed)
+        if found and statement.variable.lower() not in changed:
+            yield statement, found
+
+
+def _written(body: Body) -> Iterator[str]:
+    """Names in lower case of variables that statements write."""
+    for statement in walk(body):
+        if isinstance(statement, p.For):
+            yield statement.variable.lower()
+        if isinstance(statement, p.Assign):
+            yield next(r.name.lower() for r in records(statement.target) if isinstance(r, e.Name))
+
+
+def _called(body: Body) -> Iterator[str]:
+    for statement in walk(body):
+        if isinstance(statement, p.Call):
+            yield statement.procedure.lower()
+
+
+def _reached(names: set[str], called: Mapping[str, set[str]]) -> set[str]:
+    """Procedures that are called, with those that these call."""
+    found: set[str] = set()
+    while names - found:
+        name = (names - found).pop()
+        found.add(name)
+        names = names | called.get(name, set())
+    return found

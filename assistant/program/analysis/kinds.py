@@ -1,0 +1,61 @@
+"""What kind of value an expression has, as far as the program tells."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.program import Procedure, Program, walk
+
+Kinds = Mapping[str, str]
+"""Lower-case names of values and functions: `text`, or anything else for other values."""
+
+COMPONENTS: Final = frozenset(("x", "y", "z", *(f"j{axis}" for axis in range(1, 7))))
+"""Of positions and joints, which are numbers; other members are a record's own."""
+
+_TEXTS: Final = ("text", "fixed", "part")
+"""The type, and functions that give one."""
+_LITERALS: Final = (e.Number, e.Truth, e.TargetValue, e.JointValue, e.PoseValue)
+
+
+def kinds(program: Program, procedure: Procedure) -> Kinds:
+    """What is known of the names that a procedure sees."""
+    known: dict[str, str] = {}
+    known |= {q.name.lower(): q.result for q in program.procedures if q.result is not None}
+    for table, kind in (
+        (program.targets, "position"),
+        (program.joint_targets, "joints"),
+        (program.signals, "number"),
+    ):
+        known |= {n.lower(): kind for n in table}
+    for variables in (program.variables, procedure.variables):
+        known |= {n.lower(): v.type for n, v in variables.items()}
+    known |= {q.name.lower(): q.type for q in procedure.parameters}
+    for statement in walk(procedure.body):
+        if isinstance(statement, p.For):
+            known.setdefault(statement.variable.lower(), "number")
+    return known
+
+
+def is_value(x: e.Expression, known: Kinds) -> bool:
+    """Whether an expression surely is no text."""
+    match x:
+        case e.Name(name):
+            return known.get(name.lower(), "text") not in _TEXTS
+        case e.Index(value):
+            return is_value(value, known)
+        case e.Member(_, field):
+            return field in COMPONENTS
+        case e.Unary() | e.Elapsed() | e.Here():
+            return True
+        case e.Binary("+", left, right):
+            return is_value(left, known) and is_value(right, known)
+        case e.Binary():
+            return True
+        case e.Apply(function):
+            return (function in e.FUNCTIONS and function not in _TEXTS) or known.get(
+                function.lower(), "text"
+            ) not in _TEXTS
+    return isinstance(x, _LITERALS)
