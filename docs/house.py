@@ -17,6 +17,8 @@ from typing import Final
 
 LANGUAGES: Final = Path(__file__).parent.parent / "assistant" / "languages"
 PROGRAM: Final = LANGUAGES.parent / "program"
+SHARED_ROOMS: Final = ("checks",)
+"""Folders beside the languages that are none: what one room of all of them shares."""
 SILENT: Final = frozenset(
     {
         *(tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT),
@@ -46,9 +48,13 @@ def _docstrings(tree: ast.AST) -> Iterator[int]:
 def sizes() -> dict[str, dict[str, int]]:
     """Lines by language and room; what all languages share is the language `shared`."""
     found = {"shared": {"languages": _lines(LANGUAGES.glob("*.py"))}}
+    for room in SHARED_ROOMS:
+        found["shared"][room] = _lines((LANGUAGES / room).glob("*.py"))
     for room in ("passes", "analysis"):
         found["shared"][room] = _lines((PROGRAM / room).glob("*.py"))
     for folder in sorted(path.parent for path in LANGUAGES.glob("*/__init__.py")):
+        if folder.name in SHARED_ROOMS:
+            continue
         rooms = sorted(folder.iterdir())
         inside = {room.stem: _lines(room.rglob("*.py")) for room in rooms if room.is_dir()}
         files = _lines(folder.glob("*.py"))

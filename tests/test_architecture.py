@@ -44,6 +44,8 @@ LANGUAGE: tuple[str, ...] = (
     *("rules", "tables", "tree", "reading", "text", "checks", "lift", "convert", "lower"),
 )
 """Rooms of every language; each may import those before it, also lazily and for types."""
+SHARED_ROOMS = frozenset({"checks"})
+"""Folders beside the languages that are none: what one room of all of them shares."""
 NOT_IN_ALL = frozenset({"convert"})
 """From one dialect to another: a language without dialects has none."""
 
@@ -135,9 +137,10 @@ def faults(package: FilePath, rooms: Mapping[str, frozenset[str]] = ROOMS) -> li
 
 def language_faults(package: FilePath, rooms: Sequence[str] = LANGUAGE) -> Iterator[str]:
     """What breaks the plan of a language: a room that is not in it or missing, an import of a later
-    one.
+    one, or of a language by what all of them share.
     """
-    names = [f.name for f in (package / "languages").iterdir() if (f / "__init__.py").exists()]
+    folders = {f.name for f in (package / "languages").iterdir() if (f / "__init__.py").exists()}
+    names = folders - SHARED_ROOMS
     for name in sorted(names):
         inside = package / "languages" / name
         there = {f.stem for f in inside.iterdir() if f.name not in ("__init__.py", "__pycache__")}
@@ -146,6 +149,9 @@ def language_faults(package: FilePath, rooms: Sequence[str] = LANGUAGE) -> Itera
         yield from (f"`{name}` has no room `{room}`" for room in sorted(missing))
     for one in imports(package):
         by, of = one.by.split("."), one.of.split(".")
+        if by[1:2] == of[1:2] == ["languages"] and min(len(by), len(of)) > 2:
+            if by[2] != of[2] and of[2] in names:
+                yield str(one)
         inside = by[:3] == of[:3] and by[1:2] == ["languages"] and min(len(by), len(of)) > 3
         if inside and by[2] in names and {by[3], of[3]} <= set(rooms):
             if rooms.index(by[3]) < rooms.index(of[3]):
@@ -362,6 +368,15 @@ def test_an_import_of_a_later_room_is_found(spoken: FilePath, text: str) -> None
     (spoken / "languages" / "plain" / "lift" / "moves.py").write_text(text, encoding="utf-8")
     (found,) = language_faults(spoken)
     assert found.endswith("imports assistant.languages.plain.lower")
+
+
+@pytest.mark.parametrize("by", ["walking.py", "checks/damage.py", "other/lift/moves.py"])
+def test_an_import_of_a_language_by_what_it_shares_is_found(spoken: FilePath, by: str) -> None:
+    file = spoken / "languages" / by
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text("from assistant.languages.plain.tree import x", encoding="utf-8")
+    (found,) = language_faults(spoken)
+    assert found.endswith("imports assistant.languages.plain.tree")
 
 
 def test_a_room_that_is_not_in_the_plan_is_found(spoken: FilePath) -> None:

@@ -9,7 +9,7 @@ import pytest
 
 import assistant
 from assistant import languages
-from assistant.languages.melfa_basic.checks import ADVICE, RULES
+from assistant.languages.melfa_basic.checks import CHECKS
 from assistant.program.diagnostics import Severity
 from tests.languages.melfa_basic.ruled import QUIET, found, taught
 
@@ -107,7 +107,7 @@ def test_a_tree_without_source_is_checked_as_well() -> None:
 
 
 def test_every_rule_is_listed_once() -> None:
-    assert len({*RULES, *ADVICE}) == len(RULES) + len(ADVICE)
+    assert len({check.find for check in CHECKS}) == len(CHECKS)
 
 
 def test_long_programs_stay_in_columns() -> None:

@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
+from assistant.languages.checks.slips import misspelt
 from assistant.languages.rapid.checks import use_rules as rules
 from assistant.languages.rapid.checks.by_construct import uses
 from assistant.languages.rapid.checks.module_view import Look, Task
-from assistant.languages.rapid.checks.spelling import misspelt
 from assistant.languages.rapid.tables import signatures
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree.syntax import File

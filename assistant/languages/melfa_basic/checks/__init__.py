@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from typing import Final
 
+from assistant.languages.checks.damage import sound
+from assistant.languages.checks.registry import Check, Needs, findings
 from assistant.languages.melfa_basic.checks import (
     corners,
     flow,
@@ -19,98 +21,57 @@ from assistant.languages.melfa_basic.checks import (
     values,
     words,
 )
-from assistant.languages.melfa_basic.checks.damage import Damage, damage_of
+from assistant.languages.melfa_basic.checks.damage import damage_of
 from assistant.languages.melfa_basic.checks.file_view import Calls, Look
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.diagnostics import Diagnostic
 
-__all__ = ["ADVICE", "RULES", "check"]
+__all__ = ["CHECKS", "check"]
 
-RULES: Final[tuple[Callable[[Look], Iterator[Diagnostic]], ...]] = (
-    steps.order,
-    steps.lengths,
-    steps.labels,
-    names.spelling,
-    names.program,
-    names.declarations,
-    undefined.variables,
-    undefined.calls,
-    unused.twice,
-    flow.structure,
-    flow.loops,
-    flow.into_blocks,
-    flow.subroutines,
-    flow.unreachable,
-    words.missing,
-    kinds.assignments,
-    kinds.operands,
-    kinds.suffixes,
-    kinds.dimensions,
-    values.ranges,
-    values.counts,
-    values.types,
-    values.status,
-    left_out.positions,
-    left_out.arguments,
-    left_out.lines,
-    motions.never_taught,
-    motions.flags,
-    motions.arcs,
-    motions.circles,
-    programs.missing,
-    programs.recursion,
-    programs.mechanisms,
-    programs.interrupts,
-    programs.files,
+CHECKS: Final[tuple[Check[Look], ...]] = (
+    Check(steps.order),
+    Check(steps.lengths),
+    Check(steps.labels, Needs.NAMES),
+    Check(names.spelling),
+    Check(names.program),
+    Check(names.declarations, Needs.NAMES),
+    Check(undefined.variables, Needs.NAMES),
+    Check(undefined.calls, Needs.NAMES),
+    Check(unused.twice),
+    Check(flow.structure, Needs.ORDER),
+    Check(flow.loops, Needs.ORDER),
+    Check(flow.into_blocks, Needs.ORDER),
+    Check(flow.subroutines, Needs.ORDER),
+    Check(flow.unreachable, Needs.ORDER),
+    Check(words.missing),
+    Check(kinds.assignments, Needs.NAMES),
+    Check(kinds.operands, Needs.NAMES),
+    Check(kinds.suffixes, Needs.NAMES),
+    Check(kinds.dimensions, Needs.NAMES),
+    Check(values.ranges),
+    Check(values.counts),
+    Check(values.types, Needs.NAMES),
+    Check(values.status),
+    Check(left_out.positions),
+    Check(left_out.arguments),
+    Check(left_out.lines),
+    Check(motions.never_taught),
+    Check(motions.flags, Needs.ORDER),
+    Check(motions.arcs, Needs.ORDER),
+    Check(motions.circles, Needs.ORDER),
+    Check(programs.missing),
+    Check(programs.recursion),
+    Check(programs.mechanisms, Needs.ORDER),
+    Check(programs.interrupts, Needs.ORDER),
+    Check(programs.files, Needs.ORDER),
+    Check(unused.unused, Needs.WHOLE, advice=True),
+    Check(corners.corners, Needs.ORDER, advice=True),
+    Check(corners.tools, Needs.ORDER, advice=True),
+    Check(values.units, advice=True),
+    Check(values.waits, advice=True),
 )
-"""Every rule: it looks at one file, and sees the files that stand beside it."""
-
-ADVICE: Final[tuple[Callable[[Look], Iterator[Diagnostic]], ...]] = (
-    unused.unused,
-    corners.corners,
-    corners.tools,
-    values.units,
-    values.waits,
-)
-"""Rules of how a program is written. They are not asked about a file that was compiled: the
-program that it comes from has been checked, and its author wrote no MELFA-BASIC."""
-
-
-PAIRING: Final[frozenset[Callable[[Look], Iterator[Diagnostic]]]] = frozenset(
-    {
-        flow.structure,
-        flow.loops,
-        flow.into_blocks,
-        flow.subroutines,
-        flow.unreachable,
-        programs.mechanisms,
-        programs.interrupts,
-        programs.files,
-        motions.flags,
-        motions.arcs,
-        motions.circles,
-        corners.corners,
-        corners.tools,
-    }
-)
-"""Rules of lines that belong together or that follow each other: not asked where a damaged line
-may be one of them."""
-
-DEFINING: Final[frozenset[Callable[[Look], Iterator[Diagnostic]]]] = frozenset(
-    {
-        steps.labels,
-        names.declarations,
-        undefined.variables,
-        undefined.calls,
-        kinds.assignments,
-        kinds.operands,
-        kinds.suffixes,
-        kinds.dimensions,
-        values.types,
-    }
-)
-"""Rules of what is not defined: not asked where a damaged line may define something unnamed."""
+"""Each looks at one file, and sees the files that stand beside it."""
 
 
 def check(trees: Sequence[s.File], dialect: Dialect | None = None) -> tuple[Diagnostic, ...]:
@@ -121,21 +82,10 @@ def check(trees: Sequence[s.File], dialect: Dialect | None = None) -> tuple[Diag
     """
     calls = Calls(trees)
     damage = damage_of(trees)
+    lacks = Needs.NOTHING if damage is None else damage.spoils
     found: list[Diagnostic] = []
     for tree in trees:
         look = Look(tree, dialect or DIALECTS[tree.dialect], calls, damage)
-        asked = RULES if look.compiled else (*RULES, *ADVICE)
-        of_file = (finding for rule in asked if _is_sure(rule, damage) for finding in rule(look))
-        if damage is not None:
-            of_file = (f for f in of_file if not damage.explains(f, tree.source))
+        of_file = sound(findings(CHECKS, look, lacks, compiled=look.compiled), damage, tree.source)
         found += sorted(dict.fromkeys(of_file), key=lambda f: (f.line or 0, f.column or 0))
     return tuple(found)
-
-
-def _is_sure(rule: Callable[[Look], Iterator[Diagnostic]], damage: Damage | None) -> bool:
-    """Whether what a rule finds does not follow from a damaged line that names something else."""
-    if damage is None:
-        return True
-    if rule is unused.unused:
-        return False
-    return (damage.plain or rule not in PAIRING) and (damage.named or rule not in DEFINING)

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from assistant.languages.checks.damage import Damage, damaged
+from assistant.languages.checks.registry import Needs
 from assistant.languages.melfa_basic.tables.vocabulary import function, statements, status
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.program.diagnostics import Diagnostic, Severity
-from assistant.program.text import SourceText
 
 _NAME: Final = re.compile(r"[A-Z][A-Z0-9_]*")
 _CODE: Final = re.compile(r"[ \t]*([0-9]{0,9})[ \t]*(.*)", re.DOTALL)
@@ -41,48 +41,37 @@ _BROKEN_NAME: Final = re.compile(
 DECLARING: Final = frozenset("CONST DEF DIM FPRM FUNCTION INPUT STATIC".split())  # noqa: SIM905
 
 
-@dataclass(frozen=True, slots=True)
-class Damage:
-    """What cannot be read in the files of a program.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BasicDamage(Damage):
+    """steps: numbers of the lines.
 
-    lines: with their files. names: what stands on them and is no word of the language, in upper
-    case. plain: none of them can be a jump, a label, part of a block or a setting. named: none of
-    them can define what it does not name. steps: their numbers.
+    spoils: `ORDER` if a line can be a jump, a label, part of a block or a setting; `NAMES` if one
+    can define what it does not name.
     """
 
-    lines: frozenset[tuple[str | None, int]]
-    names: frozenset[str]
-    plain: bool
-    named: bool
+    spoils: Needs
     steps: frozenset[int]
 
-    def explains(self, finding: Diagnostic, source: SourceText | None) -> bool:
-        """Whether a finding in a file may follow from the damage."""
-        if finding.line is None or source is None:
-            return False
-        for line in range(finding.line, (finding.end_line or finding.line) + 1):
-            if (finding.path, line) in self.lines:
-                return True
-            if not self.names.isdisjoint(names_in(source.line_text(line))):
-                return True
-        return False
 
-
-def damage_of(trees: Sequence[s.File]) -> Damage | None:
+def damage_of(trees: Sequence[s.File]) -> BasicDamage | None:
     """What is damaged in the files of a program, None for nothing."""
-    found = {(f.path, line): source.line_text(line) for source, f, line in _damaged(trees)}
+    found = {(path, line): text for path, line, text in damaged(trees) if line}
     if not found:
         return None
     parts = [part for text in found.values() if (part := _CODE.match(text.upper()))]
     code = [part[2] for part in parts]
-    plain = all(map(_is_plain, code))
-    named = not any("#" in line or _is_broken(line) for line in code)
-    return Damage(
-        frozenset(found),
-        frozenset(name for line in code for name in names_in(line)),
-        plain,
-        named and (plain or not any(map(_has_functions, trees))),
-        frozenset(int(part[1]) for part in parts if part[1]),
+    spoils = Needs.WHOLE
+    if not all(map(_is_plain, code)):
+        spoils |= Needs.ORDER
+    hidden = Needs.ORDER in spoils and any(map(_has_functions, trees))
+    if hidden or any("#" in line or _is_broken(line) for line in code):
+        spoils |= Needs.NAMES
+    return BasicDamage(
+        lines=frozenset(found),
+        names=frozenset(name for line in code for name in names_in(line)),
+        names_in=names_in,
+        spoils=spoils,
+        steps=frozenset(int(part[1]) for part in parts if part[1]),
     )
 
 
@@ -91,15 +80,6 @@ def names_in(text: str) -> Iterator[str]:
     for word in _NAME.findall(text.upper()):
         if word not in WORDS and status(word) is None and function(word) is None:
             yield word
-
-
-def _damaged(trees: Sequence[s.File]) -> Iterator[tuple[SourceText, Diagnostic, int]]:
-    """Each line with a syntax error: the text that it stands in, the finding, and its number."""
-    for tree in trees:
-        for finding in tree.findings:
-            if finding.severity is Severity.ERROR and finding.line and tree.source is not None:
-                for line in range(finding.line, (finding.end_line or finding.line) + 1):
-                    yield tree.source, finding, line
 
 
 def _is_broken(code: str) -> bool:

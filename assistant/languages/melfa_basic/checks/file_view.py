@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import PurePath
-from typing import Any, Final, TypeVar, cast
+from typing import Any, Final, TypeVar
 
-from assistant.languages.melfa_basic.checks.damage import Damage
+from assistant.languages.checks.views import Memory, by_type
+from assistant.languages.melfa_basic.checks.damage import BasicDamage
 from assistant.languages.melfa_basic.checks.uses import Use, uses
 from assistant.languages.melfa_basic.tables.dialects import Dialect
 from assistant.languages.melfa_basic.text import printer
@@ -19,7 +20,6 @@ from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program.diagnostics import Diagnostic, Rule, Span
 
 N = TypeVar("N")
-T = TypeVar("T")
 Entry = s.Line | MoveRows
 Named = s.Variable | s.Target
 """Nodes that know where they stand."""
@@ -63,11 +63,11 @@ def program_name(tree: s.File) -> str:
     return PurePath(path.replace("\\", "/")).stem if path else ""
 
 
-class Look:
+class Look(Memory):
     """One file, as a rule sees it. calls: the files that stand beside it. damage: in them."""
 
     def __init__(
-        self, tree: s.File, dialect: Dialect, calls: Calls, damage: Damage | None = None
+        self, tree: s.File, dialect: Dialect, calls: Calls, damage: BasicDamage | None = None
     ) -> None:
         self.tree, self.dialect, self.calls, self.damage = tree, dialect, calls, damage
         self.code: list[Entry] = [i for i in tree.items if isinstance(i, s.Line | MoveRows)]
@@ -80,11 +80,8 @@ class Look:
 
     @cached_property
     def _by_type(self) -> dict[type, list[tuple[s.Line, Any]]]:
-        found: dict[type, list[tuple[s.Line, Any]]] = {}
-        for line in self.lines:
-            for node in nodes(line.statement):
-                found.setdefault(type(node), []).append((line, node))
-        return found
+        every = ((line, node) for line in self.lines for node in nodes(line.statement))
+        return by_type((node, (line, node)) for line, node in every)
 
     def all(self, kind: type[N]) -> Sequence[tuple[s.Line, N]]:
         """Every node of one class with its line, as they stand in the text."""
@@ -159,16 +156,6 @@ class Look:
         """Whether the heading says that this compiler wrote the file."""
         comments = (line.comment for line in self.lines[:HEAD] if line.comment)
         return any(_HEADING.match(comment) for comment in comments)
-
-    def once(self, work: Callable[[Look], T]) -> T:
-        """What a function makes of the file, worked out when it is first asked for."""
-        if work not in self._worked:
-            self._worked[work] = work(self)
-        return cast("T", self._worked[work])
-
-    @cached_property
-    def _worked(self) -> dict[Callable[[Look], Any], Any]:
-        return {}
 
     # ------------------------------------------------------------------------------ findings
 

@@ -8,6 +8,7 @@ from typing import Final
 
 import numpy as np
 
+from assistant.languages.checks.slips import slips
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.checks.steps import MOST_ROWS, row_span
@@ -112,21 +113,10 @@ def near_status(key: str) -> str:
         return ""
     for name, row in vocabulary.variables().items():
         if name[0] == key[0] and abs(len(name) - len(key)) <= 1 and len(name) > SHORT:
-            if one_slip(name, key):
+            if slips(name, key, 1) <= 1:
                 return row.name
     return ""
 
 
 SHORT: Final = 4
 """Names so short that others are near them by chance."""
-
-
-def one_slip(name: str, key: str) -> bool:
-    """Whether one letter is wrong, left out, put in, or two are swapped."""
-    if len(name) > len(key):
-        name, key = key, name
-    at = next((i for i, (a, b) in enumerate(zip(name, key, strict=False)) if a != b), len(name))
-    if len(name) < len(key):
-        return name[at:] == key[at + 1 :]
-    swapped = name[:at] + name[at : at + 2][::-1] + name[at + 2 :]
-    return name[at + 1 :] == key[at + 1 :] or swapped == key

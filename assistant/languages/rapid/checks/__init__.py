@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from typing import Final
 
+from assistant.languages.checks.damage import sound
+from assistant.languages.checks.registry import Check, Needs, findings
 from assistant.languages.rapid.checks import (
     arcs,
     by_construct,
@@ -27,60 +29,37 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.program.diagnostics import Diagnostic, has_errors
 
-__all__ = ["ADVICE", "RULES", "check", "loaded_files"]
+__all__ = ["CHECKS", "check", "loaded_files"]
 
-RULES: Final[tuple[Callable[[Look], Iterator[Diagnostic]], ...]] = (
-    names.modules,
-    names.duplicates,
-    names.spelling,
-    order.declarations,
-    order.handlers,
-    storage.places,
-    storage.initial_values,
-    storage.dimensions,
-    storage.assignments,
-    storage.connections,
-    literals.strings,
-    literals.persistents,
-    orientations.quaternions,
-    configurations.configurations,
-    motions.arguments,
-    by_construct.uses,
-    flow.jumps,
-    flow.handled,
-    flow.returns,
-    flow.unreachable,
-    flow.choices,
-    undeclared.names,
+CHECKS: Final[tuple[Check[Look], ...]] = (
+    Check(names.modules, Needs.ORDER),
+    Check(names.duplicates),
+    Check(names.spelling),
+    Check(order.declarations, Needs.ORDER),
+    Check(order.handlers, Needs.ORDER),
+    Check(storage.places, Needs.ORDER),
+    Check(storage.initial_values),
+    Check(storage.dimensions),
+    Check(storage.assignments),
+    Check(storage.connections),
+    Check(literals.strings),
+    Check(literals.persistents),
+    Check(orientations.quaternions),
+    Check(configurations.configurations),
+    Check(motions.arguments),
+    Check(by_construct.uses),
+    Check(flow.jumps, Needs.ORDER),
+    Check(flow.handled, Needs.ORDER),
+    Check(flow.returns, Needs.ORDER),
+    Check(flow.unreachable, Needs.ORDER),
+    Check(flow.choices, Needs.ORDER),
+    Check(undeclared.names),
+    Check(arcs.arcs, Needs.ORDER, advice=True),
+    Check(timing.endless_waits, advice=True),
+    Check(timing.on_the_fly, advice=True),
+    Check(unused.unused, Needs.ORDER, advice=True),
 )
-"""Every rule: it looks at one module, and sees what the modules beside it declare."""
-
-ADVICE: Final[tuple[Callable[[Look], Iterator[Diagnostic]], ...]] = (
-    arcs.arcs,
-    timing.endless_waits,
-    timing.on_the_fly,
-    unused.unused,
-)
-"""Rules of how a program is written. They are not asked about a module that was compiled: the
-program that it comes from has been checked, and its author wrote no RAPID."""
-
-
-WHOLE: Final[frozenset[Callable[[Look], Iterator[Diagnostic]]]] = frozenset(
-    {
-        names.modules,
-        order.declarations,
-        order.handlers,
-        storage.places,
-        flow.jumps,
-        flow.handled,
-        flow.returns,
-        flow.unreachable,
-        flow.choices,
-        arcs.arcs,
-        unused.unused,
-    }
-)
-"""Rules of what surrounds or follows each other: not asked about a module with a syntax error."""
+"""Each looks at one module, and sees what the modules beside it declare."""
 
 
 def check(trees: Sequence[s.File]) -> tuple[Diagnostic, ...]:
@@ -94,15 +73,11 @@ def check(trees: Sequence[s.File]) -> tuple[Diagnostic, ...]:
     for files, common in tasks(trees):
         task = Task(files, common)
         for tree in files:
-            broken = has_errors(tree.findings)
+            lacks = Needs.ORDER if has_errors(tree.findings) else Needs.NOTHING
             for module in tree.modules:
                 look = Look(tree, module, task)
-                for rule in RULES if look.compiled else (*RULES, *ADVICE):
-                    if broken and rule in WHOLE:
-                        continue
-                    found += (
-                        f for f in rule(look) if damage is None or not damage.explains(f, tree)
-                    )
+                of_module = findings(CHECKS, look, lacks, compiled=look.compiled)
+                found += sound(of_module, damage, tree.source)
     return tuple(dict.fromkeys(found))
 
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from assistant.languages.checks.slips import misspelt
 from assistant.languages.rapid.checks import use_rules as rules
 from assistant.languages.rapid.checks.kinds import Scope
 from assistant.languages.rapid.checks.module_view import Look
-from assistant.languages.rapid.checks.spelling import misspelt
 from assistant.languages.rapid.tables.signatures import Parameter, Signature, Slot, signature
+from assistant.languages.rapid.tables.words import TYPE_ENDING
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program.diagnostics import Diagnostic
 
@@ -99,7 +100,7 @@ def bind(call: Call, routine: Signature, scope: Scope) -> Found:
 
 
 def _hint(name: str, options: Sequence[str]) -> str:
-    near = misspelt(name, options)
+    near = misspelt(name, options, TYPE_ENDING)
     if near:
         return f"write `\\{near}`"
     names = ", ".join("`\\" + one + "`" for one in options)

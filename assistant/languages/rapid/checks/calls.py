@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, Final
 
+from assistant.languages.checks.slips import misspelt
 from assistant.languages.rapid.checks import names_used
 from assistant.languages.rapid.checks import use_rules as rules
 from assistant.languages.rapid.checks.arguments import Bound, bind, signature_of
 from assistant.languages.rapid.checks.kinds import Scope
 from assistant.languages.rapid.checks.motions import PREDEFINED, WORDS, nearest, unknown
-from assistant.languages.rapid.checks.spelling import misspelt
 from assistant.languages.rapid.checks.values import shaped
 from assistant.languages.rapid.tables import predefined, signatures
 from assistant.languages.rapid.tables.signatures import Parameter, Signature, signature
+from assistant.languages.rapid.tables.words import TYPE_ENDING
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import root
 from assistant.program.diagnostics import Diagnostic, Severity
@@ -73,7 +74,7 @@ def _unknown(node: s.ProcedureCall | s.FunctionCall, name: str, kind: str, scope
     # An option may have routines that are not listed: none of those is taken for a slip.
     rows = signatures.rows().items()
     standard = [n for n, (line, option) in rows if line.startswith(kind) and not option]
-    near = misspelt(name, [*own, *standard])
+    near = misspelt(name, [*own, *standard], TYPE_ENDING)
     meant = _routine(near, scope) if near else None
     if meant is not None and _right(node, meant, scope):
         yield scope.look.finding(rules.MISSPELT_ROUTINE, node, name=name, near=meant.name)

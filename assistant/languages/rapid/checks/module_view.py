@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import islice, takewhile
-from typing import Any, Final, TypeVar, cast
+from typing import Any, Final, TypeVar
 
 import numpy as np
 
+from assistant.languages.checks.views import Memory, by_type
 from assistant.languages.rapid.text.header import opening
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import split
@@ -19,7 +20,6 @@ from assistant.languages.rapid.tree.walk import nodes
 from assistant.program.diagnostics import Diagnostic, Rule, Span
 
 N = TypeVar("N", bound=s.Node)
-T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +40,7 @@ class Declaration:
     module: s.Module | None = None
 
 
-class Task:
+class Task(Memory):
     """What all modules of a task declare: names that are global, and those of each module."""
 
     def __init__(self, files: Sequence[s.File], common: Sequence[s.File] = ()) -> None:
@@ -111,16 +111,6 @@ class Task:
         """Whether the modules cannot all be of one task: two have a `main` or the same name."""
         names = [module.name.lower() for module in self.modules]
         return len(self._mains) > 1 or len(set(names)) < len(names)
-
-    def once(self, work: Callable[[Task], T]) -> T:
-        """What a function makes of the task, worked out when it is first asked for."""
-        if work not in self._worked:
-            self._worked[work] = work(self)
-        return cast("T", self._worked[work])
-
-    @cached_property
-    def _worked(self) -> dict[Callable[[Task], Any], Any]:
-        return {}
 
 
 def row_of(names: Names, name: str) -> int | None:
@@ -213,10 +203,7 @@ class Look:
 
     @cached_property
     def _by_type(self) -> dict[type, list[Any]]:
-        found: dict[type, list[Any]] = {}
-        for node in nodes(self.module):
-            found.setdefault(type(node), []).append(node)
-        return found
+        return by_type((node, node) for node in nodes(self.module))
 
     def all(self, kind: type[N]) -> Sequence[N]:
         """Every node of one class, as they stand in the text."""

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
+from assistant.languages.checks.slips import misspelt
 from assistant.languages.rapid.checks import use_rules as rules
 from assistant.languages.rapid.checks.kinds import Scope
-from assistant.languages.rapid.checks.spelling import misspelt
 from assistant.languages.rapid.tables import predefined
+from assistant.languages.rapid.tables.words import TYPE_ENDING
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program.diagnostics import Diagnostic, Severity
 
@@ -73,7 +74,7 @@ def _types(names: Iterable[str], node: s.Node, scope: Scope) -> Found:
     for name in names:
         if scope.types.base(name) is not None or not scope.types.first("type", name):
             continue
-        near = misspelt(name, scope.types.known())
+        near = misspelt(name, scope.types.known(), TYPE_ENDING)
         if near:
             yield scope.look.finding(rules.MISSPELT_TYPE, node, name=name, near=near)
         else:

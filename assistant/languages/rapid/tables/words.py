@@ -16,6 +16,8 @@ from assistant.program.motion import Blend, Speed
 from assistant.program.program import ValueType
 
 LONGEST_NAME: Final = 32
+TYPE_ENDING: Final = "data"
+"""What the names of many types have in common."""
 LONGEST_STRING: Final = 80
 MOST_DIMENSIONS: Final = 3
 MOST_TARGETS: Final = 5000

@@ -10,21 +10,18 @@ SHORTEST: Final = 4
 LONG: Final = 8
 """Characters of a name in which two slips may happen."""
 
-ENDING: Final = "data"
 
-
-def misspelt(name: str, known: Iterable[str]) -> str:
+def misspelt(name: str, known: Iterable[str], ending: str = "") -> str:
     """The known name that one or two slips of typing turn into this one; empty if there is none.
 
-    Digits do not count as slips: `p10` is not `p20` by mistake. Neither does what the many types
-    that end alike have in common: `caldata` may well be one beside `capdata`.
+    Digits do not count as slips: `p10` is not `p20` by mistake. Neither does the ending, in lower
+    case, that many names have in common: `caldata` may well be one beside `capdata`.
     """
     low = name.lower()
-    if low.endswith(ENDING):
-        low = low.removesuffix(ENDING)
-        stems = [one[: -len(ENDING)] for one in known if one.lower().endswith(ENDING)]
-        stem = misspelt(low, stems)
-        return stem + ENDING if stem else ""
+    if ending and low.endswith(ending):
+        stems = [one[: -len(ending)] for one in known if one.lower().endswith(ending)]
+        stem = misspelt(low.removesuffix(ending), stems, ending)
+        return stem + ending if stem else ""
     most = 2 if len(low) >= LONG else 1
     if len(low) < SHORTEST:
         return ""
