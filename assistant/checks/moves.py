@@ -8,14 +8,14 @@ from functools import cached_property
 
 import numpy as np
 
-from assistant.program import rotations
 from assistant.program.arrays import Floats, Rows, Truths
 from assistant.program.expressions import Name
 from assistant.program.geometry import Pose
 from assistant.program.motion import Blend, Speed
 from assistant.program.path import Kind
 from assistant.robots import Robot
-from assistant.robots.motion.arcs import Circles, circles
+from assistant.robots.motion.along import ToolWays, flange_along
+from assistant.robots.motion.arcs import Arcs, Circles, circles
 from assistant.robots.motion.run import Run
 from assistant.robots.solved_program import Stretch
 
@@ -53,6 +53,19 @@ class Moves:
     def arcs(self) -> Truths:
         """(m,) which moves are circular."""
         return self.vias >= 0
+
+    @cached_property
+    def _round(self) -> Arcs | None:
+        """The moves that are round, each a whole arc."""
+        at = np.flatnonzero(self.arcs)
+        if not len(at):
+            return None
+        on = self.circles(at)
+        around = np.flatnonzero(on.ends > 0.0)
+        circles = on.of(around)
+        return (
+            Arcs(at[around], circles, np.zeros(len(around)), circles.ends) if len(around) else None
+        )
 
     @cached_property
     def length(self) -> Floats:
@@ -126,18 +139,11 @@ class Moves:
 
         Equal parts take equal times, as a controller divides the way at a steady speed.
         """
-        p0, p1 = self.positions[self.starts[at] + 1], self.positions[self.rows[at] + 1]
-        p = p0[:, None] + part[..., None] * (p1 - p0)[:, None]
-        bent = np.flatnonzero(self.arcs[at])
-        if len(bent):
-            on = self.circles(at[bent])
-            around = on.ends > 0.0
-            p[bent[around]] = on.points(on.ends[:, None] * part[bent])[around]
-        q0, q1 = self.quaternions[self.starts[at] + 1], self.quaternions[self.rows[at] + 1]
-        q = rotations.between(q0[:, None], q1[:, None], part)
-        rows = np.repeat(self.rows[at], part.shape[1])
-        flat = self.run.mounting.to_flange(p.reshape(-1, 3), q.reshape(-1, 4), rows)
-        return flat[0].reshape(p.shape), flat[1].reshape(q.shape)
+        first, last = self.starts[at] + 1, self.rows[at] + 1
+        starts = self.positions[first], self.quaternions[first]
+        ends = self.positions[last], self.quaternions[last]
+        tool = ToolWays(starts, ends, at, self._round).at(part)
+        return flange_along(self.run.mounting, self.rows[at], tool)
 
     def _of_speed(self, values: Sequence[float]) -> Floats:
         return np.asarray(np.array(values, dtype=np.float64)[self.run.pace.speed[self.rows]])

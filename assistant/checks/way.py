@@ -16,6 +16,7 @@ from assistant.checks.moves import Moves
 from assistant.program.arrays import Floats, Rows, Truths
 from assistant.robots import Robot
 from assistant.robots.arms.arm import CLOSING
+from assistant.robots.motion.along import joints_along
 from assistant.robots.motion.wrist import THROUGH
 from assistant.robots.robot import CHUNK, IN_LINE
 
@@ -100,11 +101,8 @@ def _peak(moves: Moves, way: Way, at: Rows, joints: Floats) -> None:
         begin, width = begin + width * first / steps, width * (last - first) / steps
         part = begin[:, None] + width[:, None] * np.linspace(0.0, 1.0, PEAK + 1)
         p, q = moves.poses_at(at, part)
-        found, over = robot.solve(p.reshape(-1, 3), q.reshape(-1, 4))
-        own = np.repeat(branches, PEAK + 1)
-        every = np.arange(len(own))
-        joints = found[:, own, every].T.reshape(len(at), PEAK + 1, -1)
-        reached = (over[own, every].reshape(len(at), -1) < CLOSING / 2.0).all(axis=1)
+        joints, excess = joints_along(robot, joints[:, 0], branches, (p, q))
+        reached = (excess < CLOSING / 2.0).all(axis=1)
         needed = _steps(robot, joints).max(axis=1) * PEAK / width[:, None]
         axis = needed.argmax(axis=1)
         seconds = np.where(reached, needed[np.arange(len(at)), axis], 0.0)
@@ -210,12 +208,7 @@ def _sampled(moves: Moves, rows: Rows, parts: int) -> Iterator[tuple[Rows, Float
             first = moves.joints[moves.starts[at] + 1]
             last = moves.joints[moves.rows[at] + 1]
             p, q = moves.poses(at, parts)
-            if robot.arm.named:
-                found, over = robot.solve(p.reshape(-1, 3), q.reshape(-1, 4), (int(branch),))
-                between = found[:, 0].T.reshape(len(at), parts - 1, -1)
-                excess = over[0].reshape(len(at), -1)
-            else:
-                between, excess = robot.follow(first, p, q)
+            between, excess = joints_along(robot, first, np.full(len(at), branch), (p, q))
             inside = (excess < CLOSING / 2.0).all(axis=1)
             joints = np.concatenate([first[:, None], between, last[:, None]], axis=1)
             yield at[inside], joints[inside]

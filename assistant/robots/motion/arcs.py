@@ -93,6 +93,12 @@ class Arcs:
         """(m,) mm that the way is off the straight line in its middle."""
         return np.asarray((1.0 - np.cos(self.angles / 2.0)) * self.circles.radii)
 
+    def among(self, rows: Rows) -> tuple[Rows, Rows]:
+        """Which of its moves are among rows (k,), and which of the k these are."""
+        at = np.minimum(np.searchsorted(self.rows, rows), len(self.rows) - 1)
+        on = np.flatnonzero(self.rows[at] == rows)
+        return at[on], on
+
     def points(self, at: Rows, part: Floats) -> Floats:
         """Of some of the moves (k,), each at its parts (k,) or (k, s): (k, 3) or (k, s, 3) mm."""
         many = (slice(None), *[None] * (part.ndim - 1))

@@ -12,6 +12,7 @@ from assistant.program import rotations
 from assistant.program.arrays import Floats, Rows, Truths
 from assistant.program.geometry import Pose
 from assistant.program.path import Kind
+from assistant.robots.motion.along import ToolWays, flange_along, joints_along
 from assistant.robots.motion.arcs import Arcs, arcs_of, vias_of
 from assistant.robots.motion.run import Run, continued
 from assistant.robots.motion.ways import Ways
@@ -245,23 +246,12 @@ class Look:
 
         The tool turns evenly up to each row, that of a via point included.
         """
-        run, robot = self.run, self.robot
-        (p0, q0), (p1, q1) = self._starts(rows), run.targets(rows)
-        samples = part.shape[1]
-        p = p0[:, None] + part[..., None] * (p1 - p0)[:, None]
-        if self.arcs is not None:
-            at = np.minimum(np.searchsorted(self.arcs.rows, rows), len(self.arcs.rows) - 1)
-            on = np.flatnonzero(self.arcs.rows[at] == rows)
-            p[on] = self.arcs.points(at[on], part[on])
+        (p0, q0), (p1, q1) = self._starts(rows), self.run.targets(rows)
         q0, q1 = (q / np.linalg.norm(q, axis=1, keepdims=True) for q in (q0, q1))
-        q = rotations.between(q0[:, None], q1[:, None], part)
-        each = np.repeat(rows, samples)
-        p, q = run.mounting.to_flange(p.reshape(-1, 3), q.reshape(-1, 4), each)
-        shape = (len(rows), samples)
-        if not robot.arm.named:
-            return robot.follow(self.before(rows), p.reshape(*shape, 3), q.reshape(*shape, 4))
-        found, excess = robot.solve(p, q, (branch,))
-        return found[:, 0].T.reshape(*shape, len(robot.axes)), excess[0].reshape(shape)
+        tool = ToolWays((p0, q0), (p1, q1), rows, self.arcs).at(part)
+        flange = flange_along(self.run.mounting, rows, tool)
+        before = None if self.robot.arm.named else self.before(rows)
+        return joints_along(self.robot, before, np.full(len(rows), branch), flange)
 
     def _starts(self, rows: Rows) -> tuple[Floats, Floats]:
         """Targets (m, 3), (m, 4) that the moves to some rows begin at."""

@@ -16,6 +16,7 @@ from assistant.program import rotations
 from assistant.program.arrays import Floats, Rows, Truths
 from assistant.program.path import Kind
 from assistant.robots.arms.arm import CLOSING
+from assistant.robots.motion.along import ToolWays, joints_along
 from assistant.robots.motion.arcs import Arcs, arcs_of, vias_of
 from assistant.robots.robot import CHUNK, IN_LINE, Robot
 from assistant.robots.timing.rows import Moves
@@ -170,11 +171,9 @@ def _fill(
     count = np.arange(len(each)) - np.repeat(first, inner) + 1
     part = count / steps[each]
     at = last[each] - steps[each] + count
-    p = ends.p0[each] + part[:, None] * (moves.positions[each] - ends.p0[each])
-    if ends.arcs is not None:
-        on = np.flatnonzero(np.isin(each, ends.arcs.rows))
-        p[on] = ends.arcs.points(np.searchsorted(ends.arcs.rows, each[on]), part[on])
-    q = rotations.between(ends.q0[each], moves.quaternions[each], part)
+    starts = ends.p0[each], ends.q0[each]
+    lasts = moves.positions[each], moves.quaternions[each]
+    p, q = (one[:, 0] for one in ToolWays(starts, lasts, each, ends.arcs).at(part[:, None]))
     between = ends.j0[each] + part[:, None] * (moves.joints[each] - ends.j0[each])
     free = moves.kinds[each] == Kind.JOINT
     mount = moves.mount[each]
@@ -202,13 +201,9 @@ def solved(robot: Robot, branches: Rows, p: Floats, q: Floats) -> Floats:
     """(m, a) joints at flange poses in branches (m,), whole turns left open; NaN where those do
     not reach.
     """
-    joints = np.empty((len(p), len(robot.axes)))
-    for branch in np.unique(branches):
-        some = np.flatnonzero(branches == branch)
-        found, excess = robot.solve(p[some], q[some], (int(branch),))
-        joints[some] = found[:, 0].T
-        joints[some[excess[0] >= CLOSING]] = np.nan
-    return joints
+    joints, excess = joints_along(robot, None, branches, (p[:, None], q[:, None]))
+    joints[excess >= CLOSING] = np.nan
+    return joints[:, 0]
 
 
 def followed(robot: Robot, before: Floats, each: Rows, p: Floats, q: Floats) -> Floats:
