@@ -17,28 +17,10 @@ from assistant.program.arrays import Floats, Rows, Truths
 from assistant.robots import Robot
 from assistant.robots.arms.arm import CLOSING
 from assistant.robots.motion.along import joints_along
+from assistant.robots.motion.densities import Peaks
 from assistant.robots.motion.wrist import THROUGH
 from assistant.robots.robot import CHUNK, IN_LINE
 
-STRAIGHT: Final = 5.0
-"""degrees, or mm, of every axis up to which a move is looked at by its ends alone."""
-PARTS: Final = ((30.0, 24), (90.0, 64), (np.inf, 192))
-"""Up to so many degrees of an axis a move is looked at in so many parts."""
-MOST_PLACES: Final = 1_000_000
-"""Places on the ways of a stretch that are computed; longer stretches get fewer on each move."""
-MOST_FOLLOWED: Final = 20_000
-"""The same for an arm without a closed form, which is solved by numbers, place by place."""
-LEAST_PARTS: Final = 4
-UNEVEN: Final = 1.5
-"""Moves with a joint that is somewhere so much faster than on average are looked at again,"""
-MOST_PARTS: Final = 1500
-"""in up to so many parts: beside a singularity the peak is short."""
-CLOSER: Final = 6
-"""How often at most the fastest step of such a move is divided again,"""
-PEAK: Final = 24
-"""and into how many,"""
-FASTER: Final = 1.01
-"""while that makes it so many times faster."""
 BENT: Final = float(np.sin(np.radians(IN_LINE)))
 """Sine of axis 5 below which axes 4 and 6 mean nothing by themselves."""
 
@@ -73,8 +55,8 @@ def way_of(moves: Moves) -> Way:
     for at, joints in _pieces(moves, way):
         uneven.append(at[_look(moves.robot, way, at, joints)])
     again = np.concatenate(uneven)
-    parts = min(MOST_PARTS, _most_places(moves.robot) // max(len(again), 1))
-    if parts > PARTS[-1][1]:
+    parts = min(Peaks.MOST_PARTS, _most_places(moves.robot) // max(len(again), 1))
+    if parts > Peaks.PARTS[-1][1]:
         _forget(way, again)
         way.crossed[again] = way.by_ends[again]
         for at, joints in _sampled(moves, again, parts):
@@ -92,24 +74,24 @@ def _peak(moves: Moves, way: Way, at: Rows, joints: Floats) -> None:
     robot = moves.robot
     branches = robot.branch_of(robot.configuration(joints[:, -1]))
     begin, width = np.zeros(len(at)), np.ones(len(at))
-    for _ in range(CLOSER):
+    for _ in range(Peaks.CLOSER):
         if not len(at):
             return
         steps = joints.shape[1] - 1
         place = _steps(robot, joints).max(axis=2).argmax(axis=1)
         first, last = np.maximum(place - 1, 0), np.minimum(place + 2, steps)
         begin, width = begin + width * first / steps, width * (last - first) / steps
-        part = begin[:, None] + width[:, None] * np.linspace(0.0, 1.0, PEAK + 1)
+        part = begin[:, None] + width[:, None] * np.linspace(0.0, 1.0, Peaks.CLOSER_PARTS + 1)
         p, q = moves.poses_at(at, part)
         joints, excess = joints_along(robot, joints[:, 0], branches, (p, q))
         reached = (excess < CLOSING / 2.0).all(axis=1)
-        needed = _steps(robot, joints).max(axis=1) * PEAK / width[:, None]
+        needed = _steps(robot, joints).max(axis=1) * Peaks.CLOSER_PARTS / width[:, None]
         axis = needed.argmax(axis=1)
         seconds = np.where(reached, needed[np.arange(len(at)), axis], 0.0)
         before = way.seconds[at]
         more = seconds > before
         way.axis[at[more]], way.seconds[at[more]] = axis[more], seconds[more]
-        on = seconds > FASTER * before
+        on = seconds > Peaks.FASTER * before
         at, branches, joints = at[on], branches[on], joints[on]
         begin, width = begin[on], width[on]
 
@@ -143,22 +125,22 @@ def _pieces(moves: Moves, way: Way) -> Iterator[tuple[Rows, Floats]]:
         yield at, ends
     _crossed_at_targets(moves, way)
     way.by_ends[:] = way.crossed
-    wanted = np.flatnonzero((wide > STRAIGHT) & ~way.crossed)
+    wanted = np.flatnonzero((wide > Peaks.STRAIGHT) & ~way.crossed)
     _forget(way, wanted)  # ends so far apart tell nothing of the way
     if moves.robot.arm.named:
         wanted = wanted[_same_branch(moves, wanted)]
-    counts = np.array([parts for _, parts in PARTS])
-    parts = counts[np.searchsorted([most for most, _ in PARTS], wide[wanted])]
+    counts = np.array([parts for _, parts in Peaks.PARTS])
+    parts = counts[np.searchsorted([most for most, _ in Peaks.PARTS], wide[wanted])]
     many = parts.sum()
     most = _most_places(moves.robot)
     if many > most:
-        parts = np.maximum(parts * most // many, LEAST_PARTS)
+        parts = np.maximum(parts * most // many, Peaks.LEAST_PARTS)
     for one in np.unique(parts):
         yield from _sampled(moves, wanted[parts == one], int(one))
 
 
 def _most_places(robot: Robot) -> int:
-    return MOST_PLACES if robot.arm.named else MOST_FOLLOWED
+    return Peaks.MOST_PLACES if robot.arm.named else Peaks.MOST_FOLLOWED
 
 
 def _crossed_at_targets(moves: Moves, way: Way) -> None:
@@ -258,7 +240,7 @@ def _look(robot: Robot, way: Way, at: Rows, joints: Floats) -> Truths:
     way.axis[at[more]] = axis[more]
     way.seconds[at[more]] = seconds[more]
     mean = (step.sum(axis=1) / robot.speeds)[np.arange(k), axis]
-    return np.asarray((seconds > UNEVEN * mean) & (places > 2))
+    return np.asarray((seconds > Peaks.UNEVEN * mean) & (places > 2))
 
 
 def _past_nothing(points: Floats) -> Floats:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +16,8 @@ from assistant.program.path import Kind, Path
 from assistant.program.program import Program, walk
 from assistant.program.statements import Call, Follow, Motion, Move, MoveCircular, Statement
 from assistant.robots.motion.arcs import circles
+from assistant.robots.motion.densities import Drawn
 from assistant.robots.target_lookup import Names
-
-ARC_STEPS: Final = 24
-"""Chords an arc is drawn with."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,5 +163,5 @@ def arc_points(start: Floats, via: Floats, end: Floats) -> Floats:
     circle = circles(start[None], via[None], end[None])
     if circle.ends[0] == 0.0:
         return np.stack([via, end])
-    angles = np.linspace(0.0, circle.ends, ARC_STEPS + 1)[1:]
+    angles = np.linspace(0.0, circle.ends, Drawn.ARC + 1)[1:]
     return np.asarray(circle.points(angles.T)[0])

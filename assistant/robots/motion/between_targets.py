@@ -6,19 +6,15 @@ whether the way leaves the reach of the arm; poses on it do.
 
 from __future__ import annotations
 
-from typing import Final
-
 import numpy as np
 
 from assistant.program.arrays import Floats, Ints, Rows, Singles, Truths
+from assistant.robots.motion.densities import Turns
 from assistant.robots.motion.on_the_way import Look
 from assistant.robots.motion.run import Run
 from assistant.robots.motion.ways import Ways
 from assistant.robots.motion.wrist import EVEN, PAIRS, bends_to, perhaps_past, through
 from assistant.robots.robot import CHUNK, Robot
-
-FINE: Final = 240
-"""Parts of a way that is looked at again."""
 
 
 def ways(run: Run, robot: Robot, joints: Floats, branch: Rows) -> Ways:
@@ -36,8 +32,8 @@ def ways(run: Run, robot: Robot, joints: Floats, branch: Rows) -> Ways:
         way = look.way(rows, part, one)
         fine = way.doubtful(robot) & robot.arm.named
         parts.append(look.seen(rows[~fine], way.of(~fine)))
-        dense = np.arange(1, FINE) / FINE
-        many = max(CHUNK // FINE, 1)
+        dense = np.arange(1, Turns.FINE) / Turns.FINE
+        many = max(CHUNK // Turns.FINE, 1)
         for start in range(0, int(fine.sum()), many):
             at = rows[fine][start : start + many]
             way = look.way(at, dense, one)
@@ -76,9 +72,9 @@ def really_crossed(run: Run, robot: Robot, bends: Singles, crossed: Truths) -> T
     rows = rows[rows > 0]
     apart[:, rows] |= look.far(rows)
     rows = rows[(crossed & apart)[:, rows].any(axis=0)]
-    part = np.arange(1, FINE) / FINE
-    for start in range(0, len(rows), max(CHUNK // FINE, 1)):
-        here = rows[start : start + max(CHUNK // FINE, 1)]
+    part = np.arange(1, Turns.FINE) / Turns.FINE
+    for start in range(0, len(rows), max(CHUNK // Turns.FINE, 1)):
+        here = rows[start : start + max(CHUNK // Turns.FINE, 1)]
         for pair in range(PAIRS):
             every = np.broadcast_to(part, (len(here), len(part)))
             found, _ = look.on_the_way(here, every, 2 * pair)

@@ -14,34 +14,14 @@ from assistant.program.geometry import Pose
 from assistant.program.path import Kind
 from assistant.robots.motion.along import ToolWays, flange_along, joints_along
 from assistant.robots.motion.arcs import Arcs, arcs_of, vias_of
+from assistant.robots.motion.densities import Turns
 from assistant.robots.motion.run import Run, continued
 from assistant.robots.motion.ways import Ways
 from assistant.robots.motion.wrist import bends_to, perhaps_past, swept, through
 from assistant.robots.robot import CHUNK, Robot
 
-WIDE: Final = 20.0
-"""degrees or mm that an axis moves in one move from which on the way is looked at."""
-BULGE: Final = 1.0
-"""mm that an arc is off the straight line from which on it is looked at all the same."""
 JUMP: Final = 1.0
 """degrees or mm between joints that are not the same solution."""
-LONG: Final = 50.0
-"""mm of a move from which on the way is looked at all the same."""
-LEAP: Final = 45.0
-"""degrees or mm of an axis from pose to pose from which on more poses are looked at."""
-NEAR: Final = 2.0
-"""degrees or mm from a limit, beside the largest step, from which on more poses are looked at."""
-STRETCHED: Final = 0.3
-"""Sine of the elbow within which the end of the reach may be between two poses."""
-SPLIT: Final = 8
-"""Parts of each stretch on which an axis still leaps, looked at again."""
-SPLITS: Final = 6
-"""How often they are divided, for a tool that passes axis 1 at a micrometre."""
-PEAK: Final = 64
-"""Parts between the poses beside a peak."""
-SAMPLES: Final = np.array([3, 12, 40])
-"""Poses on a way: the second for a line, and for an arc as few as leave bulges of about `BULGE`
-between them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +45,7 @@ class Way:
         """(k, p - 1) between which poses an axis goes so far that it may have gone round, or the
         wrist so far that it may not have gone through its singularity, but past it.
         """
-        out = np.asarray((np.abs(np.diff(self.turned, axis=1)) > LEAP).any(axis=2))
+        out = np.asarray((np.abs(np.diff(self.turned, axis=1)) > Turns.LEAP).any(axis=2))
         if self.spherical:
             out |= perhaps_past(bends_to(self.joints[..., 3], self.joints[..., 4]))
         return out
@@ -74,13 +54,13 @@ class Way:
         """(k,) whether poses so far apart may hide a turn, a peak or the end of reach."""
         steps = np.abs(np.diff(self.turned, axis=1))
         out = np.asarray(self.leaps().any(axis=1))
-        margin = steps.max(axis=1)[:, None] + NEAR
+        margin = steps.max(axis=1)[:, None] + Turns.NEAR
         for limit in robot.limits.T:
             out |= (np.abs(robot.wound(self.joints - limit)) < margin).any(axis=(1, 2))
         k, places, axes = self.joints.shape
         elbow = robot.arm.elbow(robot.chained(self.joints.reshape(-1, axes)))
         if elbow is not None:
-            out |= (np.abs(np.sin(elbow)) < STRETCHED).reshape(k, places).any(axis=1)
+            out |= (np.abs(np.sin(elbow)) < Turns.STRETCHED).reshape(k, places).any(axis=1)
         return out
 
 
@@ -114,23 +94,24 @@ class Look:
         wide = np.zeros(len(self.joints), dtype=bool)
         with np.errstate(invalid="ignore"):
             step = np.abs(self.robot.wound(np.diff(self.joints, axis=0)))
-            wide[1:] = (step > WIDE).any(axis=1) & np.isfinite(step).all(axis=1)
+            wide[1:] = (step > Turns.WIDE).any(axis=1) & np.isfinite(step).all(axis=1)
             first = self.robot.wound(self.joints[0] - self.run.before)
-            wide[0] = (np.abs(first) > WIDE).any()
+            wide[0] = (np.abs(first) > Turns.WIDE).any()
             wide |= self.long()
         linear = wide & (self.run.kinds == Kind.LINEAR)
-        samples = np.where(linear, SAMPLES[1], 0)
+        samples = np.where(linear, Turns.SAMPLES[1], 0)
         if self.arcs is not None:
-            parts = np.sqrt(self.arcs.bulges / BULGE)
-            least = SAMPLES[np.minimum(np.searchsorted(SAMPLES + 1, parts), len(SAMPLES) - 1)]
+            parts = np.sqrt(self.arcs.bulges / Turns.BULGE)
+            enough = np.searchsorted(Turns.SAMPLES + 1, parts)
+            least = Turns.SAMPLES[np.minimum(enough, len(Turns.SAMPLES) - 1)]
             least[parts < 1.0] = 0
             samples[self.arcs.rows] = np.where(
-                wide[self.arcs.rows], np.maximum(least, SAMPLES[1]), least
+                wide[self.arcs.rows], np.maximum(least, Turns.SAMPLES[1]), least
             )
         known = self.same & (branch >= 0)
         known[1:] &= branch[1:] == branch[:-1]
         chosen = np.flatnonzero(known & (samples > 0))
-        for count in SAMPLES.tolist():
+        for count in Turns.SAMPLES.tolist():
             some = chosen[samples[chosen] == count]
             many = max(CHUNK // count, 1)
             for one in np.unique(branch[some]):
@@ -144,17 +125,17 @@ class Look:
         for start in range(1, len(out), CHUNK):
             rows = slice(start - 1, min(start + CHUNK, len(out)))
             p, _ = self.run.targets(rows)
-            out[start : rows.stop] = np.linalg.norm(np.diff(p, axis=0), axis=1) > LONG
+            out[start : rows.stop] = np.linalg.norm(np.diff(p, axis=0), axis=1) > Turns.LONG
         if self.start is not None:
             p, _ = self.run.targets(slice(0, 1))
-            out[0] = np.linalg.norm(p[0] - self.start.position) > LONG
+            out[0] = np.linalg.norm(p[0] - self.start.position) > Turns.LONG
         return out
 
     def far(self, rows: Rows) -> Truths:
         """(m,) which of some rows the tool goes or turns far to."""
         (p0, q0), (p1, q1) = self._starts(rows), self.run.targets(rows)
         turn = rotations.angle_between(q0, q1)
-        return np.asarray((np.linalg.norm(p1 - p0, axis=1) > LONG) | (turn > WIDE))
+        return np.asarray((np.linalg.norm(p1 - p0, axis=1) > Turns.LONG) | (turn > Turns.WIDE))
 
     def seen(self, rows: Rows, way: Way) -> Ways:
         """What the ways to some rows (k,) come to."""
@@ -180,7 +161,7 @@ class Look:
         by a half in a thousandth of the way.
         """
         way = self.way(row, part, branch)
-        for _ in range(SPLITS):
+        for _ in range(Turns.SPLITS):
             leaping = np.flatnonzero(way.leaps()[0])
             if not len(leaping):
                 break
@@ -193,7 +174,7 @@ class Look:
 
         ends: (2, 2) what its ends bend to, of the first branch of a pair.
         """
-        for _ in range(SPLITS):
+        for _ in range(Turns.SPLITS):
             found, _ = self.on_the_way(row, part[None], 2 * pair)
             between = bends_to(found[0, :, 3], found[0, :, 4])
             bends = np.concatenate([ends[:, :1], between, ends[:, 1:]], axis=1)
@@ -215,7 +196,7 @@ class Look:
         turns back near to a limit.
         """
         part = np.concatenate([[0.0], part, [1.0]])
-        margin = np.abs(np.diff(way.turned, axis=1)).max(axis=1) + NEAR
+        margin = np.abs(np.diff(way.turned, axis=1)).max(axis=1) + Turns.NEAR
         for least, column in ((True, seen.below), (False, seen.above)):
             at = (way.turned.argmin if least else way.turned.argmax)(axis=1)  # (k, a)
             there = np.take_along_axis(way.joints, at[:, None], axis=1)[:, 0]
@@ -226,7 +207,7 @@ class Look:
                 continue
             first = at[i, axis] - 1
             span = part[first + 2] - part[first]
-            fine = part[first][:, None] + span[:, None] * np.arange(1, PEAK) / PEAK
+            fine = part[first][:, None] + span[:, None] * np.arange(1, Turns.PEAK) / Turns.PEAK
             found, _ = self.on_the_way(seen.rows[i], fine, branch)
             joints = np.concatenate([way.joints[i, first][:, None], found], axis=1)
             turned = way.turned[i, first][:, None] + self._turned(joints)
@@ -282,5 +263,5 @@ def _divided(part: Floats, stretches: Rows) -> Floats:
     """Parts (p,) of a way, and more in some of the stretches 0 to p between them and its ends."""
     whole = np.concatenate([[0.0], part, [1.0]])
     first, last = whole[stretches, None], whole[stretches + 1, None]
-    more = first + (last - first) * np.arange(1, SPLIT) / SPLIT
+    more = first + (last - first) * np.arange(1, Turns.SPLIT) / Turns.SPLIT
     return np.unique(np.concatenate([part, more.ravel()]))

@@ -10,7 +10,7 @@ u0 u1 of the other, for the span from u0 to u1.
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,12 +18,10 @@ from numpy.typing import NDArray
 from assistant.program import rotations
 from assistant.program.arrays import Floats, Rows, Truths
 from assistant.program.path import Kind
+from assistant.robots.motion.densities import Times
 from assistant.robots.robot import Robot
-from assistant.robots.timing.knots import APART, MOST, MOST_KNOTS, TURNED, Knots, followed, solved
+from assistant.robots.timing.knots import Knots, followed, solved
 from assistant.robots.timing.rows import Moves
-
-SPANS: Final = 21
-"""Parabolas of a corner at least; odd, so that its moves meet in the middle of one."""
 
 Pose = tuple[Floats, Floats, Floats]
 """Joints (m, a), positions (m, 3) and quaternions (m, 4) at m places of a way."""
@@ -48,10 +46,11 @@ class Corners:
         self.last = np.searchsorted(row, self.behind, side="right") - 1
         rates = np.abs(knots.joints[step + 1] - knots.joints[step]).max(axis=1) / d
         self.swept = zone * (rates[at] + rates[at + 1])
-        spans = np.maximum(np.ceil(np.maximum(2.0 * zone / APART, self.swept / TURNED)), SPANS)
-        spans = np.minimum(spans, MOST)
-        if spans.sum() > MOST_KNOTS:
-            spans *= MOST_KNOTS / spans.sum()
+        wanted = np.maximum(2.0 * zone / Times.APART, self.swept / Times.TURNED)
+        spans = np.maximum(np.ceil(wanted), Times.SPANS)
+        spans = np.minimum(spans, Times.MOST)
+        if spans.sum() > Times.MOST_KNOTS:
+            spans *= Times.MOST_KNOTS / spans.sum()
         self.spans = spans.astype(np.intp) // 2 * 2 + 1
 
     def inserted(

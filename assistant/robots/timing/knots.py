@@ -18,17 +18,10 @@ from assistant.program.path import Kind
 from assistant.robots.arms.arm import CLOSING
 from assistant.robots.motion.along import ToolWays, joints_along
 from assistant.robots.motion.arcs import Arcs, arcs_of, vias_of
+from assistant.robots.motion.densities import Times
 from assistant.robots.robot import CHUNK, IN_LINE, Robot
 from assistant.robots.timing.rows import Moves
 
-APART: Final = 10.0
-"""mm between knots at most."""
-TURNED: Final = 1.5
-"""degrees (or mm) that the tool or an axis turns between knots at most."""
-MOST: Final = 400
-"""Steps of a move."""
-MOST_KNOTS: Final = 2_000_000
-"""Steps of a way from which on the long moves get fewer of them: about 300 bytes each."""
 SAME: Final = 1e-6
 """mm and degrees up to which tips of two tools are at one place."""
 LEAP: Final = 60.0
@@ -143,14 +136,14 @@ class _Ends:
         angles = np.abs(self.moves.joints - self.j0).max(axis=1)
         free = self.moves.kinds == Kind.JOINT
         straight = np.where(free, 0.0, self.lengths)
-        wanted = np.maximum(straight / APART, np.maximum(self.turns, angles) / TURNED)
+        wanted = np.maximum(straight / Times.APART, np.maximum(self.turns, angles) / Times.TURNED)
         if self.arcs is not None:
             at = self.arcs.rows
-            wanted[at] = np.maximum(wanted[at], np.degrees(self.arcs.angles) / TURNED)
-        steps = np.clip(np.ceil(wanted), 1, MOST)
+            wanted[at] = np.maximum(wanted[at], np.degrees(self.arcs.angles) / Times.TURNED)
+        steps = np.clip(np.ceil(wanted), 1, Times.MOST)
         more = steps.sum() - len(steps)
-        if more > MOST_KNOTS:
-            steps = 1.0 + np.floor((steps - 1.0) * (MOST_KNOTS / more))
+        if more > Times.MOST_KNOTS:
+            steps = 1.0 + np.floor((steps - 1.0) * (Times.MOST_KNOTS / more))
         return np.asarray(steps.astype(np.intp))
 
 
