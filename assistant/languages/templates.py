@@ -12,7 +12,9 @@ nodes one step deeper, `=` for one as deep, and `:text` for that text where the 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
 from operator import attrgetter
 from typing import Any, Final
 
@@ -51,7 +53,7 @@ class Templates:
             tuple: self.listed,
         }
         for kind, row in rows.items():
-            self._says[kind] = self.template(row) if isinstance(row, str) else self._own(row)
+            self._says[kind] = self.template(row) if isinstance(row, str) else partial(row, self)
 
     def text(self, node: Any) -> str:
         """What a node says that holds no block; also several, with commas between them."""
@@ -71,9 +73,6 @@ class Templates:
     def template(self, template: str) -> Callable[[Any], Any]:
         """A function that says of a node what a template does."""
         return self._compiled(template, _TOKEN.finditer(template), 0, optional=False)[0]
-
-    def _own(self, row: Callable[[Templates, Any], Said]) -> Callable[[Any], Said]:
-        return lambda node: row(self, node)
 
     def _compiled(
         self, template: str, tokens: Iterator[re.Match[str]], at: int, *, optional: bool
@@ -153,11 +152,63 @@ def _sketched(parts: Sequence[str | Part], optional: bool) -> Part:
             said = part if isinstance(part, str) else part(node)
             if said is None and optional:
                 return None
-            for piece in [said] if isinstance(said, str) else said or ():
-                if isinstance(piece, str) and out and isinstance(out[-1], str):
-                    out[-1] += piece
-                elif piece:
-                    out.append(piece)
-        return out
+            out += [said] if isinstance(said, str) else said or ()
+        return joined(out)
 
     return sketch
+
+
+def joined(parts: Iterable[str | Block]) -> list[str | Block]:
+    """The same sketch with texts that follow each other as one."""
+    out: list[str | Block] = []
+    for part in parts:
+        if isinstance(part, str) and out and isinstance(out[-1], str):
+            out[-1] += part
+        elif part:
+            out.append(part)
+    return out
+
+
+@dataclass(frozen=True, slots=True)
+class BlockPrinter:
+    """Prints nodes that stand on lines of their own, and the blocks in them.
+
+    indent: one step. tables: of nodes of many lines, their text with an indentation and line ends.
+    trails: whether a node stands behind another on its line. stands_apart: whether a blank line
+    stands before a node that is not the first of its block.
+    """
+
+    templates: Templates
+    indent: str
+    tables: Mapping[type, Callable[[Any, str, str], str]]
+    trails: Callable[[Any], bool]
+    stands_apart: Callable[[Any], bool]
+
+    def text(self, nodes: Sequence[Any], newline: str) -> str:
+        """The lines of some nodes."""
+        out: list[str] = []
+        self._write(nodes, "", newline, out)
+        return "".join(out)
+
+    def sketch(self, node: Any) -> list[str | Block]:
+        """What a node says, as `Templates.sketch` does, a table as its lines."""
+        table = self.tables.get(type(node))
+        return self.templates.sketch(node) if table is None else [table(node, "", "\n")]
+
+    def _write(self, nodes: Sequence[Any], indent: str, newline: str, out: list[str]) -> None:
+        for at, node in enumerate(nodes):
+            if at and self.stands_apart(node):
+                out.append(newline)
+            if (table := self.tables.get(type(node))) is not None:
+                out.append(table(node, indent, newline))
+                continue
+            begin = indent
+            if self.trails(node):
+                begin = out.pop().removesuffix(newline) + " " if out else ""
+            for part in self.templates.sketch(node):
+                if isinstance(part, Block):
+                    self._write(part.children, indent + self.indent * part.depth, newline, out)
+                    continue
+                for line in part.removesuffix("\n").split("\n"):
+                    out.append(begin + line + newline)
+                    begin = indent

@@ -127,6 +127,13 @@ def _exponent(to: Templates, node: s.Expression) -> str:
 # Rows
 
 
+def _variable(to: Templates, node: s.Variable) -> str:
+    """As `<name><suffix>[[(<arguments?>)]][[.<component>]]`: most nodes are variables."""
+    arguments = "" if node.arguments is None else f"({to.listed(node.arguments)})"
+    component = f".{node.component}" if node.component else ""
+    return f"{node.name}{node.suffix}{arguments}{component}"
+
+
 def _target(_: Templates, node: s.Target) -> str:
     return str(node.place) if isinstance(node.place, int) else f"*{node.place}"
 
@@ -150,7 +157,7 @@ def _append(to: Templates, node: s.Append) -> str:
 _ROWS: Final[dict[type, Any]] = {
     s.Number: lambda _, node: number(node),
     s.String: '"<value>"',
-    s.Variable: "<name><suffix>[[(<arguments?>)]][[.<component>]]",
+    s.Variable: _variable,
     s.Constant: lambda _, node: constant(node),
     s.Word: "<text^>",
     s.Pallet: "(Plt <number>,<point>)",

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from typing import Final
+from collections.abc import Iterable, Sequence
+from typing import Any, Final
 
+from assistant.languages.printed_blocks import Block
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.runs import moves_text, targets_text
+from assistant.languages.templates import BlockPrinter, Templates, joined
 from assistant.program.diagnostics import Refused
 from assistant.program.text import LINE_ENDS, one_line
 
@@ -17,22 +19,23 @@ NEWLINE: Final = "\r\n"
 
 def print_file(file: s.File, newline: str = NEWLINE) -> str:
     """The whole file."""
-    return _glued(Printer(newline).file(file), newline)
+    header = "" if file.header is None else f"%%%{file.header}%%%{newline}"
+    return header + PRINTER.text(file.parts, newline)
 
 
 def print_items(items: Iterable[s.Item], newline: str = "\n") -> str:
     """Declarations as text of their own, without a last line end."""
-    return _glued(Printer(newline).items(tuple(items), ""), newline).strip("\r\n")
+    return PRINTER.text(tuple(items), newline).strip("\r\n")
 
 
 def print_statements(body: Iterable[s.StatementNode], newline: str = "\n") -> str:
     """Statements as text of their own, without a last line end."""
-    return _glued(Printer(newline).body(tuple(body), ""), newline).strip("\r\n")
+    return PRINTER.text(tuple(body), newline).strip("\r\n")
 
 
 def print_handler(handler: s.Handler, newline: str = "\n") -> str:
     """An error handler as text of its own, without a last line end."""
-    return _glued(Printer(newline).handler(handler, ""), newline).strip("\r\n")
+    return PRINTER.text((handler,), newline).strip("\r\n")
 
 
 def comment(node: s.CommentLine) -> str:
@@ -41,242 +44,8 @@ def comment(node: s.CommentLine) -> str:
     return f"! {text}" if text else "!"
 
 
-_TRAILS: Final = "\0"
-"""Begins a text that belongs on the line before it."""
-
-
-def _glued(texts: Iterable[str], newline: str) -> str:
-    out = ""
-    lines: list[str] = []
-    for text in texts:
-        if not text.startswith(_TRAILS):
-            lines.append(out)
-            out = text
-        elif out:
-            out = f"{out.removesuffix(newline)} {text[1:]}"
-        else:
-            out = text[1:]
-    return "".join((*lines, out))
-
-
-class Printer:
-    """Lines of the canonical layout; `body` and `items` give what stands in a block."""
-
-    def __init__(self, newline: str) -> None:
-        self.newline = newline
-
-    def line(self, indent: str, text: str) -> str:
-        return indent + text + self.newline
-
-    def file(self, file: s.File) -> Iterator[str]:
-        if file.header is not None:
-            yield f"%%%{file.header}%%%{self.newline}"
-        for part in file.parts:
-            if isinstance(part, s.Module):
-                yield from self.module(part)
-            else:
-                yield self.comment(part, "")
-
-    def module(self, module: s.Module) -> Iterator[str]:
-        attributes = f"({','.join(module.attributes)})" if module.attributes else ""
-        yield self.line("", f"MODULE {module.name}{attributes}")
-        yield from self.items(module.items, INDENT)
-        yield self.line("", "ENDMODULE")
-
-    def items(self, items: tuple[s.Item, ...], indent: str) -> Iterator[str]:
-        for at, item in enumerate(items):
-            if isinstance(item, s.Routine) and at:
-                yield self.newline
-            yield from self.item(item, indent)
-
-    def item(self, item: s.Item, indent: str) -> Iterator[str]:
-        match item:
-            case s.Routine():
-                yield from self.routine(item, indent)
-            case s.Record():
-                local = "LOCAL " if item.local else ""
-                yield self.line(indent, f"{local}RECORD {item.name}")
-                for type, name in item.components:
-                    yield self.line(indent + INDENT, f"{type} {name};")
-                yield self.line(indent, "ENDRECORD")
-            case s.Alias():
-                local = "LOCAL " if item.local else ""
-                yield self.line(indent, f"{local}ALIAS {item.type} {item.name};")
-            case _:
-                yield from self.statement(item, indent)
-
-    def routine(self, r: s.Routine, indent: str) -> Iterator[str]:
-        local = "LOCAL " if r.local else ""
-        type = f"{r.type} " if r.kind == "FUNC" else ""
-        parameters = "" if r.kind == "TRAP" else f"({self.parameters(r.parameters)})"
-        yield self.line(indent, f"{local}{r.kind} {type}{r.name}{parameters}")
-        yield from self.body(r.body, indent + INDENT)
-        for handler in r.handlers:
-            yield from self.handler(handler, indent)
-        yield self.line(indent, f"END{r.kind}")
-
-    def handler(self, handler: s.Handler, indent: str) -> Iterator[str]:
-        numbers = ",".join(expression(n) for n in handler.numbers)
-        yield self.line(indent, handler.kind + (f" ({numbers})" if numbers else ""))
-        yield from self.body(handler.body, indent + INDENT)
-
-    def parameters(self, groups: tuple[s.ParameterGroup, ...]) -> str:
-        text = ""
-        for group in groups:
-            inner = "|".join(self.parameter(p) for p in group.alternatives)
-            if group.optional:
-                text += "\\" + inner
-            else:
-                text += ("," if text else "") + inner
-        return text
-
-    def parameter(self, p: s.ParameterNode | s.Placeholder) -> str:
-        if isinstance(p, s.Placeholder):
-            return p.text
-        array = "{<DIM>}" if p.dimensions < 0 else "{" + ",".join("*" * p.dimensions) + "}"
-        mode = p.mode + " " if p.mode else ""
-        return f"{mode}{p.type} {p.name}{array if p.dimensions else ''}"
-
-    def body(self, body: tuple[s.StatementNode, ...], indent: str) -> Iterator[str]:
-        for node in body:
-            yield from self.statement(node, indent)
-
-    def comment(self, node: s.CommentLine, indent: str) -> str:
-        return self.line(_TRAILS if node.trailing else indent, comment(node))
-
-    def statement(self, node: s.StatementNode | s.Item, indent: str) -> Iterator[str]:
-        match node:
-            case s.IfThen():
-                word = "IF"
-                for branch in node.branches:
-                    if branch.condition is None:
-                        yield self.line(indent, "<EIT>")
-                        continue
-                    yield self.line(indent, f"{word} {expression(branch.condition)} THEN")
-                    yield from self.body(branch.body, indent + INDENT)
-                    word = "ELSEIF"
-                if node.otherwise is not None:
-                    yield self.line(indent, "ELSE")
-                    yield from self.body(node.otherwise, indent + INDENT)
-                yield self.line(indent, "ENDIF")
-            case s.ForLoop():
-                step = f" STEP {expression(node.step)}" if node.step is not None else ""
-                bounds = f"{expression(node.first)} TO {expression(node.last)}"
-                yield self.line(indent, f"FOR {node.variable} FROM {bounds}{step} DO")
-                yield from self.body(node.body, indent + INDENT)
-                yield self.line(indent, "ENDFOR")
-            case s.WhileLoop():
-                yield self.line(indent, f"WHILE {expression(node.condition)} DO")
-                yield from self.body(node.body, indent + INDENT)
-                yield self.line(indent, "ENDWHILE")
-            case s.TestOf():
-                yield self.line(indent, f"TEST {expression(node.subject)}")
-                for case in node.cases:
-                    values = ",".join(expression(v) for v in case.values)
-                    yield self.line(indent, f"CASE {values}:" if values else "<CSE>")
-                    yield from self.body(case.body, indent + INDENT)
-                if node.otherwise is not None:
-                    yield self.line(indent, "DEFAULT:")
-                    yield from self.body(node.otherwise, indent + INDENT)
-                yield self.line(indent, "ENDTEST")
-            case s.TargetRunNode():
-                yield targets_text(node.run, node.scope, indent, self.newline)
-            case s.MoveRunNode():
-                yield moves_text(node.run, indent, self.newline)
-            case s.LabelMark():
-                yield self.line(indent, f"{node.name}:")
-            case s.CommentLine():
-                yield self.comment(node, indent)
-            case s.CompactIf():
-                inner = "".join(self.statement(node.statement, ""))
-                yield self.line(indent, f"IF {expression(node.condition)} " + inner.rstrip("\r\n"))
-            case s.Placeholder():
-                yield self.line(indent, node.text)
-            case _:
-                yield self.line(indent, simple(node) + ";")
-
-
-def simple(node: s.StatementNode | s.Item) -> str:
-    """A statement or declaration of one line, without its `;`."""
-    match node:
-        case s.Data():
-            scope = node.scope + " " if node.scope else ""
-            dims = ",".join(expression(d) for d in node.dimensions)
-            size = "{" + dims + "}" if dims else ""
-            value = f":={expression(node.value)}" if node.value is not None else ""
-            return f"{scope}{node.storage} {node.type} {node.name}{size}{value}"
-        case s.Assignment():
-            return f"{expression(node.target)}:={expression(node.value)}"
-        case s.ProcedureCall(name=str(name)):
-            given = arguments(node.arguments)
-            return name + ("" if given.startswith("\\") or not given else " ") + given
-        case s.ProcedureCall(name=late):
-            given = arguments(node.arguments)
-            assert not isinstance(late, str)
-            return (
-                f"%{expression(late)}%"
-                + ("" if given.startswith("\\") or not given else " ")
-                + given
-            )
-        case s.GotoLabel():
-            return f"GOTO {node.label}"
-        case s.ReturnFrom():
-            return "RETURN" + (f" {expression(node.value)}" if node.value is not None else "")
-        case s.RaiseError():
-            return "RAISE" + (f" {expression(node.value)}" if node.value is not None else "")
-        case s.Word():
-            return node.word
-        case s.Connect():
-            return f"CONNECT {expression(node.interrupt)} WITH {node.trap}"
-    raise TypeError(f"no simple statement: {type(node).__name__}")
-
-
-def arguments(given: tuple[s.Argument, ...]) -> str:
-    text = ""
-    for argument in given:
-        match argument:
-            case s.Positional():
-                name = f"{argument.name}:=" if argument.name else ""
-                text += ("," if text else "") + name + expression(argument.value)
-            case s.Option():
-                value = f":={expression(argument.value)}" if argument.value is not None else ""
-                text += f"\\{argument.name}{value}"
-            case s.Conditional():
-                text += f"\\{argument.name}?{expression(argument.variable)}"
-    return text
-
-
 def expression(node: s.Expression | s.Whole) -> str:
-    match node:
-        case s.NumberLiteral():
-            return node.text
-        case s.StringLiteral():
-            return string(node.value)
-        case s.BoolLiteral():
-            return "TRUE" if node.value else "FALSE"
-        case s.NameRef():
-            return node.name
-        case s.Component():
-            return f"{expression(node.value)}.{node.name}"
-        case s.Element():
-            return expression(node.value) + "{" + ",".join(map(expression, node.indices)) + "}"
-        case s.Whole():
-            return "*"
-        case s.AggregateNode():
-            return "[" + ",".join(expression(i) for i in node.items) + "]"
-        case s.Group():
-            return f"({expression(node.inner)})"
-        case s.FunctionCall():
-            return f"{node.name}({arguments(node.arguments)})"
-        case s.Prefix():
-            return (
-                node.operator + (" " if node.operator == "NOT" else "") + expression(node.operand)
-            )
-        case s.Infix():
-            blank = " " if node.operator.isalpha() else ""
-            return f"{expression(node.left)}{blank}{node.operator}{blank}{expression(node.right)}"
-        case s.Placeholder():
-            return node.text
+    return TEMPLATES.text(node)
 
 
 def string(value: str) -> str:
@@ -297,3 +66,153 @@ def string(value: str) -> str:
         else:
             pieces.append(f"\\{ord(c):02X}")
     return '"' + "".join(pieces) + '"'
+
+
+# Declarations
+
+
+def _record(_: Templates, node: s.Record) -> str:
+    components = "".join(f"{INDENT}{type} {name};\n" for type, name in node.components)
+    return f"{_local(node)}RECORD {node.name}\n{components}ENDRECORD"
+
+
+def _routine(to: Templates, node: s.Routine) -> list[str | Block]:
+    type = f"{node.type} " if node.kind == "FUNC" else ""
+    given = "" if node.kind == "TRAP" else f"({_parameters(to, node.parameters)})"
+    head = f"{_local(node)}{node.kind} {type}{node.name}{given}\n"
+    handlers = [part for handler in node.handlers for part in to.sketch(handler)]
+    return [head, Block(node.body), *handlers, f"END{node.kind}"]
+
+
+def _local(node: s.Record | s.Routine) -> str:
+    return "LOCAL " if node.local else ""
+
+
+def _parameters(to: Templates, groups: Sequence[s.ParameterGroup]) -> str:
+    text = ""
+    for group in groups:
+        before = "\\" if group.optional else "," if text else ""
+        text += before + "|".join(map(to.text, group.alternatives))
+    return text
+
+
+def _parameter(_: Templates, node: s.ParameterNode) -> str:
+    array = "{<DIM>}" if node.dimensions < 0 else "{" + ",".join("*" * node.dimensions) + "}"
+    mode = node.mode + " " if node.mode else ""
+    return f"{mode}{node.type} {node.name}{array if node.dimensions else ''}"
+
+
+# Statements
+
+
+def _call(to: Templates, node: s.ProcedureCall) -> str:
+    name = node.name if isinstance(node.name, str) else f"%{to.text(node.name)}%"
+    given = _arguments(to, node.arguments)
+    return name + (" " if given and not given.startswith("\\") else "") + given + ";"
+
+
+def _arguments(to: Templates, given: Sequence[s.Argument]) -> str:
+    text = ""
+    for argument in given:
+        text += "," if text and isinstance(argument, s.Positional) else ""
+        text += to.text(argument)
+    return text
+
+
+def _if(to: Templates, node: s.IfThen) -> list[str | Block]:
+    parts: list[str | Block] = []
+    word = "IF"
+    for branch in node.branches:
+        if branch.condition is None:
+            parts.append("<EIT>\n")
+            continue
+        parts += [f"{word} {to.text(branch.condition)} THEN\n", Block(branch.body)]
+        word = "ELSEIF"
+    if node.otherwise is not None:
+        parts += ["ELSE\n", Block(node.otherwise)]
+    return joined([*parts, "ENDIF"])
+
+
+def _case(to: Templates, node: s.TestCase) -> list[str | Block]:
+    head = f"CASE {to.text(node.values)}:" if node.values else "<CSE>"
+    return [head + "\n", Block(node.body)]
+
+
+# Expressions
+
+
+def _prefix(to: Templates, node: s.Prefix) -> str:
+    return node.operator + (" " if node.operator == "NOT" else "") + to.text(node.operand)
+
+
+def _infix(to: Templates, node: s.Infix) -> str:
+    blank = " " if node.operator.isalpha() else ""
+    return f"{to.text(node.left)}{blank}{node.operator}{blank}{to.text(node.right)}"
+
+
+TEMPLATES: Final = Templates(
+    {
+        s.Module: "MODULE <name>[[(<attributes>)]]\n<items+>ENDMODULE",
+        s.Record: _record,
+        s.Alias: "<local:LOCAL >ALIAS <type> <name>;",
+        s.Data: "[[<scope> ]]<storage> <type> <name>[[{<dimensions>}]][[:=<value>]];",
+        s.Routine: _routine,
+        s.Handler: "<kind>[[ (<numbers>)]]\n<body+>",
+        s.ParameterNode: _parameter,
+        s.CommentLine: lambda _, node: comment(node),
+        s.Placeholder: "<text>",
+        s.Assignment: "<target>:=<value>;",
+        s.ProcedureCall: _call,
+        s.GotoLabel: "GOTO <label>;",
+        s.LabelMark: "<name>:",
+        s.ReturnFrom: "RETURN[[ <value>]];",
+        s.RaiseError: "RAISE[[ <value>]];",
+        s.Word: "<word>;",
+        s.Connect: "CONNECT <interrupt> WITH <trap>;",
+        s.IfThen: _if,
+        s.CompactIf: "IF <condition> <statement>",
+        s.ForLoop: ("FOR <variable> FROM <first> TO <last>[[ STEP <step>]] DO\n<body+>ENDFOR"),
+        s.WhileLoop: "WHILE <condition> DO\n<body+>ENDWHILE",
+        s.TestOf: "TEST <subject>\n<cases*>[[DEFAULT:\n<otherwise+>]]ENDTEST",
+        s.TestCase: _case,
+        s.Positional: "[[<name>:=]]<value>",
+        s.Option: "\\<name>[[:=<value>]]",
+        s.Conditional: "\\<name>?<variable>",
+        s.NumberLiteral: "<text>",
+        s.StringLiteral: lambda _, node: string(node.value),
+        s.BoolLiteral: lambda _, node: "TRUE" if node.value else "FALSE",
+        s.NameRef: "<name>",
+        s.Component: "<value>.<name>",
+        s.Element: "<value>{<indices>}",
+        s.Whole: "*",
+        s.AggregateNode: "[<items>]",
+        s.Group: "(<inner>)",
+        s.FunctionCall: lambda to, node: f"{node.name}({_arguments(to, node.arguments)})",
+        s.Prefix: _prefix,
+        s.Infix: _infix,
+    }
+)
+"""What stands in the text of each construct."""
+
+
+def _trails(node: Any) -> bool:
+    return isinstance(node, s.CommentLine) and node.trailing
+
+
+def _stands_apart(node: Any) -> bool:
+    return isinstance(node, s.Routine)
+
+
+PRINTER: Final = BlockPrinter(
+    TEMPLATES,
+    INDENT,
+    tables={
+        s.TargetRunNode: lambda node, indent, newline: targets_text(
+            node.run, node.scope, indent, newline
+        ),
+        s.MoveRunNode: lambda node, indent, newline: moves_text(node.run, indent, newline),
+    },
+    trails=_trails,
+    stands_apart=_stands_apart,
+)
+"""Prints what stands on lines of its own."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
@@ -12,7 +12,7 @@ import numpy as np
 from assistant.languages import lossless
 from assistant.languages.lossless import Block, Extent, Sketch, Spread
 from assistant.languages.rapid.text.layout.tokens import HOLES
-from assistant.languages.rapid.text.printer import INDENT, Printer, comment
+from assistant.languages.rapid.text.printer import INDENT, PRINTER
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import plain_move, target_values
 from assistant.program.arrays import Rows
@@ -77,35 +77,6 @@ class _Rows:
     """Rows of a run that did not change."""
 
 
-class _Heads(Printer):
-    """Prints a node without the blocks that it holds, which it notes."""
-
-    def __init__(self) -> None:
-        super().__init__("\n")
-        self.pieces: list[str | Block] = []
-
-    def _put(self, text: str) -> None:
-        if self.pieces and isinstance(self.pieces[-1], str):
-            self.pieces[-1] += text
-        else:
-            self.pieces.append(text)
-
-    def read(self, texts: Iterator[str]) -> Sketch:
-        """Runs a generator of lines; blocks are noted in their places on the way."""
-        for text in texts:
-            if text and text != "\0":
-                self._put(text)
-        return self.pieces
-
-    def body(self, body: tuple[s.StatementNode, ...], indent: str) -> Iterator[str]:
-        self.pieces.append(Block(body, len(indent) // len(INDENT)))
-        yield ""
-
-    def items(self, items: tuple[s.Item, ...], indent: str) -> Iterator[str]:
-        self.pieces.append(Block(items, len(indent) // len(INDENT)))
-        yield ""
-
-
 class Layout(lossless.Layout):
     """RAPID: statements end with `;`, comments with their line."""
 
@@ -119,12 +90,8 @@ class Layout(lossless.Layout):
                 header = () if node.header is None else (f"%%%{node.header}%%%\n",)
                 return (*header, Block(node.parts, 0))
             case _Row():
-                return (node.text + "\n",)
-            case s.CommentLine():
-                return (comment(node) + "\n",)
-            case s.Module():
-                return (heads := _Heads()).read(heads.module(node))
-        return (heads := _Heads()).read(heads.item(node, ""))
+                return (node.text,)
+        return PRINTER.sketch(node)
 
     def extent(self, text: str, node: Any) -> Extent | None:
         if node.span is None:
