@@ -7,10 +7,6 @@ from importlib.resources import files
 from importlib.resources.abc import Traversable
 from importlib.util import cache_from_source
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from lark import Lark
 
 
 def resource(folder: str, name: str) -> Traversable:
@@ -28,28 +24,17 @@ def read_grammar(name: str) -> str:
     return resource("grammars", name).read_text(encoding="utf-8")
 
 
-def load_grammar(name: str, **options: Any) -> Lark:
-    """The LALR parser of a grammar, its tables kept as Python keeps the bytecode of a module.
+def kept_place(name: str, suffix: str) -> Path | None:
+    """The file for what is worked out of a grammar, where the bytecode of a module would be.
 
-    Working the tables out takes most of the time in which a small program is checked. They go
-    where bytecode goes, since who can write there can change the program as well; lark holds
-    them against the grammar, the options, its own version and Python's. options: as of
-    `lark.Lark`; `edit_terminals` is not among what is compared.
+    None where nothing can be kept.
     """
-    from lark import Lark
-
-    return Lark(read_grammar(name), parser="lalr", cache=_kept_tables(name), **options)
-
-
-def _kept_tables(name: str) -> str | bool:
-    """The file for the tables of a grammar, False where none can be kept."""
     source = resource("grammars", name)
     if not isinstance(source, Path) or sys.dont_write_bytecode:
-        return False
+        return None
     try:
-        kept = Path(cache_from_source(str(source))).with_suffix(".lalr")
+        kept = Path(cache_from_source(str(source))).with_suffix(suffix)
         kept.parent.mkdir(parents=True, exist_ok=True)
-        kept.open("ab").close()  # lark only logs that it cannot write
     except (NotImplementedError, OSError):
-        return False
-    return str(kept)
+        return None
+    return kept

@@ -174,7 +174,8 @@ def lark_alone(spoken: Spoken) -> Callable[[list[FilePath]], None]:
 @cache
 def rapid_trees() -> Callable[[str], Any]:
     """Lark with the grammar of RAPID, which reads a module at once."""
-    parser = import_module("assistant.languages.rapid.reading.grammar").grammar()
+    options = {"lexer": "contextual", "maybe_placeholders": True, "propagate_positions": True}
+    parser = Lark(read_grammar("rapid.lark"), start="start", parser="lalr", **options)
     return lambda text: parser.parse(text, start="start")
 
 

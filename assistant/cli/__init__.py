@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import atexit
+import gc
 import os
 import sys
 from contextvars import copy_context
@@ -22,8 +24,22 @@ INTERRUPTED: Final = 130
 
 def main(arguments: list[str] | None = None) -> None:
     """Runs one command; exits 0 clean, 1 with findings, 2 for wrong usage or unreadable input."""
+    if arguments is None:
+        _settle_in()
     # In a context of its own: what one command was asked for, the next one was not.
     copy_context().run(_run, arguments)
+
+
+NEW_OBJECTS: Final = 100_000
+"""After which the cycle collector looks for garbage; commands are short and make little."""
+
+
+def _settle_in() -> None:
+    """What a process does that is there for one command, which starts and ends faster by it."""
+    gc.set_threshold(NEW_OBJECTS)
+    atexit.register(gc.freeze)  # what ends with the process is not looked through before
+    # Matrices of poses are small. Starting threads for large ones takes longer than all the rest.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 def _run(arguments: list[str] | None) -> None:

@@ -66,12 +66,14 @@ def print_findings(findings: Iterable[Diagnostic], *, explained: bool = False) -
 
     explained: a last line tells where more is said about them.
     """
+    shown = list(findings)
+    if not shown:
+        return
     from rich.text import Text
 
-    screen = None
+    screen = console()
     codes: set[str] = set()
-    for finding in findings:
-        screen = screen or console()
+    for finding in shown:
         codes.add(finding.code)
         head = Text(finding.code, style=STYLES[finding.severity])
         head.append(f" {finding.severity}", style=STYLES[finding.severity])
@@ -88,7 +90,7 @@ def print_findings(findings: Iterable[Diagnostic], *, explained: bool = False) -
                 screen.print(" " * (len(number) + column - 1) + "^" * width)
         if finding.cure:
             screen.print(Text(f"       = {_visible(finding.cure)}", style="green"))
-    if screen and explained:
+    if explained:
         some = sorted(codes)[:MOST_EXPLAINED]
         screen.print(
             f"more about them: robot-assistant explain {' '.join(some)}, or docs/findings.md#"

@@ -1,10 +1,29 @@
 """From any source to a proven program of a robot language."""
 
-from assistant.compiler.checking import Checked, check_files
-from assistant.compiler.compiling import Compiled, compile
-from assistant.compiler.loading import Loaded, load
-from assistant.compiler.proof import Proof
-from assistant.compiler.translating import Translation, translate
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from assistant.lazy import offered
+
+if TYPE_CHECKING:
+    from assistant.compiler.checking import Checked, check_files
+    from assistant.compiler.compiling import Compiled, compile
+    from assistant.compiler.loading import Loaded, load
+    from assistant.compiler.proof import Proof
+    from assistant.compiler.translating import Translation, translate
+
+_LAZY: Final = {
+    "Checked": ("assistant.compiler.checking", "Checked"),
+    "Compiled": ("assistant.compiler.compiling", "Compiled"),
+    "Loaded": ("assistant.compiler.loading", "Loaded"),
+    "Proof": ("assistant.compiler.proof", "Proof"),
+    "Translation": ("assistant.compiler.translating", "Translation"),
+    "check_files": ("assistant.compiler.checking", "check_files"),
+    "compile": ("assistant.compiler.compiling", "compile"),
+    "load": ("assistant.compiler.loading", "load"),
+    "translate": ("assistant.compiler.translating", "translate"),
+}
 
 __all__ = [
     "Checked",
@@ -17,3 +36,5 @@ __all__ = [
     "load",
     "translate",
 ]
+
+__getattr__ = offered(__name__, _LAZY)

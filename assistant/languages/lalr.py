@@ -7,6 +7,7 @@ fit, is its own.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
@@ -14,7 +15,6 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant.program.diagnostics import Span
 
 if TYPE_CHECKING:
-    from lark import Lark
     from lark.grammar import Rule
 
 END: Final = "$END"
@@ -26,30 +26,101 @@ Rows = list[dict[str | None, Any]]
 """For each state what a terminal does there: a state to shift to or a Reduction."""
 
 
+Word = tuple[str, str, int, int]
+"""A word of a text: its terminal, END behind the last one, what it says, and its offsets."""
+
+
+class Stack:
+    """How far a text has been read.
+
+    states: one more than there are values. begins, ends: offsets of the values, NOWHERE of what
+    stands for no text. deepest: the most values that there were.
+    """
+
+    __slots__ = ("begins", "deepest", "ends", "states", "values")
+
+    def __init__(self, first: int) -> None:
+        self.states = [first]
+        self.values: list[Any] = []
+        self.begins: list[int] = []
+        self.ends: list[int] = []
+        self.deepest = 0
+
+    def keep(self, values: int) -> None:
+        """Forgets all but the first values."""
+        del self.states[values + 1 :], self.values[values:]
+        del self.begins[values:], self.ends[values:]
+
+    def kept(self) -> Kept:
+        """What `go_back` needs to come back to this place."""
+        values = tuple((v, len(v) if isinstance(v, list) else 0) for v in self.values)
+        return Kept(tuple(self.states), values, tuple(self.begins), tuple(self.ends))
+
+    def go_back(self, kept: Kept) -> None:
+        """Forgets all that was read since."""
+        self.states[:], self.begins[:], self.ends[:] = kept.states, kept.begins, kept.ends
+        self.values[:] = [v[:size] if isinstance(v, list) else v for v, size in kept.values]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Kept:
+    """A stack as it was. values: each with its length then, for lists grow in place."""
+
+    states: tuple[int, ...]
+    values: tuple[tuple[Any, int], ...]
+    begins: tuple[int, ...]
+    ends: tuple[int, ...]
+
+
 @dataclass(frozen=True, slots=True)
 class Tables:
-    """The tables of one start rule: rows and first state. END is shifted behind a whole text."""
+    """The tables of one start rule. END is shifted behind a whole text.
+
+    first: state. leading: for each state the terminal that leads to it, empty for a rule.
+    """
 
     rows: Rows
     first: int
     passing: Passing
+    leading: tuple[str, ...]
 
-    @staticmethod
-    def of(grammar: Lark, start: str) -> Tables:
-        """The tables of a LALR grammar."""
-        conf = grammar.parse_interactive("", start=start).parser_state.parse_conf
-        rules: dict[Any, Reduction] = {}
-        rows: Rows = [{} for _ in conf.states]
-        for state, actions in conf.states.items():
-            for terminal, (_, target) in actions.items():
-                if not isinstance(target, int):
-                    if target not in rules:
-                        rules[target] = Reduction.of(target)
-                    target = rules[target]
-                rows[int(state)][terminal] = target
-        last = int(conf.end_state)
-        rows[last][END] = last
-        return Tables(rows, int(conf.start_state), Passing(rows))
+    def drive(
+        self,
+        stack: Stack,
+        words: Iterable[Word],
+        nodes: Any,
+        *,
+        most: int = sys.maxsize,
+        careful: bool = False,
+    ) -> Word | None:
+        """Reads words on a stack; the one that does not fit, None for a whole text.
+
+        words: may look at the stack for what fits there; without END the last one is answered.
+        nodes: as of `Reduction.reduce`. most: values that may wait on the stack. careful: leaves
+        the stack as it is before a word that does not fit; else rules are done that it completes.
+        """
+        states, values, begins, ends = stack.states, stack.values, stack.begins, stack.ends
+        settle = self.settle
+        word = None
+        for word in words:
+            type, text, begin, end = word
+            if careful and self.after(states, (type,)) is None:
+                return word
+            state = settle(type, states, values, begins, ends, nodes)
+            if state is None:
+                return word
+            if type == END:
+                return None
+            depth = len(states)
+            if depth > stack.deepest:
+                if depth > most:
+                    return word
+                stack.deepest = depth
+            states.append(state)
+            values.append(text)
+            begins.append(begin)
+            ends.append(end)
+        return word
 
     def settle(
         self,
@@ -94,6 +165,10 @@ class Tables:
         changed = list(states)
         return changed if all(self.shift(changed, one) for one in terminals) else None
 
+    def types(self, states: Sequence[int]) -> tuple[str, ...]:
+        """The terminals of the values on a stack, empty for what rules have made."""
+        return tuple(map(self.leading.__getitem__, states[1:]))
+
     def fitting(self, states: Sequence[int]) -> frozenset[str]:
         """The terminals of the grammar, and END, that fit behind what led to these states."""
         row = self.rows[states[-1]]
@@ -127,9 +202,10 @@ class Passing(dict[tuple[int, int, str | None], tuple[int, Any]]):
 class Reduction:
     """A rule of the grammar.
 
-    method: of the nodes, empty for a rule whose children go to the rule around it. children: rows
-    that are not left out, whether what they have is taken one by one, and the Nones before them.
-    behind: Nones behind the last. single: whether one child stands for the rule itself.
+    origin: the symbol that it makes, of as many symbols as size says. method: of the nodes, empty
+    for a rule whose children go to the rule around it. children: rows that are not left out,
+    whether what they have is taken one by one, and the Nones before them. behind: Nones behind the
+    last. single: whether one child stands for the rule itself.
     """
 
     origin: str
@@ -171,6 +247,15 @@ class Reduction:
             single,
             single and size == 1 and children == [(0, False, 0)] and not behind,
         )
+
+    def packed(self) -> list[Any]:
+        """As what a file can hold, in the order of the fields."""
+        return [getattr(self, name) for name in self.__slots__]
+
+    @staticmethod
+    def unpacked(packed: Sequence[Any]) -> Reduction:
+        origin, size, method, children, *rest = packed
+        return Reduction(origin, size, method, tuple(map(tuple, children)), *rest)
 
     def reduce(
         self,

@@ -22,7 +22,6 @@ from assistant.languages.language import (
 from assistant.languages.melfa_basic.reading.files import READ, TOKENISED
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.lazy import offered
-from assistant.program.comparison import Tolerance, compare
 from assistant.program.diagnostics import Diagnostic, Severity, has_errors
 from assistant.program.effects import Effect, KeptKind
 from assistant.program.program import Program
@@ -182,6 +181,7 @@ class MelfaBasic(Language["File"]):
         """
         from assistant.languages.melfa_basic.text.merging.places import places_in_order
         from assistant.languages.melfa_basic.text.merging.trees import merge
+        from assistant.program.comparison import Tolerance, compare
 
         asked = (self.lift_trees((after,), None), program, self.adapt(program).program)
         wanted = [places_in_order(one) for one in asked]

@@ -10,17 +10,23 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from lark import Tree
 from lark.exceptions import UnexpectedInput
 
 from assistant import languages
-from assistant.languages.rapid.reading.driver import drive
+from assistant.languages.grammar import lark
+from assistant.languages.lalr import Stack
+from assistant.languages.rapid.reading.driver import sound_words
 from assistant.languages.rapid.reading.grammar import grammar
 from assistant.languages.rapid.reading.nodes import Nodes
 from assistant.languages.rapid.tree import syntax as s
+from assistant.program.diagnostics import Span
+from assistant.resources import read_grammar
 from tests.languages.rapid.layouts import scattered
 from tests.languages.rapid.modules import files
 
 RAPID = languages.get("rapid")
+LARK = lark(read_grammar("rapid.lark"), ("start",))
 
 
 def everything(value: Any) -> Any:
@@ -36,16 +42,27 @@ def everything(value: Any) -> Any:
 
 
 def driven(text: str) -> Any:
-    read = drive(text, "start", Nodes(text, int, ()))
-    return None if read is None else everything(read[0])
+    tables = grammar().tables["start"]
+    stack = Stack(tables.first)
+    words = sound_words(text, tables.rows, stack.states)
+    if tables.drive(stack, words, Nodes(text, int, ())) is not None:
+        return None
+    return everything(stack.values[0])
 
 
 def by_lark(text: str) -> Any:
     try:
-        tree = grammar().parse(text, start="start")
+        tree = LARK.parse(text)
     except UnexpectedInput:
         return None
-    return everything(Nodes(text, int, ()).of_tree(tree))
+    return everything(of_tree(tree, Nodes(text, int, ())))
+
+
+def of_tree(tree: Tree[Any], nodes: Nodes) -> Any:
+    """What a tree of lark stands for."""
+    children = [of_tree(c, nodes) if isinstance(c, Tree) else c for c in tree.children]
+    place = None if tree.meta.empty else Span(tree.meta.start_pos, tree.meta.end_pos)
+    return getattr(nodes, tree.data)(place, children)
 
 
 @settings(

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any, Final, NamedTuple
 
-from assistant.languages.lalr import END
-from assistant.languages.melfa_basic.reading.grammar import tables
+from assistant.languages.lalr import END, Rows, Stack, Word
+from assistant.languages.melfa_basic.reading.grammar import grammar
 from assistant.languages.melfa_basic.reading.lexer import lexer
 from assistant.languages.melfa_basic.reading.nodes import Nodes, Token
 
@@ -36,31 +38,30 @@ class Stop:
 
 
 def drive(
-    text: str, at: int, end: int, start: str, nodes: Nodes, words: list[Lexeme] | None = None
+    text: str, at: int, end: int, start: str, nodes: Nodes, read: list[Lexeme] | None = None
 ) -> Any | Stop:
     """What `nodes` made of a line that stands between two offsets.
 
-    words: takes what was read.
+    read: takes the words that were.
     """
-    found = tables(start)
-    rows = found.rows
-    states, values, begins, ends = [found.first], list[Any](), list[int](), list[int]()
+    tables = grammar().tables[start]
+    stack = Stack(tables.first)
+    words = islice(_words(text, at, end, tables.rows, stack.states, read), MOST_WORDS + 2)
+    wrong = tables.drive(stack, words, nodes, most=2 * MOST_NESTING)
+    if wrong is None:
+        return stack.values[0]
+    type, _, at, end = wrong
+    return Stop(Lexeme(type, at, end), start)
+
+
+def _words(
+    text: str, at: int, end: int, rows: Rows, states: list[int], read: list[Lexeme] | None
+) -> Iterator[Word]:
+    """Each as what there is room for behind those before it."""
     following = lexer().next
-    count = 0
-    while True:
-        word = following(text, at, end, rows[states[-1]]) or (END, end, end)
-        type, begin, at = word
-        state = found.settle(type, states, values, begins, ends, nodes)
-        if state is not None and type == END:
-            return values[0]
-        if state is None or count > MOST_WORDS or len(states) > 2 * MOST_NESTING:
-            return Stop(Lexeme(*word), start)
-        count += 1
-        if words is not None:
-            words.append(Lexeme(*word))
-        token = Token(text[begin:at])
-        token.type = type
-        states.append(state)
-        values.append(token)
-        begins.append(begin)
-        ends.append(at)
+    while (found := following(text, at, end, rows[states[-1]])) is not None:
+        type, begin, at = found
+        yield type, Token.of(text[begin:at], type), begin, at
+        if read is not None:
+            read.append(Lexeme(type, begin, at))
+    yield END, "", end, end

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any, Final
 
-from assistant.languages.melfa_basic.reading.grammar import grammar, keywords, pattern
+from assistant.languages.melfa_basic.reading.grammar import grammar, keywords
 
 Row = Mapping[str | None, Any]
 
@@ -28,15 +28,16 @@ class Lexer:
 
     def __init__(self) -> None:
         flags = re.IGNORECASE
+        terminals = grammar().terminals
         named = ("NUMBER", "STRING", "COMMENT", "COMPARISON", "SHIFT", "SIGN", "TIMES")
-        groups = {"NAME": pattern("NAME")} | {name: pattern(name) for name in named}
+        groups = {name: terminals[name].regexp for name in ("NAME", *named)}
         listed = "|".join(f"(?P<{name}>{regexp})" for name, regexp in groups.items())
         self._next = re.compile(rf"[ \t\f]*+(?:{listed}|(?P<MARK>.))", flags)
         self._longer = {
-            name: re.compile(pattern(name), flags)
+            name: re.compile(terminals[name].regexp, flags)
             for name in ("POSITION", "EMPTY", "LABEL", "HEX", "BINARY", "REM", "INCLUDE")
         }
-        marks = {t.pattern.value: t.name for t in grammar().terminals if t.pattern.type == "str"}
+        marks = {t.pattern: t.name for t in terminals.values() if t.plain}
         self._marks = marks | dict.fromkeys("$%!&#", "SUFFIX")
         self._keywords = keywords()
         self._pairs = {w: types for w, types in self._keywords.items() if " " in w}

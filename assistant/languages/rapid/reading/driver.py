@@ -1,41 +1,50 @@
-"""A sound text of RAPID by lark's tables. A damaged one is left to `recovery`."""
+"""The words of RAPID, as far as its tables have room for them."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+import re
+from collections.abc import Iterator, Set
+from functools import cache
+from typing import Final
 
-from assistant.languages.lalr import END
-from assistant.languages.rapid.reading.grammar import tables
+from assistant.languages.lalr import END, Rows, Word
+from assistant.languages.rapid.reading.grammar import grammar
 from assistant.languages.rapid.reading.scanner import scanner
-
-if TYPE_CHECKING:
-    from assistant.languages.rapid.reading.nodes import Nodes
 
 IGNORED: Final = frozenset({"BLANK", "COMMENT"})
 
 
-def drive(text: str, start: str, nodes: Nodes) -> tuple[Any, int] | None:
-    """What `nodes` made of a whole text and the most values that stood on the stack.
+def sound_words(text: str, rows: Rows, states: list[int]) -> Iterator[Word]:
+    """The words of a text that is thought to be sound.
 
-    None where a word does not fit.
+    states: of the stack that they are read on.
     """
-    found = tables(start)
-    rows = found.rows
-    states, values, begins, ends = [found.first], list[Any](), list[int](), list[int]()
-    deepest = 0
     for match in scanner().finditer(text):
-        type = match.lastgroup
+        type = match.lastgroup or ""
         if type in IGNORED or (type == "NOTE" and type not in rows[states[-1]]):
             continue
-        state = found.settle(type, states, values, begins, ends, nodes)
-        if state is None:
-            return None
-        states.append(state)
-        values.append(match[0])
-        begins.append(match.start())
-        ends.append(match.end())
-        if len(states) > deepest:
-            deepest = len(states)
-    if found.settle(END, states, values, begins, ends, nodes) is None:
-        return None
-    return values[0], deepest
+        yield type, match[0], match.start(), match.end()
+    yield END, "", len(text), len(text)
+
+
+def words(text: str, at: int, rows: Rows, states: list[int]) -> Iterator[Word]:
+    """The words behind an offset, each as what there is room for, if it can be read so."""
+    while match := scanner().match(text, at):
+        type = match.lastgroup or ""
+        row = rows[states[-1]]
+        at = match.end()
+        if type in IGNORED or (type == "NOTE" and type not in row):
+            continue
+        if type not in row and (fits := _fitting(frozenset(row)).match(text, match.start())):
+            match, type, at = fits, fits.lastgroup or "", fits.end()
+        yield type, match[0], match.start(), at
+    yield END, "", len(text), len(text)
+
+
+@cache
+def _fitting(terminals: Set[str | None]) -> re.Pattern[str]:
+    """Some terminals, in the order in which they are tried."""
+    known = grammar()
+    tried = (name for name in known.order if name in terminals)
+    listed = (f"(?P<{name}>{known.terminals[name].regexp})" for name in tried)
+    return re.compile("|".join(listed) or r"(?!)", re.MULTILINE)

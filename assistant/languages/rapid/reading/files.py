@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from typing import Final
-from xml.sax.saxutils import unescape
 
 from assistant.languages.rapid import rules
 from assistant.program.diagnostics import Diagnostic, Span
@@ -71,7 +70,17 @@ def is_list(text: str) -> bool:
 
 def listed(text: str) -> tuple[str, ...]:
     """The files that a program list names."""
-    return tuple(unescape(name) for name in _LISTED.findall(text) if name)
+    return tuple(map(_unescaped, filter(None, _LISTED.findall(text))))
+
+
+def _unescaped(name: str) -> str:
+    for entity, mark in ENTITIES:
+        name = name.replace(entity, mark)
+    return name
+
+
+ENTITIES: Final = (("&gt;", ">"), ("&lt;", "<"), ("&amp;", "&"))
+"""Of XML and what they stand for, in the order in which they are replaced."""
 
 
 def unreadable(source: SourceText) -> Diagnostic | None:

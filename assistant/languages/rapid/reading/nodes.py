@@ -6,16 +6,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from assistant.languages.rapid.reading.rows import Found
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import gathered
 from assistant.languages.rapid.tree.runs import TargetRun
 from assistant.program.diagnostics import Span
-
-if TYPE_CHECKING:
-    from lark import Tree
 
 _PARTS: Final = re.compile(r"[\[\]]|([-+]?)([0-9.]+(?:[eE][-+]?[0-9]+)?)")
 _ESCAPE: Final = re.compile(r'""|\\\\|\\([0-9a-fA-F]{2})')
@@ -35,12 +32,6 @@ class Nodes:
 
     def __init__(self, text: str, offset: Callable[[int], int], runs: Sequence[Found]) -> None:
         self._text, self._offset, self._runs = text, offset, runs
-
-    def of_tree(self, tree: Tree[Any]) -> Any:
-        """What a tree of lark stands for."""
-        children = [self.of_tree(c) if hasattr(c, "data") else c for c in tree.children]
-        place = None if tree.meta.empty else Span(tree.meta.start_pos, tree.meta.end_pos)
-        return getattr(self, tree.data)(place, children)
 
     def _span(self, place: Place) -> Place:
         if place is None or not self._runs:

@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 from typing import Any, Final
 
+from assistant.languages.lalr import Stack
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.reading import files
 from assistant.languages.rapid.reading.rows import Found, find_runs
@@ -83,11 +84,13 @@ def _read(
     source: SourceText, start: str, *, runs: bool
 ) -> tuple[Any, tuple[Diagnostic, ...]] | Diagnostic:
     """What the typed tree is made of, and the findings; or why the text cannot be read."""
-    from assistant.languages.rapid.reading.driver import drive
+    from assistant.languages.rapid.reading.driver import sound_words
+    from assistant.languages.rapid.reading.grammar import grammar
     from assistant.languages.rapid.reading.nodes import Nodes
     from assistant.languages.rapid.reading.recovery.reading import read_damaged
 
     text = files.with_line_feeds(source.text)
+    tables = grammar().tables[start]
     found = list(find_runs(text)) if runs else []
     while True:
         short = Shortened.of(text, found)
@@ -95,18 +98,19 @@ def _read(
             at = short.offset(long)
             return source.finding(rules.TOO_LONG, Span(at, at + 1), most=MOST_OPERATORS)
         nodes = Nodes(short.text, short.offset, short.runs)
-        driven = drive(short.text, start, nodes)
-        if driven is not None and driven[1] < MOST_NESTING:
-            return driven[0], ()
+        stack = Stack(tables.first)
+        words = sound_words(short.text, tables.rows, stack.states)
+        sound = tables.drive(stack, words, nodes) is None
+        if sound and stack.deepest < MOST_NESTING:
+            return stack.values[0], ()
         if (deep := _too_deep(short.text)) is not None:
             at = short.offset(deep)
             return source.finding(rules.TOO_DEEP, Span(at, at + 1), most=MOST_NESTING)
-        if driven is not None:
-            return driven[0], ()
-        reading = read_damaged(source, short, start)
+        if sound:
+            return stack.values[0], ()
+        reading = read_damaged(source, short, start, nodes)
         if not isinstance(reading, RunInTheWay):
-            tree, findings = reading
-            return nodes.of_tree(tree), findings
+            return reading
         # What stands before the run wants its first row for itself: `IF x` and a line end.
         found = _without_first_row(text, found, reading.number)
 

@@ -35,12 +35,9 @@ FREQUENT: Final = ("BLANK", "SEMICOLON", "COMMA", "NAME", "LPAR", "RPAR", "BACKS
 
 @cache
 def scanner(without: Set[str] = frozenset()) -> re.Pattern[str]:
-    """The terminals in the order in which lark tries them, and the foreign ones around them."""
-    known = sorted(
-        grammar().terminals,
-        key=lambda t: (-t.priority, -t.pattern.max_width, -len(t.pattern.value), t.name),
-    )
-    patterns = {t.name: t.pattern.to_regexp() for t in known}
+    """The terminals in the order in which they are tried, and the foreign ones around them."""
+    known = grammar()
+    patterns = {name: known.terminals[name].regexp for name in known.order}
     rows = {
         **{name: patterns[name] for name in FREQUENT},
         **FOREIGN_BEFORE,

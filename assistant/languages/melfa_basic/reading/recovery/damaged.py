@@ -8,7 +8,7 @@ from typing import Final
 
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.reading.driver import MOST_WORDS, Lexeme, Stop, drive
-from assistant.languages.melfa_basic.reading.grammar import tables
+from assistant.languages.melfa_basic.reading.grammar import grammar
 from assistant.languages.melfa_basic.reading.line import code_start, rule_of, step_of
 from assistant.languages.melfa_basic.reading.nodes import Nodes
 from assistant.languages.melfa_basic.reading.recovery.mistakes import ILLEGAL, Edit
@@ -115,7 +115,7 @@ def _best(line: Changed, stop: Stop) -> Edit | None:
     """The cheapest change behind which the line reads on."""
     text = line.text
     read = _words(text)
-    found = tables(stop.start)
+    found = grammar().tables[stop.start]
     states = found.after((found.first,), (word.type for word in read))
     assert states is not None  # each of them was shifted
     fitting = found.fitting(states)

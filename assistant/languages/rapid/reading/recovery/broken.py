@@ -5,24 +5,23 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
-from assistant.languages.lalr import Tables
+from assistant.languages.lalr import Kept, Tables
 from assistant.languages.rapid.reading.recovery import indentation
 from assistant.languages.rapid.reading.recovery.lexemes import Lexeme
 
 
-@dataclass(frozen=True, slots=True)
-class Kept:
+@dataclass(frozen=True, slots=True, eq=False)
+class HalfIf:
     """The stack as it was at an IF without THEN.
 
-    line_end: of the line that IF stands on. values: each with the length of its list.
+    line_end: of the line that IF stands on.
     """
 
     at: int
     line_end: int
-    states: tuple[Any, ...]
-    values: tuple[tuple[Any, int], ...]
+    stack: Kept
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +41,7 @@ class Repair:
     end: int
     what: str = ""
     silent: bool = False
-    kept: Kept | None = None
+    kept: HalfIf | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +61,7 @@ class Broken:
     types: tuple[str, ...]
     begins: tuple[int, ...]
     base: int
-    kept: tuple[Kept, ...]
+    kept: tuple[HalfIf, ...]
 
     @property
     def word(self) -> Lexeme:

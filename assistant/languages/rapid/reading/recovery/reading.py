@@ -8,22 +8,22 @@ made. What can be mended in no way becomes a placeholder, as the pendant writes 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Iterator
+from typing import Any, Final
 
+from assistant.languages.lalr import END, NOWHERE, Stack, Word
 from assistant.languages.rapid import rules
+from assistant.languages.rapid.reading.driver import words
 from assistant.languages.rapid.reading.files import with_line_feeds
-from assistant.languages.rapid.reading.grammar import grammar, tables
+from assistant.languages.rapid.reading.grammar import grammar
+from assistant.languages.rapid.reading.nodes import Nodes
 from assistant.languages.rapid.reading.recovery import wording
-from assistant.languages.rapid.reading.recovery.broken import CLAUSES, Broken, Kept, Repair
-from assistant.languages.rapid.reading.recovery.lexemes import END, lexemes
+from assistant.languages.rapid.reading.recovery.broken import CLAUSES, Broken, HalfIf, Repair
+from assistant.languages.rapid.reading.recovery.lexemes import lexemes
 from assistant.languages.rapid.reading.recovery.repairs import best
 from assistant.languages.rapid.reading.shortened import RunInTheWay, Shortened
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.text import SourceText
-
-if TYPE_CHECKING:
-    from lark import Token
 
 MOST_FINDINGS: Final = 50
 FURTHER: Final = 24
@@ -31,13 +31,14 @@ FURTHER: Final = 24
 MOST_MENDS: Final = 2000
 """Repairs, the unsaid ones included, after which a file counts as damaged all over."""
 ROUTINES: Final = frozenset({"_PROC", "_FUNC", "_TRAP"})
+NOTED: Final = ROUTINES | {"_IF"}
 
 
 def read_damaged(
-    source: SourceText, short: Shortened, start: str
+    source: SourceText, short: Shortened, start: str, nodes: Nodes
 ) -> tuple[Any, tuple[Diagnostic, ...]] | RunInTheWay:
-    """Lark's tree of a damaged file and what is wrong with it."""
-    reading = _Reading(source, short, start)
+    """What `nodes` make of a damaged file, and what is wrong with it."""
+    reading = _Reading(source, short, start, nodes)
     try:
         return reading.tree(), tuple(reading.findings)
     except _Way as way:
@@ -51,102 +52,66 @@ class _Way(Exception):
 
 
 class _Reading:
-    def __init__(self, source: SourceText, short: Shortened, start: str) -> None:
-        parser = grammar().parse_interactive(short.text, start=start)
+    def __init__(self, source: SourceText, short: Shortened, start: str, nodes: Nodes) -> None:
         self.source, self.short = source, short
         self.text = with_line_feeds(source.text)
         self.findings: list[Diagnostic] = []
-        self._state: Any = parser.parser_state
-        self._lexer: Any = parser.lexer_thread
-        self._tables = tables(start)
+        self._tables = grammar().tables[start]
+        self._stack = Stack(self._tables.first)
+        self._nodes = nodes
+        self._at = 0
         self._quiet_until = -1
-        self._kept: list[Kept] = []
-        self._mends = 0
+        self._kept: list[HalfIf] = []
 
     def tree(self) -> Any:
-        while True:
-            error = None
-            for token in self._tokens():
-                if self._after([token.type]) is None:
-                    error = token
-                    break
-                self._note(token)
-                if token.type == END:
-                    return self._state.feed_token(token, True)
-                self._state.feed_token(token)
-            self._mends += 1
-            if self._mends > MOST_MENDS:
-                return self._nothing()
-            self._mend(self._at if error is None else int(error.start_pos or 0), error)
+        for _ in range(MOST_MENDS + 1):
+            words = self._words()
+            wrong = self._tables.drive(self._stack, words, self._nodes, careful=True)
+            if wrong is None:
+                return self._stack.values[0]
+            self._mend(wrong)
+        return self._nodes.start(None, [None])  # damaged all over
 
-    def _nothing(self) -> Any:
-        """A tree without parts, for what is damaged all over."""
-        from lark import Tree
+    def _words(self) -> Iterator[Word]:
+        states = self._stack.states
+        for word in words(self.short.text, self._at, self._tables.rows, states):
+            if word[0] in NOTED and self._tables.after(states, word[:1]) is not None:
+                self._note(word)
+            yield word
 
-        return Tree("start", [None])
-
-    @property
-    def _at(self) -> int:
-        at: int = self._lexer.state.line_ctr.char_pos
-        return at
-
-    def _tokens(self) -> Iterator[Token]:
-        """The rest of the text; ends early where no word is found."""
-        from lark import Token
-        from lark.exceptions import UnexpectedCharacters, UnexpectedToken
-
-        try:
-            yield from self._lexer.lex(self._state)
-        except UnexpectedToken as error:  # a word of the language, but not one for here
-            yield error.token
-            return
-        except UnexpectedCharacters as error:
-            self._lexer.state.line_ctr.char_pos = error.pos_in_stream
-            return
-        at = len(self.short.text)
-        yield Token(END, "", at, 1, 1, 1, 1, at)
-
-    def _after(self, terminals: Sequence[str]) -> list[int] | None:
-        return self._tables.after(self._state.state_stack, terminals)
-
-    def _note(self, token: Token) -> None:
+    def _note(self, word: Word) -> None:
         """Remembers where an IF without THEN began: its ENDIF tells what it was meant to be."""
-        if token.type in ROUTINES:
+        type, _, at, _ = word
+        if type in ROUTINES:
             self._kept.clear()
-        elif token.type == "_IF" and token.start_pos is not None:
-            text, at = self.short.text, token.start_pos
+        elif type == "_IF":
+            text = self.short.text
             stop = text.find(";", at)
             line = text.find("\n", at)
             code = re.sub(r"![^\n]*", "", text[at:stop])
             if 0 <= line < stop and "then" not in code.lower():
-                self._kept.append(
-                    Kept(
-                        self.short.offset(at),
-                        self.short.offset(line),
-                        tuple(self._state.state_stack),
-                        tuple(map(_marked, self._state.value_stack)),
-                    )
-                )
+                begin, end = self.short.offset(at), self.short.offset(line)
+                self._kept.append(HalfIf(begin, end, self._stack.kept()))
 
-    def _mend(self, short_at: int, token: Token | None) -> None:
-        if token is not None and token.type in ("TARGETS", "MOVES"):
-            first = ("NAME",) if token.type == "MOVES" else ("CONST", "LOCAL")
-            if any(self._after([t]) is not None for t in first):
-                raise _Way(int(token[1:-1]))
-        at = len(self.text) if token is not None and token.type == END else None
-        at = self.short.offset(short_at) if at is None else at
+    def _mend(self, wrong: Word) -> None:
+        type, said, short_at, _ = wrong
+        if type in ("TARGETS", "MOVES"):
+            first = ("NAME",) if type == "MOVES" else ("CONST", "LOCAL")
+            if any(self._tables.after(self._stack.states, (t,)) is not None for t in first):
+                raise _Way(int(said[1:-1]))
+        at = len(self.text) if type == END else self.short.offset(short_at)
         base, begin = self._statement(at)
-        words = lexemes(self.text, begin, at, FURTHER)
-        error = next((i for i, word in enumerate(words) if word.end > at), len(words) - 1)
-        states = self._state.state_stack
+        near = lexemes(self.text, begin, at, FURTHER)
+        error = next((i for i, word in enumerate(near) if word.end > at), len(near) - 1)
+        stack = self._stack
         broken = Broken(
             self.text,
-            words,
+            near,
             error,
             self._tables,
-            states,
-            tuple(getattr(v, "type", "") for v in self._state.value_stack),
-            tuple(map(self._begins, self._state.value_stack)),
+            stack.states,
+            self._tables.types(stack.states),
+            self._begins(),
             base,
             tuple(self._kept),
         )
@@ -157,23 +122,22 @@ class _Reading:
 
     def _statement(self, at: int) -> tuple[int, int]:
         """How much of the stack stands before the damaged statement, and where that begins."""
-        states, values = self._state.state_stack, self._state.value_stack
-        base = len(values)
+        states, types = self._stack.states, self._tables.types(self._stack.states)
+        base = len(types)
         while base and not STARTS & self._tables.rows[states[base]].keys():
             base -= 1
-            if getattr(values[base], "type", "") in CLAUSES:
+            if types[base] in CLAUSES:
                 break
-        for value in values[base:]:
-            if (begin := self._begins(value)) >= 0:
-                return base, begin
-        return base, at
+        return base, next((begin for begin in self._begins()[base:] if begin >= 0), at)
 
-    def _begins(self, value: Any) -> int:
-        """Offset of a value of the stack; -1 for one that stands for no text."""
-        at = getattr(value, "start_pos", None)
-        if at is None and not getattr(getattr(value, "meta", None), "empty", True):
-            at = value.meta.start_pos
-        return -1 if at is None or getattr(value, "end_pos", None) == at else self.short.offset(at)
+    def _begins(self) -> tuple[int, ...]:
+        """Offsets of the values of the stack; -1 for one that stands for no text."""
+        stack, offset = self._stack, self.short.offset
+        types = self._tables.types(stack.states)
+        return tuple(
+            NOWHERE if begin == NOWHERE or (type and begin == end) else offset(begin)
+            for type, begin, end in zip(types, stack.begins, stack.ends, strict=True)
+        )
 
     def _say(self, broken: Broken, repair: Repair, *, full: bool) -> None:
         word = broken.words[broken.error]
@@ -188,26 +152,21 @@ class _Reading:
 
     def _make(self, broken: Broken, repair: Repair) -> None:
         """Changes the stack and goes on behind the damaged place."""
-        from lark import Token
-
-        state = self._state
         if repair.kept is not None:
-            state.state_stack[:] = repair.kept.states
-            state.value_stack[:] = [_as_marked(*value) for value in repair.kept.values]
+            self._stack.go_back(repair.kept.stack)
             self._kept.remove(repair.kept)
         else:
-            del state.state_stack[repair.keep + 1 :]
-            del state.value_stack[repair.keep :]
+            self._stack.keep(repair.keep)
         for word in repair.put:
             at = self.short.back(word.start)
-            end = at + word.end - word.start
-            state.feed_token(Token(word.type, word.text, at, 1, 1, 1, 1, end))
+            shifted = word.type, word.text, at, at + word.end - word.start
+            self._tables.drive(self._stack, (shifted,), self._nodes)
         ended = broken.word.type == END and repair.resume >= broken.word.start
         go_on = len(self.text) if ended else repair.resume
         inside = self.short.run_around(self.text, go_on)
         if inside is not None:
             raise _Way(inside)
-        self._lexer.state.line_ctr.char_pos = self.short.back(go_on)
+        self._at = self.short.back(go_on)
         place = broken.words[broken.error].start
         if broken.error and go_on <= place:
             before = broken.words[broken.error - 1].end
@@ -220,18 +179,3 @@ class _Reading:
 
 STARTS: Final = frozenset({"_FOR", "_RECORD", "_MODULE"})
 """Words that only a whole statement, item or module may begin with."""
-
-
-def _marked(value: Any) -> tuple[Any, int]:
-    """A value of the stack, and how far the list goes that lark may still extend in place."""
-    from lark import Tree
-
-    return value, len(value.children) if isinstance(value, Tree) else 0
-
-
-def _as_marked(value: Any, length: int) -> Any:
-    from lark import Tree
-
-    if not isinstance(value, Tree):
-        return value
-    return Tree(value.data, value.children[:length], value.meta)

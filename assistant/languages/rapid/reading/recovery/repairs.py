@@ -129,7 +129,7 @@ def _forgotten_then(b: Broken) -> Iterator[tuple[Repair, int, int]]:
     head = [word for word in line if word.start < kept.line_end]
     end = head[-1].end
     words = (*head, *put(["_THEN"], end))
-    if b.tables.after(kept.states, (word.type for word in words)) is not None:
+    if b.tables.after(kept.stack.states, (word.type for word in words)) is not None:
         yield Repair("insert", 0, words, kept.line_end, end, end, "_THEN", kept=kept), b.error, 0
 
 

@@ -1,0 +1,148 @@
+"""A grammar as its readers need it: terminals and tables, worked out by lark once and kept.
+
+Working them out takes longer than all else that is done with a small program. So they are kept
+where Python keeps the bytecode of the package, since who can write there can change the program as
+well, and lark is only loaded where the grammar has changed or nothing can be kept.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from itertools import chain
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant.languages.lalr import END, Passing, Reduction, Rows, Tables
+from assistant.resources import kept_place, read_grammar
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from lark import Lark
+
+FORM: Final = 1
+"""Of what is kept; another one is made anew."""
+
+
+@dataclass(frozen=True, slots=True)
+class Terminal:
+    """A terminal of a grammar.
+
+    pattern: what the grammar says, a text as it is written if `plain`, else a regular expression.
+    regexp: a regular expression with its flags, for both.
+    """
+
+    name: str
+    pattern: str
+    plain: bool
+    regexp: str
+
+
+@dataclass(frozen=True, slots=True)
+class Grammar:
+    """terminals: by name, in the order of the grammar. order: their names in the order in which
+    they are tried on a text. tables: by start rule.
+    """
+
+    terminals: Mapping[str, Terminal]
+    order: tuple[str, ...]
+    tables: Mapping[str, Tables]
+
+
+def load(name: str, starts: tuple[str, ...]) -> Grammar:
+    """The grammar of a file in `grammars`, for some start rules."""
+    text = read_grammar(name)
+    place = kept_place(name, ".lalr")
+    if place is not None:
+        with suppress(OSError, ValueError, TypeError, LookupError):
+            kept = json.loads(place.read_bytes())
+            if kept["of"] == [FORM, text, *starts]:
+                return _unpacked(kept)
+    packed = _packed(lark(text, starts), starts)
+    if place is not None:
+        _keep(place, json.dumps({"of": [FORM, text, *starts], **packed}))
+    return _unpacked(packed)
+
+
+def lark(text: str, starts: tuple[str, ...]) -> Lark:
+    """The parser that lark makes of a grammar."""
+    from lark import Lark
+
+    return Lark(
+        text,
+        parser="lalr",
+        lexer="contextual",
+        start=list(starts),
+        propagate_positions=True,
+        maybe_placeholders=True,
+    )
+
+
+def _keep(place: Path, text: str) -> None:
+    """Writes a file as a whole or not at all; where it cannot be written, nothing is kept."""
+    written = place.with_suffix(f".{os.getpid()}")
+    with suppress(OSError):
+        written.write_text(text, "utf-8")
+        written.replace(place)
+
+
+def _packed(grammar: Lark, starts: tuple[str, ...]) -> dict[str, Any]:
+    """A grammar as lists of numbers and texts.
+
+    A row of the tables is a list of symbols and of what each of them does, by turns: a state to go
+    to, or a rule, counted on from the states.
+    """
+    confs = {s: grammar.parse_interactive("", start=s).parser_state.parse_conf for s in starts}
+    states = confs[starts[0]].states
+    symbols: dict[str, int] = {END: 0}
+    rules: dict[Any, int] = {}
+    rows: list[list[int]] = [[] for _ in states]
+    leading = [""] * len(states)
+    for state, actions in states.items():
+        for symbol, (_, target) in actions.items():
+            if isinstance(target, int):
+                leading[target] = symbol if symbol.isupper() else ""
+            else:
+                target = len(states) + rules.setdefault(target, len(rules))
+            rows[int(state)] += (symbols.setdefault(str(symbol), len(symbols)), target)
+    for conf in confs.values():
+        last = int(conf.end_state)
+        rows[last] += (symbols[END], last)
+    tried = sorted(
+        grammar.terminals,
+        key=lambda t: (-t.priority, -t.pattern.max_width, -len(t.pattern.value), t.name),
+    )
+    return {
+        "terminals": [
+            (t.name, t.pattern.value, t.pattern.type == "str", t.pattern.to_regexp())
+            for t in grammar.terminals
+        ],
+        "order": [t.name for t in tried],
+        "symbols": list(symbols),
+        "rules": [Reduction.of(rule).packed() for rule in rules],
+        "rows": rows,
+        "leading": leading,
+        "starts": {start: int(conf.start_state) for start, conf in confs.items()},
+    }
+
+
+def _unpacked(packed: Mapping[str, Any]) -> Grammar:
+    symbols = packed["symbols"]
+    rules = (Reduction.unpacked(rule) for rule in packed["rules"])
+    actions = list(chain(range(len(packed["rows"])), rules))
+    rows: Rows = [
+        {
+            symbols[symbol]: actions[action]
+            for symbol, action in zip(row[::2], row[1::2], strict=True)
+        }
+        for row in packed["rows"]
+    ]
+    passing, leading = Passing(rows), tuple(packed["leading"])
+    return Grammar(
+        {name: Terminal(name, *rest) for name, *rest in packed["terminals"]},
+        tuple(packed["order"]),
+        {start: Tables(rows, first, passing, leading) for start, first in packed["starts"].items()},
+    )
