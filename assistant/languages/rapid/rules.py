@@ -112,7 +112,7 @@ OTHER_LANGUAGE: Final = Rule(
     "a statement of {language} has no meaning in RAPID: {text}",
     "{cure}",
 )
-NO_MEANING: Final = Rule("RA305", ERROR, "RAPID cannot say {what}", "{hint}")
+NO_MEANING: Final = Rule("RA305", ERROR, "RAPID cannot say {what}", "{cure}")
 CHANGED: Final = Rule("RA306", WARNING, "{what} is written as {instead}", "{hint}")
 NOT_FINITE: Final = Rule(
     "RA307", ERROR, "{what} holds a number that is not finite", "correct the input"

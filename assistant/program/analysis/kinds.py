@@ -18,6 +18,9 @@ COMPONENTS: Final = frozenset(("x", "y", "z", *(f"j{axis}" for axis in range(1, 
 _TEXTS: Final = ("text", "fixed", "part")
 """The type, and functions that give one."""
 _LITERALS: Final = (e.Number, e.Truth, e.TargetValue, e.JointValue, e.PoseValue)
+_ARITHMETIC: Final = ("+", "-", "*", "/", "div", "mod", "^")
+_TRUTHS: Final = (*e.LOGICAL, *e.RELATIONS)
+_NUMBERS: Final = ("number", "integer")
 
 
 def kinds(program: Program, procedure: Procedure) -> Kinds:
@@ -59,3 +62,37 @@ def is_value(x: e.Expression, known: Kinds) -> bool:
                 function.lower(), "text"
             ) not in _TEXTS
     return isinstance(x, _LITERALS)
+
+
+def is_truth(x: e.Expression, known: Kinds) -> bool:
+    match x:
+        case e.Name(name) | e.Index(e.Name(name)):
+            return known.get(name.lower()) == "truth"
+        case e.Binary(operator):
+            return operator in _TRUTHS
+        case e.Unary("not") | e.Truth():
+            return True
+    return False
+
+
+def is_number(x: e.Expression, known: Kinds) -> bool:
+    match x:
+        case e.Name(name):
+            return known.get(name.lower()) in _NUMBERS
+        case e.Index(value):
+            return is_number(value, known)
+        case e.Member(_, field):
+            return field in COMPONENTS
+        case e.Unary("-") | e.Number():
+            return True
+        case e.Binary(operator):
+            return operator in _ARITHMETIC
+    return False
+
+
+def is_position(x: e.Expression, known: Kinds) -> bool:
+    """Whether it is a target, which has more than the pose that it is at."""
+    match x:
+        case e.Name(name) | e.Index(e.Name(name)):
+            return known.get(name.lower()) == "position"
+    return isinstance(x, e.TargetValue)

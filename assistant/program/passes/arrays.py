@@ -95,10 +95,11 @@ def with_array_parameters(job: Legalising) -> Program:
     """
     program = job.program
     firsts = {q.unit: q.name for q in reversed(program.procedures)}
+    has_functions = job.can.procedures is None or job.can.procedures.functions
     procedures = []
     for procedure in program.procedures:
         first = procedure.unit is not None and firsts[procedure.unit] == procedure.name
-        called = first or not job.can.functions
+        called = first or not has_functions
         for q in procedure.parameters:
             if not q.dimensions or (q.dimensions == 1 and not called):
                 continue
@@ -138,13 +139,12 @@ def _filled(
         made[name] = variable
         if not variable.size:
             continue
-        can = job.can
-        if len(variable.size) > can.most_dimensions or max(variable.size) > can.most_elements:
+        can = job.can.arrays
+        if can and (len(variable.size) > can.dimensions or max(variable.size) > can.elements):
             extents = " x ".join(map(str, variable.size))
             job.findings.append(job.can.cannot_say(
                 what=f"the array `{name}` of {extents} elements",
-                cure=f"use at most {can.most_dimensions} dimensions "
-                f"of {can.most_elements} elements",
+                cure=f"use at most {can.dimensions} dimensions of {can.elements} elements",
                 about=Declared(name, "variables", owner),
             ))  # fmt: skip
             continue

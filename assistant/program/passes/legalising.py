@@ -2,31 +2,110 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import wraps
+from typing import Literal
 
 from assistant.program.diagnostics import Findings, Rule
 from assistant.program.passes.watching import passed
-from assistant.program.program import Program
+from assistant.program.program import Program, Variable
 
 
-@dataclass(frozen=True, slots=True)
-class Capabilities:
-    """What a language can say of what programs ask for, and the rules that tell of the rest.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Units:
+    """How long paths go to units of their own, which the program loads or calls.
 
-    functions: procedures have parameters, results and variables of their own. most_dimensions,
-    most_elements: of an array, the elements of one dimension. cannot_say: has the fields what and
-    cure. as_variables: of a procedure (name) whose parameters and result become variables.
-    recursive: of one (name) that calls itself though its data exist once.
+    most: targets of a unit. least_most: fewer of them count as that. least: targets of a piece.
+    counted: what has so many at most, all that a unit holds or the paths of one procedure.
+    part, unit, path: format of the names of a piece's procedure (of the path's name and the number
+    of the piece) and of its unit (the same), both if that is empty, and of its path (of the
+    procedure's name). straight: a piece begins with a straight move where one is near.
+    most_steps: of a path in one unit, None without limit; first, steps: those that its first row,
+    and a change of a column, take beside one for each move.
+    split: has the fields name, count and parts.
+    """
+
+    most: int
+    least_most: int
+    least: int
+    counted: Literal["unit", "procedure"]
+    part: str
+    unit: str
+    path: str
+    straight: bool
+    split: Rule
+    most_steps: int | None = None
+    first: int = 0
+    steps: Mapping[str, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Variables:
+    """What a language makes of variables.
+
+    external: of a name and its variable, whether it is one of all programs of a controller, and no
+    program gives it its first value. persistent: that it gets its first value at each start
+    (name). carried: that it gets it in each cycle (name).
+    """
+
+    external: Callable[[str, Variable], bool]
+    persistent: Rule
+    carried: Rule
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FiveAxes:
+    """Rules of arms of five axes: orientations that they do not reach.
+
+    unreachable: has the fields name and angle. over_the_back: name. to_base: a frame (name) whose
+    targets are said in the base.
+    """
+
+    unreachable: Rule
+    over_the_back: Rule
+    to_base: Rule
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Arrays:
+    """The most dimensions of an array, and the most elements of one dimension."""
+
+    dimensions: int
+    elements: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Procedures:
+    """What a language makes of procedures.
+
+    functions: they have parameters, results and variables of their own; else as_variables tells of
+    one (name) whose parameters and result become variables of the program, and recursive of one
+    (name) that calls itself though its data exist once.
     """
 
     functions: bool
-    most_dimensions: int
-    most_elements: int
-    cannot_say: Rule
     as_variables: Rule
     recursive: Rule
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Capabilities:
+    """What a language can say of what programs ask for, and the rules that tell of the rest.
+
+    A table that is None is of what the language says as it stands: the pass leaves it alone.
+
+    kin: languages whose programs mean by their values what this one does. cannot_say: has the
+    fields what and cure.
+    """
+
+    kin: frozenset[str]
+    cannot_say: Rule
+    units: Units | None = None
+    procedures: Procedures | None = None
+    arrays: Arrays | None = None
+    variables: Variables | None = None
+    five_axes: FiveAxes | None = None
 
 
 @dataclass(frozen=True, slots=True)

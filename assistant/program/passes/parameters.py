@@ -26,6 +26,7 @@ from assistant.program.analysis.uses import (
     read_before,
     unordered,
 )
+from assistant.program.diagnostics import Rule
 from assistant.program.passes.hoisting import Taken, hoisted
 from assistant.program.passes.legalising import Legalising
 from assistant.program.passes.procedures import has_form, is_called_with_arguments
@@ -39,13 +40,14 @@ MOST_COPIES: Final = 200
 
 def with_sayable_procedures(job: Legalising) -> Program:
     """The program with procedures that the language has; in one with functions all of them are."""
-    if not job.can.functions:
-        return without_parameters(job)
+    can = job.can.procedures
+    if can is not None and not can.functions:
+        return without_parameters(job, can.as_variables)
     job.findings.extend(unordered(job.program, job.can.cannot_say))
     return job.program
 
 
-def without_parameters(job: Legalising) -> Program:
+def without_parameters(job: Legalising, told: Rule) -> Program:
     """The program with variables for the parameters and results of its procedures.
 
     None of those that have some may call itself. The procedure that a called program begins
@@ -59,7 +61,7 @@ def without_parameters(job: Legalising) -> Program:
     for procedure in formed:
         about = Declared(procedure.name, "procedures")
         with job.findings.at(procedure.span):
-            job.findings.append(job.can.as_variables(name=procedure.name, about=about))
+            job.findings.append(told(name=procedure.name, about=about))
     return _Forms(job, formed).program() if formed else program
 
 

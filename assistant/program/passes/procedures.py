@@ -11,12 +11,14 @@ from assistant.program import statements as p
 from assistant.program.analysis.assignment import Assigning
 from assistant.program.analysis.uses import called
 from assistant.program.geometry import IDENTITY, Configuration, JointTarget, Target
+from assistant.program.passes.legalising import Legalising
 from assistant.program.program import (
     Procedure,
     Program,
     ValueType,
 )
 from assistant.program.rewriting import records
+from assistant.program.subjects import Declared
 
 NOTHING: Final[dict[ValueType, e.Expression]] = {
     "number": e.Number(0),
@@ -71,6 +73,52 @@ def is_called_with_arguments(procedure: Procedure, program: Program) -> bool:
         return False
     first = next(q for q in program.procedures if q.unit == procedure.unit)
     return first.name == procedure.name and all(q.mode == "in" for q in procedure.parameters)
+
+
+def procedures_of(program: Program, unit: str | None) -> tuple[Procedure | None, list[Procedure]]:
+    """The procedure that a unit begins with, and those that it calls."""
+    mine = [q for q in program.procedures if q.unit == unit]
+    if unit is not None:
+        return (mine[0], mine[1:]) if mine else (None, [])
+    entry = (program.entry or "").lower()
+    first = next((q for q in mine if q.name.lower() == entry), None)
+    return first, [q for q in mine if q is not first]
+
+
+def has_functions(program: Program, unit: str | None, functions: bool) -> bool:
+    """Whether what a unit calls are functions; subroutines, if not, share all variables."""
+    _, others = procedures_of(program, unit)
+    return functions and any(q.parameters or q.result is not None for q in others)
+
+
+def without_recursion(job: Legalising) -> Program:
+    """The program itself; procedures whose data exist once must not call themselves."""
+    can = job.can.procedures
+    if can is not None:
+        for procedure in recursive(job.program):
+            if not has_functions(job.program, procedure.unit, can.functions):
+                with job.findings.at(procedure.span):
+                    about = Declared(procedure.name, "procedures")
+                    job.findings.append(can.recursive(name=procedure.name, about=about))
+    return job.program
+
+
+def with_entry_first(program: Program) -> Program:
+    """The program with its entry first, as its procedure spells it; none that is not there."""
+    entry = program.procedure(program.entry) if program.entry else None
+    return replace(
+        program,
+        entry=entry.name if entry else None,
+        procedures=tuple(sorted(program.procedures, key=lambda q: q is not entry)),
+    )
+
+
+def with_units_together(program: Program) -> Program:
+    """The program with the procedures of each unit together, the main unit first."""
+    units: dict[str | None, list[Procedure]] = {None: []}
+    for procedure in program.procedures:
+        units.setdefault(procedure.unit, []).append(procedure)
+    return replace(program, procedures=tuple(q for unit in units.values() for q in unit))
 
 
 def recursive(program: Program) -> Iterator[Procedure]:

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from assistant.languages.melfa_basic.tables.dialects import PROGRAM_NAME, Dialect
+from assistant.languages.melfa_basic.tables.variables import LETTERS, is_external
 from assistant.languages.melfa_basic.tables.vocabulary.timers import MOST_TIMERS
 from assistant.languages.melfa_basic.tables.words import ARC_START, RESERVED, free
 from assistant.program import expressions as e
@@ -20,7 +21,6 @@ from assistant.program.program import (
     Parameter,
     Procedure,
     Program,
-    ValueType,
     Variable,
     walk,
 )
@@ -30,11 +30,6 @@ from assistant.program.timers import timers
 
 MAIN: Final = "MAIN"
 """The `Function` that a program of MELFA-BASIC VI begins with."""
-
-LETTERS: Final[dict[ValueType, str]] = {
-    "number": "M", "integer": "M", "truth": "M", "text": "C",
-    "position": "P", "pose": "P", "joints": "J",
-}  # fmt: skip
 
 _MADE_LABEL: Final = re.compile(r"[IW][0-9]+([TN][0-9]+|Z)?")
 """Labels that a lowered `If` and `Wait` make."""
@@ -139,20 +134,6 @@ def _number_timers(names: Names, program: Program) -> None:
     names.timers.update(zip(left, free, strict=False))
     taken |= set(names.timers.values())
     names.wait_timer = next((n for n in numbers if n not in taken), 0)
-
-
-def is_external(name: str, variable: Variable) -> bool:
-    """Whether it is one variable of all programs of a controller, which its name must stay for.
-
-    The second character of such a name is `_` (CR1D 4.3.7); first values of its own it has none.
-    """
-    written = re.fullmatch(r"[PJMC]_[A-Z0-9_]+", name.upper())
-    return (
-        written is not None
-        and variable.storage == "persistent"
-        and (variable.initial is None or re.fullmatch(r"._[01][0-9]", name) is not None)
-        and name[0].upper() == LETTERS[variable.type]
-    )
 
 
 def _owners(program: Program) -> Iterable[tuple[Procedure | None, str]]:

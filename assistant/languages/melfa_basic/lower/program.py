@@ -10,10 +10,11 @@ import numpy as np
 
 from assistant.languages.melfa_basic.lower.expressions import joint_constant, position_constant
 from assistant.languages.melfa_basic.lower.heading import heading, named
-from assistant.languages.melfa_basic.lower.names import LETTERS, naming
+from assistant.languages.melfa_basic.lower.names import naming
 from assistant.languages.melfa_basic.lower.unit import Unit
 from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP, Dialect
+from assistant.languages.melfa_basic.tables.variables import LETTERS
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
 from assistant.languages.melfa_basic.tree.line_tables import gathered

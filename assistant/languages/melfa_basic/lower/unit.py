@@ -10,26 +10,11 @@ from assistant.languages.melfa_basic.lower.statements import STATEMENTS
 from assistant.languages.melfa_basic.lower.writer import Writer
 from assistant.languages.melfa_basic.tables.dialects import Dialect
 from assistant.program.diagnostics import Diagnostic
+from assistant.program.passes.procedures import has_functions, procedures_of
 from assistant.program.program import Parameter, Procedure, Program, Variable
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
-
-
-def has_functions(program: Program, unit: str | None, functions: bool) -> bool:
-    """Whether what a unit calls are functions; subroutines, if not, share all variables."""
-    _, others = _procedures(program, unit)
-    return functions and any(q.parameters or q.result is not None for q in others)
-
-
-def _procedures(program: Program, unit: str | None) -> tuple[Procedure | None, list[Procedure]]:
-    """The procedure that a unit begins with, and those that it calls."""
-    mine = [p for p in program.procedures if p.unit == unit]
-    if unit is not None:
-        return (mine[0], mine[1:]) if mine else (None, [])
-    entry = (program.entry or "").lower()
-    first = next((p for p in mine if p.name.lower() == entry), None)
-    return first, [p for p in mine if p is not first]
 
 
 class Unit:
@@ -53,7 +38,7 @@ class Unit:
         return self.writer.findings
 
     def procedures(self) -> tuple[Procedure | None, list[Procedure]]:
-        return _procedures(self.program, self.unit)
+        return procedures_of(self.program, self.unit)
 
     def variables(self) -> Iterator[tuple[str, str, Variable | Parameter]]:
         """Owner (a procedure's name in lower case or empty), name and variable."""

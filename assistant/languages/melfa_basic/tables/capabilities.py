@@ -2,17 +2,60 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final
+
 from assistant.languages.melfa_basic import rules
-from assistant.languages.melfa_basic.tables.dialects import Dialect
-from assistant.program.passes.legalising import Capabilities
+from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP, Dialect
+from assistant.languages.melfa_basic.tables.variables import is_external
+from assistant.program.passes.legalising import (
+    Arrays,
+    Capabilities,
+    FiveAxes,
+    Procedures,
+    Units,
+    Variables,
+)
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+
+UNITS: Final = Units(
+    most=30_000,  # its steps end at 32767, and the heading takes some
+    least_most=2,
+    least=1,
+    counted="procedure",
+    part="{}_part_{}",
+    unit="",
+    path="{}",
+    straight=True,
+    most_steps=LAST_STEP - 700,
+    first=5,
+    steps={"speed": 2, "blend": 1, "tool": 1, "frame": 1},
+    split=rules.SPLIT,
+)
+ARRAYS: Final = Arrays(dimensions=3, elements=999)
+"""COSIMIR help, Dim."""
+VARIABLES: Final = Variables(
+    external=is_external, persistent=rules.PERSISTENT, carried=rules.CARRIED
+)
+FIVE_AXES: Final = FiveAxes(
+    unreachable=rules.UNREACHABLE, over_the_back=rules.OVER_THE_BACK, to_base=rules.TO_BASE
+)
 
 
-def capabilities(dialect: Dialect) -> Capabilities:
+def capabilities(
+    dialect: Dialect, robot: Robot | None = None, most_targets: int | None = None
+) -> Capabilities:
+    """most_targets: of one unit, None for the language's own limit."""
     return Capabilities(
-        functions=dialect.functions,
-        most_dimensions=3,
-        most_elements=999,  # of one dimension (COSIMIR help, Dim)
+        kin=frozenset(DIALECTS),
         cannot_say=rules.CANNOT_SAY,
-        as_variables=rules.AS_VARIABLES,
-        recursive=rules.RECURSIVE,
+        units=UNITS if most_targets is None else replace(UNITS, most=most_targets),
+        procedures=Procedures(
+            functions=dialect.functions, as_variables=rules.AS_VARIABLES, recursive=rules.RECURSIVE
+        ),
+        arrays=ARRAYS,
+        variables=VARIABLES,
+        five_axes=FIVE_AXES if robot is not None and robot.five_axis else None,
     )

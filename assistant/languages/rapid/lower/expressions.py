@@ -113,7 +113,7 @@ class Expressions:
         raise refuse(
             rules.NO_MEANING,
             what="a component of an expression",
-            hint="put the value into a variable first",
+            cure="put the value into a variable first",
         )
 
     def _call(self, name: str, given: tuple[e.Expression, ...]) -> s.FunctionCall:
@@ -142,7 +142,7 @@ class Expressions:
             raise refuse(
                 rules.NO_MEANING,
                 what=f"the function `{function}` of {len(given)} arguments",
-                hint="compute the value otherwise",
+                cure="compute the value otherwise",
             )
         return self._call(self._names.get("procedures", function), given)
 
@@ -171,7 +171,7 @@ def text(value: str) -> s.StringLiteral:
         raise refuse(
             rules.NO_MEANING,
             what=f"the characters of {value[:30]!a}",
-            hint="use letters of Latin-1 only",
+            cure="use letters of Latin-1 only",
         )
     return s.StringLiteral(value)
 

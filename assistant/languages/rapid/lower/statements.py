@@ -136,7 +136,7 @@ def _set_signal(b: Body, x: p.SetSignal) -> Lowered:
             raise refuse(
                 rules.NO_MEANING,
                 what=f"a pulse of `{x.signal}` to anything but 1",
-                hint="set the signal, wait and set it back",
+                cure="set the signal, wait and set it back",
             )
         high: tuple[s.Argument, ...] = (s.Option("High"), s.Option("PLength", b.lower(x.pulse)))
         yield s.ProcedureCall("PulseDO", (*high, s.Positional(b.signal(x.signal))))
@@ -175,7 +175,7 @@ def _assign(b: Body, x: p.Assign) -> Lowered:
     target = b.lower(x.target)
     if not isinstance(target, s.NameRef | s.Component | s.Element):
         raise refuse(
-            rules.NO_MEANING, what="an assignment to an expression", hint="name a variable"
+            rules.NO_MEANING, what="an assignment to an expression", cure="name a variable"
         )
     yield s.Assignment(target, b.lower(x.value))
 

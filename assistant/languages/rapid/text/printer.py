@@ -58,7 +58,7 @@ def string(value: str) -> str:
     for c in value:
         if c in LINE_ENDS and ord(c) > 0xFF:
             what = f"a {LINE_ENDS[c]} in a text, which would end its line there"
-            raise Refused(rules.NO_MEANING(what=what, hint="take it out"))
+            raise Refused(rules.NO_MEANING(what=what, cure="take it out"))
         if c in '"\\':
             pieces.append(c * 2)
         elif " " <= c <= "~" or ord(c) > 0xFF:

@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from assistant.languages.five_axes import target_in_reach
 from assistant.languages.melfa_basic import rules
-from assistant.languages.melfa_basic.lower.adapt.reached import MISS, SAME, over_the_back
 from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.dialects import Dialect
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Findings
 from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
 from assistant.program.motion import MAXIMUM_SPEED, Blend, Speed
+from assistant.program.passes.legalising import Legalising
 from assistant.program.path import configuration_of, configuration_row
-from assistant.program.program import Procedure, Program, Signal, walk
+from assistant.program.program import Procedure, Signal, walk
 from assistant.program.subjects import Subject
 from assistant.program.timers import timers
 
@@ -38,14 +38,14 @@ class Context:
 
     def __init__(
         self,
-        program: Program,
+        job: Legalising,
         dialect: Dialect,
         robot: Robot | None,
-        findings: Findings,
         products: bool = False,
     ) -> None:
-        self.program, self.dialect, self.robot = program, dialect, robot
-        self.findings, self.products = findings, products
+        program = job.program
+        self.program, self.findings, self.five_axis = job.program, job.findings, job.can.five_axes
+        self.dialect, self.robot, self.products = dialect, robot, products
         self.unstated = 0
         self.named = 0
         self.unit: str | None = None
@@ -86,10 +86,6 @@ class Context:
 
     def spelled_procedure(self, name: str) -> str:
         return self._procedures.get(name.lower(), name)
-
-    @property
-    def five_axis(self) -> bool:
-        return self.robot is not None and self.robot.five_axis
 
     def speed(self, speed: Speed | e.Name, joint_move: bool) -> Speed | e.Name:
         """The speed by value, with its percentage for joint moves only."""
@@ -167,30 +163,13 @@ class Context:
                 what=f"the second external axis of `{name}` without the first",
                 cure="give the first one a value as well", about=about,
             ))  # fmt: skip
-        if self.five_axis:
-            target = self._in_reach(name, target, about)
+        if self.five_axis is not None:
+            target = target_in_reach(name, target, about, self.five_axis, self.findings)
         return replace(target, configuration=configuration, external=_printed(target.external))
-
-    def _in_reach(self, name: str, target: Target, about: Subject | str) -> Target:
-        from assistant.robots.arms import five_axis
-
-        position = np.array([target.pose.position])
-        quaternion = np.array([target.pose.quaternion])
-        row = np.array([configuration_row(target.configuration)], dtype=np.int8)
-        if over_the_back(position, quaternion, row)[0]:
-            self.findings.append(rules.OVER_THE_BACK(name=name, about=about))
-        miss = float(five_axis.miss(position, quaternion)[0])
-        if miss > MISS:
-            self.findings.append(rules.UNREACHABLE(name=name, angle=miss, about=about))
-        if miss <= SAME:
-            return target
-        projected = five_axis.from_ab(position, five_axis.to_ab(position, quaternion))
-        w, x, y, z = (float(v) for v in projected[0])
-        return replace(target, pose=replace(target.pose, quaternion=(w, x, y, z)))
 
     def joints(self, name: str, target: JointTarget, about: Subject | str) -> JointTarget:
         joints = target.joints
-        if self.five_axis and len(joints) == 6:
+        if self.five_axis is not None and len(joints) == 6:
             fourth = joints[3]
             if fourth == fourth and abs(fourth) > 0.01:
                 self.findings.append(rules.CANNOT_SAY(
@@ -199,7 +178,7 @@ class Context:
             joints = joints[:3] + joints[4:]
         elif self.robot is not None:
             joints = self.robot.own_joints(joints)
-        if not self.five_axis and any(v != v for v in joints):
+        if self.five_axis is None and any(v != v for v in joints):
             joints = tuple(0.0 if v != v else v for v in joints)
         wanted = 6 if self.robot is None else min(len(self.robot.axes), 6)
         used = tuple(v for v in target.external if v == v)

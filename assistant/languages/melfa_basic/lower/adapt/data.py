@@ -64,7 +64,7 @@ def _tools(context: Context, program: Program) -> Iterator[tuple[str, Tool]]:
             context.findings.append(rules.HELD(name=name, about=about))
         if tool.load is not None:
             context.findings.append(rules.LOAD(name=name, about=about))
-        if context.five_axis:
+        if context.five_axis is not None:
             turned = rotations.angle_between(tool.tip.quaternion, IDENTITY.quaternion)
             if math.hypot(*tool.tip.position[:2]) > 0.01 or turned > 0.01:
                 context.findings.append(rules.FIVE_AXIS_TOOL(name=name, about=about))

@@ -66,11 +66,11 @@ def plain_expression(context: Context, value: e.Expression, deep: bool = True) -
 
 def _here(context: Context, value: e.Here) -> e.Here:
     """The present position; an error in a frame that `Base` is not set to."""
-    if value.frame != BASE and (context.products or context.five_axis):
-        how = "five axes" if context.five_axis else "frames as products"
+    if value.frame != BASE and (context.products or context.five_axis is not None):
+        how = "frames as products" if context.five_axis is None else "five axes"
         context.findings.append(rules.CANNOT_SAY(
             what=f"the present position in `{value.frame}`, with {how}",
-            cure="read it in the base" if context.five_axis else "write frames as base",
+            cure="write frames as base" if context.five_axis is None else "read it in the base",
         ))  # fmt: skip
     return value
 

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from assistant.languages.five_axes import path_in_reach
 from assistant.languages.melfa_basic import rules
-from assistant.languages.melfa_basic.lower.adapt.reached import MISS, SAME, over_the_back
 from assistant.languages.melfa_basic.tables import poses
+from assistant.program.passes.path_tables import has_half_arcs, table_of, with_whole_arcs
 from assistant.program.path import UNSTATED, Kind, Path
 from assistant.program.subjects import Declared
 
@@ -31,18 +30,16 @@ def plain_path(context: Context, path: Path) -> Path:
         context.findings.append(rules.CANNOT_SAY(
             what=f"external axes beyond the second, of `{path.name}`", cure="leave them out"
         ))  # fmt: skip
-    after = np.append(path.kinds[1:], np.uint8(Kind.LINEAR))
-    torn = (path.kinds == Kind.VIA) != (after == Kind.END)
-    if torn.any() or path.kinds[0] == Kind.END:
+    if has_half_arcs(path):
         context.findings.append(rules.CANNOT_SAY(
             what=f"half an arc in `{path.name}`", cure="give each arc a via point and an end"
         ))  # fmt: skip
         return path
     path = _external(context, path)
-    path = _arcs_as_one(path)
+    path = with_whole_arcs(path)
     context.unstated += int(np.count_nonzero(path.configurations[:, 0] == UNSTATED))
-    if context.five_axis:
-        path = _in_reach(context, path)
+    if context.five_axis is not None:
+        path = path_in_reach(path, context.five_axis, context.findings)
     path = replace(
         path, configurations=poses.rounded_configurations(path.configurations, context.robot)
     )
@@ -60,44 +57,6 @@ def _external(context: Context, path: Path) -> Path:
     return path
 
 
-def _arcs_as_one(path: Path) -> Path:
-    """Speed, blend, tool and frame of a via point are those of the arc's end."""
-    via = np.flatnonzero(path.kinds[:-1] == Kind.VIA)
-    made: dict[str, Any] = {}
-    for column in ("speed", "blend", "tool", "frame"):
-        values = np.array(getattr(path, column))
-        values[via] = values[via + 1]
-        made[column] = values
-    return replace(path, **made)
-
-
-def _in_reach(context: Context, path: Path) -> Path:
-    from assistant.robots.arms import five_axis
-
-    behind = over_the_back(path.positions, path.quaternions, path.configurations)
-    if behind.any():
-        first = int(behind.argmax())
-        place = f"{int(behind.sum())} targets of {path.name}"
-        context.findings.append(rules.OVER_THE_BACK(name=f"{path.name}_{first + 1}", place=place))
-    miss = five_axis.miss(path.positions, path.quaternions)
-    far = np.flatnonzero(miss > MISS)
-    if len(far):
-        worst = int(np.argmax(miss))
-        name = f"{path.name}_{worst + 1}"
-        context.findings.append(
-            rules.UNREACHABLE(
-                name=name, angle=float(miss[worst]), place=f"{len(far)} targets of {path.name}"
-            )
-        )
-    off = miss > SAME
-    if not off.any():
-        return path
-    quaternions = path.quaternions.copy()
-    ab = five_axis.to_ab(path.positions[off], path.quaternions[off])
-    quaternions[off] = five_axis.from_ab(path.positions[off], ab)
-    return replace(path, quaternions=quaternions)
-
-
 def _with_tables(context: Context, path: Path) -> Path:
     """Tables of plain values, each once and in the order of their first use."""
     joint = path.kinds == Kind.JOINT
@@ -110,19 +69,3 @@ def _with_tables(context: Context, path: Path) -> Path:
         path, speeds=speeds, speed=speed, blends=blends, blend=blend,
         tools=tools, tool=tool, frames=frames, frame=frame,
     )  # fmt: skip
-
-
-def table_of(
-    index: NDArray[Any], value: Callable[[int], Any]
-) -> tuple[tuple[Any, ...], NDArray[np.int32]]:
-    """The entries that an index column uses, each once and by first use, and their rows."""
-    used, first, inverse = np.unique(index, return_index=True, return_inverse=True)
-    order = np.argsort(first)
-    entries: list[Any] = []
-    rows = np.zeros(len(used), dtype=np.int32)
-    for i in order:
-        entry = value(int(used[i]))
-        if entry not in entries:
-            entries.append(entry)
-        rows[i] = entries.index(entry)
-    return tuple(entries), rows[inverse.reshape(-1)]

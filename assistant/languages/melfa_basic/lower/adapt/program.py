@@ -11,18 +11,14 @@ from assistant.languages.language import Adapted
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lower.adapt.context import Context
 from assistant.languages.melfa_basic.lower.adapt.data import with_plain_data
-from assistant.languages.melfa_basic.lower.adapt.first_values import with_first_values
-from assistant.languages.melfa_basic.lower.adapt.five_axes import in_base
-from assistant.languages.melfa_basic.lower.adapt.outputs import with_checked_outputs
-from assistant.languages.melfa_basic.lower.adapt.splitting import MOST_TARGETS, split
 from assistant.languages.melfa_basic.lower.adapt.statements import comment_lines, plain_procedure
 from assistant.languages.melfa_basic.lower.adapt.vendor_text import check_names
-from assistant.languages.melfa_basic.lower.names import is_external, naming
+from assistant.languages.melfa_basic.lower.names import naming
 from assistant.languages.melfa_basic.lower.program import UnitLines, branches_in, steps
-from assistant.languages.melfa_basic.lower.unit import has_functions
 from assistant.languages.melfa_basic.lower.writer import mentioned
 from assistant.languages.melfa_basic.tables.capabilities import capabilities
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP, Dialect
+from assistant.languages.melfa_basic.tables.variables import is_external
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.diagnostics import Diagnostic, Findings, Span, has_errors
@@ -32,12 +28,21 @@ from assistant.program.passes.arrays import (
     with_copied_arrays,
     with_filled_arrays,
 )
+from assistant.program.passes.base_frames import in_base
+from assistant.program.passes.first_values import with_first_values
 from assistant.program.passes.legalising import Legalising, Pass, legalised, pure
+from assistant.program.passes.outputs import with_checked_outputs
 from assistant.program.passes.parameters import with_sayable_procedures
-from assistant.program.passes.procedures import recursive, with_fresh_variables
+from assistant.program.passes.procedures import (
+    with_entry_first,
+    with_fresh_variables,
+    with_units_together,
+    without_recursion,
+)
 from assistant.program.passes.settled_loops import with_settled_loops
+from assistant.program.passes.splitting import split
 from assistant.program.passes.watching import passed
-from assistant.program.program import Procedure, Program
+from assistant.program.program import Program
 from assistant.program.subjects import Declared
 
 if TYPE_CHECKING:
@@ -56,44 +61,29 @@ def adapt(
     products: targets are multiplied by their frames, else `Base` is set.
     """
     dialect, findings = DIALECTS[dialect_name], Findings()
-    job = Legalising(_headed(program, robot), capabilities(dialect), findings)
-    program = legalised(job, PASSES)
-    context = Context(program, dialect, robot, findings, products)
-    if context.five_axis:
-        context.program = passed("in-base", in_base(context, context.program))
-    adapted = with_plain_data(context, context.program)
-    most = MOST_TARGETS if most_targets is None else max(2, most_targets)
-    procedures: list[Procedure] = []
-    for procedure in context.program.procedures:
-        procedures += split(context, plain_procedure(context, procedure), most)
-    adapted = passed("sayable", replace(adapted, procedures=_grouped(procedures)))
+    job = Legalising(_headed(program, robot), capabilities(dialect, robot, most_targets), findings)
+    job = replace(job, program=legalised(job, PASSES))
+    context = Context(job, dialect, robot, products)
+    adapted = with_plain_data(context, job.program)
+    procedures = tuple(plain_procedure(context, q) for q in job.program.procedures)
+    job = replace(job, program=passed("sayable", replace(adapted, procedures=procedures)))
+    adapted = legalised(job, (split, pure(with_units_together)))
     if adapted.procedures and adapted.entry is None:
-        context.findings.append(rules.NO_ENTRY(name=adapted.name))
-    context.findings += _shared(adapted)
-    context.findings += _long(adapted, dialect)
+        findings.append(rules.NO_ENTRY(name=adapted.name))
+    findings += _shared(adapted)
+    findings += _long(adapted, dialect)
     trees = _written(context, adapted)
     if context.unstated:
-        context.findings.append(rules.NO_CONFIGURATION(count=context.unstated))
+        findings.append(rules.NO_CONFIGURATION(count=context.unstated))
     if context.named:
-        context.findings.append(rules.NAMED(count=context.named))
-    findings = context.findings
+        findings.append(rules.NAMED(count=context.named))
     return Adapted(adapted, tuple(findings), {} if has_errors(findings) else trees)
-
-
-def without_recursion(job: Legalising) -> Program:
-    """The program itself; procedures whose data exist once must not call themselves."""
-    for procedure in recursive(job.program):
-        if not has_functions(job.program, procedure.unit, job.can.functions):
-            with job.findings.at(procedure.span):
-                about = Declared(procedure.name, "procedures")
-                job.findings.append(job.can.recursive(name=procedure.name, about=about))
-    return job.program
 
 
 PASSES: Final[tuple[Pass, ...]] = (
     with_first_values,
     with_array_parameters,
-    pure(with_checked_outputs),
+    with_checked_outputs,
     pure(with_fresh_variables),
     with_filled_arrays,
     with_copied_arrays,
@@ -101,28 +91,18 @@ PASSES: Final[tuple[Pass, ...]] = (
     without_recursion,
     with_sayable_procedures,
     pure(with_computed_targets),
+    in_base,
 )
 """Variables, arrays, loops, procedures and targets as the dialects have them, in this order."""
 
 
 def _headed(program: Program, robot: Robot | None) -> Program:
     """With plain comments, its robot, and its entry first."""
-    entry = program.procedure(program.entry) if program.entry else None
     return replace(
-        program,
+        with_entry_first(program),
         robot=robot.name if robot is not None else program.robot,
-        entry=entry.name if entry else None,
         comments=tuple(line for text in program.comments for line in comment_lines(text)),
-        procedures=tuple(sorted(program.procedures, key=lambda q: q is not entry)),
     )
-
-
-def _grouped(procedures: list[Procedure]) -> tuple[Procedure, ...]:
-    """Procedures of one unit together, the main unit first."""
-    units: dict[str | None, list[Procedure]] = {None: []}
-    for procedure in procedures:
-        units.setdefault(procedure.unit, []).append(procedure)
-    return tuple(procedure for unit in units.values() for procedure in unit)
 
 
 def _shared(program: Program) -> Iterator[Diagnostic]:

@@ -12,13 +12,13 @@ from assistant.languages.rapid.lift.expressions import (
     negative,
     tool_name,
 )
-from assistant.languages.rapid.lower.adapt.conditions import as_truth
 from assistant.languages.rapid.lower.adapt.data import sayable_joints, sayable_pose, sayable_target
 from assistant.languages.rapid.lower.adapt.findings import Findings
 from assistant.languages.rapid.tables.words import UNUSED
 from assistant.languages.rapid.text import verbatim
 from assistant.program import expressions as e
 from assistant.program.diagnostics import Refused
+from assistant.program.passes.conditions import as_truth
 from assistant.program.program import Variable
 from assistant.program.rewriting import map_expressions
 from assistant.program.subjects import Declared

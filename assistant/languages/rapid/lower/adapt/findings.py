@@ -15,5 +15,5 @@ class Findings(diagnostics.Findings):
     ) -> None:
         self.append(rules.CHANGED(what=what, instead=instead, hint=hint, about=about))
 
-    def cannot(self, what: str, hint: str, about: Subject | str | None = None) -> None:
-        self.append(rules.NO_MEANING(what=what, hint=hint, about=about))
+    def cannot(self, what: str, cure: str, about: Subject | str | None = None) -> None:
+        self.append(rules.NO_MEANING(what=what, cure=cure, about=about))

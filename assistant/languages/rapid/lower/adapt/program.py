@@ -18,11 +18,11 @@ from assistant.languages.rapid.lower.adapt.data import (
 from assistant.languages.rapid.lower.adapt.expressions import sayable_variable
 from assistant.languages.rapid.lower.adapt.findings import Findings
 from assistant.languages.rapid.lower.adapt.motions import Motions
-from assistant.languages.rapid.lower.adapt.splitting import split
 from assistant.languages.rapid.lower.adapt.statements import StatementAdapter, sayable_comment
 from assistant.languages.rapid.lower.names import naming, units
 from assistant.languages.rapid.lower.program import build
-from assistant.languages.rapid.tables.words import LONGEST_NAME, MOST_TARGETS, PREDEFINED, RESERVED
+from assistant.languages.rapid.tables.capabilities import capabilities
+from assistant.languages.rapid.tables.words import LONGEST_NAME, PREDEFINED, RESERVED
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree.syntax import File
 from assistant.program import statements as p
@@ -30,7 +30,9 @@ from assistant.program.analysis.signals import read_by_another_name, uses, with_
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
 from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
 from assistant.program.passes.counted_loops import counted
+from assistant.program.passes.legalising import Legalising
 from assistant.program.passes.paths import with_paths
+from assistant.program.passes.splitting import split
 from assistant.program.passes.watching import passed
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import map_bodies
@@ -46,7 +48,8 @@ def adapt(program: Program, most_targets: int | None = None) -> Adapted:
         adapted, loops = counted(adapted, refused=rules.COUNTER, changed=_as_while)
         findings += loops
         adapted = passed("with-paths", with_paths(passed("counted-loops", adapted)))
-        adapted = passed("split", split(adapted, most_targets or MOST_TARGETS, findings))
+        job = Legalising(adapted, capabilities(most_targets), findings)
+        adapted = passed("split", split(job))
         _find_names(adapted, findings)
         _find_shared_outputs(adapted, findings)
         trees = _built(adapted, findings)
@@ -123,7 +126,7 @@ def _find_shared_outputs(program: Program, findings: Findings) -> None:
         with findings.at(statement.span):
             findings.append(rules.NO_MEANING(
                 what=f"that `{name}` is read, which is set as part of `{other}`",
-                hint="read and set the output by one name, or keep its value in a variable",
+                cure="read and set the output by one name, or keep its value in a variable",
             ))  # fmt: skip
 
 

@@ -11,13 +11,6 @@ from typing import Any, Final, Literal
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.signals import gripper
 from assistant.languages.rapid.lift.statements import statements_of
-from assistant.languages.rapid.lower.adapt.conditions import (
-    as_truth,
-    compared,
-    is_position,
-    is_truth,
-    with_conditions,
-)
 from assistant.languages.rapid.lower.adapt.expressions import (
     floor,
     sayable_expression,
@@ -29,9 +22,10 @@ from assistant.languages.rapid.tables.words import LEAST_ACCELERATION, LONGEST_S
 from assistant.languages.rapid.text import verbatim
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.kinds import Kinds, kinds
+from assistant.program.analysis.kinds import Kinds, is_position, is_truth, kinds
 from assistant.program.diagnostics import has_errors
 from assistant.program.geometry import Target
+from assistant.program.passes.conditions import as_truth, compared, with_conditions
 from assistant.program.passes.messages import lines, parts
 from assistant.program.path import Kind
 from assistant.program.program import Procedure, Program, identifier

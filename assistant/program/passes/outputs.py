@@ -1,7 +1,7 @@
-"""Outputs that are given a value that the program works out, as another language means it.
+"""Outputs that are given a value that the program works out, as the pseudo-program means it.
 
-Of a number MELFA-BASIC writes the bits that there is room for; RAPID takes any number but 0 for
-1 in a digital signal, and stops where a group cannot hold it.
+Any number but 0 is 1 in a digital signal, and what a group cannot hold stops the program. For a
+language that writes of a number the bits that there is room for.
 """
 
 from __future__ import annotations
@@ -11,25 +11,24 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Final
 
-from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.passes.endings import FOR_GOOD
+from assistant.program.passes.legalising import Legalising
 from assistant.program.program import Procedure, Program, Signal, Variable
 from assistant.program.rewriting import Body, map_bodies
 
 _TRUTHS: Final = (*e.RELATIONS, "and", "or")
 ZERO: Final = e.Number(0)
-FOR_GOOD: Final = p.While(e.Number(1), (p.Stop(),))
-"""A start goes on behind one `Hlt` alone."""
 
 
-def with_checked_outputs(program: Program) -> Program:
+def with_checked_outputs(job: Legalising) -> Program:
     """The program with a choice of 0 and 1, or a stop behind a group's range, before each.
 
-    One that MELFA-BASIC itself said stays as it is.
+    One that a language of the same kin said stays as it is.
     """
-    origin = program.origin
-    if origin is not None and origin.language in DIALECTS:
+    program, origin = job.program, job.program.origin
+    if origin is not None and origin.language in job.can.kin:
         return program
     taken = {n.lower() for t in (program.variables, program.targets, program.signals) for n in t}
     taken |= {name.lower() for q in program.procedures for name in q.variables}

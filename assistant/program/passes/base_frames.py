@@ -1,29 +1,29 @@
-"""Arms of five axes: orientations that they reach, and targets in their base."""
+"""Targets in the robot's base, for arms whose orientations depend on where they are."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from assistant.languages.melfa_basic import rules
 from assistant.program import expressions as e
 from assistant.program import rotations
 from assistant.program import statements as p
 from assistant.program.geometry import BASE, Pose, Target
+from assistant.program.passes.legalising import Legalising
 from assistant.program.program import Program
 from assistant.program.rewriting import rewrite
 
-if TYPE_CHECKING:
-    from assistant.languages.melfa_basic.lower.adapt.context import Context
 
-
-def in_base(context: Context, program: Program) -> Program:
+def in_base(job: Legalising) -> Program:
     """Targets and paths in robot coordinates: five axes code orientation by position.
 
     Only what a frame is used for moves; a named target of one frame becomes one in the base.
     """
+    program, findings, can = job.program, job.findings, job.can.five_axes
+    if can is None:
+        return program
     frames = {n.lower(): f.pose for n, f in program.frames.items()}
     used: dict[str, str] = {}
     targets = dict(program.targets)
@@ -39,7 +39,7 @@ def in_base(context: Context, program: Program) -> Program:
                 key = next((n for n in targets if n.lower() == name.lower()), None)
                 if key is not None and used.setdefault(key, frame) == frame:
                     return value
-        context.findings.append(rules.CANNOT_SAY(
+        findings.append(job.can.cannot_say(
             what=f"a computed or shared target of frame `{frame}` on an arm of five axes",
             cure="give the target in the robot's base",
         ))  # fmt: skip
@@ -51,7 +51,7 @@ def in_base(context: Context, program: Program) -> Program:
             if isinstance(node, p.Move) and isinstance(node.target, e.Name):
                 used.setdefault(node.target.name, BASE)
             return node
-        context.findings.append(rules.TO_BASE(name=node.motion.frame))
+        findings.append(can.to_base(name=node.motion.frame))
         motion = replace(node.motion, frame=BASE)
         if isinstance(node, p.MoveJoints):
             return replace(node, motion=motion)
@@ -70,7 +70,7 @@ def in_base(context: Context, program: Program) -> Program:
             pose, rows = frames.get(name.lower()), path.frame == row
             if pose is None or name.lower() == BASE or not rows.any():
                 continue
-            context.findings.append(rules.TO_BASE(name=name))
+            findings.append(can.to_base(name=name))
             positions[rows] = rotations.rotate(pose.quaternion, positions[rows]) + pose.position
             quaternions[rows] = rotations.canonical(
                 rotations.multiply(pose.quaternion, quaternions[rows])

@@ -1,17 +1,12 @@
-"""Conditions: RAPID's are truth values, while elsewhere a number that is not 0 holds as well."""
+"""Conditions of a language with truth values: elsewhere a number that is not 0 holds as well."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.kinds import COMPONENTS, Kinds
-
-_ARITHMETIC: Final = ("+", "-", "*", "/", "div", "mod", "^")
-_TRUTHS: Final = (*e.LOGICAL, *e.RELATIONS)
-_NUMBERS: Final = ("number", "integer")
+from assistant.program.analysis.kinds import Kinds, is_number, is_truth
 
 
 def with_conditions(statement: p.Statement, known: Kinds) -> p.Statement:
@@ -26,7 +21,7 @@ def with_conditions(statement: p.Statement, known: Kinds) -> p.Statement:
 
 
 def compared(x: e.Expression, known: Kinds) -> e.Expression:
-    """A truth that is compared with 0 or 1 as itself: RAPID compares it with truths only."""
+    """A truth that is compared with 0 or 1 as itself: it is compared with truths only."""
     match x:
         case e.Binary("=" | "<>" as operator, left, e.Number(value)) if value in (
             0,
@@ -41,17 +36,6 @@ def as_truth(x: e.Expression) -> e.Expression:
     return e.Truth(x.value != 0) if isinstance(x, e.Number) else x
 
 
-def is_truth(x: e.Expression, known: Kinds) -> bool:
-    match x:
-        case e.Name(name) | e.Index(e.Name(name)):
-            return known.get(name.lower()) == "truth"
-        case e.Binary(operator):
-            return operator in _TRUTHS
-        case e.Unary("not") | e.Truth():
-            return True
-    return False
-
-
 def condition(x: e.Expression, known: Kinds) -> e.Expression:
     """The expression, or that it is not 0 if it is a number."""
     match x:
@@ -61,27 +45,4 @@ def condition(x: e.Expression, known: Kinds) -> e.Expression:
             return replace(x, left=condition(left, known), right=condition(right, known))
         case e.Unary("not", operand):
             return e.Unary("not", condition(operand, known))
-    return e.Binary("<>", x, e.Number(0)) if _is_number(x, known) else x
-
-
-def is_position(x: e.Expression, known: Kinds) -> bool:
-    """Whether it is a target, which has more than the pose that it is at."""
-    match x:
-        case e.Name(name) | e.Index(e.Name(name)):
-            return known.get(name.lower()) == "position"
-    return isinstance(x, e.TargetValue)
-
-
-def _is_number(x: e.Expression, known: Kinds) -> bool:
-    match x:
-        case e.Name(name):
-            return known.get(name.lower()) in _NUMBERS
-        case e.Index(value):
-            return _is_number(value, known)
-        case e.Member(_, field):
-            return field in COMPONENTS
-        case e.Unary("-") | e.Number():
-            return True
-        case e.Binary(operator):
-            return operator in _ARITHMETIC
-    return False
+    return e.Binary("<>", x, e.Number(0)) if is_number(x, known) else x

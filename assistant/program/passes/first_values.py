@@ -1,16 +1,13 @@
 """First values of variables: given at the top of the program, and so again at each cycle.
 
-A controller for MELFA-BASIC begins the next cycle at the first line. Where a cycle may read what
-the one before left there, that is another program: a finding tells of it.
+For controllers that begin the next cycle at the first line. Where a cycle may read what the one
+before left there, that is another program: a finding tells of it.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from assistant.languages.melfa_basic import rules
-from assistant.languages.melfa_basic.lower.names import is_external
-from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.program.analysis.assignment import Assigning
 from assistant.program.passes.legalising import Legalising
 from assistant.program.passes.procedures import NOTHING
@@ -21,20 +18,20 @@ from assistant.program.subjects import Declared
 def with_first_values(job: Legalising) -> Program:
     """The program with values for the variables that it reads before it gives them one.
 
-    What a program of MELFA-BASIC leaves without a value keeps the one that it has there.
+    What a program of the same kin leaves without a value keeps the one that it has there.
     """
-    program, findings = job.program, job.findings
+    program, findings, can = job.program, job.findings, job.can.variables
     entry = program.procedure(program.entry) if program.entry else None
-    if entry is None:
+    if entry is None or can is None:
         return program
     assigning = Assigning(program)
     run = assigning.run(entry)
-    kept = program.origin is not None and program.origin.language in DIALECTS
+    kept = program.origin is not None and program.origin.language in job.can.kin
     variables: dict[str, Variable] = {}
     for name, variable in program.variables.items():
         key = name.lower()
         variables[name] = variable
-        if variable.storage == "constant" or key not in run.read or is_external(name, variable):
+        if variable.storage == "constant" or key not in run.read or can.external(name, variable):
             continue
         if variable.storage == "variable" and variable.initial is None and not kept:
             variable = replace(variable, initial=NOTHING[variable.type])
@@ -44,7 +41,7 @@ def with_first_values(job: Legalising) -> Program:
             changes = key in assigning.written and run.ends
             with findings.at(variable.span):
                 if variable.storage == "persistent":
-                    findings.append(rules.PERSISTENT(name=name, about=about))
+                    findings.append(can.persistent(name=name, about=about))
                 elif changes:
-                    findings.append(rules.CARRIED(name=name, about=about))
+                    findings.append(can.carried(name=name, about=about))
     return replace(program, variables=variables)
