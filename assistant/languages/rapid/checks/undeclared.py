@@ -6,7 +6,6 @@ that was compiled has everything in it, its signals in the header.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from dataclasses import fields
 from typing import Any, Final
@@ -14,8 +13,9 @@ from typing import Any, Final
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.checks.module_view import Look, Task
 from assistant.languages.rapid.checks.motions import WORDS
+from assistant.languages.rapid.tables.hands import hand_of
 from assistant.languages.rapid.tables.standard import INSTRUCTIONS, OF_OPTIONS
-from assistant.languages.rapid.tables.words import GRIPPER_SIGNAL, PREDEFINED
+from assistant.languages.rapid.tables.words import PREDEFINED
 from assistant.languages.rapid.text.header import opening
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program.diagnostics import Diagnostic
@@ -29,7 +29,6 @@ _AS_IS: Final = (INSTRUCTIONS | OF_OPTIONS) - WRITTEN - WORDS
 """Instructions that the pseudo-program has no word for: their data may be of other modules."""
 _OF_MOTION: Final = 3
 """Last arguments of a move: its speed, zone and tool, which have rules of their own."""
-_HAND: Final = re.compile(GRIPPER_SIGNAL.format(hand="[1-9][0-9]?"), re.IGNORECASE)
 
 
 def names(look: Look) -> Iterator[Diagnostic]:
@@ -43,7 +42,7 @@ def names(look: Look) -> Iterator[Diagnostic]:
         own = frozenset(look.frame(item)) if isinstance(item, s.Routine) else frozenset()
         for used in _used(item, own):
             low = used.name.lower()
-            if low in seen or low in PREDEFINED or low in signals or _HAND.fullmatch(low):
+            if low in seen or low in PREDEFINED or low in signals or hand_of(low):
                 continue
             seen.add(low)
             if look.find(low) is None:

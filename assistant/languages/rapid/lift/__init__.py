@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Final
 
 PASSES: Final = (
-    "signals",  # those of hands
     "timers",  # clocks that are restarted and read
     "expressions",
     "data",  # declared tools, work objects, speeds, zones, targets, variables

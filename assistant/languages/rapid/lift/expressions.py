@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from typing import Final
 
-from assistant.languages.rapid.tables.operators import AS_FUNCTIONS, BINARY
-from assistant.languages.rapid.tables.words import BITS, COMPONENTS, FUNCTIONS, UNUSED
+from assistant.languages.patterns import Reading
+from assistant.languages.rapid.tables import functions
+from assistant.languages.rapid.tables.operators import BINARY
+from assistant.languages.rapid.tables.words import COMPONENTS, UNUSED
 from assistant.languages.rapid.text import effects
 from assistant.languages.rapid.text.printer import expression as printed
 from assistant.languages.rapid.text.verbatim import LANGUAGE
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.calls import called
 from assistant.languages.rapid.tree.gather import literal_number
 from assistant.program import expressions as e
 from assistant.program import rotations
@@ -27,67 +30,106 @@ from assistant.program.path import configuration_of
 from assistant.robots.configurations import from_confdata
 
 _OPERATORS: Final = {row[0]: name for name, row in BINARY.items()}
-_FUNCTIONS: Final = {rapid.lower(): name for name, rapid in FUNCTIONS.items()}
-_BITS: Final = {rapid.lower(): name for name, rapid in BITS.items()}
-_POWERS: Final = {rapid.lower(): operator for operator, rapid in AS_FUNCTIONS.items()}
 _COMPONENTS: Final = {pair: name for name, pair in COMPONENTS.items()}
-ARITY: Final = {
-    "atan2": (2,),
-    "min": (2,),
-    "max": (2,),
-    "offset": (4,),
-    "fixed": (2,),
-    "part": (3,),
-}
-"""Arguments that a function must have to be the pseudo-program's own; 1 if not named."""
-
-READS: Final = frozenset(("dinput", "doutput", "ginput", "goutput", "ainput", "aoutput"))
-"""Functions that give what a signal's name says by itself (RAPID reference manual)."""
 
 Original = Callable[[str], str]
 
 
-def lift(node: s.Expression, original: Original) -> e.Expression:
+def lift(node: s.Expression, original: Original = str) -> e.Expression:
     """original: gives a shortened name back."""
-    simple = _literal(node)
-    if simple is not None:
-        return simple
-    match node:
-        case s.StringLiteral(value):
-            return e.Text(value)
-        case s.BoolLiteral(value):
-            return e.Truth(value)
-        case s.NameRef(name):
-            return e.Name(original(name))
-        case s.Group(inner):
-            return lift(inner, original)
-        case s.AggregateNode(items):
-            return aggregate(tuple(lift(i, original) for i in items))
-        case s.Component(s.Component(value, part), name):
-            known = _COMPONENTS.get((part.lower(), name.lower()))
-            if known is not None and not isinstance(value, s.Placeholder):
-                return e.Member(lift(value, original), known)
-            if name.lower() not in COMPONENTS:
-                return e.Member(lift(node.value, original), name)
-        case s.Component(value, name) if name.lower() not in COMPONENTS:
-            if not isinstance(value, s.Placeholder):
-                return e.Member(lift(value, original), name)
-        case s.Element(value, indices) if not isinstance(value, s.Placeholder):
-            if not any(isinstance(i, s.Whole) for i in indices):
-                lifted = [lift(i, original) for i in indices if not isinstance(i, s.Whole)]
-                return e.Index(lift(value, original), tuple(lifted))
-        case s.Prefix("NOT", operand):
-            return e.Unary("not", lift(operand, original))
-        case s.Prefix("-", operand):
-            return negative(lift(operand, original))
-        case s.Prefix("+", operand):
-            return lift(operand, original)
-        case s.Infix(operator, left, right) if operator in _OPERATORS:  # or mistaken, as `:=`
-            name_ = _OPERATORS[operator]
-            return e.Binary(name_, lift(left, original), lift(right, original))  # type: ignore[arg-type]
-        case s.FunctionCall():
-            return _call(node, original)
-    return kept(node)
+    return Expressions(original).of(node)
+
+
+class Expressions:
+    """Lifts expressions.
+
+    original: gives a shortened name back. timers: lower-case names of the clocks that are timers.
+    """
+
+    def __init__(self, original: Original = str, timers: Collection[str] = ()) -> None:
+        self.original, self._timers = original, timers
+        self.reading: Reading[s.Expression] = Reading(
+            {
+                "value": lambda node, _: self.of(node),
+                "position": lambda node, _: self._position(node),
+                "timer": lambda node, _: self._timer(node),
+                "tool": lambda node, _: self._named(node, tool_name),
+                "frame": lambda node, _: self._named(node, frame_name),
+            },
+            called,
+            literal_number,
+        )
+
+    def of(self, node: s.Expression) -> e.Expression:
+        number = literal_number(node)
+        if number is not None:
+            return e.Number(number if number else 0)
+        match node:
+            case s.StringLiteral(value):
+                return e.Text(value)
+            case s.BoolLiteral(value):
+                return e.Truth(value)
+            case s.NameRef(name):
+                return e.Name(self.original(name))
+            case s.Group(inner):
+                return self.of(inner)
+            case s.AggregateNode(items):
+                return aggregate(tuple(map(self.of, items)))
+            case s.Component(s.Component(value, part), name):
+                known = _COMPONENTS.get((part.lower(), name.lower()))
+                if known is not None and not isinstance(value, s.Placeholder):
+                    return e.Member(self.of(value), known)
+                if name.lower() not in COMPONENTS:
+                    return e.Member(self.of(node.value), name)
+            case s.Component(value, name) if name.lower() not in COMPONENTS:
+                if not isinstance(value, s.Placeholder):
+                    return e.Member(self.of(value), name)
+            case s.Element(value, indices) if not isinstance(value, s.Placeholder):
+                if not any(isinstance(i, s.Whole) for i in indices):
+                    lifted = [self.of(i) for i in indices if not isinstance(i, s.Whole)]
+                    return e.Index(self.of(value), tuple(lifted))
+            case s.Prefix("NOT", operand):
+                return e.Unary("not", self.of(operand))
+            case s.Prefix("-", operand):
+                return negative(self.of(operand))
+            case s.Prefix("+", operand):
+                return self.of(operand)
+            case s.Infix(operator, left, right) if operator in _OPERATORS:  # or mistaken, as `:=`
+                name_ = _OPERATORS[operator]
+                return e.Binary(name_, self.of(left), self.of(right))  # type: ignore[arg-type]
+            case s.FunctionCall():
+                return self._call(node)
+        return kept(node)
+
+    def _call(self, node: s.FunctionCall) -> e.Expression:
+        call = called(node)
+        if call is None:
+            return kept(node)
+        said: e.Expression | None = functions.ROWS.read(call, self.reading)
+        if said is not None:
+            return said
+        name, key = self.original(node.name), node.name.lower()
+        given = tuple(self.of(argument) for argument in call.given if argument is not None)
+        if call.options or name in e.FUNCTIONS:
+            return kept(node)
+        if key in functions.READS and len(given) == 1:
+            return given[0] if isinstance(given[0], e.Name) else kept(node)
+        if key in functions.ROWS and key not in functions.NO_OTHER:
+            return kept(node)
+        return e.Apply(name, given)
+
+    def _position(self, node: s.Expression) -> e.Expression | None:
+        """The target whose position a node is."""
+        if isinstance(node, s.Component) and node.name.lower() == "trans":
+            return None if isinstance(node.value, s.Placeholder) else self.of(node.value)
+        return None
+
+    def _timer(self, node: s.Expression) -> str | None:
+        known = isinstance(node, s.NameRef) and node.name.lower() in self._timers
+        return self._named(node, str) if known else None
+
+    def _named(self, node: s.Expression, meant: Callable[[str], str]) -> str | None:
+        return meant(self.original(node.name)) if isinstance(node, s.NameRef) else None
 
 
 def kept(node: s.Expression) -> e.Verbatim:
@@ -123,106 +165,12 @@ def aggregate(items: tuple[e.Expression, ...]) -> e.Expression:
     return e.Aggregate(items)
 
 
-def _literal(node: s.Expression) -> e.Expression | None:
-    number = literal_number(node)
-    return None if number is None else e.Number(number if number else 0)
-
-
-def _call(node: s.FunctionCall, original: Original) -> e.Expression:
-    name = node.name.lower()
-    options = {a.name.lower(): a.value for a in node.arguments if isinstance(a, s.Option)}
-    plain = [a for a in node.arguments if isinstance(a, s.Positional) and a.name is None]
-    if len(plain) + len(options) != len(node.arguments):
-        return kept(node)
-    if any(value is None for value in options.values()):
-        return kept(node)
-    given = tuple(lift(a.value, original) for a in plain)
-    turned = {k: lift(v, original) for k, v in options.items() if v is not None}
-    if name == "reltool" and len(given) == 4:
-        if not turned:
-            return e.Apply("relative", given)
-        if set(turned) <= {"rx", "ry", "rz"}:
-            turns = tuple(turned.get(k, e.Number(0)) for k in ("rx", "ry", "rz"))
-            return e.Apply("relative", given + turns)
-    if name == "crobt" and not given:
-        return here(node, original) or kept(node)
-    if turned:
-        return kept(node)
-    if name == "dnumtonum" and (bits := _bits(node, original)) is not None:
-        return bits
-    if name == "cjointt" and not given:
-        return e.Apply("joints_here")
-    if name == "distance" and len(plain) == 2:
-        points = [_whole_target(a.value, original) for a in plain]
-        if all(p is not None for p in points):
-            return e.Apply("distance", tuple(p for p in points if p is not None))
-        return kept(node)
-    if name in READS and len(given) == 1:
-        return given[0] if isinstance(given[0], e.Name) else kept(node)
-    if name == "testdi" and len(given) == 1:
-        return e.Binary("=", given[0], e.Number(1))
-    if name in _POWERS and len(given) == 2:
-        return e.Binary(_POWERS[name], *given)  # type: ignore[arg-type]
-    if name in _FUNCTIONS:
-        known = _FUNCTIONS[name]
-        return e.Apply(known, given) if len(given) in ARITY.get(known, (1,)) else kept(node)
-    if name in ("reltool", "crobt", "cjointt", "distance", "pow", "posemult"):
-        return kept(node)
-    if original(node.name) in e.FUNCTIONS:
-        return kept(node)
-    return e.Apply(original(node.name), given)
-
-
-def _bits(node: s.FunctionCall, original: Original) -> e.Apply | None:
-    """The bits of two numbers: they go to wide ones, and what becomes of them back."""
-    match node.arguments:
-        case (
-            s.Positional(
-                s.FunctionCall(
-                    function,
-                    (
-                        s.Positional(s.FunctionCall(one, (s.Positional(left, None),)), None),
-                        s.Positional(s.FunctionCall(two, (s.Positional(right, None),)), None),
-                    ),
-                ),
-                None,
-            ),
-        ) if function.lower() in _BITS and one.lower() == two.lower() == "numtodnum":
-            return e.Apply(_BITS[function.lower()], (lift(left, original), lift(right, original)))
-    return None
-
-
-def here(
-    node: s.FunctionCall, original: Original, tool: str | None = None, frame: str | None = None
-) -> e.Here | None:
-    """What `CRobT` reads, None if it does not say so and it is not known.
-
-    tool, frame: those of the move before, which hold for an argument that is left out (RAPID
-    reference manual, CRobT).
-    """
-    known: dict[str, str | None] = {"tool": tool, "wobj": frame}
-    for argument in node.arguments:
-        match argument:
-            case s.Option(option, s.NameRef(name)) if option.lower() in known:
-                known[option.lower()] = original(name)
-            case _:
-                return None
-    tool, frame = known["tool"], known["wobj"]
-    return None if tool is None or frame is None else e.Here(tool_name(tool), frame_name(frame))
-
-
 def tool_name(name: str) -> str:
     return FLANGE if name.lower() == FLANGE else name
 
 
 def frame_name(name: str) -> str:
     return BASE if name.lower() in ("", "wobj0", BASE) else name
-
-
-def _whole_target(node: s.Expression, original: Original) -> e.Expression | None:
-    if isinstance(node, s.Component) and node.name.lower() == "trans":
-        return None if isinstance(node.value, s.Placeholder) else lift(node.value, original)
-    return None
 
 
 def external(values: Sequence[float]) -> tuple[float, ...]:

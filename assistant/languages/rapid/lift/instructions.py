@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any, Final
 
-from assistant.languages.rapid.lift.expressions import frame_name, lift, tool_name
-from assistant.languages.rapid.lift.signals import gripper
+from assistant.languages.patterns import Read, Slot
+from assistant.languages.rapid.lift.expressions import Expressions, frame_name, tool_name
+from assistant.languages.rapid.tables.hands import hand_of
 from assistant.languages.rapid.tables.motions import BLENDS, SPEEDS, speed_of, zone_of
-from assistant.languages.rapid.tables.words import SPEED_CAP
+from assistant.languages.rapid.tables.statements import ROWS
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.calls import called
 from assistant.languages.rapid.tree.gather import literal_number
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.motion import Blend, Speed
+from assistant.program.passes.messages import chained
 from assistant.program.program import Signal
 
+EMPTY: Final = MappingProxyType[str, Any]({})
 
-@dataclass(frozen=True, slots=True)
+
 class Meaning:
     """What the names in instructions stand for.
 
@@ -29,16 +34,46 @@ class Meaning:
     used: signals as instructions use them, filled as statements are lifted.
     """
 
-    original: Callable[[str], str] = str
-    speeds: Mapping[str, Speed] = field(default_factory=dict)
-    blends: Mapping[str, Blend] = field(default_factory=dict)
-    numbers: Mapping[str, e.Number] = field(default_factory=dict)
-    timers: frozenset[str] = frozenset()
-    alone: frozenset[str] = frozenset()
-    used: list[tuple[str, Signal]] = field(default_factory=list)
+    def __init__(
+        self,
+        original: Callable[[str], str] = str,
+        speeds: Mapping[str, Speed] = EMPTY,
+        blends: Mapping[str, Blend] = EMPTY,
+        numbers: Mapping[str, e.Number] = EMPTY,
+        timers: Collection[str] = (),
+        alone: Collection[str] = (),
+    ) -> None:
+        self.original, self.timers = original, timers
+        self.speeds, self.blends, self.numbers, self.alone = speeds, blends, numbers, alone
+        self.used: list[tuple[str, Signal]] = []
+        expressions = Expressions(original, timers)
+        self.expression = expressions.of
+        kinds: dict[str, Read[s.Expression]] = {
+            **expressions.reading.kinds,
+            "target": lambda node, _: self._place(node),
+            "hand": lambda node, _: self._hand(node),
+            "signal": lambda node, _: self._name(node),
+            **dict.fromkeys(("digital", "analog", "group"), self._signal),
+        }
+        self.reading = replace(expressions.reading, kinds=kinds)
 
-    def expression(self, node: s.Expression) -> e.Expression:
-        return lift(node, self.original)
+    def _name(self, node: s.Expression) -> str | None:
+        return self.original(node.name) if isinstance(node, s.NameRef) else None
+
+    def _signal(self, node: s.Expression, slot: Slot) -> str | None:
+        """A signal, which is of the kind and direction that the slot tells."""
+        name, kind, direction = self._name(node), slot.kind, slot.of or "output"
+        if name is not None:
+            self.used.append((name, Signal(kind, direction)))  # type: ignore[arg-type]
+        return name
+
+    def _hand(self, node: s.Expression) -> int | None:
+        name = self._name(node)
+        return None if name is None else hand_of(name)
+
+    def _place(self, node: s.Expression) -> e.Expression | None:
+        variable = isinstance(node, s.NameRef | s.Element | s.Component)
+        return self.expression(node) if variable else None
 
     def known(self, value: e.Expression) -> e.Expression:
         """The number that a constant stands for; anything else as it is."""
@@ -65,31 +100,17 @@ class Meaning:
 
 def instruction(node: s.ProcedureCall, meaning: Meaning) -> p.Statement | None:
     """The statement that a call of an instruction is, None if there is none in this form."""
-    form = INSTRUCTIONS.get(str(node.name).lower())
-    given = None if form is None else plain_arguments(node, form.options)
-    if form is None or given is None or len(given) != form.count:
+    call = called(node)
+    if call is None:
         return None
-    options: dict[str, s.Expression | None] = {}
-    for argument in node.arguments:
-        if isinstance(argument, s.Option):
-            options.setdefault(argument.name.lower(), argument.value)
-    return form.lifted(meaning, given, options)
-
-
-def plain_arguments(
-    node: s.ProcedureCall, options: Sequence[str] = ()
-) -> list[s.Expression] | None:
-    """The positional arguments, None if there are others than those and the options."""
-    plain = []
-    for argument in node.arguments:
-        match argument:
-            case s.Positional(value, None):
-                plain.append(value)
-            case s.Option(name) if name.lower() in options:
-                pass
-            case _:
-                return None
-    return plain
+    form = FORMS.get(call.word.lower())
+    if form is None:
+        said: p.Statement | None = ROWS.read(call, meaning.reading)
+        return said
+    given = [argument for argument in call.given if argument is not None]
+    if len(given) != form.count or not call.options.keys() <= set(form.options):
+        return None
+    return form.lifted(meaning, given, call.options)
 
 
 Given = Sequence[s.Expression]
@@ -174,137 +195,19 @@ def _joints(m: Meaning, given: Given, options: Options) -> p.Statement | None:
     return p.MoveJoints(joints, motion)
 
 
-def _wait(m: Meaning, given: Given, _: Options) -> p.Statement | None:
-    return p.Wait(m.expression(given[0]))
-
-
-def _timeout(m: Meaning, options: Options) -> e.Expression | None:
-    value = options.get("maxtime")
-    return None if value is None else m.expression(value)
-
-
-def _wait_signal(kind: Any, direction: Any) -> Lifted:
-    def lifted(m: Meaning, given: Given, options: Options) -> p.Statement | None:
-        signal, value = given
-        if not isinstance(signal, s.NameRef):
-            return None
-        name = m.original(signal.name)
-        m.used.append((name, Signal(kind, direction)))
-        return p.WaitSignal(name, m.expression(value), _timeout(m, options))
-
-    return lifted
-
-
-def _wait_until(m: Meaning, given: Given, options: Options) -> p.Statement | None:
-    return p.WaitUntil(m.expression(given[0]), _timeout(m, options))
-
-
-def _set(kind: Any) -> Lifted:
-    def lifted(m: Meaning, given: Given, _: Options) -> p.Statement | None:
-        if not isinstance(given[0], s.NameRef):
-            return None
-        name, value = m.original(given[0].name), m.expression(given[1])
-        if kind == "digital" and (hand := gripper(name, value)):
-            return hand
-        m.used.append((name, Signal(kind, "output")))
-        return p.SetSignal(name, value)
-
-    return lifted
-
-
-def _set_to(value: int) -> Lifted:
-    def lifted(m: Meaning, given: Given, _: Options) -> p.Statement | None:
-        if not isinstance(given[0], s.NameRef):
-            return None
-        name = m.original(given[0].name)
-        return gripper(name, e.Number(value)) or p.SetSignal(name, e.Number(value))
-
-    return lifted
-
-
-def _pulse(m: Meaning, given: Given, options: Options) -> p.Statement | None:
-    if not isinstance(given[0], s.NameRef) or "high" not in options:
-        return None
-    length = options.get("plength")
-    seconds = e.Number(0.2) if length is None else m.expression(length)
-    return p.SetSignal(m.original(given[0].name), e.Number(1), seconds)
-
-
-def _acceleration(m: Meaning, given: Given, _: Options) -> p.Statement | None:
-    if literal_number(given[1]) != 100:
-        return None
-    percent = m.expression(given[0])
-    return p.SetAcceleration(percent, percent)
-
-
-def _override(m: Meaning, given: Given, _: Options) -> p.Statement | None:
-    if literal_number(given[1]) != SPEED_CAP:
-        return None
-    return p.SetOverride(m.expression(given[0]))
-
-
-def _added(operator: Any, one: bool) -> Lifted:
-    """one: by 1; else by what the second argument says."""
-
-    def lifted(m: Meaning, given: Given, _: Options) -> p.Statement | None:
-        if not isinstance(given[0], s.NameRef | s.Element | s.Component):
-            return None
-        place = m.expression(given[0])
-        by = e.Number(1) if one else m.expression(given[1])
-        return p.Assign(place, e.Binary(operator, place, by))
-
-    return lifted
-
-
-def _clear(m: Meaning, given: Given, _: Options) -> p.Statement | None:
-    if not isinstance(given[0], s.NameRef | s.Element | s.Component):
-        return None
-    return p.Assign(m.expression(given[0]), e.Number(0))
-
-
-def _stop(_: Meaning, _given: Given, _options: Options) -> p.Statement | None:
-    return p.Stop()
-
-
 def _message(m: Meaning, given: Given, options: Options) -> p.Statement | None:
-    parts: list[e.Expression] = []
-    pending = [given[0]]
-    while pending:
-        part = pending.pop()
-        if isinstance(part, s.Infix) and part.operator == "+":
-            pending += [part.right, part.left]
-        else:
-            parts.append(m.expression(part))
+    parts = [*chained((m.expression(given[0]),), lambda _: True)]
     value = options.get("num")
     if value is not None:
         parts.append(e.Apply("text", (m.expression(value),)))
     return p.Message(tuple(parts))
 
 
-INSTRUCTIONS: Final[Mapping[str, Form]] = {
+FORMS: Final[Mapping[str, Form]] = {
     "movej": Form(4, _move("joint"), ("wobj", "tload")),
     "movel": Form(4, _move("linear"), ("wobj", "tload")),
     "movec": Form(5, _circular, ("wobj", "tload")),
     "moveabsj": Form(4, _joints, ("wobj", "tload", "noeoffs")),
-    "waittime": Form(1, _wait),
-    "waitdi": Form(2, _wait_signal("digital", "input"), ("maxtime",)),
-    "waitdo": Form(2, _wait_signal("digital", "output"), ("maxtime",)),
-    "waitgi": Form(2, _wait_signal("group", "input"), ("maxtime",)),
-    "waitgo": Form(2, _wait_signal("group", "output"), ("maxtime",)),
-    "waituntil": Form(1, _wait_until, ("maxtime",)),
-    "setdo": Form(2, _set("digital")),
-    "setao": Form(2, _set("analog")),
-    "setgo": Form(2, _set("group")),
-    "set": Form(1, _set_to(1)),
-    "reset": Form(1, _set_to(0)),
-    "pulsedo": Form(1, _pulse, ("high", "plength")),
-    "accset": Form(2, _acceleration),
-    "velset": Form(2, _override),
-    "incr": Form(1, _added("+", one=True)),
-    "decr": Form(1, _added("-", one=True)),
-    "add": Form(2, _added("+", one=False)),
-    "clear": Form(1, _clear),
-    "stop": Form(0, _stop),
     "tpwrite": Form(1, _message, ("num",)),
 }
-"""Instructions that the pseudo-program has a statement for, by lower-case name."""
+"""Instructions that are more than a row of `tables.statements`, by lower-case name."""

@@ -11,10 +11,11 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Final
 
-from assistant.languages.rapid.lift.expressions import here
+from assistant.languages.rapid.lift.expressions import Expressions, frame_name, tool_name
 from assistant.languages.rapid.lift.ways import steps
+from assistant.languages.rapid.tables.functions import HERE
 from assistant.languages.rapid.text import verbatim
-from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.calls import called
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.ways import Ways
@@ -51,13 +52,23 @@ def _said(flow: Ways, owner: Procedure, body: Body, original: Callable[[str], st
             ) -> e.Expression:
                 if not (isinstance(x, e.Verbatim) and _reads(x)):
                     return x
-                call = verbatim.expression(x.text)
-                assert isinstance(call, s.FunctionCall)
-                return here(call, original, tool, frame) or replace(x, reason=DIFFERS)
+                return _here(x, original, tool, frame) or replace(x, reason=DIFFERS)
 
             node = map_head(node, change)
         made.append(map_bodies(node, lambda inner: _said(flow, owner, inner, original)))
     return tuple(made)
+
+
+def _here(
+    x: e.Verbatim, original: Callable[[str], str], tool: str | None, frame: str | None
+) -> e.Here | None:
+    """What `CRobT` reads, None if that is not known. tool, frame: of the move before."""
+    call = called(verbatim.expression(x.text))
+    said = None if call is None else Expressions(original).reading.fields(HERE, call)
+    if said is None:
+        return None
+    tool, frame = said.get("tool", tool), said.get("frame", frame)
+    return None if tool is None or frame is None else e.Here(tool_name(tool), frame_name(frame))
 
 
 def _reads(record: Any) -> bool:

@@ -12,7 +12,7 @@ from assistant.languages.rapid.lift.instructions import Meaning
 from assistant.languages.rapid.lift.paths import PathLift
 from assistant.languages.rapid.lift.places import with_places
 from assistant.languages.rapid.lift.statements import StatementLift, handler, opaque
-from assistant.languages.rapid.lift.timers import clocks, with_timers
+from assistant.languages.rapid.lift.timers import clocks
 from assistant.languages.rapid.tables.words import PREDEFINED_VALUES, VALUE_OF_TYPE
 from assistant.languages.rapid.text import effects, verbatim
 from assistant.languages.rapid.text.header import Header, opening
@@ -159,7 +159,6 @@ class _Lift:
         )
         declared = {self.original(n): v for h in self.headers for n, v in h.signals.items()}
         used = chain(self.meaning.used, uses(program.statements()))
-        program = with_timers(program, self.clocks, self.original)
         program = apart(replace(program, signals=with_used(declared, used)))
         program = with_constants(program, PREDEFINED_VALUES)
         program = with_values(with_places(program, self.original))

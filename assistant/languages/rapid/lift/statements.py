@@ -8,13 +8,14 @@ from dataclasses import replace
 from typing import Final
 
 from assistant.languages.rapid.lift.data import DataLift
-from assistant.languages.rapid.lift.instructions import Meaning, instruction, plain_arguments
+from assistant.languages.rapid.lift.instructions import Meaning, instruction
 from assistant.languages.rapid.lift.paths import PathLift
 from assistant.languages.rapid.lift.timers import restarted
 from assistant.languages.rapid.tables.standard import INSTRUCTIONS, OF_OPTIONS
 from assistant.languages.rapid.tables.words import LOADED_FROM
 from assistant.languages.rapid.text import effects, verbatim
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.calls import called
 from assistant.languages.rapid.tree.walk import nodes as tree_nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -119,8 +120,10 @@ class StatementLift:
         return opaque(node) if given is None else p.Call(self._original(name), given)
 
     def _given(self, node: s.ProcedureCall) -> tuple[e.Expression, ...] | None:
-        plain = plain_arguments(node)
-        return None if plain is None else tuple(map(self._expression, plain))
+        call = called(node)
+        if call is None or call.options:
+            return None
+        return tuple(self._expression(argument) for argument in call.given if argument is not None)
 
     def _timer(self, nodes: Sequence[s.StatementNode]) -> p.StartTimer | None:
         """`ClkReset c; ClkStart c;` as one, if the clock is nothing but restarted and read."""

@@ -8,16 +8,12 @@ it is written.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 from itertools import chain, pairwise
 from typing import Final
 
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import lists, nodes
-from assistant.program import expressions as e
-from assistant.program.program import Program
-from assistant.program.rewriting import map_expressions
 
 TYPE: Final = "clock"
 READ: Final = "clkread"
@@ -78,20 +74,3 @@ def read(node: s.FunctionCall) -> str | None:
 def _is_clock(item: s.Data) -> bool:
     plain = item.storage == "VAR" and item.scope != "TASK" and item.value is None
     return plain and item.type.lower() == TYPE and not item.dimensions
-
-
-def with_timers(
-    program: Program, timers: Collection[str], original: Callable[[str], str]
-) -> Program:
-    """The program with what reads a clock as what reads a timer. timers: lower-case names."""
-    if not timers:
-        return program
-    known = {original(name).lower() for name in timers}
-
-    def elapsed(value: e.Expression) -> e.Expression:
-        match value:
-            case e.Apply(function, (e.Name(name),)) if function.lower() == READ:
-                return e.Elapsed(name) if name.lower() in known else value
-        return value
-
-    return replace(program, procedures=map_expressions(program.procedures, elapsed))

@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from assistant.languages.patterns import Writing
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lower.names import Naming
+from assistant.languages.rapid.tables import functions
 from assistant.languages.rapid.tables.operators import (
     AND,
-    AS_FUNCTIONS,
     BINARY,
     OR,
     PRIMARY,
@@ -20,14 +21,13 @@ from assistant.languages.rapid.tables.operators import (
     TERM,
 )
 from assistant.languages.rapid.tables.words import (
-    BITS,
     COMPONENTS,
-    FUNCTIONS,
     LONGEST_STRING,
     UNUSED,
 )
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.calls import function_call
 from assistant.languages.rapid.tree.runs import (
     JOINT_PLACES,
     PARTS,
@@ -50,6 +50,17 @@ class Expressions:
 
     def __init__(self, names: Naming, value: Callable[[str], str]) -> None:
         self._names, self._value = names, value
+        self.writing: Writing[s.Expression] = Writing(
+            {
+                "value": lambda x, _: self.lower(x),
+                "position": lambda x, _: s.Component(self._variable(x), "trans"),
+                "timer": lambda x, _: s.NameRef(names.get("timers", x)),
+                "tool": lambda x, _: s.NameRef(names.get("tools", x)),
+                "frame": lambda x, _: s.NameRef(names.get("frames", x) or "wobj0"),
+            },
+            function_call,
+            lambda value: number(value)[0],
+        )
 
     def lower(self, expression: e.Expression, level: int = OR) -> s.Expression:
         """Raises Refused for what RAPID cannot say."""
@@ -86,23 +97,15 @@ class Expressions:
                 return s.Prefix("NOT", self.lower(operand, AND)), OR
             case e.Unary(_, operand):
                 return s.Prefix("-", self.lower(operand, TERM)), SUM
-            case e.Binary(operator, left, right):
-                if operator in AS_FUNCTIONS:
-                    return self._call(AS_FUNCTIONS[operator], (left, right)), PRIMARY
+            case e.Binary(operator, left, right) if operator in BINARY:
                 name, own, first, second = BINARY[operator]
                 return s.Infix(name, self.lower(left, first), self.lower(right, second)), own
-            case e.Apply(function, given):
-                return self._apply(function, given), PRIMARY
-            case e.Elapsed(timer):
-                clock = s.NameRef(self._names.get("timers", timer))
-                return s.FunctionCall("ClkRead", (s.Positional(clock),)), PRIMARY
-            case e.Here(tool, frame):
-                options = {
-                    "Tool": self._names.get("tools", tool),
-                    "WObj": self._names.get("frames", frame) or "wobj0",
-                }
-                named = tuple(s.Option(key, s.NameRef(n)) for key, n in options.items())
-                return s.FunctionCall("CRobT", named), PRIMARY
+            case e.Binary() | e.Apply() | e.Elapsed() | e.Here():
+                call = functions.ROWS.write(x, self.writing)
+                if call is not None:
+                    return function_call(call), PRIMARY
+                assert isinstance(x, e.Apply)
+                return self._apply(x.function, x.arguments), PRIMARY
             case e.Verbatim():
                 return self._verbatim(x)
 
@@ -116,35 +119,15 @@ class Expressions:
             cure="put the value into a variable first",
         )
 
-    def _call(self, name: str, given: tuple[e.Expression, ...]) -> s.FunctionCall:
-        return s.FunctionCall(name, tuple(s.Positional(self.lower(a)) for a in given))
-
     def _apply(self, function: str, given: tuple[e.Expression, ...]) -> s.FunctionCall:
-        if function in FUNCTIONS:
-            return self._call(FUNCTIONS[function], given)
-        if function in BITS and len(given) == 2:
-            wide = (s.FunctionCall("NumToDnum", (s.Positional(self.lower(a)),)) for a in given)
-            bits = s.FunctionCall(BITS[function], tuple(map(s.Positional, wide)))
-            return s.FunctionCall("DnumToNum", (s.Positional(bits),))
-        if function == "relative" and len(given) in (4, 7):
-            call = self._call("RelTool", given[:4])
-            turns = tuple(
-                s.Option(axis, self.lower(a))
-                for axis, a in zip(("Rx", "Ry", "Rz"), given[4:], strict=False)
-            )
-            return s.FunctionCall("RelTool", call.arguments + turns)
-        if function == "distance" and len(given) == 2:
-            points = (s.Component(self._variable(a), "trans") for a in given)
-            return s.FunctionCall("Distance", tuple(s.Positional(p) for p in points))
-        if function == "joints_here" and not given:
-            return s.FunctionCall("CJointT")
         if function in e.FUNCTIONS:
             raise refuse(
                 rules.NO_MEANING,
                 what=f"the function `{function}` of {len(given)} arguments",
                 cure="compute the value otherwise",
             )
-        return self._call(self._names.get("procedures", function), given)
+        name = self._names.get("procedures", function)
+        return s.FunctionCall(name, tuple(s.Positional(self.lower(a)) for a in given))
 
     def _verbatim(self, x: e.Verbatim) -> tuple[s.Expression, int]:
         if x.language != verbatim.LANGUAGE:

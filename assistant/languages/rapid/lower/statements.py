@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any, Final
 
+from assistant.languages.patterns import Slot, Write
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lower.expressions import Expressions, refuse
 from assistant.languages.rapid.lower.motions import motion_names, path_moves
 from assistant.languages.rapid.lower.names import Naming, spelt
+from assistant.languages.rapid.tables.hands import signal_of
 from assistant.languages.rapid.tables.operators import OR, SUM, TERM
-from assistant.languages.rapid.tables.words import (
-    GRIPPER_SIGNAL,
-    GRIPPER_VALUE,
-    LOADED_FROM,
-    SPEED_CAP,
-)
+from assistant.languages.rapid.tables.statements import ROWS
+from assistant.languages.rapid.tables.words import LOADED_FROM
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.calls import arguments
 from assistant.languages.rapid.tree.gather import gathered
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -25,7 +25,7 @@ from assistant.program.analysis.kinds import is_value, kinds
 from assistant.program.diagnostics import Findings, Refused
 from assistant.program.passes.counted_loops import ascends
 from assistant.program.passes.messages import parts
-from assistant.program.program import Procedure, Program
+from assistant.program.program import Procedure, Program, Signal
 
 
 class Body:
@@ -42,6 +42,12 @@ class Body:
         self._counting: list[str] = []
         self.expressions = Expressions(names, self._value)
         self.lower = self.expressions.lower
+        writers: dict[str, Write[s.Expression]] = {
+            **self.expressions.writing.kinds,
+            **dict.fromkeys(("signal", "digital", "analog", "group"), self.signal),
+            "hand": lambda hand, _: s.NameRef(signal_of(hand)),
+        }
+        self.writing = replace(self.expressions.writing, kinds=writers)
         self.known = kinds(program, procedure)
         self.signals = {n.lower(): g for n, g in program.signals.items()}
         self.findings = Findings()
@@ -83,11 +89,11 @@ class Body:
         arguments += [s.Option(n, v) for n, v in options.items()]
         return s.ProcedureCall(word, tuple(arguments))
 
-    def timeout(self, x: p.WaitSignal | p.WaitUntil) -> dict[str, s.Expression]:
-        return {} if x.timeout is None else {"MaxTime": self.lower(x.timeout)}
-
-    def signal(self, name: str) -> s.NameRef:
-        return s.NameRef(self.names.get("signals", name))
+    def signal(self, name: str, slot: Slot) -> s.NameRef | None:
+        """A signal, if it is of the kind and direction that the slot tells."""
+        signal = self.signals.get(name.lower(), Signal("digital", "input"))
+        fits = slot.kind in ("signal", signal.kind) and slot.of in ("", signal.direction)
+        return s.NameRef(self.names.get("signals", name)) if fits else None
 
 
 Lowered = Iterator[s.StatementNode]
@@ -109,19 +115,12 @@ def _follow(b: Body, x: p.Follow) -> Lowered:
     yield from path_moves(x.path, b.names.rows[id(x)], b.names)
 
 
-def _wait(b: Body, x: p.Wait) -> Lowered:
-    yield b.call("WaitTime", b.lower(x.seconds))
-
-
-def _wait_signal(b: Body, x: p.WaitSignal) -> Lowered:
-    signal = b.signals.get(x.signal.lower())
-    group, output = (signal.kind == "group", signal.direction == "output") if signal else (0, 0)
-    word = f"Wait{'G' if group else 'D'}{'O' if output else 'I'}"
-    yield b.call(word, b.signal(x.signal), b.lower(x.value), **b.timeout(x))
-
-
-def _wait_until(b: Body, x: p.WaitUntil) -> Lowered:
-    yield b.call("WaitUntil", b.lower(x.condition), **b.timeout(x))
+def _plain(b: Body, x: p.Statement) -> Lowered:
+    """A statement that is a row of `tables.statements`."""
+    call = ROWS.write(x, b.writing)
+    if call is None:
+        raise refuse(rules.NO_MEANING, what=f"such a {type(x).__name__}", cure="say it otherwise")
+    yield s.ProcedureCall(call.word, arguments(call))
 
 
 def _start_timer(b: Body, x: p.StartTimer) -> Lowered:
@@ -131,32 +130,13 @@ def _start_timer(b: Body, x: p.StartTimer) -> Lowered:
 
 
 def _set_signal(b: Body, x: p.SetSignal) -> Lowered:
-    if x.pulse is not None:
-        if x.value != e.Number(1):
-            raise refuse(
-                rules.NO_MEANING,
-                what=f"a pulse of `{x.signal}` to anything but 1",
-                cure="set the signal, wait and set it back",
-            )
-        high: tuple[s.Argument, ...] = (s.Option("High"), s.Option("PLength", b.lower(x.pulse)))
-        yield s.ProcedureCall("PulseDO", (*high, s.Positional(b.signal(x.signal))))
-        return
-    signal = b.signals.get(x.signal.lower())
-    word = {"analog": "SetAO", "group": "SetGO"}.get(signal.kind if signal else "", "SetDO")
-    yield b.call(word, b.signal(x.signal), b.lower(x.value))
-
-
-def _gripper(b: Body, x: p.Gripper) -> Lowered:
-    signal = s.NameRef(GRIPPER_SIGNAL.format(hand=x.hand))
-    yield b.call("SetDO", signal, s.NumberLiteral(str(GRIPPER_VALUE[x.action])))
-
-
-def _acceleration(b: Body, x: p.SetAcceleration) -> Lowered:
-    yield b.call("AccSet", b.lower(x.acceleration), s.NumberLiteral("100"))
-
-
-def _override(b: Body, x: p.SetOverride) -> Lowered:
-    yield b.call("VelSet", b.lower(x.percent), s.NumberLiteral(str(SPEED_CAP)))
+    if x.pulse is not None and x.value != e.Number(1):
+        raise refuse(
+            rules.NO_MEANING,
+            what=f"a pulse of `{x.signal}` to anything but 1",
+            cure="set the signal, wait and set it back",
+        )
+    yield from _plain(b, x)
 
 
 def _call(b: Body, x: p.Call) -> Lowered:
@@ -204,7 +184,10 @@ def _switch(b: Body, x: p.Switch) -> Lowered:
 
 
 def _stop(b: Body, x: p.Stop) -> Lowered:
-    yield s.Word("EXIT") if x.end else b.call("Stop")
+    if x.end:
+        yield s.Word("EXIT")
+    else:
+        yield from _plain(b, x)
 
 
 def _return(b: Body, x: p.Return) -> Lowered:
@@ -246,14 +229,14 @@ STATEMENTS: Final[dict[type, Callable[[Body, Any], Lowered]]] = {
     p.MoveCircular: _circular,
     p.MoveJoints: _joints,
     p.Follow: _follow,
-    p.Wait: _wait,
-    p.WaitSignal: _wait_signal,
-    p.WaitUntil: _wait_until,
+    p.Wait: _plain,
+    p.WaitSignal: _plain,
+    p.WaitUntil: _plain,
     p.StartTimer: _start_timer,
     p.SetSignal: _set_signal,
-    p.Gripper: _gripper,
-    p.SetAcceleration: _acceleration,
-    p.SetOverride: _override,
+    p.Gripper: _plain,
+    p.SetAcceleration: _plain,
+    p.SetOverride: _plain,
     p.Call: _call,
     p.Assign: _assign,
     p.If: _if,

@@ -22,5 +22,3 @@ BINARY: Final[dict[str, tuple[str, int, int, int]]] = {
     "mod": ("MOD", TERM, TERM, PRIMARY),
 }
 """Operator → RAPID's, its own level, and the levels that its operands must have."""
-
-AS_FUNCTIONS: Final = {"^": "Pow", "@": "PoseMult"}

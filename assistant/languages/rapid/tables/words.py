@@ -149,43 +149,8 @@ TYPE_OF_VALUE: Final[Mapping[ValueType, str]] = {
 
 VALUE_OF_TYPE: Final[Mapping[str, ValueType]] = {t: v for v, t in TYPE_OF_VALUE.items()}
 
-FUNCTIONS: Final[Mapping[str, str]] = {
-    "abs": "Abs",
-    "sqrt": "Sqrt",
-    "sin": "Sin",
-    "cos": "Cos",
-    "tan": "Tan",
-    "asin": "ASin",
-    "acos": "ACos",
-    "atan": "ATan",
-    "atan2": "ATan2",
-    "exp": "Exp",
-    "round": "Round",
-    "trunc": "Trunc",
-    "min": "Min",
-    "max": "Max",
-    "text": "ValToStr",
-    "fixed": "NumToStr",
-    "part": "StrPart",
-    "length": "StrLen",
-    "offset": "Offs",
-    "inverse": "PoseInv",
-}
-"""Functions of the pseudo-program that RAPID has under another name, argument by argument."""
-
-BITS: Final[Mapping[str, str]] = {
-    "bitand": "BitAndDnum",
-    "bitor": "BitOrDnum",
-    "bitxor": "BitXOrDnum",
-}
-"""Functions of bits, of whole numbers up to 52 bits; those of a byte have other names."""
-
 COMPONENTS: Final[Mapping[str, tuple[str, str]]] = {
     **{axis: ("trans", axis) for axis in "xyz"},
     **{f"j{i}": ("robax", f"rax_{i}") for i in range(1, 7)},
 }
 """Components of positions and joints: pseudo-program → RAPID."""
-
-GRIPPER_SIGNAL: Final = "hand{hand}_open"
-"""Output that opens a hand when 1 and closes it when 0."""
-GRIPPER_VALUE: Final = {"open": 1, "close": 0}

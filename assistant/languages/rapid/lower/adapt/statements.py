@@ -9,7 +9,6 @@ from functools import partial
 from typing import Any, Final, Literal
 
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.lift.signals import gripper
 from assistant.languages.rapid.lift.statements import statements_of
 from assistant.languages.rapid.lower.adapt.expressions import (
     floor,
@@ -18,6 +17,7 @@ from assistant.languages.rapid.lower.adapt.expressions import (
 )
 from assistant.languages.rapid.lower.adapt.findings import Findings
 from assistant.languages.rapid.lower.adapt.motions import Motions
+from assistant.languages.rapid.tables.hands import gripper
 from assistant.languages.rapid.tables.words import LEAST_ACCELERATION, LONGEST_STRING
 from assistant.languages.rapid.text import verbatim
 from assistant.program import expressions as e

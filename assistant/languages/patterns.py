@@ -1,0 +1,314 @@
+r"""Rows of a language: a word with its arguments, and the record that says the same, both ways.
+
+    Row("WaitUntil {condition} \MaxTime:={timeout?}", WaitUntil)
+    Row("AccSet {acceleration}, 100", SetAcceleration, deceleration=Name("{acceleration}"))
+
+A pattern is the word and its arguments, which may be patterns themselves, `Word(…)`; a backslash
+begins an option. What stands in braces is a slot: the field of the record that is found there.
+Behind a colon stands of what kind it is, if that is not its name's, and what a language wants to
+know besides. `?` marks what may be missing, and `=` what a missing number is. What a pattern does
+not say follows behind it, and may name slots in its turn; a field that nothing says has its
+default.
+
+A language gives what its tree is made of, a `Medium`, once for reading and once for writing.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import MISSING, dataclass, field, fields
+from typing import Any, Final, Generic, TypeVar
+
+from assistant.program.expressions import Apply, Name, Number
+from assistant.program.rewriting import rewrite
+
+N = TypeVar("N")
+
+
+@dataclass(frozen=True, slots=True)
+class Called(Generic[N]):
+    """A word with its arguments.
+
+    given: None for one that is left out. options: by name, None for a mere switch. leading: whether
+    options stand before the other arguments.
+    """
+
+    word: str
+    given: Sequence[N | None] = ()
+    options: Mapping[str, N | None] = field(default_factory=dict)
+    leading: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Slot:
+    """A place in a pattern. kind, of: see above. default: None for none."""
+
+    name: str
+    kind: str
+    of: str = ""
+    optional: bool = False
+    default: Number | None = None
+
+    @property
+    def may_miss(self) -> bool:
+        return self.optional or self.default is not None
+
+
+@dataclass(frozen=True, slots=True)
+class Pattern:
+    """options: None for a mere switch, which must be there. leading: see `Called`."""
+
+    word: str
+    given: tuple[Slot | Pattern | Number, ...]
+    options: Mapping[str, Slot | None]
+    leading: bool = False
+
+
+Read = Callable[[N, Slot], Any]
+"""What a node says that stands in a slot, None if it says nothing of the kind."""
+Write = Callable[[Any, Slot], "N | None"]
+"""The node that says it, None if it does not fit there."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reading(Generic[N]):
+    """What a language reads its rows with.
+
+    kinds: of slots; `value` is any expression. opened: the call that a node is. number: the literal
+    that it is.
+    """
+
+    kinds: Mapping[str, Read[N]]
+    opened: Callable[[N], Called[N] | None]
+    number: Callable[[N], float | None]
+
+    def fields(self, pattern: Pattern, called: Called[N]) -> dict[str, Any] | None:
+        """What stands in the slots of a pattern, None if that is not what is called."""
+        options = {name.lower(): node for name, node in called.options.items()}
+        known = {name.lower(): part for name, part in pattern.options.items()}
+        if called.word.lower() != pattern.word.lower() or len(called.given) > len(pattern.given):
+            return None
+        if any((known.get(name) is None) != (node is None) for name, node in options.items()):
+            return None
+        if any(part is None and name not in options for name, part in known.items()):
+            return None
+        if not options.keys() <= known.keys():
+            return None
+        missing = pattern.given[len(called.given) :]
+        if not all(isinstance(part, Slot) and part.may_miss for part in missing):
+            return None
+        given = (*called.given, *[None] * len(missing))
+        found: dict[str, Any] = {}
+        for part, node in zip(pattern.given, given, strict=True):
+            if not self._take(part, node, found):
+                return None
+        for name, slot in known.items():
+            if slot is not None and not self._take(slot, options.get(name), found):
+                return None
+        return found
+
+    def _take(self, part: Slot | Pattern | Number, node: N | None, found: dict[str, Any]) -> bool:
+        """Whether a node fits in its place; what it says there is then found."""
+        value: Any = None
+        match part:
+            case Slot(name, default=default) if node is None:
+                value = default
+                if value is None:
+                    return part.optional
+            case Slot(name, kind) if node is not None:
+                value = self.kinds.get(kind, self.kinds["value"])(node, part)
+            case Pattern() if node is not None:
+                called = self.opened(node)
+                inner = None if called is None else self.fields(part, called)
+                found.update(inner or {})
+                return inner is not None
+            case Number(wanted) if node is not None:
+                return self.number(node) == wanted
+            case _:
+                return False
+        found[name] = value
+        return value is not None
+
+
+@dataclass(frozen=True, slots=True)
+class Writing(Generic[N]):
+    """What a language writes its rows with. made: the node of a call. number: of a literal."""
+
+    kinds: Mapping[str, Write[N]]
+    made: Callable[[Called[N]], N]
+    number: Callable[[float], N]
+
+    def called(self, pattern: Pattern, said: Mapping[str, Any]) -> Called[N] | None:
+        """The call with the values of its slots, None if one does not fit."""
+        given = [self._part(part, said) for part in pattern.given]
+        options: dict[str, N | None] = {}
+        for name, slot in pattern.options.items():
+            node = None if slot is None else self._part(slot, said)
+            if node is not None or slot is None:
+                options[name] = node
+            elif not slot.optional:
+                return None
+        return None if None in given else Called(pattern.word, given, options, pattern.leading)
+
+    def _part(self, part: Slot | Pattern | Number, said: Mapping[str, Any]) -> N | None:
+        match part:
+            case Slot(name, kind):
+                value = said.get(name)
+                write = self.kinds.get(kind, self.kinds["value"])
+                return None if value is None else write(value, part)
+            case Pattern():
+                inner = self.called(part, said)
+                return None if inner is None else self.made(inner)
+            case Number(value):
+                return self.number(value)
+
+
+class Row:
+    """A pattern of a language and the record that it stands for."""
+
+    def __init__(self, text: str, record: type[Any], **fixed: object) -> None:
+        self.pattern = pattern(text)
+        self.record, self.fixed = record, fixed
+        self.key: object = record
+        self._own = {f.name: f for f in fields(record) if f.compare}
+
+    def said(self, found: Mapping[str, Any]) -> Any:
+        """The record with what was found in the slots."""
+        own = {name: value for name, value in found.items() if name in self._own}
+        return self.record(**own, **self._filled(found))
+
+    def slots(self, record: Any) -> dict[str, Any] | None:
+        """What the slots say of a record, None if the row does not say it."""
+        given = {name: getattr(record, name) for name in self._own}
+        fixed = self._filled(given)
+        named = {slot.name for slot in slots(self.pattern)}
+        for name, value in given.items():
+            default = self._own[name].default
+            wanted = fixed.get(name, value if name in named else default)
+            if wanted is MISSING or value != wanted:
+                return None
+        return given
+
+    def _filled(self, found: Mapping[str, Any]) -> dict[str, Any]:
+        def fill(x: Any) -> Any:
+            return found.get(x.name[1:-1], x) if isinstance(x, Name) else x
+
+        return {name: rewrite(value, fill) for name, value in self.fixed.items()}
+
+
+class FunctionRow(Row):
+    """A function: its arguments stand in the slots in their order."""
+
+    def __init__(self, function: str, text: str) -> None:
+        super().__init__(text, Apply, function=function)
+        self.key = function
+        self._names = [slot.name for slot in slots(self.pattern)]
+
+    def said(self, found: Mapping[str, Any]) -> Any:
+        return Apply(str(self.key), tuple(found[name] for name in self._names))
+
+    def slots(self, record: Any) -> dict[str, Any] | None:
+        if len(record.arguments) != len(self._names):
+            return None
+        return dict(zip(self._names, record.arguments, strict=True))
+
+
+class Rows:
+    """Rows in their order: the first that fits is the one."""
+
+    def __init__(self, *rows: Row) -> None:
+        self._by_word: dict[str, list[Row]] = {}
+        self._by_key: dict[object, list[Row]] = {}
+        for row in rows:
+            self._by_word.setdefault(row.pattern.word.lower(), []).append(row)
+            self._by_key.setdefault(row.key, []).append(row)
+
+    def __contains__(self, word: str) -> bool:
+        """Whether a row begins with a word, in lower case."""
+        return word in self._by_word
+
+    def read(self, called: Called[N], reading: Reading[N]) -> Any:
+        """The record that a call stands for, None if no row says it."""
+        for row in self._by_word.get(called.word.lower(), ()):
+            found = reading.fields(row.pattern, called)
+            if found is not None:
+                return row.said(found)
+        return None
+
+    def write(self, record: Any, writing: Writing[N]) -> Called[N] | None:
+        """The call that says a record, None if no row does."""
+        key = record.function if isinstance(record, Apply) else type(record)
+        for row in self._by_key.get(key, ()):
+            said = row.slots(record)
+            called = None if said is None else writing.called(row.pattern, said)
+            if called is not None:
+                return called
+        return None
+
+
+def slots(pattern: Pattern) -> Iterator[Slot]:
+    """The slots of a pattern in the order of its text."""
+    for part in (*pattern.given, *pattern.options.values()):
+        if isinstance(part, Slot):
+            yield part
+        elif isinstance(part, Pattern):
+            yield from slots(part)
+
+
+# --------------------------------------------------------------------------------- their text
+
+
+_TOKEN: Final = re.compile(
+    r"""[\s,]*(?:
+        \{(?P<slot>\w+)(?::(?P<kind>\w+)(?:\s(?P<of>[\w\s]+))?)?(?P<optional>\?)?
+            (?:=(?P<default>[\d.]+))?\}
+        | \\(?P<option>\w+)(?P<valued>:=)? | (?P<number>[\d.]+) | (?P<word>\w+)(?P<opens>\()?
+        | (?P<closes>\))
+    )""",
+    re.VERBOSE,
+)
+
+
+def pattern(text: str) -> Pattern:
+    """The pattern that a text says."""
+    made = [*_parts(_TOKEN.finditer(text))]
+    word = re.match(r"\w+", text)
+    assert word is not None
+    if len(made) == 1 and isinstance(made[0][1], Pattern):
+        return made[0][1]
+    return _pattern(word[0], made[1:])
+
+
+def _pattern(word: str, parts: Sequence[tuple[str, Any]]) -> Pattern:
+    given = tuple(part for option, part in parts if not option)
+    options = {option: part for option, part in parts if option}
+    return Pattern(word, given, options, leading=bool(parts and parts[0][0]))
+
+
+def _parts(tokens: Iterator[re.Match[str]]) -> Iterator[tuple[str, Any]]:
+    """Arguments up to the bracket that closes them, each with the name of its option."""
+    option = ""
+    for token in tokens:
+        if token["closes"]:
+            return
+        if token["option"]:
+            if not token["valued"]:
+                yield token["option"], None
+            option = token["option"] if token["valued"] else ""
+            continue
+        if token["slot"]:
+            slot, kind = token["slot"], token["kind"] or token["slot"]
+            default = Number(_number(token["default"])) if token["default"] else None
+            yield option, Slot(slot, kind, token["of"] or "", bool(token["optional"]), default)
+        elif token["number"]:
+            yield option, Number(_number(token["number"]))
+        elif token["opens"]:
+            yield option, _pattern(token["word"], [*_parts(tokens)])
+        else:
+            yield option, Pattern(token["word"], (), {})
+        option = ""
+
+
+def _number(text: str) -> float:
+    return int(text) if text.isdigit() else float(text)

@@ -1,0 +1,41 @@
+"""Calls of RAPID as rows of its tables have them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from assistant.languages.patterns import Called
+from assistant.languages.rapid.tree import syntax as s
+
+
+def called(node: s.Node) -> Called[s.Expression] | None:
+    """The call that a node is, without a word where that is worked out.
+
+    None for another node, or with an argument that a routine hands on.
+    """
+    if not isinstance(node, s.FunctionCall | s.ProcedureCall):
+        return None
+    given: list[s.Expression] = []
+    options: dict[str, s.Expression | None] = {}
+    for argument in node.arguments:
+        match argument:
+            case s.Positional(value, None):
+                given.append(value)
+            case s.Option(name, value):
+                options.setdefault(name.lower(), value)
+            case _:
+                return None
+    word = node.name if isinstance(node.name, str) else ""
+    return Called(word, given, options)
+
+
+def function_call(call: Called[s.Expression]) -> s.FunctionCall:
+    return s.FunctionCall(call.word, arguments(call))
+
+
+def arguments(call: Called[s.Expression]) -> tuple[s.Argument, ...]:
+    given = [s.Positional(node) for node in call.given if node is not None]
+    options = [s.Option(name, node) for name, node in call.options.items()]
+    parts: tuple[Sequence[s.Argument], ...] = (given, options)
+    first, second = reversed(parts) if call.leading else parts
+    return (*first, *second)
