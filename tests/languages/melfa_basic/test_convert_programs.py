@@ -11,12 +11,13 @@ import numpy as np
 from hypothesis import HealthCheck, assume, example, given, settings
 
 from assistant import languages
-from assistant.languages.melfa_basic.convert import names, original_names, steps
+from assistant.languages.melfa_basic.convert import names, original_names
 from assistant.languages.melfa_basic.convert.comparing import ROUNDING, compared
 from assistant.languages.melfa_basic.convert.conversion import convert
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.line_tables import gathered
+from assistant.languages.melfa_basic.tree.targets import labelled
 from assistant.program.comparison import compare
 from tests.languages.melfa_basic.files import files
 
@@ -56,7 +57,7 @@ def sayable(tree: s.File, to: str) -> s.File:
 def normal(tree: s.File) -> list[s.Item]:
     """What every conversion keeps: not the steps, the case of names, labels beside statements."""
     items, _ = original_names.taken_out(tree.items)
-    items, _ = steps.labelled(items)
+    items, _ = labelled(items)
     order = {label: f"LABEL{n}" for n, label in enumerate(_defined(items))}
     items = names.renamed(items, names.Names(labels=order), upper=True)
     return [

@@ -120,10 +120,16 @@ WAYS: dict[str, Row] = {
     "behind End": ("Dly 1\nEnd\nDly 2\nDly 3", ["MB141 3:1"]),
     "behind End at a label": ("*X\nIf M_In(1)=1 Then *Y\nEnd\n*Y\nDly 2\nGoTo *X", []),
     "behind an endless loop": ("While 1\nDly 1\nWEnd\nDly 2", ["MB141 4:1"]),
-    "behind a loop that is left": (
+    "behind a loop that is left": ("While 1\nIf M_In(1)=1 Then Break\nDly 1\nWEnd\nDly 2", []),
+    "Break leaves the If alone": (
         "While 1\nIf M_In(1)=1 Then\nBreak\nEndIf\nWEnd\nDly 2",
-        [],
+        ["MB141 6:1"],
     ),
+    "Break leaves the inner loop alone": (
+        "While 1\nFor M1=1 To 9\nIf M_In(1)=1 Then Break\nNext M1\nWEnd\nDly 2",
+        ["MB141 6:1"],
+    ),
+    "behind a Break": ("For M1=1 To 9\nBreak\nDly 1\nNext M1\nDly 2", ["MB141 3:1"]),
     "in front of the first Case": (
         "Select M_In(1)\nDly 1\nCase 1\nDly 2\nEnd Select",
         ["MB141 2:1"],

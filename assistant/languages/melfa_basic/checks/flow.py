@@ -9,18 +9,18 @@ from typing import Final
 
 from assistant.languages.melfa_basic.checks import flow_rules as rules
 from assistant.languages.melfa_basic.checks.file_view import Look, Scope
-from assistant.languages.melfa_basic.checks.ways import (
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.blocks import (
+    CLOSING,
     Block,
     Blocks,
     Misfit,
-    Ways,
     blocks_of,
-    ways_of,
-    word_of,
+    divided,
+    statement_of,
 )
-from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.blocks import CLOSING, divided
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
+from assistant.languages.melfa_basic.tree.graph import EXIT, Graph, graph_of
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]
@@ -36,16 +36,43 @@ class Part:
 
     scope: Scope
     blocks: Blocks
-    ways: Ways | None
+    ways: Graph | None
 
 
 def parts(look: Look) -> list[Part]:
     """Each scope of a file, worked out once."""
     found = []
+    steps = _steps(look)
     for scope in look.scopes:
-        blocks = blocks_of(look, scope)
-        found.append(Part(scope, blocks, ways_of(look, scope, blocks) if blocks.sound else None))
+        blocks = blocks_of(look.code, scope.entries)
+        ways = graph_of(look.code, scope.entries, blocks, steps) if blocks.sound else None
+        found.append(Part(scope, blocks, ways))
     return found
+
+
+def _steps(look: Look) -> dict[int, int]:
+    """Step number → place of its line, of a run of moves its own; empty if no jump needs it."""
+    found: dict[int, int] = {}
+    if not any(isinstance(target.place, int) for _, target in look.all(s.Target)):
+        return found
+    for at, item in enumerate(look.code):
+        if isinstance(item, MoveRows):
+            found.update(dict.fromkeys(item.steps.tolist(), at))
+        elif item.number is not None:
+            found.setdefault(item.number, at)
+    return found
+
+
+def word_of(statement: s.Statement | None) -> str:
+    """The word that a statement begins with, as the tools spell it."""
+    match statement:
+        case s.Command(keyword=keyword) | s.Motion(keyword=keyword) | s.Jump(keyword=keyword):
+            return keyword
+        case s.Select():
+            return "Select"
+        case None | s.Assign():
+            return ""
+    return type(statement).__name__
 
 
 def structure(look: Look) -> Found:
@@ -65,7 +92,8 @@ def structure(look: Look) -> Found:
 
 
 def _misfit(look: Look, wrong: Misfit) -> Found:
-    line, word = look.code[wrong.at], wrong.word
+    line = look.code[wrong.at]
+    word = word_of(statement_of(line))
     number = 3255 if word in ("Else", "ElseIf") else NUMBERS[wrong.kind]
     if wrong.inside is None:
         yield look.at(rules.UNBALANCED, line, word, word=word, other=wrong.kind, number=number)
@@ -97,7 +125,7 @@ def _order(look: Look, block: Block) -> Found:
     seen = False
     for at in block.parts:
         line = look.code[at]
-        word = word_of(line.statement) if isinstance(line, s.Line) else ""
+        word = word_of(statement_of(line))
         if seen and (word == last or block.kind == "If"):
             error = " (controller error 3255)" if block.kind == "If" else ""
             yield look.at(rules.TWO_ELSE, line, word, word=word, other=last, error=error)
@@ -111,12 +139,8 @@ def loops(look: Look) -> Found:
         told: set[int] = set()
         for block in part.blocks.all:
             line = look.code[block.first]
-            if (
-                block.kind == "For"
-                and isinstance(line, s.Line)
-                and isinstance(line.statement, s.For)
-            ):
-                variable = over[block.first] = line.statement.variable
+            if isinstance(loop := statement_of(line), s.For):
+                variable = over[block.first] = loop.variable
                 outer = [over.get(b.first) for b in block.chain if b is not block]
                 if any(o is not None and o.key == variable.key for o in outer):
                     yield look.at(rules.SAME_VARIABLE, line, variable, name=variable.name)
@@ -179,7 +203,7 @@ def into_blocks(look: Look) -> Found:
 
 def _chain(blocks: Blocks, at: int) -> list[Block]:
     """The blocks around a line; the words of a block stand in it as well, but for its first."""
-    own = blocks.by_line.get(at)
+    own = blocks.words.get(at)
     if own is not None and at in own.parts:
         return list(own.chain)
     inner = blocks.around.get(at)
@@ -199,8 +223,7 @@ def subroutines(look: Look) -> Found:
 def _returns(look: Look, places: set[int]) -> list[tuple[int, s.Command]]:
     found = []
     for at in sorted(places):
-        item = look.code[at]
-        statement = item.statement if isinstance(item, s.Line) else None
+        statement = statement_of(look.code[at])
         branches = (
             (statement.then, statement.otherwise) if isinstance(statement, s.If) else (statement,)
         )
@@ -208,7 +231,7 @@ def _returns(look: Look, places: set[int]) -> list[tuple[int, s.Command]]:
     return found
 
 
-def _entered(look: Look, part: Part, ways: Ways) -> Found:
+def _entered(look: Look, part: Part, ways: Graph) -> Found:
     """Where control comes to a Return without having been called."""
     start = part.scope.entries[0]
     subs = ways.called | {place for place, (_, called) in ways.handlers.items() if called}
@@ -224,7 +247,7 @@ def _entered(look: Look, part: Part, ways: Ways) -> Found:
             continue
         if at not in flow:
             flow.add(at)
-            left += [(place, at) for place in ways.after.get(at, ())]
+            left += [(place, at) for place in ways.after[at] if place != EXIT]
     for at, before in sorted(entered.items()):
         line = look.code[at]
         name = line.label if isinstance(line, s.Line) else ""
@@ -236,7 +259,7 @@ def _entered(look: Look, part: Part, ways: Ways) -> Found:
         yield look.at(rules.RETURN_ALONE, look.code[at], "Return")
 
 
-def _left(look: Look, ways: Ways) -> Found:
+def _left(look: Look, ways: Graph) -> Found:
     """Subroutines without a Return, and Returns of the wrong kind."""
     normal: set[int] = set()
     for at in sorted(ways.called):

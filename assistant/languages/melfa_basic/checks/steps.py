@@ -13,6 +13,7 @@ from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.tables.dialects import LAST_STEP
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
+from assistant.languages.melfa_basic.tree.targets import exits_of, labels_of
 from assistant.program.diagnostics import Diagnostic, Span
 
 Found = Iterator[Diagnostic]
@@ -126,7 +127,7 @@ def labels(look: Look) -> Found:
 
 
 def _targets(look: Look, line: s.Line, seen: set[str], *, inside: bool) -> Found:
-    for target in targets(line.statement):
+    for target in exits_of(line.statement).targets:
         if isinstance(target.place, int):
             if target.place not in look.once(_steps):
                 word = str(target.place)
@@ -142,20 +143,6 @@ def _targets(look: Look, line: s.Line, seen: set[str], *, inside: bool) -> Found
             yield look.at(rules.NO_LABEL, line, target, name=target.place, where=where)
 
 
-def targets(statement: s.Statement | s.Target | None) -> Iterator[s.Target]:
-    """Where a statement jumps to."""
-    match statement:
-        case s.Target():
-            yield statement
-        case s.If(_, then, otherwise):
-            yield from targets(then)
-            yield from targets(otherwise)
-        case s.Jump(target=target) | s.OnCom(target=target) | s.DefAct(target=target):
-            yield target
-        case s.OnJump(targets=several):
-            yield from (target for target in several if target is not None)
-
-
 def _steps(look: Look) -> set[int]:
     found = {line.number for line in look.lines if line.number is not None}
     for item in look.code:
@@ -165,4 +152,4 @@ def _steps(look: Look) -> set[int]:
 
 
 def _all_labels(look: Look) -> set[str]:
-    return {line.label.upper() for line in look.lines if line.label is not None}
+    return set(labels_of(look.lines))

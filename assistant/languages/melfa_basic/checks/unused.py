@@ -10,12 +10,13 @@ import numpy as np
 
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks.file_view import Look
-from assistant.languages.melfa_basic.checks.steps import MOST_ROWS, row_span, targets
+from assistant.languages.melfa_basic.checks.steps import MOST_ROWS, row_span
 from assistant.languages.melfa_basic.checks.uses import Use
 from assistant.languages.melfa_basic.checks.variables_of import NUMBERED, Known, is_position, known
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
+from assistant.languages.melfa_basic.tree.targets import labels_named
 from assistant.program.arrays import Ints
 from assistant.program.diagnostics import Diagnostic, Span
 
@@ -69,7 +70,7 @@ def _second(look: Look, tables: list[PositionRows], number: int) -> Span | None:
 
 def unused(look: Look) -> Found:
     """Labels, variables and positions that nothing uses; one finding for each of the three."""
-    aimed = {str(t.place).upper() for line in look.lines for t in targets(line.statement)}
+    aimed = set(labels_named(look.lines))
     labels = [
         (line, f"*{line.label}")
         for line in look.lines

@@ -8,11 +8,10 @@ from typing import Any, Final
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks import kinds, value_rules
 from assistant.languages.melfa_basic.checks.file_view import Look
-from assistant.languages.melfa_basic.checks.flow import parts
+from assistant.languages.melfa_basic.checks.flow import parts, word_of
 from assistant.languages.melfa_basic.checks.kinds import literal
 from assistant.languages.melfa_basic.checks.undefined import near_status
 from assistant.languages.melfa_basic.checks.variables_of import known
-from assistant.languages.melfa_basic.checks.ways import word_of
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.diagnostics import Diagnostic

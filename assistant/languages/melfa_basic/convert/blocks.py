@@ -8,18 +8,17 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
 from assistant.languages.melfa_basic.convert.chains import chained
-from assistant.languages.melfa_basic.convert.nesting import Block, Node, flat, nested
-from assistant.languages.melfa_basic.convert.steps import targets
 from assistant.languages.melfa_basic.tables.dialects import Dialect
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.jumping import THEN, branches, goes_to
+from assistant.languages.melfa_basic.tree.blocks import Blocks, blocks_of
+from assistant.languages.melfa_basic.tree.jumping import THEN, branches, goes_to, waited
+from assistant.languages.melfa_basic.tree.targets import labels_named, labels_of, lone_labels
 
-_WAIT: Final = re.compile(r"W[0-9]+")
 _LEFT: Final = re.compile(r"B[0-9]+Z")
 
 
@@ -34,47 +33,27 @@ def to_blocks(items: Sequence[s.Item], dialect: Dialect) -> list[s.Item]:
     refused: set[str] = set()
     while dialect.blocks:
         made, ends = _ifs(lines, refused)
-        structure = nested(made)
-        if structure is None:
-            return _without_ifs(lines, refused) if ends else lines
-        if dialect.breaks:
-            behind: dict[int, str] = {}
-            _breaks(structure, ends | chains, behind)
-            made = flat(structure)
-            wanted = {t.place.upper() for t in targets(made) if isinstance(t.place, str)}
-            made = [i for i in made if behind.get(id(i), "") in {"", *wanted}]
-        missing = _missing(made, lines)
-        left = {name for name in ends.values() if name in missing or _partly(name, missing)}
+        blocks = blocks_of(made, range(len(made)))
+        if blocks.sound:
+            if dialect.breaks:
+                made = _with_breaks(made, blocks, ends | chains)
+            missing = (set(labels_named(made)) - labels_of(made).keys()) & labels_of(lines).keys()
+            left = {name for name in ends.values() if name in missing or _partly(name, missing)}
+        else:
+            known = {*ends.values(), *refused}
+            left = {name for name in ends.values() if _crosses(lines, known - {name})}
+            if not left:
+                return lines
         if not left:
             return made
         refused |= left
     return lines
 
 
-def _without_ifs(lines: list[s.Item], refused: set[str]) -> list[s.Item]:
-    """As far as it goes with the first `If` that crosses another block left as it is."""
-    made: list[s.Item] = lines
-    for name in sorted(set(_names(lines)) - refused):
-        tried, ends = _ifs(lines, {n for n in _names(lines) if n != name})
-        if ends and nested(tried) is None:
-            refused.add(name)
+def _crosses(lines: Sequence[s.Item], refused: set[str]) -> bool:
+    """Whether an `If` crosses other blocks, the only one that is not refused."""
     made, _ = _ifs(lines, refused)
-    return made if nested(made) is not None else lines
-
-
-def _names(lines: Sequence[s.Item]) -> Iterator[str]:
-    for item in lines:
-        if isinstance(item, s.Line) and item.label is not None:
-            if found := THEN.fullmatch(item.label.upper()):
-                yield found.group(1) + "Z"
-
-
-def _missing(made: Sequence[s.Item], before: Sequence[s.Item]) -> set[str]:
-    """Labels that jumps still go to and that are there no more, in upper case."""
-    there = {i.label.upper() for i in made if isinstance(i, s.Line) and i.label}
-    were = {i.label.upper() for i in before if isinstance(i, s.Line) and i.label}
-    wanted = {t.place.upper() for t in targets(made) if isinstance(t.place, str)}
-    return (wanted - there) & were
+    return not blocks_of(made, range(len(made))).sound
 
 
 def _partly(end: str, missing: set[str]) -> bool:
@@ -85,46 +64,20 @@ def _partly(end: str, missing: set[str]) -> bool:
 
 
 def _waits(items: list[s.Item]) -> list[s.Item]:
-    counts = Counter(t.place.upper() for t in targets(items) if isinstance(t.place, str))
+    counts = Counter(labels_named(items))
     made: list[s.Item] = []
     at = 0
     while at < len(items):
-        condition = _wait(items[at : at + 3], counts)
-        if condition is None:
+        found = waited(items[at : at + 3])
+        if found is None or counts[found[0]] != 1 or counts[found[0] + "Z"] != 1:
             made.append(items[at])
             at += 1
             continue
         test = items[at + 1]
         if isinstance(test, s.Line):
-            made.append(replace(test, statement=s.Command("Wait", (condition,))))
+            made.append(replace(test, statement=s.Command("Wait", (found[1],))))
         at += 3
     return made
-
-
-def _wait(lines: Sequence[s.Item], counts: Counter[str]) -> s.Expression | None:
-    """The condition of `*W1`, `IF … THEN *W1Z ELSE *W1`, `*W1Z`."""
-    match lines:
-        case [
-            s.Line(label=str() as first, statement=None, comment=None),
-            s.Line(
-                label=None,
-                statement=s.If(
-                    condition=condition,
-                    then=s.Target(place=str() as out),
-                    otherwise=s.Target(place=str() as again),
-                ),
-            ),
-            s.Line(label=str() as last, statement=None, comment=None),
-        ]:
-            name = first.upper()
-            if (
-                _WAIT.fullmatch(name)
-                and again.upper() == name
-                and out.upper() == last.upper() == name + "Z"
-                and counts[name] == counts[name + "Z"] == 1
-            ):
-                return condition
-    return None
 
 
 # ------------------------------------------------------------------------------------ If
@@ -132,11 +85,7 @@ def _wait(lines: Sequence[s.Item], counts: Counter[str]) -> s.Expression | None:
 
 def _ifs(items: Sequence[s.Item], refused: set[str]) -> tuple[list[s.Item], dict[int, str]]:
     """The lines with `If` blocks, and by the identity of an `EndIf` the label that was there."""
-    labels = {
-        i.label.upper(): at
-        for at, i in enumerate(items)
-        if isinstance(i, s.Line) and i.label and i.statement is None and i.comment is None
-    }
+    labels = lone_labels(items)
     lines: list[s.Item | None] = list(items)
     ends: dict[int, str] = {}
     for at, item in enumerate(items):
@@ -178,27 +127,32 @@ def _replaced(lines: list[s.Item | None], items: Sequence[s.Item], places: Seque
 # --------------------------------------------------------------------------------- Break
 
 
-def _breaks(nodes: Sequence[Node], ends: dict[int, str], behind: dict[int, str]) -> None:
-    """Jumps behind the innermost block made `Break`, in place.
+def _with_breaks(items: Sequence[s.Item], blocks: Blocks, ends: Mapping[int, str]) -> list[s.Item]:
+    """Jumps behind the innermost block made `Break`, without labels that nothing goes to then.
 
-    behind: gets the labels below such blocks, by the identity of their lines.
+    ends: labels that were at the end of a block, by the identity of the line that ends it.
     """
-    for at, node in enumerate(nodes):
-        if not isinstance(node, Block):
-            continue
-        label = ends.get(id(node.end))
-        below = nodes[at + 1] if at + 1 < len(nodes) else None
-        match below:
-            case s.Line(label=str() as name, statement=None, comment=None):
-                if label is None and node.kind != "Function" and _LEFT.fullmatch(name.upper()):
-                    label = behind[id(below)] = name.upper()
-        for part in node.parts:
-            if label is not None:
-                part.body[:] = [_broken(inner, label) for inner in part.body]
-            _breaks(part.body, ends, behind)
+    leaving: dict[int, str] = {}
+    below: dict[int, str] = {}
+    labels = {at: name for name, at in lone_labels(items).items() if _LEFT.fullmatch(name)}
+    for block in blocks.all:
+        if block.last is None or blocks.closing[block.last][-1] is not block:
+            continue  # the `Next` of an outer loop as well
+        label = ends.get(id(items[block.last]))
+        if label is None and block.last + 1 in labels:
+            label = below[block.last + 1] = labels[block.last + 1]
+        if label is not None:
+            leaving[block.first] = label
+    made: list[s.Item] = []
+    for at, item in enumerate(items):
+        inner = blocks.around[at]
+        label = leaving.get(inner.first) if inner is not None and at not in inner.parts else None
+        made.append(item if label is None else _broken(item, label))
+    wanted = set(labels_named(made))
+    return [item for at, item in enumerate(made) if below.get(at, "") in {"", *wanted}]
 
 
-def _broken(node: Node, label: str) -> Node:
+def _broken(node: s.Item, label: str) -> s.Item:
     if not isinstance(node, s.Line):
         return node
     if goes_to(node, label):

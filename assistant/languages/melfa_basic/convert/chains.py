@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
-from assistant.languages.melfa_basic.convert.steps import targets
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.jumping import goes_to
+from assistant.languages.melfa_basic.tree.targets import labels_named, lone_labels
 
 _FIRST: Final = re.compile(r"(S[0-9]+)C1")
 
@@ -31,11 +31,7 @@ def _at(lines: list[s.Item], at: int, ends: dict[int, str]) -> list[s.Item] | No
     name = _name(lines[at])
     if name is None:
         return None
-    labels = {
-        i.label.upper(): n
-        for n, i in enumerate(lines)
-        if isinstance(i, s.Line) and i.label and i.statement is None and i.comment is None
-    }
+    labels = lone_labels(lines)
     last = labels.get(name + "Z", -1)
     row = _row(lines, at, name)
     if row is None:
@@ -68,10 +64,8 @@ def _at(lines: list[s.Item], at: int, ends: dict[int, str]) -> list[s.Item] | No
     closing = s.Line(statement=s.Command("End Select"))
     made = [*before, *block, closing, *lines[last + 1 :]]
     gone = {name + "Z", *(f"{name}C{number}" for number in range(1, count + 1))}
-    inside = {t.place.upper() for t in targets(block) if isinstance(t.place, str)}
-    outside = [*before, *lines[last + 1 :]]
-    others = {t.place.upper() for t in targets(outside) if isinstance(t.place, str)}
-    if others & gone or inside & (gone - {name + "Z"}):
+    outside = labels_named([*before, *lines[last + 1 :]])
+    if not gone.isdisjoint(outside) or (gone - {name + "Z"}).intersection(labels_named(block)):
         return None
     if isinstance(first, s.Line) and first.span is not None and head.span is None:
         made[len(before)] = replace(head, span=first.span)

@@ -13,6 +13,7 @@ from assistant.languages.melfa_basic.convert.original_names import Memory
 from assistant.languages.melfa_basic.lift.files.program import lift, stem
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.targets import labelled, labels_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.comparison import Tolerance, compare
@@ -67,10 +68,10 @@ def _lifted(trees: Sequence[s.File], robot: Robot | None) -> Program:
 
 def _plain(tree: s.File, lowest: int) -> s.File:
     items, memory = original_names.taken_out(tree.items)
-    items, made = steps.labelled(steps.apart(items))
+    items, made = labelled(steps.apart(items))
     jumped = {label.upper() for label in made} | set(memory.steps)
-    order = [i.label.upper() for i in items if isinstance(i, s.Line) and i.label]
-    numbers = {label: f"ATSTEP{n}" for n, label in enumerate(x for x in order if x in jumped)}
+    order = (label for label in labels_of(items) if label in jumped)
+    numbers = {label: f"ATSTEP{n}" for n, label in enumerate(order)}
     if lowest == 4 and DIALECTS[tree.dialect].level > 4:
         lower = DIALECTS["melfa-basic-4"]
         items = words.Words(lower, Memory(), _silent).lines(comments.fitted(items, lower))

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import PurePath
+from typing import Final
 
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.convert import comments, names, original_names, steps, words
 from assistant.languages.melfa_basic.convert.blocks import to_blocks
 from assistant.languages.melfa_basic.convert.jumps import Jumps
-from assistant.languages.melfa_basic.convert.nesting import nested
 from assistant.languages.melfa_basic.convert.original_names import Memory
 from assistant.languages.melfa_basic.reading.files import recognises
 from assistant.languages.melfa_basic.reading.parser import parse
@@ -19,8 +19,13 @@ from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.text.layout.lines import lay_out
 from assistant.languages.melfa_basic.text.rendering import render
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.blocks import blocks_of
+from assistant.languages.melfa_basic.tree.targets import labelled, labels_of, labels_written
 from assistant.program.diagnostics import Diagnostic, has_errors
 from assistant.program.text import SourceText
+
+DEEPEST: Final = 51
+"""Blocks inside one another that are converted; controllers stop at 16."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +107,7 @@ class _File:
 
     def down(self) -> None:
         items, self.memory = original_names.taken_out(self.items)
-        items, made = steps.labelled(items)
+        items, made = labelled(items)
         self.as_steps = {*made, *self.memory.steps}
         self.memory.steps.clear()
         items = steps.apart(steps.bare(items))
@@ -110,21 +115,22 @@ class _File:
             self.complain(
                 line, "a `Const` behind a jump or label", "move it to the head of the program"
             )
-        blocks = nested(comments.fitted(items, self.dialect))
-        if blocks is None:
+        items = comments.fitted(items, self.dialect)
+        blocks = blocks_of(items, range(len(items)))
+        if not blocks.sound or any(block.depth > DEEPEST for block in blocks.all):
             self.complain(
                 self.items[0],
                 "blocks that cross each other or stand too deep",
                 "close each in order",
             )
             return
-        jumps = Jumps(self.dialect, steps.labels_of(items), self.complain)
-        items = jumps.lines(blocks)
+        jumps = Jumps(items, blocks, self.dialect, self.complain)
+        items = jumps.lines(range(len(items)))
         self.items = words.Words(self.dialect, self.memory, self.complain).lines(items)
 
     def up(self) -> None:
         items, self.memory = original_names.taken_out(self.items)
-        items, made = steps.labelled(items)
+        items, made = labelled(items)
         self.memory.steps |= dict.fromkeys(made)
         items = to_blocks(steps.bare(items), self.dialect)
         items = words.Words(self.dialect, self.memory, self.complain).lines(items)
@@ -132,7 +138,7 @@ class _File:
         known = self.memory
         given = {n.upper() for n in names.variables_of(items)}
         back = {k: v for k, v in known.named.items() if v.upper() not in given}
-        labels = steps.labels_of(items)
+        labels = labels_of(items)
         tags = {k: v for k, v in known.labelled.items() if v.upper() not in labels}
         table = names.Names(back, dict(known.stems), tags)
         self.items = original_names.renamed(names.renamed(items, table, upper=False), back)
@@ -144,20 +150,14 @@ class _File:
         """Names that the dialect takes; what they were goes into the heading."""
         if self.before.level == 4:
             return
-        given = {n.upper(): n for n in names.variables_of(self.items)}
-        tables = names.stems_of(self.items)
-        written = {
-            i.label.upper(): i.label for i in self.items if isinstance(i, s.Line) and i.label
-        }
-        for name, shorter in short.variables.items():
-            if name in given:
-                self.memory.named[shorter] = given[name]
-        for stem, shorter in short.stems.items():
-            if stem in tables:
-                self.memory.stems[shorter] = stem
-        for label, shorter in short.labels.items():
-            if label in written:
-                self.memory.labelled[shorter] = written[label]
+        stems = names.stems_of(self.items)
+        for kept, written, shorter in (
+            (self.memory.named, names.variables_of(self.items), short.variables),
+            (self.memory.stems, stems, short.stems),
+            (self.memory.labelled, labels_written(self.items), short.labels),
+        ):
+            known = {name.upper(): name for name in written}
+            kept.update((made, known[name]) for name, made in shorter.items() if name in known)
         self.items = names.renamed(self.items, short, upper=self.dialect.upper)
         self.items = original_names.renamed(self.items, short.variables)
 

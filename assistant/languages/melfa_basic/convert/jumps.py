@@ -15,23 +15,28 @@ is a row of `IF … THEN *S1C1`.
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from assistant.languages.melfa_basic.convert.nesting import Block, Node, Part
 from assistant.languages.melfa_basic.lift.settings.held import SETTINGS
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import EMITTED_LINE, Dialect
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.blocks import Block, Blocks
+from assistant.languages.melfa_basic.tree.targets import labels_of
 from assistant.languages.melfa_basic.tree.walk import nodes
 
 Complain = Callable[[s.Item, str, str], None]
 """Says of a line what cannot be said, and what to do."""
 
 _NUMBERED: Final = re.compile(r"[A-Z]\d+")
+
+Part = tuple[s.Line, range]
+"""The line that begins a part of a block, and the places of those in it."""
 
 PLAIN: Final = (s.Assign, s.Jump, s.CallP, s.Print, s.Input, s.Open, s.Close, s.Command)
 """Statements that may follow `THEN` on its line."""
@@ -52,11 +57,14 @@ class Leave:
 
 
 class Jumps:
-    """Writes the blocks of one program. labels: those that it has, in upper case."""
+    """Writes the blocks of one program, which are sound."""
 
-    def __init__(self, dialect: Dialect, labels: set[str], complain: Complain) -> None:
-        self.dialect, self.complain = dialect, complain
-        self.begun = {m[0] for label in labels if (m := _NUMBERED.match(label))}
+    def __init__(
+        self, items: Sequence[s.Item], blocks: Blocks, dialect: Dialect, complain: Complain
+    ) -> None:
+        self.items, self.dialect, self.complain = items, dialect, complain
+        self.blocks, self.opened = blocks, {block.first: block for block in blocks.all}
+        self.begun = {m[0] for label in labels_of(items) if (m := _NUMBERED.match(label))}
         """How labels begin that have a letter and a number."""
         self.counts: dict[str, int] = {}
         self.variables: list[str] = []
@@ -69,30 +77,49 @@ class Jumps:
             if made not in self.begun:
                 return made
 
-    def lines(self, nodes: Sequence[Node], leave: Leave | None = None) -> list[s.Item]:
+    def lines(self, places: range, leave: Leave | None = None) -> list[s.Item]:
+        """The lines at some places, blocks whole among them."""
         made: list[s.Item] = []
-        for node in nodes:
-            if not isinstance(node, Block):
-                made += self.line(node, leave)
-            elif node.kind == "If" and not self.dialect.blocks:
-                made += self.if_block(node, _selecting(leave))
-            elif node.kind == "Select" and _selecting(leave) and not self.dialect.nested_select:
-                made += self.chain(node)
+        at = places.start
+        while at < places.stop:
+            block = self.opened.get(at)
+            if block is None:
+                made += self.line(self.items[at], leave)
+                at += 1
+                continue
+            if block.kind == "If" and not self.dialect.blocks:
+                made += self.if_block(block, _selecting(leave))
+            elif block.kind == "Select" and _selecting(leave) and not self.dialect.nested_select:
+                made += self.chain(block)
             else:
-                made += self.kept(node, leave)
+                made += self.kept(block, leave)
+            at = block.words[-1] + 1
         return made
+
+    def parts(self, block: Block) -> list[Part]:
+        """The lines that begin the parts of a block, and the places that each holds."""
+        return [
+            (_line(self.items[at]), range(at + 1, end))
+            for at, end in itertools.pairwise(block.words)
+        ]
+
+    def end(self, block: Block) -> s.Line | None:
+        """The line that ends a block; None for a loop whose `Next` ends an outer one as well."""
+        last = block.words[-1]
+        return _line(self.items[last]) if self.blocks.closing[last][-1] is block else None
 
     def kept(self, block: Block, leave: Leave | None) -> list[s.Item]:
         """A block that stays one; behind it the place that `Break` goes to."""
         out = Leave(block.kind, _selecting(leave) or block.kind == "Select", "B")
         made: list[s.Item] = []
-        for part in block.parts:
-            made += [part.head, *self.lines(part.body, out)]
-        if block.end is not None:
-            made.append(block.end)
+        for head, inside in self.parts(block):
+            made += [head, *self.lines(inside, out)]
+        end = self.end(block)
+        if end is not None:
+            made.append(end)
         elif out.label is not None:
             self.complain(
-                block.parts[0].head,
+                self.items[block.first],
                 "a `Break` out of a loop whose `Next` ends several loops",
                 "write a `Next` for each loop",
             )
@@ -104,17 +131,18 @@ class Jumps:
 
     def if_block(self, block: Block, selecting: bool) -> list[s.Item]:
         """An `If` block on one line if it fits there, else with jumps."""
-        heads = [part.head for part in block.parts]
-        if all(len(part.body) == 1 for part in block.parts):
+        heads = [head for head, _ in self.parts(block)]
+        places = [inside for _, inside in self.parts(block)]
+        if all(len(inside) == 1 for inside in places):
             counts = dict(self.counts)
             out = Leave("If", selecting, "I")
-            short = self.on_one_line(block, [self.lines(part.body, out) for part in block.parts])
+            short = self.on_one_line(block, heads, [self.lines(inside, out) for inside in places])
             if short is not None and out.label is None:
                 return [short]
             self.counts = counts
         out = Leave("If", selecting, "I", self.name("I") + "Z")
-        bodies = [self.lines(part.body, out) for part in block.parts]
-        return self.jumping(str(out.label), heads, bodies, block.end)
+        bodies = [self.lines(inside, out) for inside in places]
+        return self.jumping(str(out.label), heads, bodies, self.end(block))
 
     def jumping(
         self,
@@ -142,9 +170,10 @@ class Jumps:
             made.append(s.Line(comment=end.comment))
         return made
 
-    def on_one_line(self, block: Block, bodies: Sequence[list[s.Item]]) -> s.Line | None:
-        heads = [part.head for part in block.parts]
-        others = [*heads[1:], *([] if block.end is None else [block.end])]
+    def on_one_line(
+        self, block: Block, heads: Sequence[s.Line], bodies: Sequence[list[s.Item]]
+    ) -> s.Line | None:
+        others = [*heads[1:], _line(self.items[block.words[-1]])]
         first = heads[0].statement
         if len(heads) > 2 or not isinstance(first, s.If) or any(line.comment for line in others):
             return None
@@ -175,37 +204,36 @@ class Jumps:
 
     def chain(self, block: Block) -> list[s.Item]:
         """A `Select` inside another one, its cases found by a row of `IF`."""
-        head, *cases = block.parts
+        (head, above), *cases = self.parts(block)
         name = self.name("S")
         last = name + "Z"
         out = Leave("chain", True, "S", last)
         made: list[s.Item] = []
-        selected = head.head.statement
+        selected = head.statement
         if not isinstance(selected, s.Select):
             return made
         subject = selected.subject
         status = isinstance(subject, s.Variable) and vocabulary.status(subject.name) is not None
-        if _calls(subject) and not all(map(_single, cases)):
+        if _calls(subject) and not all(_single(case) for case, _ in cases):
             self.complain(
-                head.head,
+                head,
                 "a `Select` on the value of a function inside another one",
                 "assign the value to a variable in front of it",
             )
         if not isinstance(subject, s.Variable) or subject.arguments is not None or status:
             variable = s.Variable("M" + name)  # a value that may change is looked at once
             self.variables.append(variable.name)
-            made.append(s.Line(statement=s.Assign(variable, subject), comment=head.head.comment))
+            made.append(s.Line(statement=s.Assign(variable, subject), comment=head.comment))
             subject = variable
-        elif head.head.comment is not None:
-            made.append(s.Line(comment=head.head.comment))
+        elif head.comment is not None:
+            made.append(s.Line(comment=head.comment))
         bodies: list[s.Item] = []
         default = False
-        for number, part in enumerate(cases, 1):
-            node = part.head.statement
+        for number, (case, inside) in enumerate(cases, 1):
+            node, comment = case.statement, case.comment
             label = f"{name}C{number}"
-            comment = part.head.comment
             if default:
-                self.complain(part.head, "a `Case` behind `Default`", "move `Default` to the end")
+                self.complain(case, "a `Case` behind `Default`", "move `Default` to the end")
             if isinstance(node, s.Case):
                 for item in node.items:
                     jump = s.If(_test(subject, item), s.Target(label))
@@ -215,15 +243,16 @@ class Jumps:
                 default = True
                 goto = s.Jump("GoTo", s.Target(label))
                 made.append(s.Line(statement=goto, comment=comment))
-            inner = self.lines(part.body, out)
+            inner = self.lines(inside, out)
             while inner and inner[-1] == _goto(last):
                 inner.pop()
             bodies += [s.Line(label=label), *inner, _goto(last)]
         if not default:
             made.append(_goto(last))
-        made += [*self.lines(head.body, out), *bodies, s.Line(label=last)]
-        if block.end is not None and block.end.comment is not None:
-            made.append(s.Line(comment=block.end.comment))
+        made += [*self.lines(above, out), *bodies, s.Line(label=last)]
+        end = self.end(block)
+        if end is not None and end.comment is not None:
+            made.append(s.Line(comment=end.comment))
         return made
 
     # ----------------------------------------------------------------------- one line
@@ -305,9 +334,14 @@ def _calls(value: s.Expression) -> bool:
     )
 
 
-def _single(part: Part) -> bool:
+def _line(item: s.Item) -> s.Line:
+    assert isinstance(item, s.Line)
+    return item
+
+
+def _single(case: s.Line) -> bool:
     """Whether a case asks for single values only."""
-    node = part.head.statement
+    node = case.statement
     return not isinstance(node, s.Case) or all(
         isinstance(item, s.CaseRange) and item.last is None for item in node.items
     )

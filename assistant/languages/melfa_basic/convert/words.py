@@ -14,14 +14,13 @@ from assistant.languages.melfa_basic.convert.names import (
     renamed,
     variables_of,
 )
-from assistant.languages.melfa_basic.convert.nesting import closes, opens
 from assistant.languages.melfa_basic.convert.original_names import Memory
-from assistant.languages.melfa_basic.convert.steps import targets
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import is_word
+from assistant.languages.melfa_basic.tree.targets import targets_in
 from assistant.program.rewriting import records, rewrite
 
 Complain = Callable[[s.Item, str, str], None]
@@ -237,7 +236,7 @@ def reworded(line: s.Line, dialect: Dialect) -> s.Line | None:
 
     It names nothing of its program: no variable, no label, no other line.
     """
-    if any(variables_of([line])) or any(targets([line])) or _needs_others(line.statement):
+    if any(variables_of([line])) or any(targets_in([line])) or _needs_others(line.statement):
         return None
     complaints: list[str] = []
     said = Words(dialect, Memory(), lambda _, what, cure: complaints.append(what + cure))
@@ -248,8 +247,14 @@ def reworded(line: s.Line, dialect: Dialect) -> s.Line | None:
 
 def _needs_others(statement: s.Statement | None) -> bool:
     """Whether a statement means something only together with the lines around it."""
-    wide = isinstance(statement, s.Command) and statement.keyword in ("Break", "Wait", "Return")
-    return bool(wide or is_word(statement) or opens(statement) or closes(statement))
+    if isinstance(statement, s.Command) and statement.keyword in (
+        "Break",
+        "Wait",
+        "Return",
+        "FEnd",
+    ):
+        return True
+    return is_word(statement) or isinstance(statement, s.Function)
 
 
 def restored(items: Sequence[s.Item], memory: Memory) -> list[s.Item]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import fields, is_dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.tables.dialects import LAST_STEP
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
+from assistant.languages.melfa_basic.tree.targets import retargeted, steps_named
 from assistant.program.diagnostics import Diagnostic, Refused, Rule
 
 Steps = NDArray[np.int64]
@@ -36,8 +37,8 @@ def renumbered(file: s.File, first: int, step: int) -> s.File:
     known = np.flatnonzero(old != UNNUMBERED)
     places = {int(number): int(new[at]) for number, at in _jumped_to(items, old, known)}
 
-    def moved(number: int) -> int:
-        return places.get(number, number)
+    def moved(place: str | int) -> str | int:
+        return places.get(place, place) if isinstance(place, int) else place
 
     made: list[s.Item] = []
     at = 0
@@ -48,7 +49,9 @@ def renumbered(file: s.File, first: int, step: int) -> s.File:
                 at += len(item)
             case s.Line() if _is_step(item):
                 findings += _lost(file, item, places)
-                made.append(_line(item, int(new[at]), moved))
+                item = retargeted(item, moved)
+                number = int(new[at])
+                made.append(item if number == item.number else replace(item, number=number))
                 at += 1
             case _:
                 made.append(item)
@@ -137,10 +140,7 @@ def _range(file: s.File, new: Steps, first: int, step: int) -> list[Diagnostic]:
 
 def _jumped_to(items: Sequence[s.Item], old: Steps, known: Steps) -> list[tuple[int, int]]:
     """Each number that a jump names, with the place of its line; few of many lines are named."""
-    named: set[int] = set()
-    for item in items:
-        if isinstance(item, s.Line) and item.statement is not None:
-            named |= _named(item.statement)
+    named = steps_named(items)
     if not named or not len(known):
         return []
     numbers = old[known]
@@ -152,8 +152,8 @@ def _jumped_to(items: Sequence[s.Item], old: Steps, known: Steps) -> list[tuple[
 
 
 def _lost(file: s.File, item: s.Line, places: dict[int, int]) -> list[Diagnostic]:
-    named = sorted(_named(item.statement)) if item.statement is not None else []
-    return [_finding(file, item, rules.NO_STEP, name=n) for n in named if n not in places]
+    lost = sorted(steps_named([item]) - places.keys())
+    return [_finding(file, item, rules.NO_STEP, name=number) for number in lost]
 
 
 def _finding(file: s.File, item: s.Line | MoveRows, rule: Rule, **fields: Any) -> Diagnostic:
@@ -167,42 +167,3 @@ def _finding(file: s.File, item: s.Line | MoveRows, rule: Rule, **fields: Any) -
 
 def _rows(rows: MoveRows, steps: Steps) -> MoveRows:
     return rows if np.array_equal(rows.steps, steps) else replace(rows, steps=steps)
-
-
-def _line(line: s.Line, number: int, moved: Callable[[int], int]) -> s.Line:
-    statement = line.statement
-    if statement is not None and _named(statement):
-        statement = with_jumps(statement, moved)
-    if number == line.number and statement == line.statement:
-        return line
-    return replace(line, number=number, statement=statement)
-
-
-def _named(statement: Any) -> set[int]:
-    """The step numbers that a statement jumps to."""
-    if isinstance(statement, s.Target):
-        return {statement.place} if isinstance(statement.place, int) else set()
-    found: set[int] = set()
-    if isinstance(statement, tuple):
-        for one in statement:
-            found |= _named(one)
-    elif is_dataclass(statement) and not isinstance(statement, _NO_JUMPS):
-        for field in fields(statement):
-            found |= _named(getattr(statement, field.name))
-    return found
-
-
-_NO_JUMPS = (s.Variable, s.Number, s.String, s.Constant, s.Binary, s.Unary, s.Motion, s.Command)
-
-
-def with_jumps(statement: Any, moved: Callable[[int], int]) -> Any:
-    """A statement whose jumps to step numbers go elsewhere."""
-    if isinstance(statement, s.Target):
-        place = statement.place
-        return s.Target(moved(place)) if isinstance(place, int) else statement
-    if isinstance(statement, tuple):
-        return tuple(with_jumps(one, moved) for one in statement)
-    if is_dataclass(statement) and not isinstance(statement, (type, *_NO_JUMPS)):
-        changed = {f.name: with_jumps(getattr(statement, f.name), moved) for f in fields(statement)}
-        return replace(statement, **changed)
-    return statement

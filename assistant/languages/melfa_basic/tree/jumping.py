@@ -19,6 +19,8 @@ from assistant.languages.melfa_basic.tree import syntax as s
 
 THEN: Final = re.compile(r"(I[0-9]+)T1")
 """The label of the first branch, in upper case; the group is what all its labels begin with."""
+WAIT: Final = re.compile(r"W[0-9]+", re.IGNORECASE)
+"""The label at the top of a loop that waits."""
 
 
 def branches(
@@ -56,6 +58,23 @@ def _tests(line: object, then: str, other: str) -> bool:
         ):
             return (yes.upper(), no.upper()) == (then, other)
     return False
+
+
+def waited(lines: Sequence[object]) -> tuple[str, s.Expression] | None:
+    """Label and condition of `*W1`, `IF … THEN *W1Z ELSE *W1`, `*W1Z`, a loop that only waits."""
+    match lines:
+        case [
+            s.Line(label=str(first), statement=None, comment=None),
+            s.Line(
+                label=None,
+                statement=s.If(condition, s.Target(place=str(out)), s.Target(place=str(again))),
+            ),
+            s.Line(label=str(last), statement=None, comment=None),
+        ] if WAIT.fullmatch(first):
+            name = first.upper()
+            if again.upper() == name and out.upper() == last.upper() == name + "Z":
+                return name, condition
+    return None
 
 
 def goes_to(line: object, label: str) -> bool:

@@ -23,8 +23,8 @@ from assistant.languages.melfa_basic.lift.statements import data
 from assistant.languages.melfa_basic.lift.statements.control import Control
 from assistant.languages.melfa_basic.lift.statements.paths import used_once
 from assistant.languages.melfa_basic.lift.statements.procedure import Reader
-from assistant.languages.melfa_basic.lift.structure import blocks, regions
-from assistant.languages.melfa_basic.lift.structure.blocks import Entry
+from assistant.languages.melfa_basic.lift.structure import regions
+from assistant.languages.melfa_basic.lift.structure.blocks import Entry, Structure
 from assistant.languages.melfa_basic.lift.structure.regions import Region
 from assistant.languages.melfa_basic.lift.structure.scopes import Scope, all_keys, scope_of
 from assistant.languages.melfa_basic.lift.values.constants import Constants
@@ -67,7 +67,7 @@ class _Ways:
     """
 
     constants: Constants
-    structure: dict[int, list[int]]
+    structure: Structure
     parts: list[Region]
     settings: Settings
     called: CalledForms
@@ -143,7 +143,7 @@ class Unit:
             return whole
         undivided: frozenset[int] = frozenset()
         while True:
-            flow = forms_by_way.divided(ways.called.flow, ways.structure, undivided)
+            flow = forms_by_way.divided(ways.called.flow, ways.structure.depth, undivided)
             called = CalledForms(flow, self._initial()) if flow.cuts else ways.called
             if not flow.cuts or called.too_long:
                 return whole
@@ -195,7 +195,8 @@ class Unit:
             code, symbols, ways.called, listed, calls, self.is_main, kept, source, ways.single
         )
         reader.control = Control(
-            code, ways.structure, reader.expressions, reader.body, reader.branch, reader.enter,
+            code, ways.structure.places, reader.expressions, reader.body, reader.branch,
+            reader.enter,
             ways.breaks,
         )  # fmt: skip
         reading = _Reading(symbols, ways.settings, reader, local)
@@ -212,17 +213,18 @@ class Unit:
         reading.procedures += [replace(f, unit=self.unit) for f in functions]
         return reading
 
-    def _regions(self, code: list[Entry]) -> tuple[dict[int, list[int]], list[Region]]:
+    def _regions(self, code: list[Entry]) -> tuple[Structure, list[Region]]:
         """The blocks of some lines, and what is a procedure of its own."""
-        structure = blocks.structure(code)
+        structure = Structure(code)
         named = self.header.names["procedure"]
-        return structure, regions.regions(code, structure, named, self.own)
+        return structure, regions.regions(code, structure.depth, named, self.own)
 
     def _ways(self, code: list[Entry], symbols: Symbols) -> _Ways:
         structure, parts = self._regions(code)
         constants = symbols.constants
         settings = Settings(self.file.positions, constants, self.header.names, own=self.own)
-        flow = Flow(code, parts, structure, settings.effect, calls_of(parts, self.touched))
+        calls = calls_of(parts, self.touched)
+        flow = Flow(code, parts, structure.blocks, settings.effect, calls)
         return _Ways(
             constants, structure, parts, settings, CalledForms(flow, self._initial()),
             {} if self.own else used_once(code), symbols.timers, "M_BRKCQ" in set(all_keys(code)),

@@ -10,12 +10,12 @@ from assistant.languages.melfa_basic.lift.settings.held import ALL_SETTINGS, SET
 from assistant.languages.melfa_basic.lift.statements.waits import comment_text
 from assistant.languages.melfa_basic.lift.structure.blocks import Entry
 from assistant.languages.melfa_basic.lift.structure.order import in_order
-from assistant.languages.melfa_basic.lift.structure.steps import with_labels
 from assistant.languages.melfa_basic.text import header as headers
 from assistant.languages.melfa_basic.text.header import Header
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.positions import Positions
+from assistant.languages.melfa_basic.tree.targets import labelled
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program.program import identifier
 
@@ -27,7 +27,7 @@ class File:
         self.tree = tree
         self.header, self.comments, code = _parts(tree)
         self.own = self.header.program is not None
-        self.code = code if self.own else in_order(with_labels(code))
+        self.code = code if self.own else in_order(labelled(code)[0])
         self.positions = Positions(tree)
 
     def touched(self) -> frozenset[int]:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from assistant.languages.melfa_basic.lift.settings.held import ALL_SETTINGS
-from assistant.languages.melfa_basic.lift.structure.regions import Region
+from assistant.languages.melfa_basic.lift.structure.regions import Region, place_name
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.targets import exits_of
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program.program import identifier
 
@@ -25,12 +26,9 @@ def calls_of(parts: Sequence[Region], touched: Mapping[str, frozenset[int]]) -> 
                 yield touched.get(identifier(name).upper(), ALL_SETTINGS)
             case s.CallP():
                 yield ALL_SETTINGS
-            case s.Jump(keyword="GoSub", target=target):
-                yield by_label.get(str(target.place).upper(), ALL_SETTINGS)
-            case s.OnJump(keyword="GoSub", targets=targets):
-                for target_ in targets:
-                    if target_ is not None:
-                        yield by_label.get(str(target_.place).upper(), ALL_SETTINGS)
+            case s.Jump() | s.OnJump():
+                for target in exits_of(statement).calls:
+                    yield by_label.get(place_name(target), ALL_SETTINGS)
         if by_name:
             node = statement.condition if isinstance(statement, s.If) else statement
             for part in nodes(node):

@@ -7,18 +7,20 @@ once, and used wherever it is called from.
 
 from __future__ import annotations
 
-import heapq
 import itertools
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from copy import copy
 from dataclasses import dataclass
 from typing import Any, Final
 
 from assistant.languages.melfa_basic.lift.settings.held import UNKNOWN, Held, State
-from assistant.languages.melfa_basic.lift.structure.blocks import Code, innermost_ends
-from assistant.languages.melfa_basic.lift.structure.regions import Region, odd_entries, place_name
+from assistant.languages.melfa_basic.lift.structure.blocks import Code
+from assistant.languages.melfa_basic.lift.structure.regions import Region, odd_entries
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.blocks import is_word
+from assistant.languages.melfa_basic.tree.blocks import Blocks, is_word, statement_of
+from assistant.languages.melfa_basic.tree.graph import EXIT, graph_of
+from assistant.languages.melfa_basic.tree.targets import exits_of, labels_of
+from assistant.program.analysis.dataflow import Dataflow, postorder
 
 Effect = Callable[[s.Statement | None], tuple[int, Any] | None]
 Calls = Callable[[s.Statement], Iterable[int | frozenset[int]]]
@@ -43,7 +45,7 @@ class OrInherited:
 
 
 _ENTRY: Final[State] = (Held(INHERITED),) * 5
-_LOST: Final[State] = (Held(UNKNOWN),) * 5
+LOST: Final[State] = (Held(UNKNOWN),) * 5
 
 
 def joined(one: State | None, two: State) -> State:
@@ -99,22 +101,17 @@ class Flow:
     entry: Final = _ENTRY
 
     def __init__(
-        self,
-        code: Code,
-        regions: list[Region],
-        blocks: Mapping[int, list[int]],
-        effect: Effect,
-        calls: Calls,
+        self, code: Code, regions: list[Region], blocks: Blocks, effect: Effect, calls: Calls
     ) -> None:
         self.code, self.regions, self.effect, self.calls = code, regions, effect, calls
-        self.labels = {
-            item.label.upper(): at
-            for at, item in reversed(list(enumerate(code)))
-            if isinstance(item, s.Line) and item.label is not None
-        }
-        self._take_blocks(blocks)
+        self.labels = labels_of(code)
+        self.ways = [graph_of(code, region.places(), blocks).after for region in regions]
+        loose = {
+            at for at, item in enumerate(code)
+            if is_word(statement_of(item)) and at not in blocks.words
+        }  # fmt: skip
         odd = odd_entries(code, regions)
-        self.odd = sorted(self.loose | {self.labels[name] for name in odd if name in self.labels})
+        self.odd = sorted(loose | {self.labels[name] for name in odd if name in self.labels})
         self._known_calls: dict[int, tuple[int | frozenset[int], ...]] = {}
         self.cuts: frozenset[int] = frozenset()
         self.edges: dict[int, dict[int, State]] = {}
@@ -126,32 +123,18 @@ class Flow:
         """The same with procedures divided; the effect of a whole procedure stays known."""
         made = copy(self)
         made.cuts, made.edges, made.before = cuts, {}, {}
-        for number, region in enumerate(self.regions):
-            made._run(number, region)
-            made._dead(number, region)
+        for number, region in enumerate(made.regions):
+            ways = {
+                at: [to for to in after if to not in cuts]
+                for at, after in made.ways[number].items()
+            }
+            made._spread(number, region, Dataflow(ways, made.after, joined), dead=True)
+            for at in region.places():
+                after = made.after(at, made.before[at])
+                into = cuts.intersection(made.ways[number][at])
+                if after is not None and into:
+                    made.edges[at] = dict.fromkeys(into, after)
         return made
-
-    def _take_blocks(self, blocks: Mapping[int, list[int]]) -> None:
-        """tests: a middle word → the next one. redirect: a middle word → the end of its block."""
-        self.tests: dict[int, int] = {}
-        self.redirect: dict[int, int] = {}
-        self.places: dict[int, list[int]] = {}
-        self.first: dict[int, list[int]] = {}
-        known: set[int] = set()
-        for first, places in blocks.items():
-            if not is_word(self._statement(first)):
-                continue  # an `If` made of jumps, which say themselves where they go
-            known.update(places)
-            self.places[first] = places
-            self.first.setdefault(places[-1], []).append(first)
-            for here, after in itertools.pairwise(places):
-                self.tests[here] = after
-            for middle in places[1:-1]:
-                self.redirect[middle] = places[-1]
-        self.ends = innermost_ends(len(self.code), self.places)
-        self.loose = {
-            at for at in range(len(self.code)) if at not in known and is_word(self._statement(at))
-        }
 
     def parts(self, number: int) -> list[tuple[int, int]]:
         """Where the parts of a procedure begin and end."""
@@ -165,112 +148,63 @@ class Flow:
 
     def goes_below(self, at: int) -> bool:
         """Whether control may go on below a line without a jump."""
-        match self._statement(at):
-            case s.Jump(keyword="GoTo"):
-                return False
-            case s.If(then=then, otherwise=otherwise) if then is not None:
-                branches = (_destination(then), _destination(otherwise))
-                return not all(isinstance(branch, s.Target) for branch in branches)
-        return True
+        return exits_of(statement_of(self.code[at])).on
 
     def is_label(self, at: int) -> bool:
-        item = self.code[at] if at < len(self.code) else None
+        item = self.code[at] if 0 <= at < len(self.code) else None
         return isinstance(item, s.Line) and item.label is not None
-
-    def _statement(self, at: int) -> s.Statement | None:
-        item = self.code[at]
-        return item.statement if isinstance(item, s.Line) else None
 
     # ------------------------------------------------------------------------ the fixpoint
 
     def _settle(self) -> None:
-        order = self._callees_first()
-        for _ in range(2 * len(self.regions) + 3):
-            before, self.before = list(self.exits), {}
-            for number in order:
-                self._run(number, self.regions[number])
-            if self.exits == before:
-                break
-        for number, region in enumerate(self.regions):
-            self._dead(number, region)
-
-    def _callees_first(self) -> list[int]:
-        """All procedures, what they call before them, so that few rounds settle."""
-        called = [
-            {
+        """Runs through all procedures, what they call before them, until nothing changes."""
+        called = {
+            number: [
                 callee
                 for at in region.places()
-                if (statement := self._statement(at)) is not None
+                if (statement := statement_of(self.code[at])) is not None
                 for callee in self.all_calls(statement)
                 if isinstance(callee, int)
-            }
-            for region in self.regions
-        ]
-        order: dict[int, None] = {}
-        met: set[int] = set()
-        for first in range(len(self.regions)):
-            left = [(first, False)]
-            while left:
-                number, done = left.pop()
-                if done:
-                    order[number] = None
-                elif number not in met:
-                    met.add(number)
-                    left.append((number, True))
-                    left += [(callee, False) for callee in called[number]]
-        return list(order)
+            ]
+            for number, region in enumerate(self.regions)
+        }
+        flows = [Dataflow(ways, self.after, joined) for ways in self.ways]
+        known: list[State | None] | None = None
+        while known != self.exits:
+            known = list(self.exits)
+            for number in postorder(called):
+                flows[number].found = {}
+                self._spread(number, self.regions[number], flows[number])
+        for number, region in enumerate(self.regions):
+            self._spread(number, region, flows[number], dead=True)
 
-    def _run(self, number: int, region: Region) -> None:
+    def _spread(
+        self, number: int, region: Region, flow: Dataflow[int, State], dead: bool = False
+    ) -> None:
+        """Works out what holds in a procedure, and behind it if it is not divided.
+
+        dead: also in lines that no way leads to, which have what stands above them.
+        """
         places = region.places()
-        if not places:
-            self.exits[number] = _ENTRY
-            return
-        for at in sorted({places[0], *(at for at in self.cuts if region.holds(at))}):
-            self._spread(number, region, at, _ENTRY)
-        for at in self.odd:
-            if region.holds(at):
-                self._spread(number, region, at, _LOST)
-
-    def _dead(self, number: int, region: Region) -> None:
-        """Lines that no way leads to hold what stands above them."""
-        last: State = _ENTRY
-        for at in region.places():
-            if at not in self.before:
-                self._spread(number, region, at, last)
-            state = self.before[at]
+        starts = {*places[:1], *(at for at in self.cuts if region.holds(at))}
+        odd = ((at, LOST) for at in self.odd if region.holds(at))
+        flow.spread([*((at, _ENTRY) for at in sorted(starts)), *odd])
+        last = _ENTRY
+        for at in places if dead else ():
+            if at not in flow.found:
+                flow.spread([(at, last)])
+            state = flow.found[at]
             last = self.after(at, state) or state
-
-    def _spread(self, number: int, region: Region, start: int, state: State) -> None:
-        """Passes a state on from a line until nothing changes."""
-        queue, waiting = [start], {start}
-        self.before[start] = joined(self.before.get(start), state)
-        while queue:
-            at = heapq.heappop(queue)
-            waiting.discard(at)
-            after = self.after(at, self.before[at])
-            if after is None:
-                continue
-            for following in self.following(at, region):
-                if following == region.high:  # the way out, not the line there
-                    if not self.cuts:
-                        self.exits[number] = joined(self.exits[number], after)
-                    continue
-                if following in self.cuts:
-                    self.edges.setdefault(at, {})[following] = after
-                    continue
-                known = self.before.get(following)
-                made = joined(known, after)
-                if known is None or made != known:
-                    self.before[following] = made
-                    if following not in waiting:
-                        waiting.add(following)
-                        heapq.heappush(queue, following)
+        end = flow.found.get(EXIT) if places else _ENTRY
+        if end is not None and not self.cuts:
+            self.exits[number] = joined(self.exits[number], end)
+        self.before.update((at, flow.found[at]) for at in places if at in flow.found)
 
     # -------------------------------------------------------------------------- one line
 
     def after(self, at: int, state: State) -> State | None:
         """What holds behind a line; None if it never ends."""
-        statement = self._statement(at)
+        statement = None if at == EXIT else statement_of(self.code[at])
         return state if statement is None else self._passed(at, statement, state)
 
     def _passed(self, at: int, statement: s.Statement, state: State) -> State | None:
@@ -322,70 +256,3 @@ class Flow:
             if way is not None:
                 made = joined(made, way)
         return state if made is None else made
-
-    def following(self, at: int, region: Region) -> Iterator[int]:
-        """Lines that may run after one; the end of the region where it is left."""
-        statement = self._statement(at)
-        match statement:
-            case s.Jump(keyword="GoTo", target=target):
-                yield from self._goes([target], region)
-                return
-            case s.Command(keyword="End"):
-                return
-            case s.Command(keyword="Return" | "Exit Function"):
-                yield region.high
-                return
-            case s.Command(keyword="Break") if at in self.ends:
-                yield from self._sequel(self.ends[at], region)
-                return
-            case s.If(then=then, otherwise=otherwise) if then is not None:
-                branches = [_destination(branch) for branch in (then, otherwise)]
-                yield from self._goes(branches, region)
-                yield from self._leaves(then, otherwise, at, region)
-                if all(isinstance(branch, s.Target) for branch in branches):
-                    return
-            case s.OnJump(keyword="GoTo", targets=targets):
-                yield from self._goes(targets, region)
-            case s.Select() if at in self.places:
-                yield from self.places[at][1:]
-                return
-            case s.If() | s.ElseIf() if at in self.tests:
-                yield self.tests[at]
-            case s.For() | s.Command(keyword="While") if at in self.places:
-                yield from self._sequel(self.tests[at], region)
-            case s.Next() | s.Command(keyword="WEnd") if at in self.first:
-                yield from self.first[at]
-                return
-        yield from self._sequel(at, region)
-
-    def _leaves(self, then: Any, otherwise: Any, at: int, region: Region) -> Iterator[int]:
-        """Where the statements of a one-line `If` go that leave a procedure or a block."""
-        for branch in (then, otherwise):
-            word = branch.keyword if isinstance(branch, s.Command) else ""
-            if word in ("Return", "Exit Function"):
-                yield region.high
-            elif word == "Break" and at in self.ends:
-                yield from self._sequel(self.ends[at], region)
-
-    def _sequel(self, at: int, region: Region) -> Iterator[int]:
-        """The line below one, or the end of the block if that is another branch of it."""
-        following = at + 1
-        if following == region.before[1] and at < region.before[1]:
-            following = region.low
-        while following in self.redirect:
-            following = self.redirect[following]
-        yield min(following, region.high) if at < region.high else region.high
-
-    def _goes(self, targets: Iterable[Any], region: Region) -> Iterator[int]:
-        for target in targets:
-            if isinstance(target, s.Target):
-                at = self.labels.get(place_name(target.place))
-                if at is not None and region.holds(at):
-                    yield at
-
-
-def _destination(branch: object) -> object:
-    """Where a branch of a one-line `If` goes without coming back, else the branch itself."""
-    if isinstance(branch, s.Jump) and branch.keyword == "GoTo":
-        return branch.target
-    return branch

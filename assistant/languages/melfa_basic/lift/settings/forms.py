@@ -6,7 +6,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from assistant.languages.melfa_basic.lift.settings.flow import Flow, is_inherited, joined, resolved
+from assistant.languages.melfa_basic.lift.settings.flow import (
+    LOST,
+    Flow,
+    is_inherited,
+    joined,
+    resolved,
+)
 from assistant.languages.melfa_basic.lift.settings.held import (
     FRAME,
     JOINT,
@@ -23,9 +29,6 @@ from assistant.languages.melfa_basic.tree.walk import nodes
 
 MOST_FORMS: Final = 8
 """Forms of one procedure; called in more ways, its settings count as unknown."""
-
-LOST: Final[State] = (Held(UNKNOWN),) * 5
-
 
 MOST_LINES: Final = 4000
 """Lines of all the passes of one file; what would take more is read once."""

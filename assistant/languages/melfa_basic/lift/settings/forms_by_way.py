@@ -7,27 +7,22 @@ label is read once for each way, as procedures are for each way of calling them.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Sequence
 from typing import Final
 
 from assistant.languages.melfa_basic.lift.settings.flow import Flow
 from assistant.languages.melfa_basic.lift.settings.held import State
-from assistant.languages.melfa_basic.lift.structure.blocks import depths
-from assistant.languages.melfa_basic.lift.structure.regions import Region
 from assistant.languages.melfa_basic.tree import syntax as s
 
 _WAITS: Final = re.compile(r"W\d+Z?", re.IGNORECASE)
 """Labels that are read together with the lines around them."""
 
 
-def divided(
-    flow: Flow, blocks: Mapping[int, list[int]], whole: frozenset[int] = frozenset()
-) -> Flow:
+def divided(flow: Flow, depth: Sequence[int], whole: frozenset[int] = frozenset()) -> Flow:
     """The flow with procedures divided at labels; the same one if there is nothing to divide.
 
-    whole: numbers of procedures that stay as they are.
+    depth: of each line in blocks. whole: numbers of procedures that stay as they are.
     """
-    depth = depths(flow.code, blocks)
     cuts: set[int] = set()
     refused = set(whole)
     made = flow
@@ -36,7 +31,7 @@ def divided(
         for number, region in enumerate(flow.regions):
             if number in refused:
                 continue
-            found = _cuts(made, region, depth)
+            found = _cuts(made, number, depth)
             if found is None:
                 refused.add(number)
                 cuts = {at for at in cuts if not region.holds(at)}
@@ -49,16 +44,17 @@ def divided(
         made = flow.cut(frozenset(cuts)) if cuts else flow
 
 
-def _cuts(flow: Flow, region: Region, depth: list[int]) -> set[int] | None:
+def _cuts(flow: Flow, number: int, depth: Sequence[int]) -> set[int] | None:
     """More labels to divide a procedure at; None if it cannot be divided."""
-    ways = _ways(flow, region)
+    region = flow.regions[number]
+    ways = _ways(flow, number)
     found = {
         at
         for at, states in ways.items()
         if at not in flow.cuts and flow.is_label(at) and not depth[at] and _differ(states)
     }
     if flow.cuts & set(region.places()):
-        found |= _entered(flow, region) - flow.cuts
+        found |= _entered(flow, number) - flow.cuts
     if not found:
         return found
     if region.function is not None or any(region.holds(at) for at in flow.odd):
@@ -68,16 +64,16 @@ def _cuts(flow: Flow, region: Region, depth: list[int]) -> set[int] | None:
     return found
 
 
-def _ways(flow: Flow, region: Region) -> dict[int, list[State]]:
+def _ways(flow: Flow, number: int) -> dict[int, list[State]]:
     """By label, what holds at the end of each line that leads there."""
+    region = flow.regions[number]
     found: dict[int, list[State]] = {}
     for at in region.places():
-        state = flow.before.get(at)
-        after = None if state is None else flow.after(at, state)
+        after = flow.after(at, flow.before[at])
         if after is None:
             continue
-        for following in flow.following(at, region):
-            if following != region.high and flow.is_label(following):
+        for following in flow.ways[number][at]:
+            if flow.is_label(following):
                 found.setdefault(following, []).append(after)
     if region.low in found:
         found[region.low].append(flow.entry)
@@ -92,17 +88,18 @@ def _differ(states: list[State]) -> bool:
     )
 
 
-def _entered(flow: Flow, region: Region) -> set[int]:
+def _entered(flow: Flow, number: int) -> set[int]:
     """Labels that other parts of a divided procedure jump to."""
+    region = flow.regions[number]
     starts = sorted({region.low} | {at for at in flow.cuts if region.holds(at)})
-    part, number = {}, -1
+    part, count = {}, -1
     for at in region.places():
-        number += at in starts
-        part[at] = number
+        count += at in starts
+        part[at] = count
     return {
         to
         for at in region.places()
-        for to in flow.following(at, region)
+        for to in flow.ways[number][at]
         if to in part and part[to] != part[at] and to not in starts
     }
 

@@ -11,13 +11,13 @@ from assistant.languages.melfa_basic.lift.settings.held import FRAME, TOOL
 from assistant.languages.melfa_basic.lift.statements import waits
 from assistant.languages.melfa_basic.lift.statements.lines import Statements
 from assistant.languages.melfa_basic.lift.statements.paths import Values
-from assistant.languages.melfa_basic.lift.structure.blocks import labels_in
 from assistant.languages.melfa_basic.lift.structure.regions import Region
 from assistant.languages.melfa_basic.lift.values import reasons
 from assistant.languages.melfa_basic.lift.values.symbols import Unliftable
 from assistant.languages.melfa_basic.tables.words import ARC_START
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
+from assistant.languages.melfa_basic.tree.targets import labels_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Span
@@ -58,7 +58,7 @@ class Reader(Statements):
         taken: set[str] = set()
         self.control.labels = {}
         for low, high in (region.before, (region.low, region.high)):
-            for label in sorted(labels_in(self.code, max(low, 0), max(high, 0))):
+            for label in sorted(labels_of(self.code, range(low, high))):
                 given = self.symbols.header.names["label"].get(label)
                 name = given or identifier(self._spelled(label), taken)
                 self.control.labels[label] = name
@@ -88,7 +88,7 @@ class Reader(Statements):
         return made
 
     def _labels(self, low: int, high: int) -> dict[str, str]:
-        return {key: self._spelled(key) for key in sorted(labels_in(self.code, low, high))}
+        return {key: self._spelled(key) for key in sorted(labels_of(self.code, range(low, high)))}
 
     def _label_at(self, one: Form) -> str:
         item = self.code[one.low]

@@ -9,6 +9,7 @@ from typing import Final, TypeVar
 from assistant.languages.melfa_basic.lift.structure.blocks import Code
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
 from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS, Unliftable
+from assistant.languages.melfa_basic.tree import jumping
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.timers import timer_of
 from assistant.program import expressions as e
@@ -50,26 +51,12 @@ def waited(code: Code, at: int, high: int, lift: Expressions) -> tuple[p.Stateme
 
 def _may_wait(line: s.Line) -> bool:
     timer = isinstance(line.statement, s.Assign) and timer_of(line.statement.target) is not None
-    return timer or (line.label is not None and _made(line.label))
-
-
-def _made(label: str) -> bool:
-    return label[:1] == "W" and label[1:].isdigit()
+    return timer or (line.label is not None and bool(jumping.WAIT.fullmatch(line.label)))
 
 
 def _endless(lines: Sequence[object], lift: Expressions) -> p.Statement | None:
-    """`*W1`, `If condition Then *W1Z Else *W1`, `*W1Z`."""
-    match lines:
-        case (
-            s.Line(label=str() as name, statement=None),
-            s.Line(
-                label=None,
-                statement=s.If(condition, s.Target(place=out), s.Target(place=again)),
-            ),
-            s.Line(label=str() as last, statement=None),
-        ) if _made(name) and again == name and out == last == name + "Z":
-            return awaited(condition, lift)
-    return None
+    found = jumping.waited(lines)
+    return None if found is None else awaited(found[1], lift)
 
 
 def _timed(lines: Sequence[object], lift: Expressions) -> p.Statement | None:
@@ -88,7 +75,7 @@ def _timed(lines: Sequence[object], lift: Expressions) -> p.Statement | None:
             s.Line(label=None, statement=s.Command("Error", (s.Number(number),))),
             s.Line(label=str() as last, statement=None),
         ) if (
-            _made(name)
+            jumping.WAIT.fullmatch(name)
             and again == name
             and out == last == name + "Z"
             and number == TIMED_OUT

@@ -1,16 +1,40 @@
-"""Where blocks and procedures begin and end in the code lines of a file."""
+"""Where blocks begin and end in the code lines of a file."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import itertools
+from collections.abc import Sequence
 
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.blocks import closed, divided, opened
-from assistant.languages.melfa_basic.tree.columnar import MoveRows
+from assistant.languages.melfa_basic.tree.blocks import Blocks, blocks_of
 from assistant.languages.melfa_basic.tree.jumping import THEN, branches
+from assistant.languages.melfa_basic.tree.targets import Entry as Entry
+from assistant.languages.melfa_basic.tree.targets import lone_labels
 
-Entry = s.Line | MoveRows
 Code = Sequence[Entry]
+
+
+class Structure:
+    """The blocks of some code.
+
+    places: first line of each block → the places of all its keywords, the last one included; not
+    of a block that is not whole, or whose inner words have labels. depth: by line, in how many of
+    these it stands, its first and last line included.
+    """
+
+    def __init__(self, code: Code) -> None:
+        self.blocks: Blocks = blocks_of(code, range(len(code)))
+        self.places = _jumping(code) | {
+            block.first: block.words
+            for block in self.blocks.all
+            if block.last is not None
+            and all(getattr(code[at], "label", None) is None for at in block.words[1:])
+        }
+        change = [0] * (len(code) + 1)
+        for places in self.places.values():
+            change[places[0]] += 1
+            change[places[-1] + 1] -= 1
+        self.depth = list(itertools.accumulate(change[:-1]))
 
 
 def is_command(item: Entry, keyword: str) -> bool:
@@ -22,48 +46,9 @@ def is_blank(item: Entry) -> bool:
     return isinstance(item, s.Line) and not (item.statement or item.label or item.comment)
 
 
-def structure(code: Code) -> dict[int, list[int]]:
-    """First line of each block → the places of all its keywords, the last one included.
-
-    A block that is not closed, or not in order, is not in it.
-    """
-    found: dict[int, list[int]] = {}
-    stack: list[tuple[str, list[int]]] = []
-    for at, item in enumerate(code):
-        if not isinstance(item, s.Line):
-            continue
-        statement = item.statement
-        kind = opened(statement)
-        if kind:
-            stack.append((kind, [at]))
-            continue
-        middle = divided(statement)
-        if middle and stack and stack[-1][0] == middle and item.label is None:
-            stack[-1][1].append(at)
-        for kind in closed(statement):
-            _close(stack, kind, at, found, item.label is None)
-    return found | _jumping(code)
-
-
-def _close(
-    stack: list[tuple[str, list[int]]], kind: str, at: int, found: dict[int, list[int]], plain: bool
-) -> None:
-    if stack and stack[-1][0] == kind:
-        _, places = stack.pop()
-        if plain:
-            found[places[0]] = [*places, at]
-    else:
-        stack.clear()
-
-
 def _jumping(code: Code) -> dict[int, list[int]]:
-    """The same for an `If` that is written with jumps: see `branches`."""
-    labels: dict[str, int] = {}
-    for at, item in enumerate(code):
-        if isinstance(item, s.Line) and item.label is not None:
-            if item.statement is not None or item.comment is not None:
-                continue
-            labels.setdefault(item.label.upper(), at)
+    """The places of an `If` that is written with jumps: see `branches`."""
+    labels = lone_labels(code)
     found: dict[int, list[int]] = {}
     for at, item in enumerate(code):
         match item:
@@ -75,39 +60,3 @@ def _jumping(code: Code) -> dict[int, list[int]]:
                 if places:
                     found[at] = places
     return found
-
-
-def labels_in(code: Code, low: int, high: int) -> set[str]:
-    """Labels of a range, in upper case."""
-    return {
-        item.label.upper()
-        for item in code[low:high]
-        if isinstance(item, s.Line) and item.label is not None
-    }
-
-
-def depths(code: Code, blocks: Mapping[int, list[int]]) -> list[int]:
-    """In how many blocks each line stands, its first and last line included."""
-    change = [0] * (len(code) + 1)
-    for first, places in blocks.items():
-        change[first] += 1
-        change[places[-1] + 1] -= 1
-    depth, at = [], 0
-    for step in change[:-1]:
-        at += step
-        depth.append(at)
-    return depth
-
-
-def innermost_ends(count: int, blocks: Mapping[int, list[int]]) -> dict[int, int]:
-    """By line, the last line of the innermost block that it stands in."""
-    ends: dict[int, int] = {}
-    around: list[int] = []
-    for at in range(count):
-        while around and around[-1] <= at:
-            around.pop()
-        if around:
-            ends[at] = around[-1]
-        if at in blocks:
-            around.append(blocks[at][-1])
-    return ends

@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from assistant.languages.melfa_basic.lift.structure.blocks import (
-    Code,
-    depths,
-    is_blank,
-    is_command,
-    labels_in,
-)
+from assistant.languages.melfa_basic.lift.structure.blocks import Code, is_blank, is_command
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.walk import nodes
+from assistant.languages.melfa_basic.tree.blocks import statement_of
+from assistant.languages.melfa_basic.tree.targets import exits_of, labels_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,19 +44,17 @@ NOWHERE = (-1, -1)
 """`before` of a function that is not the main one."""
 
 
-def regions(
-    code: Code, blocks: Mapping[int, list[int]], named: Mapping[str, str], own: bool
-) -> list[Region]:
+def regions(code: Code, depth: Sequence[int], named: Mapping[str, str], own: bool) -> list[Region]:
     """The procedures of a file, the one that runs first before the others."""
     found = _functions(code)
     if found is not None:
         return found
-    starts = _starts(code, blocks, named, own)
+    starts = _starts(code, depth, named, own)
     edges: list[tuple[int, str | None]] = [(0, None), *starts]
     made = []
     for i, (start, label) in enumerate(edges):
         stop = edges[i + 1][0] if i + 1 < len(edges) else len(code)
-        if label is None or label in set(jumps(code, start, stop)):
+        if label is None or label in set(jumps(code, range(start, stop))):
             made.append(_trimmed(code, start, stop, label))
         else:
             made.append(replace(_trimmed(code, start + 1, stop, label), notes=(start, start + 1)))
@@ -83,7 +76,7 @@ def _functions(code: Code) -> list[Region] | None:
     spans: list[tuple[int, int, s.Function]] = []
     head: tuple[int, s.Function] | None = None
     for at, item in enumerate(code):
-        statement = item.statement if isinstance(item, s.Line) else None
+        statement = statement_of(item)
         if isinstance(statement, s.Function):
             if head is not None:
                 return None
@@ -132,14 +125,13 @@ def _prefix(code: Code, first: int) -> int:
 
 
 def _starts(
-    code: Code, blocks: Mapping[int, list[int]], named: Mapping[str, str], own: bool
+    code: Code, depth: Sequence[int], named: Mapping[str, str], own: bool
 ) -> list[tuple[int, str]]:
     """Place and label (upper case) of each procedure after the first.
 
     Own files name them in the heading. In others a procedure is what `GoSub` calls, if nothing
     runs into it from above, and no jump leads in or out.
     """
-    depth = depths(code, blocks)
     wanted = set(named) if own else called(code)
     starts: list[tuple[int, str]] = []
     for at, item in enumerate(code):
@@ -158,10 +150,11 @@ def _closed(code: Code, starts: list[tuple[int, str]]) -> list[tuple[int, str]]:
     """Those that no jump leads into or out of."""
     while starts:
         edges = [0, *(at for at, _ in starts), len(code)]
-        inside = [labels_in(code, a, b) for a, b in itertools.pairwise(edges)]
+        spans = list(itertools.starmap(range, itertools.pairwise(edges)))
+        inside = [labels_of(code, span) for span in spans]
         bad: set[int] = set()
-        for k in range(len(inside)):
-            for name in jumps(code, edges[k], edges[k + 1]):
+        for k, span in enumerate(spans):
+            for name in jumps(code, span):
                 other = next((j for j, labels in enumerate(inside) if name in labels), k)
                 if other != k:
                     bad |= {j for j in (other, k) if j}
@@ -172,72 +165,31 @@ def _closed(code: Code, starts: list[tuple[int, str]]) -> list[tuple[int, str]]:
 
 
 def called(code: Code) -> set[str]:
-    """Labels that `GoSub` statements name."""
-    found: set[str] = set()
-    for node in _jumping(code):
-        match node:
-            case s.Jump(keyword="GoSub", target=s.Target(place=str() as place)):
-                found.add(place.upper())
-            case s.OnJump(keyword="GoSub", targets=targets):
-                found |= {place_name(t.place) for t in targets if t is not None}
-    return found
+    """What `GoSub` statements name."""
+    return {place_name(to) for item in code for to in exits_of(statement_of(item)).calls}
 
 
-def jumps(code: Code, low: int, high: int) -> Iterator[str]:
-    """Labels, or `#` and step numbers, that statements of a range go to without coming back."""
-    for node in _jumping(code[low:high]):
-        targets: tuple[object, ...] = ()
-        to: object
-        match node:
-            case s.Jump(keyword="GoTo", target=to) | s.DefAct(target=to):
-                targets = (to,)
-            case s.OnCom(target=to):
-                targets = (to,)
-            case s.OnJump(keyword="GoTo", targets=several):
-                targets = several
-            case s.If(then=then, otherwise=otherwise):
-                targets = (then, otherwise)
-        for target in targets:
-            if isinstance(target, s.Target):
-                yield place_name(target.place)
+def jumps(code: Code, places: Iterable[int]) -> Iterator[str]:
+    """What statements of some lines go to, and interrupts because of them."""
+    for at in places:
+        exits = exits_of(statement_of(code[at]))
+        yield from map(place_name, (*exits.jumps, *(to for to, _ in exits.handlers)))
 
 
 def odd_entries(code: Code, regions: Sequence[Region]) -> set[str]:
     """Labels that are reached by interrupts, or by calls of what is no procedure."""
-    found: set[str] = set()
-    for node in _jumping(code):
-        match node:
-            case s.DefAct(target=target) | s.OnCom(target=target):
-                found.add(place_name(target.place))
-            case s.Jump(keyword="GoSub", target=target):
-                found.add(place_name(target.place))
-            case s.OnJump(keyword="GoSub", targets=targets):
-                found |= {place_name(t.place) for t in targets if t is not None}
+    interrupts = (to for item in code for to, _ in exits_of(statement_of(item)).handlers)
+    found = called(code) | set(map(place_name, interrupts))
     return found - {region.label for region in regions if region.label is not None}
 
 
-def place_name(place: str | int) -> str:
+def place_name(target: s.Target) -> str:
     """How a jump's target is told from others: the label in upper case, or `#` and the step."""
+    place = target.place
     return place.upper() if isinstance(place, str) else f"#{place}"
-
-
-def _jumping(code: Sequence[object]) -> Iterator[object]:
-    for item in code:
-        statement = item.statement if isinstance(item, s.Line) else None
-        if isinstance(statement, s.If | s.Jump | s.OnJump | s.DefAct | s.OnCom):
-            yield from nodes(statement) if isinstance(statement, s.If) else (statement,)
 
 
 def goes_on_above(code: Code, at: int) -> bool:
     """Whether control may run into the place from the line above it, or from the beginning."""
-    at -= 1
-    while at >= 0:
-        item = code[at]
-        if isinstance(item, s.Line) and item.statement is None and item.label is None:
-            at -= 1
-            continue
-        statement = item.statement if isinstance(item, s.Line) else None
-        leaves = isinstance(statement, s.Command) and statement.keyword in ("End", "Return")
-        jumps_away = isinstance(statement, s.Jump) and statement.keyword == "GoTo"
-        return not (leaves or jumps_away)
-    return True
+    above = next((k for k in range(at - 1, -1, -1) if not _is_note(code[k])), None)
+    return above is None or exits_of(statement_of(code[above])).on

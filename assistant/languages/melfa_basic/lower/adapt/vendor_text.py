@@ -6,13 +6,13 @@ from collections.abc import Iterator
 
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.convert.names import variables_of
-from assistant.languages.melfa_basic.convert.steps import targets
 from assistant.languages.melfa_basic.lower.names import Names
 from assistant.languages.melfa_basic.reading.parser import statement as read_statement
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
 from assistant.languages.melfa_basic.tables.vocabulary import function, status
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.targets import targets_in
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Findings
@@ -87,7 +87,7 @@ def _renamed(line: s.Line, procedure: Procedure, names: Names) -> Iterator[str]:
         )
         if short is not None and short != name.upper():
             yield name
-    for target in targets([line]):
+    for target in targets_in([line]):
         if isinstance(target.place, str):
             key = target.place.lstrip("*").lower()
             short = names.labels.get((owner, key)) or names.procedures.get(key)

@@ -23,9 +23,9 @@ from assistant.languages.melfa_basic.text.merging.entries import (
     matched,
 )
 from assistant.languages.melfa_basic.text.merging.names import named_as
-from assistant.languages.melfa_basic.text.renumbering import with_jumps
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
+from assistant.languages.melfa_basic.tree.targets import retargeted
 
 HEADER_END = "' robot-assistant: end"
 HEADER = "' robot-assistant: melfa-basic"
@@ -224,7 +224,7 @@ def _numbered(items: Sequence[s.Item], dialect: str) -> tuple[s.Item, ...] | Non
     ):
         return tuple(items)
     made: list[s.Item] = []
-    moved: dict[int, int] = {}
+    moved: dict[str | int, int] = {}
     last = 0
     for at, item in enumerate(items):
         if isinstance(item, MoveRows):
@@ -248,7 +248,7 @@ def _numbered(items: Sequence[s.Item], dialect: str) -> tuple[s.Item, ...] | Non
     if last > LAST_STEP:
         return None
     if any(old != new for old, new in moved.items()):
-        made = [_rejumped(item, moved) for item in made]
+        made = [retargeted(item, lambda to: moved.get(to, to)) for item in made]
     return tuple(made)
 
 
@@ -267,10 +267,3 @@ def _room(items: Sequence[s.Item], at: int, last: int, step: int) -> int:
         if following is not None:
             return max((following - last) // count, 1)
     return step
-
-
-def _rejumped(item: s.Item, moved: dict[int, int]) -> s.Item:
-    if not isinstance(item, s.Line) or item.statement is None:
-        return item
-    statement = with_jumps(item.statement, lambda number: moved.get(number, number))
-    return item if statement == item.statement else replace(item, statement=statement)

@@ -1,0 +1,203 @@
+"""Where statements lead, and the labels and steps that they name."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Final, TypeVar
+
+import numpy as np
+
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.blocks import statement_of
+from assistant.languages.melfa_basic.tree.columnar import MoveRows
+from assistant.languages.melfa_basic.tree.line_tables import cut
+
+Entry = s.Line | MoveRows
+"""What is code."""
+T = TypeVar("T", s.Item, Entry)
+I = TypeVar("I", bound=s.Item)  # noqa: E741
+Change = Callable[[str | int], str | int]
+"""Gives a jump another label or step number."""
+
+
+@dataclass(frozen=True, slots=True)
+class Exits:
+    """Where a statement leads, whatever block it is a word of.
+
+    jumps, calls: what `GoTo` and `GoSub` name. handlers: what interrupts lead to, and whether they
+    call it. on: it may run on to the next line. breaks, returns: it may leave the innermost block
+    around it, or the subroutine or function.
+    """
+
+    jumps: tuple[s.Target, ...] = ()
+    calls: tuple[s.Target, ...] = ()
+    handlers: tuple[tuple[s.Target, bool], ...] = ()
+    on: bool = True
+    breaks: bool = False
+    returns: bool = False
+
+    @property
+    def targets(self) -> tuple[s.Target, ...]:
+        """All that it names."""
+        return (*self.jumps, *self.calls, *(target for target, _ in self.handlers))
+
+
+_ON: Final = Exits()
+_WORDS: Final = {
+    "Break": Exits(on=False, breaks=True),
+    "Return": Exits(on=False, returns=True),
+    "Exit Function": Exits(on=False, returns=True),
+    "FEnd": Exits(on=False, returns=True),
+    "End": Exits(on=False),
+}
+"""`Break` leads behind the innermost block, an `If` too: stated for `If` and `Select` [CR1D 4-208],
+for loops as programs use it. An `If` on one line is no block.
+"""
+
+
+def exits_of(statement: s.Statement | s.Target | None) -> Exits:
+    """Where a statement leads; a target is a jump to it."""
+    match statement:
+        case (s.Target() as target) | s.Jump("GoTo", target):
+            return Exits(jumps=(target,), on=False)
+        case s.Jump(_, target):
+            return Exits(calls=(target,))
+        case s.OnJump(_, keyword, targets):
+            named = tuple(target for target in targets if target is not None)
+            return Exits(jumps=named) if keyword == "GoTo" else Exits(calls=named)
+        case s.OnCom(_, target):
+            return Exits(handlers=((target, True),))
+        case s.DefAct(_, _, keyword, target):
+            return Exits(handlers=((target, keyword == "GoSub"),))
+        case s.If(_, then, otherwise) if then is not None:
+            one, two = exits_of(then), exits_of(otherwise)
+            return Exits(
+                one.jumps + two.jumps, one.calls + two.calls, one.handlers + two.handlers,
+                one.on or two.on, one.breaks or two.breaks, one.returns or two.returns,
+            )  # fmt: skip
+        case s.Command(keyword=keyword):
+            return _WORDS.get(keyword, _ON)
+    return _ON
+
+
+def targets_in(items: Iterable[object]) -> Iterator[s.Target]:
+    """Every jump target of some lines."""
+    for item in items:
+        yield from exits_of(statement_of(item)).targets
+
+
+def labels_named(items: Iterable[object]) -> Iterator[str]:
+    """The labels that the jumps of some lines name, in upper case."""
+    for target in targets_in(items):
+        if isinstance(target.place, str):
+            yield target.place.upper()
+
+
+def steps_named(items: Iterable[object]) -> set[int]:
+    """The step numbers that the jumps of some lines name."""
+    return {target.place for target in targets_in(items) if isinstance(target.place, int)}
+
+
+def labels_written(items: Iterable[object]) -> Iterator[str]:
+    """The labels of some lines as they are written."""
+    for item in items:
+        if isinstance(item, s.Line) and item.label is not None:
+            yield item.label
+
+
+def labels_of(code: Sequence[object], places: Iterable[int] | None = None) -> dict[str, int]:
+    """The labels of the lines at some places, in upper case, with the first place of each."""
+    found: dict[str, int] = {}
+    for at in range(len(code)) if places is None else places:
+        item = code[at]
+        if isinstance(item, s.Line) and item.label is not None:
+            found.setdefault(item.label.upper(), at)
+    return found
+
+
+def lone_labels(code: Sequence[object]) -> dict[str, int]:
+    """The same of lines that are a label and nothing else."""
+    alone = (
+        at
+        for at, item in enumerate(code)
+        if isinstance(item, s.Line) and item.statement is None and item.comment is None
+    )
+    return labels_of(code, alone)
+
+
+def retargeted(item: I, change: Change) -> I:
+    """The line with its jumps changed."""
+    statement = statement_of(item)
+    if not isinstance(item, s.Line) or not exits_of(statement).targets:
+        return item
+    changed = _retargeted(statement, change)
+    return item if changed == statement else replace(item, statement=changed)
+
+
+def _retargeted(node: Any, change: Change) -> Any:
+    match node:
+        case s.Target(place=place):
+            return s.Target(change(place))
+        case s.Jump(target=target) | s.OnCom(target=target) | s.DefAct(target=target):
+            return replace(node, target=_retargeted(target, change))
+        case s.OnJump(targets=targets):
+            return replace(node, targets=tuple(_retargeted(one, change) for one in targets))
+        case s.If(condition, then, otherwise):
+            return s.If(condition, _retargeted(then, change), _retargeted(otherwise, change))
+    return node
+
+
+# --------------------------------------------------------------------------- labels for steps
+
+
+def labelled(items: Sequence[T]) -> tuple[list[T | s.Line], dict[str, int]]:
+    """The lines with jumps to labels only, and which labels were made for which steps.
+
+    A number that no line has stays in its jump. A table of moves is cut where a jump leads to.
+    """
+    wanted = steps_named(items)
+    if not wanted:
+        return list(items), {}
+    taken = set(labels_of(items))
+    made: dict[str, int] = {}
+    names: dict[str | int, str] = {}
+    lines: list[T | s.Line] = []
+    for item in _cut(items, wanted):
+        number = _first_step(item)
+        if number in wanted and number not in names:
+            if isinstance(item, s.Line) and item.label is not None:
+                names[number] = item.label
+            else:
+                label = names[number] = _free(f"L{number}", taken)
+                made[label] = number
+                lines.append(s.Line(label=label, span=getattr(item, "span", None)))
+        lines.append(item)
+    return [retargeted(item, lambda place: names.get(place, place)) for item in lines], made
+
+
+def _free(name: str, taken: set[str]) -> str:
+    while name in taken:
+        name += "X"
+    taken.add(name)
+    return name
+
+
+def _cut(items: Iterable[T], wanted: set[int]) -> Iterator[T | MoveRows]:
+    for item in items:
+        edges: list[int] = []
+        if isinstance(item, MoveRows):
+            edges = np.flatnonzero(np.isin(item.steps, list(wanted))).tolist()
+            edges = sorted({0, *edges, len(item)})
+        if not isinstance(item, MoveRows) or len(edges) <= 2:
+            yield item
+            continue
+        for low, high in itertools.pairwise(edges):
+            yield cut(item, low, high)
+
+
+def _first_step(item: object) -> int | None:
+    if isinstance(item, MoveRows):
+        return int(item.steps[0])
+    return item.number if isinstance(item, s.Line) else None
