@@ -23,13 +23,11 @@ def targets(node: s.TargetRunNode) -> Iterator[s.Data]:
 
 
 def moves(run: MoveRun) -> Iterator[s.ProcedureCall]:
-    vias = 0
     for row in range(len(run)):
-        kind, how = int(run.kinds[row]), run.motions[int(run.motion[row])]
+        kind, how = int(run.kinds[row]), run.motions[row]
         arguments: list[s.Argument] = []
         if kind == CIRCULAR:
-            arguments.append(s.Positional(s.NameRef(run.vias.name(vias))))
-            vias += 1
+            arguments.append(s.Positional(s.NameRef(run.vias.name(row))))
         to = s.NameRef(run.names.name(row)) if run.values is None else _target(run.values[row])
         arguments.append(s.Positional(to))
         arguments += [s.Positional(s.NameRef(n)) for n in (how.speed, how.zone, how.tool)]

@@ -99,13 +99,11 @@ def _target_rows(run: TargetRun) -> Iterator[tuple[str, Said]]:
 
 
 def _move_rows(run: MoveRun) -> Iterator[Said]:
-    via = 0
     for row in range(len(run)):
-        motion = run.motions[int(run.motion[row])]
+        motion = run.motions[row]
         points = [run.names.name(row)]
         if run.kinds[row] == CIRCULAR:
-            points.insert(0, run.vias.name(via))
-            via += 1
+            points.insert(0, run.vias.name(row))
         names = (*points, motion.speed, motion.zone, motion.tool)
         options = {("wobj", ("name", motion.frame.lower()))} if motion.frame else set()
         yield _called(

@@ -151,8 +151,8 @@ def test_written_targets_become_columns() -> None:
     assert isinstance(node, s.MoveRunNode)
     assert node.run.values is not None
     assert np.array_equal(node.run.values[:, 0], np.arange(1, n + 1) + 0.5)
-    assert [m.speed for m in node.run.motions] == ["v100", "v200", "v000"]
-    assert {m.frame for m in node.run.motions} == {"w"}
+    assert [m.speed for m in node.run.motions.table] == ["v100", "v200", "v000"]
+    assert {m.frame for m in node.run.motions.table} == {"w"}
 
 
 def test_written_targets_lift_as_single_moves_do() -> None:
@@ -165,4 +165,4 @@ def test_written_targets_lift_as_single_moves_do() -> None:
 def test_a_row_that_cannot_be_read_costs_its_neighbours_nothing() -> None:
     good = f"CONST robtarget p1:={TARGET};\n"
     text = good * 100 + good.replace("3", "3-3") + good * 100
-    assert sum(len(found.run) for found in find_runs(text)) >= 200 - 2 * FEWEST
+    assert sum(len(found.node.run) for found in find_runs(text)) >= 200 - 2 * FEWEST

@@ -11,10 +11,12 @@ import numpy as np
 from assistant.languages.rapid.checks import plain_rules as rules
 from assistant.languages.rapid.checks.module_view import Look
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.gather import literal_target, names_of
-from assistant.languages.rapid.tree.runs import CIRCULAR, MotionNames, MoveRun, Names, TargetRun
+from assistant.languages.rapid.tree.gather import literal_target
+from assistant.languages.rapid.tree.runs import CIRCULAR, MotionNames, MoveRun, TargetRun
 from assistant.languages.rapid.tree.walk import lists
-from assistant.program.arrays import Floats, Ints, Rows
+from assistant.languages.runs.columns import Entries
+from assistant.languages.runs.names import Index, Names
+from assistant.program.arrays import Floats, Rows
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]
@@ -58,7 +60,7 @@ def _body(
             own = {d.type.lower() for d in look.frame(routine).values()}
             if "robtarget" not in own:  # else a name may mean another target here
                 yield from _run(look, known, node, here)
-            last = node.run.motions[int(node.run.motion[-1])]
+            last = node.run.motions[-1]
             here = _Here(known.last(node.run), _frame(last))
         elif isinstance(node, s.ProcedureCall):
             targets = _targets(node)
@@ -102,14 +104,12 @@ def _run(look: Look, known: _Positions, node: s.MoveRunNode, here: _Here) -> Fou
     rows = np.flatnonzero(run.kinds == CIRCULAR)
     if not len(rows):
         return
-    ends, vias = known.of(run.names), known.of(run.vias)
-    same = run.motion[rows] == run.motion[np.maximum(rows - 1, 0)]
-    framed = np.array([[_frame(a) == _frame(b) for b in run.motions] for a in run.motions])
-    same |= framed[run.motion[rows], run.motion[np.maximum(rows - 1, 0)]]
+    ends, vias = known.of(run.names), known.of(run.vias.rows(rows))
+    frames = Entries(tuple(map(_frame, run.motions.table)), run.motions.index)
+    same = frames.rows(rows).equal(frames.rows(np.maximum(rows - 1, 0)))
     starts = np.where(same[:, None], ends[np.maximum(rows - 1, 0)], np.nan)
     if rows[0] == 0:
-        first = _frame(run.motions[int(run.motion[0])])
-        starts[0] = here.point if here.of == first else UNKNOWN
+        starts[0] = here.point if here.of == frames[0] else UNKNOWN
     yield from _found(look, node, np.stack([starts, vias, ends[rows]], axis=1), rows)
 
 
@@ -159,7 +159,8 @@ class _Positions:
                         names.append(item.name)
                         values.append(numbers)
         if names:
-            self._runs.append(TargetRun(names_of(names), np.array(values, dtype=np.float64)))
+            self._runs.append(TargetRun(Names.of(names), np.array(values, dtype=np.float64)))
+        self._indices = [Index(run.names) for run in self._runs]
 
     def one(self, value: s.Expression, look: Look, routine: s.Routine) -> Floats:
         """(3,) of an expression; NaN where it is not known."""
@@ -168,7 +169,7 @@ class _Positions:
             if found is None or found.kind != "CONST":
                 return np.array(UNKNOWN)
             if not isinstance(found.node, s.Data):
-                return np.array(self.of(names_of([value.name]))[0])
+                return np.array(self.of(Names.of([value.name]))[0])
             if found.node.dimensions or found.node.value is None:
                 return np.array(UNKNOWN)
             value = found.node.value
@@ -184,20 +185,7 @@ class _Positions:
     def of(self, names: Names) -> Floats:
         """(n, 3) of names in columns; NaN where they are not known."""
         out = np.full((len(names), 3), np.nan)
-        for at, stem in enumerate(names.stems):
-            rows = np.flatnonzero(names.stem == at)
-            out[rows] = self._of_stem(stem, names.number[rows])
-        return out
-
-    def _of_stem(self, stem: bytes, numbers: Ints) -> Floats:
-        out = np.full((len(numbers), 3), np.nan)
-        for run in self._runs:
-            stems = [i for i, other in enumerate(run.names.stems) if other.lower() == stem.lower()]
-            rows = np.flatnonzero(np.isin(run.names.stem, stems))
-            if len(rows):
-                rows = rows[np.argsort(run.names.number[rows], kind="stable")]
-                there = run.names.number[rows]
-                at = np.minimum(np.searchsorted(there, numbers), len(rows) - 1)
-                hit = there[at] == numbers
-                out[hit] = run.values[rows[at[hit]], :3]
+        for run, index in zip(self._runs, self._indices, strict=True):
+            rows = index.rows(names)
+            out[rows >= 0] = run.values[rows[rows >= 0], :3]
         return out

@@ -14,9 +14,9 @@ import numpy as np
 from assistant.languages.checks.views import Memory, by_type
 from assistant.languages.rapid.text.header import opening
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.gather import split
-from assistant.languages.rapid.tree.runs import Names, TargetRun
+from assistant.languages.rapid.tree.runs import TargetRun
 from assistant.languages.rapid.tree.walk import nodes
+from assistant.languages.runs.names import Names, split
 from assistant.program.diagnostics import Diagnostic, Rule, Span
 
 N = TypeVar("N", bound=s.Node)

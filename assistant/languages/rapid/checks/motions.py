@@ -27,7 +27,7 @@ def arguments(look: Look) -> Found:
     named = {d.name.lower() for d in look.all(s.Data)}
     named |= {p.name.lower() for p in look.all(s.ParameterNode)}
     for run in look.all(s.MoveRunNode):
-        for motion in run.run.motions:
+        for motion in run.run.motions.table:
             given = (motion.speed, motion.zone, motion.tool, motion.frame)
             yield from _motion(look, named, {}, run, *given)
     for call in look.all(s.ProcedureCall):

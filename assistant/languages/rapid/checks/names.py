@@ -13,8 +13,7 @@ from assistant.languages.rapid.checks import plain_rules
 from assistant.languages.rapid.checks.module_view import Look, Task, declaration, parameters
 from assistant.languages.rapid.tables.words import LONGEST_NAME, SPEEDS, ZONES
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.gather import join_names
-from assistant.languages.rapid.tree.runs import Names
+from assistant.languages.runs.names import Names
 from assistant.program.diagnostics import Diagnostic, Severity
 
 Found = Iterator[Diagnostic]
@@ -92,7 +91,7 @@ def repeated_rows(task: Task) -> list[tuple[s.Module, s.TargetRunNode, int]]:
         scope.append(np.full(len(names), own))
         at.append(np.full(len(names), position))
         row.append(np.arange(len(names)))
-    joined = join_names(lowered)
+    joined = Names.joined(lowered)
     places, owners, rows = (np.concatenate(part) for part in (scope, at, row))
     order = np.lexsort((joined.number, joined.stem, places))
     keys = np.stack([joined.number[order], joined.stem[order], places[order]])

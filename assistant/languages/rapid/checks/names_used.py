@@ -57,7 +57,7 @@ def data(node: s.Expression, scope: Scope) -> Found:
 
 def moved(node: s.MoveRunNode, scope: Scope) -> Found:
     """Tools and frames of many moves in a row; speeds and zones have rules of their own."""
-    for motion in node.run.motions:
+    for motion in node.run.motions.table:
         for name in filter(None, (motion.tool, motion.frame)):
             yield from data(s.NameRef(name, span=node.span), scope)
 

@@ -57,7 +57,7 @@ def _followed(
             yield look.finding(rules.READ_ON_THE_FLY, statement)
         match statement:
             case s.MoveRunNode(run):
-                going = _through(look, run.motions[int(run.motion[-1])].zone, routine)
+                going = _through(look, run.motions[-1].zone, routine)
             case s.ProcedureCall(str(name)) if name.lower() in MOVES:
                 going = _of_move(look, statement, name.lower(), routine)
             case s.ProcedureCall(str(name)) if name.lower() in SETS:

@@ -11,9 +11,8 @@ import numpy as np
 from assistant.languages.rapid.checks import plain_rules as rules
 from assistant.languages.rapid.checks.module_view import Look, Task
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.gather import split
-from assistant.languages.rapid.tree.runs import Names
 from assistant.languages.rapid.tree.walk import nodes
+from assistant.languages.runs.names import Names, split
 from assistant.program.arrays import Truths
 from assistant.program.diagnostics import Diagnostic
 
@@ -107,7 +106,7 @@ class Used:
                 self.beginnings.update(word for word in words if len(word) >= SHORTEST)
             case s.MoveRunNode(run):
                 self.runs += [run.names, run.vias]
-                for m in run.motions:
+                for m in run.motions.table:
                     self.words.update(w.lower() for w in (m.speed, m.zone, m.tool, m.frame))
 
     def __contains__(self, name: str) -> bool:

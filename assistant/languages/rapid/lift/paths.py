@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -12,21 +13,15 @@ from assistant.languages.rapid.lift.data import DataLift
 from assistant.languages.rapid.lift.expressions import target
 from assistant.languages.rapid.tables.words import UNUSED
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.gather import join_names, names_of
-from assistant.languages.rapid.tree.runs import (
-    CIRCULAR,
-    JOINT,
-    PARTS,
-    MoveRun,
-    Names,
-    TargetRun,
-    concatenate,
-)
+from assistant.languages.rapid.tree.runs import CIRCULAR, PARTS, MoveRun, TargetRun
 from assistant.languages.rapid.tree.walk import nodes
+from assistant.languages.runs.columns import joined
+from assistant.languages.runs.names import Index, Names
+from assistant.languages.runs.paths import PathRows, Stretch, setting_columns
 from assistant.program import expressions as e
 from assistant.program import rotations
 from assistant.program import statements as p
-from assistant.program.arrays import Floats, Rows, Truths
+from assistant.program.arrays import Floats, Rows
 from assistant.program.geometry import Target
 from assistant.program.path import UNSTATED, Kind, Path
 from assistant.program.program import Variable, identifier
@@ -34,6 +29,7 @@ from assistant.robots.configurations import from_confdata
 
 _NAMED: Final = (s.Data, s.Routine, s.Record, s.Alias)
 _KIND: Final = {0: "joint", 1: "linear"}
+_PLAIN: Final = np.array([Kind.JOINT, Kind.LINEAR, Kind.END], dtype=np.uint8)
 
 MOST_WRITTEN: Final = 100
 """Moves in a row to targets that are written out; more are a path, whose targets have names."""
@@ -49,57 +45,56 @@ class PathLift:
     ) -> None:
         self.data, self.original = data, original
         runs = [i.run for m in modules for i in m.items if isinstance(i, s.TargetRunNode)]
-        self.table: TargetRun = concatenate(runs)
+        self.table = joined([TargetRun(Names.none(0), np.empty((0, PARTS[-1][1]))), *runs])
         self.uses = np.zeros(len(self.table), dtype=np.int64)
         self.gone = np.zeros(len(self.table), dtype=bool)
-        self._index = _Index(self.table.names)
+        self._index = Index(self.table.names)
         self._taken = {i.name for m in modules for i in m.items if isinstance(i, _NAMED)}
-        if not runs:
-            return
-        names: list[str] = []
-        for node in nodes(tuple(modules)):
+        for node in nodes(tuple(modules)) if runs else ():
             if isinstance(node, s.NameRef):
-                names.append(node.name)
+                self._count(self._index.row(node.name))
             elif isinstance(node, s.MoveRunNode):
                 for column in (node.run.names, node.run.vias):
                     self._count(self._index.rows(column))
-        for name in names:
-            self._count(self._index.row(name))
 
     def _count(self, rows: Rows) -> None:
-        found = rows[rows >= 0]
-        self.uses += np.bincount(found, minlength=len(self.uses))
+        np.add.at(self.uses, rows[rows >= 0], 1)
 
     def statements(self, node: s.MoveRunNode, motion: Motions) -> Iterator[p.Statement]:
-        run = node.run
-        motions = [motion(m.speed, m.zone, m.tool, m.frame) for m in run.motions]
+        run, index = node.run, node.run.motions.index
+        motions = [motion(m.speed, m.zone, m.tool, m.frame) for m in run.motions.table]
         if run.values is not None and len(run) > MOST_WRITTEN and _turned(run.values):
             yield p.Follow(self._written_path(run, run.values, motions), span=node.span)
             return
         if run.values is not None:
-            for values, row, kind in zip(run.values.tolist(), run.motion, run.kinds, strict=True):
+            for values, row, kind in zip(run.values.tolist(), index, run.kinds, strict=True):
                 word: Any = _KIND[int(kind)]
                 yield p.Move(word, _written(values), motions[row], span=node.span)
             return
-        rows = _Rows(run)
+        rows = PathRows(run.names, run.vias, run.kinds == CIRCULAR, _PLAIN[run.kinds])
         places = self._index.rows(rows.names)
         alone = np.zeros(len(places), dtype=bool)
         alone[places >= 0] = self.uses[places[places >= 0]] == 1
-        for first, last in rows.sequences(alone):
-            path = None
-            if first.number == 1:
-                path = self._path(rows, places, first.start, last, motions)
+        for part in rows.stretches(alone):
+            path = self._path(rows, part, places, index, motions) if part.numbered else None
             if path is not None:
                 yield p.Follow(path, span=node.span)
-            else:
-                yield from self._moves(rows, first.start, last, motions, node)
+                continue
+            made = rows.one_by_one(part, self.original, lambda move: motions[index[move]])
+            yield from (replace(one, span=node.span) for one in made)
 
     def _path(
-        self, rows: _Rows, places: Rows, start: int, stop: int, motions: Sequence[p.Motion]
+        self,
+        rows: PathRows,
+        part: Stretch,
+        places: Rows,
+        index: NDArray[np.int32],
+        motions: Sequence[p.Motion],
     ) -> Path | None:
-        at = places[start:stop]
-        stem = rows.names.stems[rows.names.stem[start]].decode("ascii")
-        if stop - start < 2 or not stem.endswith("_") or len(stem) < 2:
+        taken = slice(part.start, part.stop)
+        at = places[taken]
+        stem = rows.names.stems[rows.names.stem[part.start]].decode("ascii")
+        if not stem.endswith("_") or len(stem) < 2:
             return None
         values = self.table.values[at[0] : at[0] + len(at)]
         if not np.array_equal(at, np.arange(at[0], at[0] + len(at))):
@@ -107,35 +102,14 @@ class PathLift:
         if not _turned(values):
             return None
         self.gone[at] = True
-        kinds, motion = rows.kinds[start:stop], rows.motion[start:stop]
-        return _path(self.original(stem[:-1]), values, kinds, motion, motions)
+        name = self.original(stem[:-1])
+        return _path(name, values, rows.kinds[taken], index[rows.moves[taken]], motions)
 
     def _written_path(self, run: MoveRun, values: Floats, motions: Sequence[p.Motion]) -> Path:
         """A path of targets that the program gives no names."""
         name = identifier("written", self._taken)
         self._taken.add(name)
-        return _path(name, values, run.kinds, run.motion, motions)
-
-    def _moves(
-        self,
-        rows: _Rows,
-        start: int,
-        stop: int,
-        motions: Sequence[p.Motion],
-        node: s.MoveRunNode,
-    ) -> Iterator[p.Statement]:
-        via: e.Name | None = None
-        for row in range(start, stop):
-            name = e.Name(self.original(rows.names.name(row)))
-            motion, kind = motions[rows.motion[row]], rows.kinds[row]
-            if kind == Kind.VIA:
-                via = name
-            elif via is not None:
-                yield p.MoveCircular(via, name, motion, span=node.span)
-                via = None
-            else:
-                word: Any = "joint" if kind == Kind.JOINT else "linear"
-                yield p.Move(word, name, motion, span=node.span)
+        return _path(name, values, run.kinds, run.motions.index, motions)
 
     def targets(self) -> dict[str, Target]:
         """The targets that are in no path."""
@@ -170,12 +144,7 @@ def _path(
     motions: Sequence[p.Motion],
 ) -> Path:
     """values: (n, 17) as of a TargetRun. motion: (n,) rows of motions."""
-    columns: dict[str, Any] = {}
-    for column in ("speed", "blend", "tool", "frame"):
-        entries: dict[Any, int] = {}
-        index = [entries.setdefault(getattr(m, column), len(entries)) for m in motions]
-        columns[column] = np.array(index, dtype=np.int32)[motion]
-        columns[column + "s"] = tuple(entries)
+    settings = [(m.speed, m.blend, m.tool, m.frame) for m in motions]
     return Path.of(
         name,
         values[:, 0:3],
@@ -183,7 +152,7 @@ def _path(
         kinds=kinds,
         configurations=configurations(values[:, 7:11]),
         external=np.where(values[:, 11:17] >= UNUSED, np.nan, values[:, 11:17]),
-        **columns,
+        **setting_columns(settings, motion),
     )
 
 
@@ -193,89 +162,3 @@ def configurations(confdata: Floats) -> NDArray[np.int8]:
     columns = from_confdata(np.where(sane[:, None], confdata, 0))
     columns[~sane, 0] = UNSTATED
     return columns
-
-
-class _Start:
-    def __init__(self, start: int, number: int) -> None:
-        self.start, self.number = start, number
-
-
-class _Rows:
-    """The targets of a run of moves, one a row: VIA and END of an arc are two."""
-
-    def __init__(self, run: MoveRun) -> None:
-        circular = run.kinds == CIRCULAR
-        self.ends = np.cumsum(1 + circular) - 1
-        count = len(run) + int(circular.sum())
-        vias = self.ends[circular] - 1
-        self.names = join_names([run.names, run.vias])
-        order = np.empty(count, dtype=np.intp)
-        order[self.ends] = np.arange(len(run))
-        order[vias] = len(run) + np.arange(len(vias))
-        self.names = self.names.rows(order)
-        self.kinds = np.full(count, Kind.LINEAR, dtype=np.uint8)
-        self.kinds[self.ends[run.kinds == JOINT]] = Kind.JOINT
-        self.kinds[vias] = Kind.VIA
-        self.kinds[self.ends[circular]] = Kind.END
-        self.motion = np.empty(count, dtype=np.int32)
-        self.motion[self.ends] = run.motion
-        self.motion[vias] = run.motion[circular]
-
-    def sequences(self, alone: Truths) -> Iterator[tuple[_Start, int]]:
-        """Stretches of consecutive numbers: first row with its number (0: no path), end.
-
-        alone: (rows,) whether the target is declared and named once only.
-        """
-        stem, number = self.names.stem, self.names.number
-        follows = np.zeros(len(stem), dtype=bool)
-        follows[1:] = (stem[1:] == stem[:-1]) & (number[1:] == number[:-1] + 1)
-        follows[1:] &= alone[1:] & alone[:-1]
-        follows[1:] &= number[1:] > 1
-        broken = (self.kinds == Kind.END) & ~follows  # an arc through no neighbours
-        cut = ~follows & ~broken
-        cut[np.flatnonzero(broken) - 1] = True
-        cut[np.minimum(np.flatnonzero(broken) + 1, len(cut) - 1)] |= True
-        cut &= self.kinds != Kind.END
-        starts = np.flatnonzero(cut)
-        usable = alone.copy()
-        usable[np.flatnonzero(broken)] = False
-        usable[np.flatnonzero(broken) - 1] = False
-        for start, stop in zip(starts, [*starts[1:], len(stem)], strict=True):
-            good = usable[start] and (stop - start > 1)
-            yield _Start(int(start), int(number[start]) if good else 0), int(stop)
-
-
-class _Index:
-    """Rows of a column of names by stem without case and number."""
-
-    def __init__(self, names: Names) -> None:
-        self._order = np.lexsort((names.number, names.stem))
-        self._numbers = names.number[self._order]
-        stems = names.stem[self._order]
-        bounds = np.searchsorted(stems, np.arange(len(names.stems) + 1))
-        self._slices: dict[bytes, list[tuple[int, int]]] = {}
-        for number, stem in enumerate(names.stems):
-            pair = (int(bounds[number]), int(bounds[number + 1]))
-            self._slices.setdefault(stem.lower(), []).append(pair)
-
-    def rows(self, names: Names) -> Rows:
-        """The row of each name, -1 if it is none."""
-        found = np.full(len(names), -1, dtype=np.intp)
-        for at, stem in enumerate(names.stems):
-            mine = np.flatnonzero(names.stem == at) if len(names.stems) > 1 else slice(None)
-            wanted = names.number[mine]
-            hits = np.full(len(wanted), -1, dtype=np.intp)
-            for start, stop in self._slices.get(stem.lower(), ()):
-                numbers = self._numbers[start:stop]
-                place = np.searchsorted(numbers, wanted)
-                inside = place < len(numbers)
-                match = np.zeros(len(wanted), dtype=bool)
-                match[inside] = numbers[place[inside]] == wanted[inside]
-                hits[match] = self._order[start + place[match]]
-            found[mine] = hits
-        return found
-
-    def row(self, name: str) -> Rows:
-        if not name.isascii():
-            return np.array([-1], dtype=np.intp)
-        return self.rows(names_of([name]))

@@ -15,16 +15,18 @@ from assistant.languages.rapid.tables.words import UNUSED
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.runs import (
+    CIRCULAR,
     JOINT_PLACES,
     POSITION_PLACES,
     QUATERNION_PLACES,
     MotionNames,
     MoveRun,
-    Names,
     TargetRun,
     moves_text,
     targets_text,
 )
+from assistant.languages.runs.columns import Entries
+from assistant.languages.runs.names import Names
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import BASE
@@ -90,7 +92,11 @@ def _targets(path: Path, stem: str) -> TargetRun:
     values[:, 7:11] = to_confdata(path.configurations)
     external = np.where(np.isnan(path.external), UNUSED, path.external)
     np.round(external, JOINT_PLACES, out=values[:, 11:17])
-    return TargetRun(Names.numbered(f"{stem}_", len(path)), values + 0.0)
+    return TargetRun(_names(path, stem), values + 0.0)
+
+
+def _names(path: Path, stem: str) -> Names:
+    return Names.numbered(f"{stem}_".encode("ascii"), np.arange(1, len(path) + 1))
 
 
 def _moves(path: Path, stem: str, names: Naming) -> MoveRun:
@@ -112,11 +118,7 @@ def _moves(path: Path, stem: str, names: Naming) -> MoveRun:
         )
         rows.append(table.setdefault(motion, len(table)))
     kinds = np.array([0, 1, 0, 2], dtype=np.uint8)[path.kinds[ends]]
-    whole = Names.numbered(f"{stem}_", len(path))
-    return MoveRun(
-        kinds,
-        whole.rows(ends),
-        whole.rows(np.flatnonzero(via)),
-        np.array(rows, dtype=np.int32)[index],
-        tuple(table),
-    )
+    whole, arcs = _names(path, stem), kinds == CIRCULAR
+    vias = whole.rows(np.flatnonzero(via)).spread(np.flatnonzero(arcs), len(ends))
+    motions = Entries(tuple(table), np.array(rows, dtype=np.int32)[index])
+    return MoveRun(kinds, whole.rows(ends), vias if arcs.any() else Names.none(len(ends)), motions)

@@ -5,13 +5,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, Final
 
-from assistant.languages.rapid.reading.rows import Found
+from assistant.languages.rapid.reading.rows import RunNode, Runs
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import gathered
-from assistant.languages.rapid.tree.runs import TargetRun
 from assistant.program.diagnostics import Span
 
 _PARTS: Final = re.compile(r"[\[\]]|([-+]?)([0-9.]+(?:[eE][-+]?[0-9]+)?)")
@@ -30,7 +30,7 @@ Place = Span | None
 class Nodes:
     """text: what the grammar read. offset: from an offset in it to one in the source."""
 
-    def __init__(self, text: str, offset: Callable[[int], int], runs: Sequence[Found]) -> None:
+    def __init__(self, text: str, offset: Callable[[int], int], runs: Runs) -> None:
         self._text, self._offset, self._runs = text, offset, runs
 
     def _span(self, place: Place) -> Place:
@@ -67,15 +67,11 @@ class Nodes:
 
     hole = placeholder
 
-    def targets(self, place: Place, c: list[Any]) -> s.TargetRunNode:
+    def targets(self, place: Place, c: list[Any]) -> RunNode:
         found = self._runs[int(c[0][1:-1])]
-        assert isinstance(found.run, TargetRun)
-        return s.TargetRunNode(found.scope, found.run, span=Span(found.start, found.end))
+        return replace(found.node, span=Span(found.start, found.end))
 
-    def moves(self, place: Place, c: list[Any]) -> s.MoveRunNode:
-        found = self._runs[int(c[0][1:-1])]
-        assert not isinstance(found.run, TargetRun)
-        return s.MoveRunNode(found.run, span=Span(found.start, found.end))
+    moves = targets
 
     # Declarations
 

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from typing import Any, Final
 
 from assistant.languages.lalr import Stack
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.reading import files
-from assistant.languages.rapid.reading.rows import Found, find_runs
+from assistant.languages.rapid.reading.rows import Runs, find_runs
 from assistant.languages.rapid.reading.shortened import MARKS, RunInTheWay, Shortened
 from assistant.languages.rapid.tables.words import MOST_NESTING, MOST_OPERATORS
 from assistant.languages.rapid.tree.syntax import File, Item, Origin, StatementNode
@@ -91,7 +90,7 @@ def _read(
 
     text = files.with_line_feeds(source.text)
     tables = grammar().tables[start]
-    found = list(find_runs(text)) if runs else []
+    found: Runs = list(find_runs(text)) if runs else []
     while True:
         short = Shortened.of(text, found)
         if (long := _too_long(short.text)) is not None:
@@ -115,11 +114,11 @@ def _read(
         found = _without_first_row(text, found, reading.number)
 
 
-def _without_first_row(text: str, found: Sequence[Found], number: int) -> list[Found]:
+def _without_first_row(text: str, found: Runs, number: int) -> Runs:
     run = found[number]
     second = text.find("\n", run.start, run.end) + 1
-    rest = list(find_runs(text[second : run.end])) if second else []
-    moved = [Found(f.start + second, f.end + second, f.run, f.scope) for f in rest]
+    rest = find_runs(text[second : run.end]) if second else ()
+    moved = (one.moved(second) for one in rest)
     return [*found[:number], *moved, *found[number + 1 :]]
 
 

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import accumulate
 from typing import Final
 
-from assistant.languages.rapid.reading.rows import Found
-from assistant.languages.rapid.tree.runs import TargetRun
+from assistant.languages.rapid.reading.rows import Runs
+from assistant.languages.rapid.tree import syntax as s
 
 MARKS: Final = ("\x02", "\x03", "\x04", "\x05")
 """Characters that stand for runs in what the grammar reads."""
@@ -27,16 +26,16 @@ class Shortened:
     """What the grammar reads, and the way from its offsets to those of the source and back."""
 
     text: str
-    runs: Sequence[Found]
+    runs: Runs
     begins: list[int]
     shifts: list[int]
 
     @staticmethod
-    def of(text: str, runs: Sequence[Found]) -> Shortened:
+    def of(text: str, runs: Runs) -> Shortened:
         pieces, at = [], 0
         lengths, removed = [], []
         for number, run in enumerate(runs):
-            opening, closing = MARKS[:2] if isinstance(run.run, TargetRun) else MARKS[2:]
+            opening, closing = MARKS[:2] if isinstance(run.node, s.TargetRunNode) else MARKS[2:]
             mark = f"{opening}{number}{closing}\n"
             pieces += [text[at : run.start], mark]
             lengths.append(run.start - at + len(mark))

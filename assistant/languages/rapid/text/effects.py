@@ -11,8 +11,8 @@ from assistant.languages.rapid.tables.signatures import Parameter, Signature, si
 from assistant.languages.rapid.tables.standard import CALLING, JUMPING, MOVING, NAMING, WAITING
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.runs import Names
 from assistant.languages.rapid.tree.walk import root
+from assistant.languages.runs.names import Names
 from assistant.languages.walking import Walk
 from assistant.program.diagnostics import Refused
 from assistant.program.effects import Collected, Effect, KeptKind, unknown
@@ -96,7 +96,7 @@ class _Collected(Collected):
             case s.MoveRunNode(run):
                 self.moves = True
                 self.reads.update(n.lower() for n in (*_each(run.names), *_each(run.vias)))
-                for motion in run.motions:
+                for motion in run.motions.table:
                     given = (motion.speed, motion.zone, motion.tool, motion.frame)
                     self.reads.update(n.lower() for n in given if n)
 
@@ -165,4 +165,4 @@ def _paired(
 
 
 def _each(names: Names) -> Iterator[str]:
-    return (names.name(row) for row in range(len(names)))
+    return filter(None, (names.name(row) for row in range(len(names))))

@@ -23,34 +23,32 @@ from assistant.languages.rapid.tree.runs import (
     PARTS,
     MotionNames,
     MoveRun,
-    Names,
     TargetRun,
-    concatenate,
-    joined,
 )
+from assistant.languages.runs import gathering as alike
+from assistant.languages.runs.columns import Entries, Run, joined
+from assistant.languages.runs.names import Names
 from assistant.program.diagnostics import Span
 
 _PLAIN: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
-_NUMBERED: Final = re.compile(r"(.*?)(0|[1-9][0-9]{0,14})", re.ASCII | re.DOTALL)
 
 
 def gathered(nodes: Iterable[Any]) -> tuple[Any, ...]:
     """The nodes, with every stretch of at least FEWEST plain rows as one node."""
-    out: list[Any] = []
-    stretch: list[Any] = []
-    kind: object = None
     listed = list(nodes)
-    for at, node in enumerate(listed):
-        if isinstance(node, s.CommentLine) and node.trailing and at == 0:
-            node = replace(node, trailing=False)
-        following = listed[at + 1] if at + 1 < len(listed) else None
-        commented = isinstance(following, s.CommentLine) and following.trailing
-        own = None if commented else _kind(node)
-        if own != kind:
-            out += _joined(stretch, kind)
-            stretch, kind = [], own
-        stretch.append(node)
-    return tuple(out + _joined(stretch, kind))
+    if listed and isinstance(listed[0], s.CommentLine) and listed[0].trailing:
+        listed[0] = replace(listed[0], trailing=False)
+    commented = (isinstance(n, s.CommentLine) and n.trailing for n in (*listed[1:], None))
+    kinds = (
+        [None if said else _kind(node) for node, said in zip(listed, commented, strict=True)]
+        if listed
+        else []
+    )
+    return tuple(chain.from_iterable(alike.gathered(listed, kinds, _run, FEWEST, _joined)))
+
+
+def _run(node: Any) -> Run | None:
+    return node.run if isinstance(node, s.TargetRunNode | s.MoveRunNode) else None
 
 
 def _kind(node: Any) -> object:
@@ -68,17 +66,13 @@ def _kind(node: Any) -> object:
     return None
 
 
-def _joined(stretch: Sequence[Any], kind: object) -> list[Any]:
-    runs = [n for n in stretch if isinstance(n, s.TargetRunNode | s.MoveRunNode)]
-    rows = len(stretch) - len(runs) + sum(len(n.run) for n in runs)
-    if kind is None or rows < FEWEST or (len(stretch) == 1 and runs):
-        return list(stretch)
-    spans = [n.span for n in (stretch[0], stretch[-1])]
-    span = Span(spans[0].start, spans[1].end) if spans[0] and spans[1] else None
-    if kind in ("moves", "inline moves"):
-        return [s.MoveRunNode(join_moves([_as_moves(n) for n in stretch]), span=span)]
-    scope = stretch[0].scope
-    return [s.TargetRunNode(scope, concatenate([_as_targets(n) for n in stretch]), span=span)]
+def _joined(stretch: Sequence[Any]) -> s.TargetRunNode | s.MoveRunNode:
+    first, last = stretch[0], stretch[-1]
+    span = Span(first.span.start, last.span.end) if first.span and last.span else None
+    if isinstance(first, s.Data | s.TargetRunNode):
+        targets = joined([_as_targets(node) for node in stretch])
+        return s.TargetRunNode(first.scope, targets, span=span)
+    return s.MoveRunNode(joined([_as_moves(node) for node in stretch]), span=span)
 
 
 def target_values(node: s.Data) -> list[float] | None:
@@ -174,34 +168,12 @@ def _motion(
     return plain[:points], MotionNames(speed, zone, tool, frame)
 
 
-def split(name: str) -> tuple[bytes, int]:
-    """Stem and number of a name as `Names` holds them."""
-    match = _NUMBERED.fullmatch(name)
-    if match is None or match[1][-1:].isdigit() or not match[1]:
-        tail = re.search(r"[0-9]+$", name)
-        if tail is None or not (tail[0] == "0" or tail[0][0] != "0") or len(tail[0]) > 15:
-            return name.encode("ascii"), -1
-        return name[: tail.start()].encode("ascii"), int(tail[0])
-    return match[1].encode("ascii"), int(match[2])
-
-
-def names_of(names: Sequence[str]) -> Names:
-    table: dict[bytes, int] = {}
-    parts = [split(name) for name in names]
-    stem = [table.setdefault(text, len(table)) for text, _ in parts]
-    return Names(
-        tuple(table),
-        np.array(stem, dtype=np.int32),
-        np.array([number for _, number in parts], dtype=np.int64),
-    )
-
-
 def _as_targets(node: s.Data | s.TargetRunNode) -> TargetRun:
     if isinstance(node, s.TargetRunNode):
         return node.run
     values = target_values(node)
     assert values is not None
-    return TargetRun(names_of([node.name]), np.array([values], dtype=np.float64))
+    return TargetRun(Names.of([node.name]), np.array([values], dtype=np.float64))
 
 
 def _as_moves(node: s.ProcedureCall | s.MoveRunNode) -> MoveRun:
@@ -218,33 +190,8 @@ def _as_moves(node: s.ProcedureCall | s.MoveRunNode) -> MoveRun:
         kind, names, motion = plain
     return MoveRun(
         np.array([kind], dtype=np.uint8),
-        names_of(names[-1:]),
-        names_of(names[:-1]),
-        np.zeros(1, dtype=np.int32),
-        (motion,),
+        Names.of(names[-1:]) if names else Names.none(1),
+        Names.of(names[:-1]) if names[:-1] else Names.none(1),
+        Entries((motion,), np.zeros(1, dtype=np.int32)),
         values,
-    )
-
-
-def join_names(parts: Sequence[Names]) -> Names:
-    table: dict[bytes, int] = {}
-    stems = [np.empty(0, dtype=np.int32)]
-    for part in parts:
-        rows = np.array([table.setdefault(t, len(table)) for t in part.stems], dtype=np.int32)
-        stems.append(rows[part.stem] if len(part) else np.empty(0, dtype=np.int32))
-    numbers = [np.empty(0, dtype=np.int64), *(part.number for part in parts)]
-    return Names(tuple(table), np.concatenate(stems), np.concatenate(numbers))
-
-
-def join_moves(runs: Sequence[MoveRun]) -> MoveRun:
-    table = {m: i for i, m in enumerate(dict.fromkeys(chain(*(r.motions for r in runs))))}
-    motion = [np.array([table[m] for m in r.motions], dtype=np.int32)[r.motion] for r in runs]
-    values = [r.values for r in runs if r.values is not None]
-    return MoveRun(
-        np.concatenate([r.kinds for r in runs]),
-        join_names([r.names for r in runs]),
-        join_names([r.vias for r in runs]),
-        np.concatenate(motion),
-        tuple(table),
-        joined(values) if values else None,
     )

@@ -1,0 +1,137 @@
+"""Groups of numbers in brackets, read from rows of text and printed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from assistant.languages.runs.reading import Marks, alike
+from assistant.program.arrays import Floats
+from assistant.program.columns import Chosen, Decimal, Piece, rows_text
+from assistant.program.digits_at_offsets import Offsets, Slots
+
+MOST_DECIMALS: Final = 1e6
+"""Smaller values have nine exact decimals in a double."""
+
+
+@dataclass(frozen=True, slots=True)
+class Groups:
+    """Groups of numbers with commas between them.
+
+    sizes: numbers of each group. opening, between, closing: what stands around and between groups.
+    known: spellings of one number that many rows hold.
+    """
+
+    sizes: tuple[int, ...]
+    opening: bytes
+    between: bytes
+    closing: bytes
+    known: tuple[tuple[bytes, float], ...] = ()
+
+    def read(
+        self, text: Slots, marks: Marks, first: int, begins: Offsets, behind: bytes, values: Floats
+    ) -> Offsets:
+        """Puts the numbers of rows into values (n, width); gives the mark behind each, (n,).
+
+        first: marks of a row before the groups, which begin at `begins`. behind: what follows.
+        """
+        wanted, parts = _layout(self, behind, marks.which)
+        tables = (marks.offsets, marks.signs, marks.points)
+        count = first + len(wanted)
+        offsets, signs, points = (marks.table(column, count)[:, first:] for column in tables)
+        expected = np.frombuffer(wanted, dtype=np.uint8)
+        sound = (signs == expected).all() and text.holds(self.opening, begins).all()
+        start = begins + len(self.opening)
+        for part in parts:
+            stops = offsets[:, part.marks].copy()
+            stops[:, -1] -= part.before
+            sound = sound and (len(part.after) == 1 or text.holds(part.after, stops[:, -1]).all())
+            if not sound:
+                raise ValueError("brackets or commas are out of place")
+            rows = slice(1 if alike(text, start, stops[:, -1]) else len(stops))
+            starts = np.column_stack([start[rows], stops[rows, :-1] + 1])
+            pointed = np.minimum(points[rows, part.marks], stops[rows])
+            values[:, part.columns] = text.decimals(starts, stops[rows], pointed, self.known)
+            start = stops[:, -1] + len(part.after)
+        if not np.isfinite(values).all():
+            raise ValueError("a number is too large")
+        return np.asarray(offsets[:, -1])
+
+    def pieces(self, values: Floats, number: Callable[[Floats], list[Piece]]) -> list[Piece]:
+        """The numbers (n, width) as they are printed. number: how a column of them is."""
+        pieces: list[Piece] = [self.opening]
+        column = 0
+        for size in self.sizes:
+            pieces.append(self.between if column else b"")
+            for at in range(size):
+                pieces += [b"," if at else b"", *number(values[:, column])]
+                column += 1
+        return [*pieces, self.closing]
+
+
+class _Part(NamedTuple):
+    """One group. columns: of its numbers. marks: those that end each of them. after: what stands
+    behind it, and before: how much of that stands before the first mark in it.
+    """
+
+    columns: slice
+    marks: slice
+    after: bytes
+    before: int
+
+
+@cache
+def _layout(groups: Groups, behind: bytes, which: bytes) -> tuple[bytes, tuple[_Part, ...]]:
+    """The marks of groups, and what stands behind them, and their parts."""
+    wanted, parts, column = b"", list[_Part](), 0
+    for at, size in enumerate(groups.sizes, 1):
+        after = groups.between if at < len(groups.sizes) else groups.closing + behind
+        inside = bytes(letter for letter in after if letter in which)
+        columns, marks = (slice(start, start + size) for start in (column, len(wanted)))
+        parts.append(_Part(columns, marks, after, after.index(inside[:1])))
+        wanted += b"," * (size - 1) + inside
+        column += size
+    return wanted, tuple(parts)
+
+
+@dataclass(frozen=True, slots=True)
+class Fewest:
+    """Prints a column in the fewest decimals that give it back; odd values as Python writes them.
+
+    places: decimals, ascending. spelled: how some values are written.
+    """
+
+    places: tuple[int, ...]
+    spelled: Mapping[float, bytes]
+
+    def __call__(self, values: Floats) -> list[Piece]:
+        if len(values) > 1 and (values == values[0]).all():
+            return [rows_text(self(values[:1]), 1)]
+        large = np.abs(values) >= MOST_DECIMALS
+        for places in self.places:
+            if not large.any() and (np.round(values, places) == values).all():
+                return [Decimal(values, places, strip=True)]
+        most = self.places[-1]
+        odd = large | (np.round(values, most) != values)
+        different, index = np.unique(values[odd], return_inverse=True)
+        texts = [self.spelled.get(v) or repr(v).encode("ascii") for v in different.tolist()]
+        chosen = np.zeros(len(values), dtype=np.int64)
+        chosen[odd] = index + 1
+        pieces: list[Piece] = [Chosen(chosen, (b"", *texts))]
+        if not odd.all():
+            plain = np.where(odd, np.nan, values)
+            pieces.append(Decimal(plain, most, strip=True, missing=b""))
+        return pieces
+
+
+def places_of(values: Floats, least: int, most: int) -> int:
+    """The fewest decimals in a range that print every value without loss, else the most."""
+    known = values[~np.isnan(values)]
+    for places in range(least, most):
+        if np.array_equal(np.round(known, places), known):
+            return places
+    return most

@@ -1,0 +1,101 @@
+"""Moves in columns as the rows of paths."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.languages.runs.names import Names
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.arrays import Truths
+from assistant.program.path import Kind
+
+SETTINGS: Final = ("speed", "blend", "tool", "frame")
+"""Columns of a path that are rows of a table, whose name has an `s` behind it."""
+
+
+class Stretch(NamedTuple):
+    """Rows of a path from start up to stop. numbered: the names before stop follow each other."""
+
+    start: int
+    stop: int
+    numbered: bool
+
+
+def path_kinds(arcs: Truths, plain: NDArray[np.integer]) -> NDArray[np.uint8]:
+    """(rows,) a `Kind` each, of which an arc has two. plain: (n,) of moves that are no arcs."""
+    ends = np.cumsum(1 + arcs) - 1
+    kinds = np.full(int(ends[-1]) + 1 if len(ends) else 0, Kind.VIA, dtype=np.uint8)
+    kinds[ends] = np.where(arcs, Kind.END, plain)
+    return kinds
+
+
+def setting_columns(
+    settings: Sequence[Sequence[Any]], index: NDArray[np.integer]
+) -> dict[str, Any]:
+    """Columns and tables of a path. settings: SETTINGS of some rows each. index: (rows,) of it."""
+    columns: dict[str, Any] = {}
+    for name, entries in zip(SETTINGS, zip(*settings, strict=True), strict=True):
+        table: dict[Any, int] = {}
+        rows = [table.setdefault(entry, len(table)) for entry in entries]
+        columns[name] = np.array(rows, dtype=np.int32)[index]
+        columns[name + "s"] = tuple(table)
+    return columns
+
+
+class PathRows:
+    """The targets of n moves, one a row: what an arc goes through and where it ends are two.
+
+    vias: (n,) names of what arcs go through. names: (rows,) of the targets. kinds: (rows,) a
+    `Kind` each. moves: (rows,) the move that each is a target of.
+    """
+
+    def __init__(self, ends: Names, vias: Names, arcs: Truths, plain: NDArray[np.integer]) -> None:
+        self.moves = np.repeat(np.arange(len(ends)), 1 + arcs)
+        self.kinds = path_kinds(arcs, plain)
+        through = self.kinds == Kind.VIA
+        self.names = Names.joined([ends, vias]).rows(self.moves + len(ends) * through)
+
+    def stretches(self, alone: Truths) -> Iterator[Stretch]:
+        """Parts whose names have consecutive numbers from 1, and what is between them.
+
+        alone: (rows,) whether the target is declared and named once only.
+        """
+        stem, number = self.names.stem, self.names.number
+        follows = np.zeros(len(stem), dtype=bool)
+        follows[1:] = (stem[1:] == stem[:-1]) & (number[1:] == number[:-1] + 1)
+        follows[1:] &= alone[1:] & alone[:-1] & (number[1:] > 1)
+        broken = (self.kinds == Kind.END) & ~follows  # an arc through no neighbours
+        cut = ~follows & ~broken
+        cut[np.flatnonzero(broken) - 1] = True
+        cut[np.minimum(np.flatnonzero(broken) + 1, len(cut) - 1)] = True
+        cut &= self.kinds != Kind.END
+        starts = np.flatnonzero(cut)
+        usable = alone.copy()
+        usable[np.flatnonzero(broken)] = False
+        usable[np.flatnonzero(broken) - 1] = False
+        usable &= number == 1
+        for start, stop in zip(starts.tolist(), [*starts[1:].tolist(), len(stem)], strict=True):
+            yield Stretch(start, stop, bool(usable[start]) and stop - start > 1)
+
+    def one_by_one(
+        self, part: Stretch, name: Callable[[str], str], motion: Callable[[int], p.Motion]
+    ) -> Iterator[p.Statement]:
+        """A statement a move. name, motion: as the program has what a row is called and how its
+        move is made.
+        """
+        via: e.Name | None = None
+        for row in range(part.start, part.stop):
+            target, kind = e.Name(name(self.names.name(row))), self.kinds[row]
+            how = motion(int(self.moves[row]))
+            if kind == Kind.VIA:
+                via = target
+            elif via is not None:
+                yield p.MoveCircular(via, target, how)
+                via = None
+            else:
+                yield p.Move("joint" if kind == Kind.JOINT else "linear", target, how)

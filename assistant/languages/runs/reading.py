@@ -1,0 +1,191 @@
+"""Rows of a text read into columns, all rows at once.
+
+Blanks are taken out of a stretch of rows, which leaves every row with its marks in the same order,
+and names and numbers are fetched from between the marks for all rows at once. What does not fit
+exactly raises ValueError: it is left in the text for the grammar, so that both ways always agree.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assistant.languages.runs.columns import Entries, Store
+from assistant.languages.runs.names import MOST_DIGITS, Names
+from assistant.program.arrays import Truths
+from assistant.program.digits_at_offsets import WORD, Offsets, Slots
+
+R = TypeVar("R")
+E = TypeVar("E")
+
+_ZERO, _NINE, _POINT = b"09."
+
+
+@dataclass(frozen=True, slots=True)
+class Found(Generic[R]):
+    """A run in a text: its offsets and its node."""
+
+    start: int
+    end: int
+    node: R
+
+    def moved(self, by: int) -> Found[R]:
+        return Found(self.start + by, self.end + by, self.node)
+
+
+def stretches(
+    text: str, start: int, end: int, fewest: int, store: Store, read: Callable[[bytes], R]
+) -> Iterator[Found[R]]:
+    """The runs of a stretch of rows, a line each; where one is damaged it is halved around it."""
+    stretch = text[start:end]
+    if stretch.count("\n") + (not stretch.endswith("\n")) < fewest:
+        return
+    before = store.taken
+    try:
+        node = read(stretch.encode("ascii"))
+    except ValueError:
+        store.taken = before
+        middle = text.find("\n", start + (end - start) // 2, end - 1) + 1
+        if middle > start:
+            yield from stretches(text, start, middle, fewest, store, read)
+            yield from stretches(text, middle, end, fewest, store, read)
+        return
+    yield Found(start, end, node)
+
+
+class Marks:
+    """The marks of rows without blanks, with the decimal point before each where there is one.
+
+    which: what is a mark. signs, offsets, points: (marks,); a mark without a point has its own
+    offset. first: (n,) the first mark of each row. rows, stops: (n,) where rows begin, and the mark
+    that ends each.
+    """
+
+    def __init__(self, text: Slots, marks: bytes, end: bytes) -> None:
+        letters = text.bytes
+        self.which = marks + end
+        found = letters == _POINT
+        for mark in self.which:
+            found |= letters == mark
+        at = np.flatnonzero(found)
+        signs = letters[at]
+        mark_at = np.flatnonzero(signs != _POINT)
+        before = mark_at - 1  # of the very first mark the last one, which is no point
+        pointed = signs.take(before) == _POINT
+        if np.count_nonzero(pointed) + len(mark_at) != len(at):
+            raise ValueError("a number has two points")
+        self.signs, self.offsets = signs.take(mark_at), at.take(mark_at)
+        self.points = np.where(pointed, at.take(before), self.offsets)
+        ends = np.flatnonzero(self.signs == end[0])
+        self.stops = self.offsets[ends]
+        self.first = np.concatenate([[0], ends[:-1] + 1])
+        self.rows = np.concatenate([[WORD], self.stops[:-1] + 1])
+
+    def table(self, column: NDArray[Any], count: int) -> NDArray[Any]:
+        """The first `count` marks of each row; ValueError if one has less."""
+        n = len(self.rows)
+        if len(column) == n * count:
+            return column.reshape(n, count)
+        if self.first[-1] + count > len(column):
+            raise ValueError("a row is too short")
+        return np.asarray(column[self.first[:, None] + np.arange(count)])
+
+
+def alike(text: Slots, starts: Offsets, ends: Offsets) -> bool:
+    """Whether all rows say the same in the very same way; it is read once then."""
+    first = text.bytes[starts[0] : ends[0]].tobytes()
+    return bool((ends - starts == len(first)).all() and text.holds(first, starts).all())
+
+
+def behind_digits(letters: NDArray[np.uint8], starts: Offsets) -> Offsets:
+    """The offset behind the digits that stand at each start."""
+    other = np.flatnonzero((letters < _ZERO) | (letters > _NINE))
+    return np.asarray(other[np.searchsorted(other, starts)])
+
+
+# Words
+
+
+@dataclass(frozen=True, slots=True)
+class Words:
+    """What may be a name. longest: characters. reserved: words in lower case that are none."""
+
+    longest: int
+    reserved: frozenset[str]
+
+    def names(self, text: Slots, starts: Offsets, ends: Offsets) -> Names:
+        """Splits names into stems and numbers; ValueError if one cannot be a name."""
+        if not len(starts):
+            return Names((), np.empty(0, dtype=np.int32), np.empty(0, dtype=np.int64))
+        lengths = ends - starts
+        if int(lengths.max()) > self.longest:
+            raise ValueError("a name is too long")
+        numbered = _numbered(text, starts, ends)
+        return self._different(text, starts, lengths) if numbered is None else numbered
+
+    def _different(self, text: Slots, starts: Offsets, lengths: Offsets) -> Names:
+        fields = text.fields(starts, lengths)
+        n, width = len(fields), fields.dtype.itemsize
+        letters = fields.view(np.uint8).reshape(n, width)
+        filled = letters != 0
+        digit = (letters >= _ZERO) & (letters <= _NINE)
+        tail = np.logical_and.accumulate((digit | ~filled)[:, ::-1], axis=1)[:, ::-1] & filled
+        count = tail.sum(axis=1)
+        # leading zeros, and more digits than an integer holds, stay with the stem
+        lead = letters[np.arange(n), np.minimum(lengths - count, width - 1)]
+        plain: Truths = (count > 0) & (count <= MOST_DIGITS) & ((lead != _ZERO) | (count == 1))
+        number, _ = text.whole(starts + lengths, np.where(plain, count, 0))
+        stems = np.where(tail & plain[:, None], 0, letters).astype(np.uint8).view(f"S{width}")
+        index, table = _distinct(stems[:, 0])
+        words = np.array([stem.decode("ascii").lower() in self.reserved for stem in table])
+        if (words[index] & ~plain).any():
+            raise ValueError("a name is a reserved word")
+        return Names(tuple(table), index, np.where(plain, number, -1))
+
+
+def _numbered(text: Slots, starts: Offsets, ends: Offsets) -> Names | None:
+    """Names of one stem, with a number each; None for others."""
+    stem = text.bytes[starts[0] : ends[0]].tobytes().rstrip(b"0123456789")
+    count = ends - starts - len(stem)
+    if not (count.min() >= 1 and count.max() <= MOST_DIGITS and text.holds(stem, starts).all()):
+        return None
+    number, good = text.whole(ends, count)
+    leading = (text.bytes[ends - count] == _ZERO) & (count > 1)
+    if leading.any() or not good.all():
+        return None
+    return Names.numbered(stem, number)
+
+
+def entries(
+    text: Slots, starts: Offsets, ends: Offsets, longest: int, read: Callable[[bytes], E]
+) -> Entries[E]:
+    """What each row says between two offsets, each different text read once.
+
+    longest: bytes of one; ValueError if a different one has more.
+    """
+    if alike(text, starts, ends):
+        only = read(text.bytes[starts[0] : ends[0]].tobytes())
+        return Entries((only,), np.zeros(len(starts), dtype=np.int32))
+    lengths = ends - starts
+    if int(lengths.max()) > longest:
+        raise ValueError("a row is too long")
+    index, different = _distinct(text.fields(starts, lengths))
+    table: dict[E, int] = {}
+    rows = [table.setdefault(read(one), len(table)) for one in different]
+    return Entries(tuple(table), np.array(rows, dtype=np.int32)[index])
+
+
+def _distinct(values: NDArray[np.bytes_]) -> tuple[NDArray[np.int32], list[bytes]]:
+    """Index of each value in the list of different ones, in order of first appearance."""
+    change = np.concatenate([[True], values[1:] != values[:-1]])
+    firsts = values[change]
+    table, first, inverse = np.unique(firsts, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    rank = np.empty(len(table), dtype=np.int32)
+    rank[order] = np.arange(len(table), dtype=np.int32)
+    index = rank[inverse][np.cumsum(change) - 1]
+    return index, [bytes(v) for v in table[order]]
