@@ -27,9 +27,7 @@ from assistant.languages.printed_blocks import (
     differences,
     equal_sketches,
     name_blocks,
-    noted,
     pieces_of,
-    words_of,
 )
 from assistant.program.text import SourceText
 
@@ -120,11 +118,11 @@ class _Writer:
         marks = [room.start, *(at for p in removed for at in (p.start, p.end)), room.end]
         gaps = [self._source.text[a:b] for a, b in zip(marks[::2], marks[1::2], strict=True)]
         first, last = gaps[0] if removed else "", gaps[-1]
-        notes = "".join(gap for gap in gaps[1:-1] if noted(self._layout, gap))
+        notes = "".join(gap for gap in gaps[1:-1] if self._layout.noted(gap))
         begins, ends = room.start == marks[1] and not first, room.end == marks[-2] and not last
         if not inserted:
-            yield from (g for g in (first if noted(self._layout, first) else "", notes) if g)
-            if noted(self._layout, last) or noted(self._layout, first) or notes:
+            yield from (g for g in (first if self._layout.noted(first) else "", notes) if g)
+            if self._layout.noted(last) or self._layout.noted(first) or notes:
                 yield last
             elif not (begins and not following) and not ends:
                 by_length = sorted((first, last), key=len)
@@ -160,7 +158,7 @@ class _Writer:
             return False
         for pieces, stretch in zip(wanted, stretches, strict=True):
             text = "".join(stretch)
-            words = list(words_of(self._layout, text, 0, len(text)))
+            words = list(self._layout.words(text, 0, len(text)))
             if len(words) != len(pieces) or not self._source.same_words(pieces, words):
                 return False
         return True

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -13,8 +12,8 @@ from assistant.languages.printed_blocks import (
     Piece,
     same_word,
     spelling,
-    words_of,
 )
+from assistant.languages.words import Word
 from assistant.program.text import SourceText
 
 
@@ -52,7 +51,7 @@ class Original:
             return self._newline
         return "\r\n" if self.text[end - 1 : end] == "\r" else "\n"
 
-    def same_words(self, pieces: Sequence[Piece], words: Sequence[re.Match[str]]) -> bool:
+    def same_words(self, pieces: Sequence[Piece], words: Sequence[Word]) -> bool:
         return all(same_word(self._layout, p, w) for p, w in zip(pieces, words, strict=True))
 
     def locate(self, pieces: list[Piece], extent: Extent) -> bool:
@@ -64,7 +63,7 @@ class Original:
                 waiting.append(piece)
             elif piece is None or children:
                 stop = self.extent(children[0]).start if children else extent.end
-                words = list(words_of(self._layout, self.text, at, stop))
+                words = list(self._layout.words(self.text, at, stop))
                 # What could not be read may stand around a block.
                 last = len(words) - len(waiting)
                 shifts = [0] if first else [last] if piece is None else range(last + 1)
@@ -77,7 +76,7 @@ class Original:
                 else:
                     return False
                 for held, word in zip(waiting, some, strict=True):
-                    held.start, held.end = word.span()
+                    held.start, held.end = word.start, word.end
                 if children:
                     at = self.extent(children[-1]).end
                 waiting, first = [], False

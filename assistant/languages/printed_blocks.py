@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import abc
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from difflib import SequenceMatcher
 from typing import Any, Final, NamedTuple
 
 from assistant.languages.alignment import same
+from assistant.languages.words import Word
 
 MOST_WORDS: Final = 1 << 14
 """Words of one node that are compared; a longer one that changed is printed as a whole."""
@@ -37,14 +37,19 @@ class Extent(NamedTuple):
 class Layout(abc.ABC):
     """What the text of one vendor language looks like.
 
-    words: matches words, and what stands between them; that is what has no group, but for the
-    group `note`, a comment. The names of other groups are kinds of words; words of a kind in
-    `spelled` may be written in several ways. indent: one step of the printer's.
+    spelled: kinds of words that may be written in several ways. indent: one step of the printer's.
     """
 
-    words: re.Pattern[str]
     spelled: frozenset[str]
     indent: str
+
+    @abc.abstractmethod
+    def words(self, text: str, start: int, end: int) -> Iterator[Word]:
+        """The words between two offsets that have to be those of the tree."""
+
+    @abc.abstractmethod
+    def noted(self, gap: str) -> bool:
+        """Whether a comment stands between two words."""
 
     @abc.abstractmethod
     def sketch(self, node: Any) -> Sketch:
@@ -98,28 +103,17 @@ def pieces_of(layout: Layout, sketch: Sketch) -> list[Piece]:
             pieces.append(Piece(part, "block"))
             continue
         at = 0
-        for word in words_of(layout, part, 0, len(part)):
-            pieces.append(Piece(word[0], str(word.lastgroup), part[at : word.start()]))
-            at = word.end()
+        for word in layout.words(part, 0, len(part)):
+            pieces.append(Piece(word.text, word.kind, part[at : word.start]))
+            at = word.end
     return pieces
 
 
-def words_of(layout: Layout, text: str, start: int, end: int) -> Iterator[re.Match[str]]:
-    for match in layout.words.finditer(text, start, end):
-        if match.lastgroup not in (None, "note"):
-            yield match
-
-
-def noted(layout: Layout, gap: str) -> bool:
-    """Whether a comment stands between two words."""
-    return any(m.lastgroup == "note" for m in layout.words.finditer(gap))
-
-
-def same_word(layout: Layout, piece: Piece, word: re.Match[str]) -> bool:
+def same_word(layout: Layout, piece: Piece, word: Word) -> bool:
     """Whether a word of the source may be what the printer writes in another way."""
-    if str(piece.what).casefold() == word[0].casefold():
+    if str(piece.what).casefold() == word.text.casefold():
         return True
-    return word.lastgroup == piece.kind and piece.kind in layout.spelled
+    return word.kind == piece.kind and piece.kind in layout.spelled
 
 
 def spelling(piece: Piece) -> str | None:

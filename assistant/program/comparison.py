@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from typing import Any, Final, TypeAlias
 
 import numpy as np
 
 from assistant.program import rotations
+from assistant.program import statements as p
 from assistant.program.diagnostics import Span
 from assistant.program.geometry import Pose
 from assistant.program.path import Path
-from assistant.program.program import Procedure, Program
+from assistant.program.program import Procedure, Program, walk
 from assistant.program.pseudo.parts import part_text
+from assistant.program.rewriting import Body, map_bodies
 from assistant.program.subjects import Inner
 
 MOST_MISMATCHES: Final = 20
@@ -85,6 +87,28 @@ def compare(expected: Program, actual: Program, tolerance: Tolerance = EXACT) ->
         str(Inner(walk.worst)),
         tuple(walk.mismatches),
     )
+
+
+def with_labels_in_order(program: Program) -> Program:
+    """The program with its labels called by their order, to compare whatever they were called."""
+    listed = (node for procedure in program.procedures for node in walk(procedure.body))
+    names = dict.fromkeys(node.name for node in listed if isinstance(node, p.Label))
+    order = {name: f"L{at}" for at, name in enumerate(names)}
+
+    def renamed(body: Body) -> Body:
+        return tuple(_relabelled(map_bodies(node, renamed), order) for node in body)
+
+    procedures = (replace(one, body=renamed(one.body)) for one in program.procedures)
+    return replace(program, procedures=tuple(procedures))
+
+
+def _relabelled(node: p.Statement, order: Mapping[str, str]) -> p.Statement:
+    match node:
+        case p.Label(name):
+            return replace(node, name=order[name])
+        case p.Goto(label):
+            return replace(node, label=order.get(label, label))
+    return node
 
 
 def _by_name(program: Program) -> dict[str, Procedure]:

@@ -179,12 +179,11 @@ class MelfaBasic(Language["File"]):
 
         Also if it says what the program is once adapted, or what `after` is read as.
         """
-        from assistant.languages.melfa_basic.text.merging.places import places_in_order
         from assistant.languages.melfa_basic.text.merging.trees import merge
-        from assistant.program.comparison import Tolerance, compare
+        from assistant.program.comparison import Tolerance, compare, with_labels_in_order
 
         asked = (self.lift_trees((after,), None), program, self.adapt(program).program)
-        wanted = [places_in_order(one) for one in asked]
+        wanted = [with_labels_in_order(one) for one in asked]
         precision = self.precision
         tolerance = Tolerance(precision.position, precision.angle, precision.number)
         errors = _errors(tree)
@@ -194,7 +193,7 @@ class MelfaBasic(Language["File"]):
             again = self.parse(replace(source, text=self.render(merged)))
             if _errors(again) > errors:
                 return False
-            lifted = places_in_order(self.lift_trees((again,), None))
+            lifted = with_labels_in_order(self.lift_trees((again,), None))
             return any(compare(one, lifted, tolerance).same for one in wanted)
 
         return merge(tree, before, after, says)

@@ -11,7 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
-from assistant.languages.rapid.text.layout.tokens import Token, tokens
+from assistant.languages.rapid.reading.scanner import words
+from assistant.languages.words import Word
 from assistant.program.diagnostics import has_errors
 from tests.languages.rapid.modules import files
 
@@ -38,7 +39,7 @@ def laid_out(text: str) -> str:
 
 
 def comments(text: str) -> list[str]:
-    return [t.text.rstrip() for t in tokens(text, rows=False) if t.kind == "comment"]
+    return [t.text.rstrip() for t in words(text) if t.kind == "comment"]
 
 
 @pytest.mark.parametrize(("name", "given", "wanted"), CASES, ids=[case[0] for case in CASES])
@@ -95,14 +96,14 @@ def test_blanks_and_case_of_words_do_not_matter(tree, random) -> None:
     assert blind(laid_out(spoilt)) == blind(laid_out(text))
 
 
-def other_case(token: Token, random) -> str:
+def other_case(token: Word, random) -> str:
     words = [token.text, token.text.lower(), token.text.title()]
     return random.choice(words) if token.kind == "key" else token.text
 
 
 def spaced(text: str):
     """The tokens of a text, and whether a blank stands behind each."""
-    for token in tokens(text, rows=False):
+    for token in words(text):
         end = token.start + len(token.text)
         yield token, text[end : end + 1] == " " or token.text == "%"
 

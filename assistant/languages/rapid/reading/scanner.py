@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Set
+from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Final
 
 from assistant.languages.rapid.reading.grammar import grammar
+from assistant.languages.words import Word
 
 SILENT: Final = frozenset({"NOTE", "COMMENT", "BLANK"})
 """Terminals that stand between words."""
-LARGE: Final = frozenset({"TABLE"})
-"""Terminals that hold what others say in several words."""
-
 FOREIGN_BEFORE: Final = {
     "FOREIGN_COMMENT": r"//[^\r\n]*|\#[^\r\n]*|/\*[^\r\n]*",
     "FOREIGN_EQUAL": r"==",
@@ -34,7 +32,7 @@ FREQUENT: Final = ("BLANK", "SEMICOLON", "COMMA", "NAME", "LPAR", "RPAR", "BACKS
 
 
 @cache
-def scanner(without: Set[str] = frozenset()) -> re.Pattern[str]:
+def scanner() -> re.Pattern[str]:
     """The terminals in the order in which they are tried, and the foreign ones around them."""
     known = grammar()
     patterns = {name: known.terminals[name].regexp for name in known.order}
@@ -44,5 +42,56 @@ def scanner(without: Set[str] = frozenset()) -> re.Pattern[str]:
         **patterns,
         **FOREIGN_AFTER,
     }
-    listed = (f"(?P<{n}>{r})" for n, r in rows.items() if n not in without)
-    return re.compile("|".join(listed), re.MULTILINE)
+    return re.compile("|".join(f"(?P<{n}>{r})" for n, r in rows.items()), re.MULTILINE)
+
+
+_KINDS: Final = {
+    "NAME": "word",
+    "NUMBER": "number",
+    "STRING": "string",
+    "HEADER": "header",
+    "NOTE": "comment",
+    "COMMENT": "comment",
+    "BLANK": "blank",
+    "TABLE": "table",
+}
+_HOLE: Final = re.compile(r"<\w+>")
+_BREAK: Final = re.compile(r"(?P<break>\r*\n|\r)|(?P<mark>\ufeff)")
+
+
+def words(text: str, start: int = 0, end: int | None = None) -> Iterator[Word]:
+    """The words between two offsets: comments and line ends are some as well, blanks are none.
+
+    kind: `word`, `key` (a reserved word), `number`, `string`, `hole`, `mark`, `comment`, `header`
+    or `break` (a line end).
+    """
+    kinds = _kinds()
+    for match in scanner().finditer(text, start, len(text) if end is None else end):
+        kind, found, at = kinds[match.lastgroup], match[0], match.start()
+        if kind == "blank":
+            if found == " ":
+                continue
+            for part in _BREAK.finditer(found):
+                yield Word(str(part.lastgroup), part[0], at + part.start())
+        elif kind == "table":
+            for part in _in_tables().finditer(found):
+                yield Word("number" if part["number"] else "mark", part[0], at + part.start())
+        else:
+            yield Word(kind, found, at)
+
+
+@cache
+def _kinds() -> Mapping[str | None, str]:
+    """The kinds of all terminals and of what other languages write."""
+    kinds: dict[str | None, str] = dict.fromkeys((*FOREIGN_BEFORE, *FOREIGN_AFTER), "mark")
+    for name, terminal in grammar().terminals.items():
+        spelling = terminal.pattern
+        plain = "key" if spelling[0].isalpha() else "hole" if _HOLE.match(spelling) else "mark"
+        kinds[name] = _KINDS.get(name, plain)
+    return kinds
+
+
+@cache
+def _in_tables() -> re.Pattern[str]:
+    """What a table of numbers is made of."""
+    return re.compile(rf"(?P<number>{grammar().terminals['NUMBER'].regexp})|[^ \t]")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
@@ -11,31 +11,19 @@ import numpy as np
 
 from assistant.languages import lossless
 from assistant.languages.lossless import Block, Extent, Sketch, Spread
-from assistant.languages.rapid.text.layout.tokens import HOLES
+from assistant.languages.rapid.reading.scanner import words
 from assistant.languages.rapid.text.printer import INDENT, PRINTER
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import plain_move, target_values
+from assistant.languages.words import Word
 from assistant.program.arrays import Rows
 from assistant.program.text import lines_of
 
 MOST_ROWS: Final = 4096
 """Rows of a run that are written one by one; if more of it changed it is printed as a whole."""
 
-_WORDS: Final = re.compile(
-    rf"""
-      (?P<header>%%%(?s:.*?)%%%)
-    | (?P<string>"(?:[^"\\\r\n]|""|\\\\|\\[0-9a-fA-F]{{2}})*")
-    | (?P<note>![^\r\n]*)
-    | ,(?=(?:[ \t\f\r\n]|![^\r\n]*)*\\)  # which may stand in front of an optional argument
-    | (?P<hole><(?:{HOLES}|ID)>)
-    | (?P<name>[a-z_\u00c0-\u00d6\u00d8-\u00f6\u00f8-\u00ff][\w]*)
-    | (?P<number>0x[0-9a-f]+|0o[0-7]+|0b[01]+|0d[0-9]+
-        |(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[-+]?[0-9]+)?)
-    | (?P<mark>:=|<=|>=|<>|[^ \t\f\r\n])
-    """,
-    re.IGNORECASE | re.VERBOSE,
-)
-
+_OPTION: Final = re.compile(r"(?:[ \t\f\r\n]|![^\r\n]*)*\\")
+"""A comma may stand in front of an optional argument."""
 _SIMPLE: Final = (
     *(s.Assignment, s.ProcedureCall, s.GotoLabel, s.ReturnFrom, s.RaiseError, s.Word),
     *(s.Connect, s.CompactIf, s.MoveRunNode),
@@ -80,9 +68,14 @@ class _Rows:
 class Layout(lossless.Layout):
     """RAPID: statements end with `;`, comments with their line."""
 
-    words = _WORDS
     spelled = frozenset(("string", "number"))
     indent = INDENT
+
+    def words(self, text: str, start: int, end: int) -> Iterator[Word]:
+        return _words(text, start, end)
+
+    def noted(self, gap: str) -> bool:
+        return any(word.kind == "comment" for word in words(gap))
 
     def sketch(self, node: Any) -> Sketch:
         match node:
@@ -227,5 +220,12 @@ def _may_be_row(node: Any) -> bool:
     return isinstance(node, s.ProcedureCall) and plain_move(node) is not None
 
 
+def _words(text: str, start: int, end: int) -> Iterator[Word]:
+    for word in words(text, start, end):
+        if word.kind not in ("comment", "break"):
+            if word.text != "," or not _OPTION.match(text, word.end, end):
+                yield word
+
+
 def _key(line: str) -> str:
-    return " ".join(m[0] for m in _WORDS.finditer(line) if m.lastgroup not in (None, "note"))
+    return " ".join(word.text for word in _words(line, 0, len(line)))

@@ -15,10 +15,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from itertools import groupby
 from typing import Final
 
+from assistant.languages.laying_out import TAB, Line, aligned
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
 from assistant.languages.melfa_basic.text.layout.levels import Levels, is_comment
 from assistant.languages.melfa_basic.text.layout.printing import decimals, exact, item_text
@@ -28,9 +27,6 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import divided, opened
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
 from assistant.program.text import dominant_newline
-
-TAB: Final = 4
-"""Columns between the tab stops of a text that is read."""
 
 _STEP: Final = re.compile(r"[ \t]*([0-9]*)[ \t]?")
 
@@ -42,20 +38,6 @@ def lay_out(file: s.File) -> str:
     """
     assert file.source is not None
     return "".join(_Pages(file, file.source.text).pieces())
-
-
-@dataclass(slots=True)
-class _Line:
-    """lead: what no column counts. code: with its indentation. comment: behind it.
-
-    column, gap: of the comment in the text that was read, and how far it stood from the code.
-    """
-
-    lead: str
-    code: str
-    comment: str = ""
-    column: int = 0
-    gap: int = 0
 
 
 def _before(items: Sequence[s.Item]) -> list[s.Line | None]:
@@ -86,7 +68,7 @@ class _Pages:
 
     def pieces(self) -> Iterator[str]:
         """Lines with their ends; a table is one piece."""
-        waiting: list[_Line] = []
+        waiting: list[Line] = []
         levels = Levels()
         for at, item in enumerate(self._file.items):
             if isinstance(item, s.Line):
@@ -136,7 +118,7 @@ class _Pages:
         assert item.span is not None
         return self._text[item.span.start : item.span.end].rstrip("\r\n")
 
-    def _line(self, item: s.Line, level: int) -> _Line:
+    def _line(self, item: s.Line, level: int) -> Line:
         text = self._source(item)
         start = self._behind_step(text)
         listed = tokens(text[start:].strip(" \t\f"))
@@ -148,46 +130,27 @@ class _Pages:
             body, comment = comment, ""
         lead = f"{step} " if step and body else step
         indented = " " * (INDENT * level) + body
-        line = _Line(lead, indented, comment)
+        line = Line(indented, lead=lead)
         if not self._dialect.blocks:
             line.lead, line.code = "", lead + indented  # comments stand under each other as a whole
         if comment:
             offset = len(text) - len(text.rstrip()) + len(comment)
-            before = text[0 if not self._dialect.blocks else start : len(text) - offset]
-            before = before.expandtabs(TAB)
-            line.column, line.gap = len(before), max(len(before) - len(before.rstrip()), 1)
+            line.put_behind(
+                comment, text[start if self._dialect.blocks else 0 : len(text) - offset]
+            )
         return line
 
-    def _aligned(self, lines: Sequence[_Line]) -> Iterator[str]:
-        """The lines with their comments; neighbours that stood in one column do so again."""
-        for (commented, _), group in groupby(
-            lines, key=lambda line: (bool(line.comment), line.column)
-        ):
-            together = list(group)
-            if commented:
-                yield from (self._fitting(text) for text in self._columns(together))
-            else:
-                yield from (self._fitting(line.lead + line.code) for line in together)
-
-    def _columns(self, lines: Sequence[_Line]) -> list[str]:
-        for gap in (min(line.gap for line in lines), 0):
-            column = max(len(line.code) for line in lines) + gap if gap else 0
-            texts = [
-                line.lead + line.code.ljust(max(column, len(line.code) + 1)) + line.comment
-                for line in lines
-            ]
-            if max(map(self._bytes, texts)) <= self._dialect.line:
-                break
-        return texts
+    def _aligned(self, lines: Sequence[Line]) -> Iterator[str]:
+        return map(self._fitting, aligned(lines, self._fits))
 
     def _fitting(self, text: str) -> str:
         """A line that the controller takes, if need be without its indentation."""
-        if self._bytes(text) > self._dialect.line:
+        if not self._fits(text):
             text = re.sub(r"^([0-9]*) +", r"\1 " if text[:1].isdigit() else "", text)
         return text + self._newline
 
-    def _bytes(self, text: str) -> int:
-        return len(text.encode(self._encoding, "replace"))
+    def _fits(self, text: str) -> bool:
+        return len(text.encode(self._encoding, "replace")) <= self._dialect.line
 
     # What is no line of code
 

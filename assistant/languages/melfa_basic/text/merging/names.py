@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import fields, is_dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 from assistant.languages.melfa_basic.text import header
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
 from assistant.languages.melfa_basic.tree.line_tables import rows_as_lines
+from assistant.languages.melfa_basic.tree.walk import nodes
+from assistant.program.rewriting import rewrite
 
 Names = Mapping[str, str]
 
@@ -39,18 +41,13 @@ def _used(items: Iterable[s.Item]) -> tuple[Names, Names]:
     names: dict[str, str] = {}
     labels: dict[str, str] = {}
 
-    def note(node: Any) -> Any:
-        if isinstance(node, s.Variable):
-            names.setdefault(node.name.upper(), node.name)
-        return node
-
     for item in items:
-        if isinstance(item, s.Line):
-            rebuilt(item.statement, note)
-            if item.label is not None:
-                labels.setdefault(item.label.upper(), item.label)
-        elif isinstance(item, s.Data):
-            note(item.variable)
+        if isinstance(item, s.Line) and item.label is not None:
+            labels.setdefault(item.label.upper(), item.label)
+        held = item.variable if isinstance(item, s.Data) else getattr(item, "statement", None)
+        for node in nodes(held):
+            if isinstance(node, s.Variable):
+                names.setdefault(node.name.upper(), node.name)
     return names, labels
 
 
@@ -72,23 +69,11 @@ def _renamed(items: Iterable[s.Item], names: Names, labels: Names) -> Iterator[s
         for row in rows:
             if isinstance(row, s.Line):
                 label = row.label and labels.get(row.label.upper(), row.label)
-                yield replace(row, label=label, statement=rebuilt(row.statement, change))
+                yield replace(row, label=label, statement=rewrite(row.statement, change))
             elif isinstance(row, s.Data):
                 yield replace(row, variable=change(row.variable))
             else:
                 yield row
-
-
-def rebuilt(node: Any, change: Callable[[Any], Any]) -> Any:
-    """A node with everything in it changed, from the inside out."""
-    if isinstance(node, tuple):
-        return tuple(rebuilt(one, change) for one in node)
-    if not is_dataclass(node) or isinstance(node, type):
-        return node
-    parts = {f.name: getattr(node, f.name) for f in fields(node)}
-    new = {name: rebuilt(part, change) for name, part in parts.items()}
-    same = all(new[name] is part or new[name] == part for name, part in parts.items())
-    return change(node if same else replace(node, **new))
 
 
 def in_upper_case(node: Any) -> Any:
@@ -101,4 +86,4 @@ def in_upper_case(node: Any) -> Any:
             return s.Target(one.place.upper())
         return one
 
-    return rebuilt(node, change)
+    return rewrite(node, change)

@@ -3,32 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Final
 
-from assistant.languages.rapid.text.layout.tokens import Token, tokens
-
-Form = Literal["plain", "opens", "divides", "closes", "comment", "rows", "header"]
-"""opens, closes: the first and the last line of a block; divides: one like ELSE inside it."""
-
-
-@dataclass(frozen=True, slots=True)
-class Segment:
-    """Tokens that belong on one line, or on one with lines that continue it.
-
-    word: the lower-case keyword that says what it is, behind LOCAL or TASK; empty for a
-    statement that begins with a name. breaks: how many line ends stand before it.
-    """
-
-    form: Form
-    word: str
-    tokens: list[Token]
-    breaks: int
-
-    @property
-    def trails(self) -> bool:
-        """A comment behind something on its line."""
-        return self.form == "comment" and not self.breaks
+from assistant.languages.laying_out import Form, Segment
+from assistant.languages.rapid.text.layout.tokens import tokens
+from assistant.languages.words import Word
 
 
 def segments(text: str) -> Iterator[Segment]:
@@ -73,7 +52,7 @@ _BRACKETED: Final = frozenset({"module", "proc", "func", "error"})
 """Segments that end with a pair of parentheses, if one follows."""
 
 
-def _word(inside: list[Token]) -> str:
+def _word(inside: list[Word]) -> str:
     for token in inside:
         if token.kind in ("key", "hole") and token.text.lower() not in ("local", "task"):
             return token.text.lower()
@@ -82,7 +61,7 @@ def _word(inside: list[Token]) -> str:
     return ""
 
 
-def _form(word: str, inside: list[Token]) -> Form:
+def _form(word: str, inside: list[Word]) -> Form:
     if word in _OPENS or (word == "if" and inside[-1].text.lower() == "then"):
         return "opens"
     if word in _DIVIDES:
@@ -90,7 +69,7 @@ def _form(word: str, inside: list[Token]) -> Form:
     return "closes" if word in _CLOSES else "plain"
 
 
-def _end(read: list[Token], start: int) -> int:
+def _end(read: list[Word], start: int) -> int:
     """Index behind the last token of the segment that begins at an index."""
     seen = _significant(read, start)
     at = next(seen)
@@ -118,7 +97,7 @@ def _end(read: list[Token], start: int) -> int:
     return at + 1
 
 
-def _end_of_heading(read: list[Token], at: int, word: str) -> int:
+def _end_of_heading(read: list[Word], at: int, word: str) -> int:
     """Behind the parentheses of a heading, or behind its name if it has none."""
     depth, last = 0, at
     names = 1 if word in _NAMED else 0
@@ -141,7 +120,7 @@ def _end_of_heading(read: list[Token], at: int, word: str) -> int:
     return last + 1
 
 
-def _significant(read: list[Token], start: int) -> Iterator[int]:
+def _significant(read: list[Word], start: int) -> Iterator[int]:
     """Indices of what the grammar sees; a table inside a statement is taken apart on the way."""
     at = start
     while at < len(read):
@@ -149,7 +128,7 @@ def _significant(read: list[Token], start: int) -> Iterator[int]:
         if token.kind == "rows":  # its first line ends the statement that stands before it
             length = token.text.find("\n") + 1 or len(token.text)
             first = tokens(token.text[:length], rows=False, start=token.start)
-            rest = Token("rows", token.text[length:], token.start + length)
+            rest = Word("rows", token.text[length:], token.start + length)
             read[at : at + 1] = [*first, *([rest] if rest.text else [])]
             continue
         if token.kind not in ("break", "comment"):

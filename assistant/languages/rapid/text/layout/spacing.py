@@ -6,16 +6,15 @@ from __future__ import annotations
 
 from typing import Final, Literal
 
-from assistant.languages.rapid.text.layout.segments import Segment
-from assistant.languages.rapid.text.layout.tokens import Token
+from assistant.languages import laying_out
+from assistant.languages.laying_out import Segment
+from assistant.languages.words import Word
 
 Role = Literal["operand", "key", "name", "close", "open", "sign", "late", "mark"]
 """name: of an instruction that is called. late: the `%` around a name that is worked out."""
 
-OPENING: Final = frozenset("([{")
-CLOSING: Final = frozenset(")]}")
 _MARKS: Final[dict[str, Role]] = {
-    **dict.fromkeys(CLOSING, "close"),
+    **dict.fromkeys(")]}", "close"),
     **dict.fromkeys("([", "open"),
     **dict.fromkeys("+-", "sign"),
     "%": "late",
@@ -24,7 +23,7 @@ _BETWEEN_OPERANDS: Final = frozenset({"and", "or", "xor", "div", "mod"})
 _VALUES: Final = frozenset({"true", "false"})
 
 
-class Spacing:
+class Spacing(laying_out.Spacing):
     """The tokens of one segment, in order, without its line ends and comments."""
 
     def __init__(self, segment: Segment) -> None:
@@ -32,10 +31,8 @@ class Spacing:
         self._compact_if = self._calls and segment.word == "if"
         self._before: Role | None = None
         self._in_late = False
-        self.begins_statement = False
-        """Whether the last token begins the statement of a compact IF."""
 
-    def before(self, token: Token) -> bool:
+    def before(self, token: Word) -> bool:
         """Whether a blank stands before the next token."""
         before, role = self._before, _role(token)
         ends = before in ("operand", "close")  # of an expression, if no operator follows
@@ -60,11 +57,11 @@ class Spacing:
         return False
 
 
-def _role(token: Token) -> Role:
+def _role(token: Word) -> Role:
     if token.kind == "key":
         return "operand" if token.text.lower() in _VALUES else "key"
     return _MARKS.get(token.text, "mark") if token.kind == "mark" else "operand"
 
 
-def _starts(token: Token) -> bool:
+def _starts(token: Word) -> bool:
     return token.kind == "key" and token.text.lower() not in _BETWEEN_OPERANDS

@@ -1,0 +1,283 @@
+"""One layout for texts whose statements may go over several lines: levels, columns, comments.
+
+A language cuts its text into segments and says how their words are spelt and spaced; see `Style`.
+What stands on one line stays there, comments stay between the words where they stood, and those
+behind lines that stood in one column do so again.
+"""
+
+from __future__ import annotations
+
+import abc
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Final, Literal
+
+from assistant.languages.words import Word
+from assistant.program.text import dominant_newline
+
+INDENT: Final = 4
+"""Columns of a level."""
+TAB: Final = 4
+"""Columns between the tab stops of a text that is read."""
+
+Form = Literal["plain", "opens", "divides", "closes", "comment", "rows", "header"]
+"""opens, closes: the first and the last line of a block; divides: one like ELSE inside it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """Words that belong on one line, or on one with lines that continue it.
+
+    word: the lower-case keyword that says what it is; empty for a statement that begins with a
+    name. breaks: how many line ends stand before it.
+    """
+
+    form: Form
+    word: str
+    words: list[Word]
+    breaks: int
+
+    @property
+    def trails(self) -> bool:
+        """A comment behind something on its line."""
+        return self.form == "comment" and not self.breaks
+
+
+class Spacing(abc.ABC):
+    """Blanks between the words of one segment, asked in order, without line ends and comments."""
+
+    begins_statement: bool = False
+    """Whether the last word begins a statement inside the segment."""
+
+    @abc.abstractmethod
+    def before(self, word: Word) -> bool:
+        """Whether a blank stands before the next word."""
+
+
+@dataclass(frozen=True, slots=True)
+class Style:
+    """What the layout of one language needs to know.
+
+    spacing: of a segment. spelt: how a word is written. table: the lines of a table of alike
+    lines, without the last line end, from its text, indentation and line ends. separate: words of
+    blocks with a blank line before them. outermost: words of blocks that need none for the first
+    in them. choosing: words whose blocks begin with a line that divides them.
+    """
+
+    spacing: Callable[[Segment], Spacing]
+    spelt: Callable[[Word], str]
+    table: Callable[[str, str, str], str]
+    separate: frozenset[str]
+    outermost: frozenset[str]
+    choosing: frozenset[str]
+    opening: frozenset[str] = frozenset("([{")
+    closing: frozenset[str] = frozenset(")]}")
+
+
+def lay_out(text: str, segments: Sequence[Segment], style: Style) -> str:
+    """The segments of a text in the one layout.
+
+    Line ends become the ones that most lines of the text have.
+    """
+    newline = dominant_newline(text)
+    lines: list[Line] = []
+    for placed in _with_blank_lines(_placed(segments, text, style), style):
+        segment, indent = placed.segment, " " * (INDENT * placed.level)
+        if placed.blank:
+            lines.append(Line(""))
+        if segment.trails and lines:
+            _put_behind(lines[-1], segment.words[0], text)
+        elif segment.form == "rows":
+            lines.append(Line(style.table(segment.words[0].text, indent, newline)))
+        else:
+            lines += _lines(segment, indent, text, style)
+    return "".join(piece for line in aligned(lines) for piece in (line, newline))
+
+
+# Levels and blank lines
+
+
+@dataclass(slots=True)
+class _Placed:
+    """blank: a blank line stands before it."""
+
+    segment: Segment
+    level: int
+    blank: bool = False
+
+
+def _placed(read: Sequence[Segment], text: str, style: Style) -> list[_Placed]:
+    """Every segment with its level; a comment has the one of what follows in its block."""
+    placed: list[_Placed] = []
+    level = 0
+    above: Segment | None = None
+    for segment, below in zip(read, _code_below(read), strict=True):
+        outside = segment.form in ("closes", "divides") or (
+            segment.form == "comment"
+            and not segment.trails
+            and _heads_division(segment, above, below, text, style)
+        )
+        placed.append(_Placed(segment, max(level - outside, 0)))
+        level = max(level + (segment.form == "opens") - (segment.form == "closes"), 0)
+        above = above if segment.form == "comment" else segment
+    return placed
+
+
+def _code_below(read: Sequence[Segment]) -> list[Segment | None]:
+    """For each segment the first at or below it that is no comment."""
+    below: list[Segment | None] = []
+    last: Segment | None = None
+    for segment in reversed(read):
+        last = last if segment.form == "comment" else segment
+        below.append(last)
+    return below[::-1]
+
+
+def _heads_division(
+    comment: Segment, above: Segment | None, below: Segment | None, text: str, style: Style
+) -> bool:
+    """Whether a comment belongs to a line below that divides a block rather than to what is above.
+
+    It does where it stands at that word's column and what is above stands deeper.
+    """
+    if below is None or below.form != "divides" or above is None:
+        return False
+    if above.form in ("opens", "divides"):  # nothing stands between but the comment
+        return above.word in style.choosing
+    own, word, other = (_column(text, s.words[0].start) for s in (comment, below, above))
+    return own == word < other
+
+
+def _with_blank_lines(placed: list[_Placed], style: Style) -> list[_Placed]:
+    """One where one or more stood, and one before each block of its own with its comments."""
+    for at, one in enumerate(placed):
+        one.blank = at > 0 and one.segment.breaks > 1
+        if one.segment.word in style.separate:
+            first = at
+            while first > 0 and not placed[first].blank and _own_comment(placed[first - 1]):
+                first -= 1
+            before = first - 1
+            while before >= 0 and placed[before].segment.trails:
+                before -= 1
+            above = placed[before].segment if before >= 0 else None
+            if above and above.word not in style.outermost and above.form != "header":
+                placed[first].blank = True
+    return placed
+
+
+def _own_comment(placed: _Placed) -> bool:
+    return placed.segment.form == "comment" and not placed.segment.trails
+
+
+def _column(text: str, at: int) -> int:
+    """Column, counted from 0, at which an offset stands."""
+    return len(text[text.rfind("\n", 0, at) + 1 : at].expandtabs(TAB))
+
+
+# Lines
+
+
+@dataclass(slots=True)
+class Line:
+    """code: with its indentation. comment: behind it. lead: before it, counted by no column.
+
+    column, gap: of the comment in the text that was read, and how far it stood from the code.
+    """
+
+    code: str
+    comment: str = ""
+    column: int = 0
+    gap: int = 0
+    lead: str = ""
+
+    def put_behind(self, comment: str, before: str) -> None:
+        """Gives the line a comment. before: what stood before that on its line."""
+        before = before.expandtabs(TAB)
+        self.comment = comment
+        self.column, self.gap = len(before), max(len(before) - len(before.rstrip()), 1)
+
+
+def aligned(lines: Sequence[Line], fits: Callable[[str], bool] | None = None) -> Iterator[str]:
+    """The lines with their comments; neighbours that stood in one column do so again.
+
+    fits: whether a line is short enough; where one is not, comments stand right behind the code.
+    """
+    for (commented, _), group in groupby(
+        lines, key=lambda line: (bool(line.code and line.comment), line.column)
+    ):
+        together = list(group)
+        if commented:
+            yield from _columns(together, fits)
+        else:
+            yield from (line.lead + line.code + line.comment for line in together)
+
+
+def _columns(lines: Sequence[Line], fits: Callable[[str], bool] | None) -> list[str]:
+    column = max(len(line.code) for line in lines) + min(line.gap for line in lines)
+    texts = [line.lead + line.code.ljust(column) + line.comment for line in lines]
+    if fits is None or all(map(fits, texts)):
+        return texts
+    return [f"{line.lead}{line.code} {line.comment}" for line in lines]
+
+
+def _put_behind(line: Line, comment: Word, text: str) -> None:
+    start = text.rfind("\n", 0, comment.start) + 1
+    line.put_behind(comment.text.rstrip(), text[start : comment.start])
+
+
+@dataclass(frozen=True, slots=True)
+class _Bracket:
+    """Columns of lines inside an open bracket and of one that begins by closing it."""
+
+    inside: int
+    closing: int
+
+
+def _lines(segment: Segment, indent: str, text: str, style: Style) -> list[Line]:
+    """A segment on one line or, where its words stood on several, on as many."""
+    lines = [Line(indent)]
+    brackets: list[_Bracket] = []
+    spacing = style.spacing(segment)
+    broken = False
+    for at, word in enumerate(segment.words):
+        if word.kind == "break":
+            broken = True
+            continue
+        comment = word.kind == "comment"
+        if comment and at and not broken:
+            _put_behind(lines[-1], word, text)
+            broken = True
+            continue
+        blank = not comment and spacing.before(word)
+        if broken:
+            column = _continuation(word, spacing, brackets, len(indent), style)
+            lines.append(Line(" " * column))
+        elif blank:
+            lines[-1].code += " "
+        if word.kind == "mark" and word.text in style.opening:
+            following = segment.words[at + 1 : at + 2]
+            brackets.append(_bracket(lines[-1].code, following))
+        elif word.kind == "mark" and word.text in style.closing and brackets:
+            brackets.pop()
+        lines[-1].code += style.spelt(word)
+        broken = comment
+    return lines
+
+
+def _bracket(code: str, following: Sequence[Word]) -> _Bracket:
+    """The one that opens behind some code; what follows on its line is what others align with."""
+    if following and following[0].kind in ("break", "comment"):
+        indent = len(code) - len(code.lstrip())
+        return _Bracket(indent + INDENT, indent)
+    return _Bracket(len(code) + 1, len(code))
+
+
+def _continuation(
+    word: Word, spacing: Spacing, brackets: Sequence[_Bracket], indent: int, style: Style
+) -> int:
+    if spacing.begins_statement:
+        return indent + INDENT
+    if not brackets:
+        return indent + 2 * INDENT
+    return brackets[-1].closing if word.text in style.closing else brackets[-1].inside
