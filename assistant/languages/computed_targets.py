@@ -7,26 +7,22 @@ For a language that has position constants of numbers only: `offset(p, 10*i, 0, 
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
+from assistant.languages.records import target
 from assistant.program import expressions as e
 from assistant.program import rotations
 from assistant.program import statements as p
 from assistant.program.geometry import Configuration, Pose, Target
 from assistant.program.passes.hoisting import Taken, hoisted
-from assistant.program.path import configuration_of
 from assistant.program.program import Procedure, Program, Variable
 from assistant.program.rewriting import head, map_head, records
-from assistant.robots.configurations import from_confdata
 
 AXES: Final = ("x", "y", "z")
-UNUSED: Final = 9e9
-"""An external axis of so much is none."""
 WHOLE: Final = "trans"
 """The component of a position that is its X, Y and Z together."""
 
@@ -168,9 +164,9 @@ def _parts(value: e.Expression) -> tuple[e.Expression, dict[str, e.Expression], 
             beyond = [n for n in outside if n is not None]
             if len(known) != 8 or len(beyond) != 6 or not any(known[:4]):
                 return None
-            target = _target([_number(v) or 0.0 for v in place], known, beyond)
+            whole = target([*(_number(v) or 0.0 for v in place), *known, *beyond])
             worked = {a: v for a, v in zip(AXES, place, strict=True) if _number(v) is None}
-            return e.TargetValue(target), worked, False
+            return e.TargetValue(whole), worked, False
     return None
 
 
@@ -205,13 +201,6 @@ def _components(value: e.Expression) -> tuple[e.Expression, ...] | None:
         case e.Member(place, field) if field.lower() == WHOLE:
             return tuple(e.Member(place, axis) for axis in AXES)
     return None
-
-
-def _target(place: list[float], known: list[float], beyond: list[float]) -> Target:
-    """From numbers in the order of a robtarget: quaternion and confdata, then external axes."""
-    pose = Pose.of(np.array(place), rotations.canonical(known[:4]))
-    configuration = configuration_of(from_confdata([known[4:]])[0])
-    return Target(pose, configuration, tuple(math.nan if v >= UNUSED else v for v in beyond))
 
 
 def _is_zero(value: e.Expression) -> bool:

@@ -6,17 +6,15 @@ from collections.abc import Callable, Sequence
 from itertools import chain
 from typing import Any
 
-import numpy as np
-
 from assistant.languages.rapid.lift.expressions import lift
 from assistant.languages.rapid.tables.motions import BLENDS, SPEEDS, speed_of, zone_of
 from assistant.languages.rapid.tables.words import VALUE_OF_TYPE
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
 from assistant.languages.rapid.tree.walk import lists
+from assistant.languages.records import Values, frame_of, shape, tool_of
 from assistant.program import expressions as e
-from assistant.program import rotations
-from assistant.program.geometry import BASE, FLANGE, Frame, JointTarget, Load, Pose, Target, Tool
+from assistant.program.geometry import BASE, FLANGE, Frame, JointTarget, Target, Tool
 from assistant.program.motion import Blend, Speed
 from assistant.program.program import Variable
 
@@ -76,10 +74,10 @@ class DataLift:
             self.tools[name] = tool
         elif type == "wobjdata" and (frame := frame_of(value)) and name.lower() != BASE:
             self.frames[name] = frame
-        elif type == "speeddata" and constant and _shape(value) == "nnnn":
+        elif type == "speeddata" and constant and shape(value) == "nnnn":
             self.speeds[item.name.lower()] = speed_of(value)
             self._spelled[item.name.lower()] = item.name
-        elif type == "zonedata" and constant and _shape(value) == "bnnnnnn":
+        elif type == "zonedata" and constant and shape(value) == "bnnnnnn":
             zone = zone_of(value[0], value[1:])
             if zone.radius is None and any(value[1:]):
                 return False
@@ -127,8 +125,8 @@ def fixed_target(variable: Variable) -> Target | JointTarget | None:
     return None
 
 
-def numbers(node: s.Expression | None) -> Any:
-    """A literal as nested lists of numbers, truths and strings; None in it for anything else."""
+def numbers(node: s.Expression | None) -> Values:
+    """The values of a literal, see `records`."""
     match node:
         case s.AggregateNode(items):
             return [numbers(i) for i in items]
@@ -139,63 +137,6 @@ def numbers(node: s.Expression | None) -> Any:
         case None:
             return None
     return literal_number(node)
-
-
-def _shape(value: Any) -> str:
-    """`n` a number, `b` a truth, `t` a text, brackets for lists, `?` for anything else."""
-    if not isinstance(value, list):
-        return "?"
-    return "".join(_letter(v) for v in value)
-
-
-def _letter(value: Any) -> str:
-    if isinstance(value, bool):
-        return "b"
-    if isinstance(value, int | float):
-        return "n"
-    if isinstance(value, str):
-        return "t"
-    return f"[{_shape(value)}]" if isinstance(value, list) else "?"
-
-
-_POSE = "[[nnn][nnnn]]"
-
-
-def _pose(value: Any) -> Pose | None:
-    if not any(value[1]):
-        return None
-    return Pose.of(np.array(value[0], dtype=np.float64), rotations.canonical(value[1]))
-
-
-def tool_of(value: Any) -> Tool | None:
-    """The tool that nested lists of a tooldata say, None if they are none."""
-    if _shape(value) != f"b{_POSE}[n[nnn][nnnn]nnn]":
-        return None
-    held, tip, load = value
-    pose = _pose(tip)
-    mass, centre, axes, *inertia = load
-    weight = (
-        None
-        if mass < 0
-        else Load(
-            float(mass),
-            tuple(float(v) for v in centre),  # type: ignore[arg-type]
-            tuple(float(v) for v in axes),  # type: ignore[arg-type]
-            tuple(float(v) for v in inertia),  # type: ignore[arg-type]
-        )
-    )
-    return None if pose is None else Tool(pose, weight, held)
-
-
-def frame_of(value: Any) -> Frame | None:
-    """The frame that nested lists of a wobjdata say, None if they are none."""
-    if _shape(value) != f"bbt{_POSE}{_POSE}":
-        return None
-    held, fixed, mechanism, user, object = value
-    first, second = _pose(user), _pose(object)
-    if first is None or second is None or fixed == bool(mechanism):
-        return None
-    return Frame(first, second, held, mechanism)
 
 
 def _assigned(modules: Sequence[s.Module]) -> set[str]:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant.languages.language import Adapted
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.configurations import with_open_lines
-from assistant.languages.rapid.lift.data import frame_of, numbers, tool_of
+from assistant.languages.rapid.lift.data import numbers
 from assistant.languages.rapid.lift.instructions import Meaning, instruction
 from assistant.languages.rapid.lift.program import routines
 from assistant.languages.rapid.lift.switches import with_switches
@@ -25,6 +25,7 @@ from assistant.languages.rapid.tables.words import VALUE_OF_TYPE
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
+from assistant.languages.records import frame_of, tool_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.uses import names_in

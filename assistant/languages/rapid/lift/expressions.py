@@ -2,32 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection
 from typing import Final
 
 from assistant.languages.patterns import Reading
 from assistant.languages.rapid.tables import functions
 from assistant.languages.rapid.tables.operators import BINARY
-from assistant.languages.rapid.tables.words import COMPONENTS, UNUSED
+from assistant.languages.rapid.tables.words import COMPONENTS
 from assistant.languages.rapid.text import effects
 from assistant.languages.rapid.text.printer import expression as printed
 from assistant.languages.rapid.text.verbatim import LANGUAGE
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import called
 from assistant.languages.rapid.tree.gather import literal_number
+from assistant.languages.records import aggregate
 from assistant.program import expressions as e
-from assistant.program import rotations
 from assistant.program.geometry import (
     BASE,
     FLANGE,
-    UNUSED_AXIS,
-    Configuration,
-    JointTarget,
-    Pose,
-    Target,
 )
-from assistant.program.path import configuration_of
-from assistant.robots.configurations import from_confdata
 
 _OPERATORS: Final = {row[0]: name for name, row in BINARY.items()}
 _COMPONENTS: Final = {pair: name for name, pair in COMPONENTS.items()}
@@ -144,48 +137,9 @@ def negative(operand: e.Expression) -> e.Expression:
     return e.Unary("-", operand)
 
 
-def aggregate(items: tuple[e.Expression, ...]) -> e.Expression:
-    """Values in brackets: a target, joint target or pose if they have its form."""
-    shape: list[int] = []
-    values: list[list[float]] = []
-    for item in items:
-        if not isinstance(item, e.Aggregate):
-            return e.Aggregate(items)
-        numbers = [n.value for n in item.items if isinstance(n, e.Number)]
-        if len(numbers) != len(item.items):
-            return e.Aggregate(items)
-        shape.append(len(numbers))
-        values.append([float(n) for n in numbers])
-    if shape == [3, 4, 4, 6] and any(values[1]):
-        return e.TargetValue(target([v for part in values for v in part]))
-    if shape == [6, 6]:
-        return e.JointValue(JointTarget(tuple(values[0]), external(values[1])))
-    if shape == [3, 4] and any(values[1]):
-        return e.PoseValue(pose(values[0], values[1]))
-    return e.Aggregate(items)
-
-
 def tool_name(name: str) -> str:
     return FLANGE if name.lower() == FLANGE else name
 
 
 def frame_name(name: str) -> str:
     return BASE if name.lower() in ("", "wobj0", BASE) else name
-
-
-def external(values: Sequence[float]) -> tuple[float, ...]:
-    return tuple(UNUSED_AXIS if v >= UNUSED else v for v in values)
-
-
-def pose(position: Sequence[float], quaternion: Sequence[float]) -> Pose:
-    import numpy as np
-
-    return Pose.of(np.array(position, dtype=np.float64), rotations.canonical(quaternion))
-
-
-def target(values: Sequence[float]) -> Target:
-    """From the 17 numbers of a robtarget whose quaternion is not zero."""
-    configuration: Configuration | None = None
-    if all(-127 <= v <= 127 and v == int(v) for v in values[7:11]):
-        configuration = configuration_of(from_confdata([values[7:11]])[0])
-    return Target(pose(values[:3], values[3:7]), configuration, external(values[11:17]))

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.languages.rapid.lift.data import DataLift
-from assistant.languages.rapid.lift.expressions import target
 from assistant.languages.rapid.tables.words import UNUSED
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.runs import CIRCULAR, PARTS, MoveRun, TargetRun
 from assistant.languages.rapid.tree.walk import nodes
+from assistant.languages.records import target
 from assistant.languages.runs.columns import joined
 from assistant.languages.runs.names import Index, Names
 from assistant.languages.runs.paths import PathRows, Stretch, setting_columns

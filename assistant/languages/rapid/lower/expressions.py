@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
-
-import numpy as np
+from typing import Any, Final
 
 from assistant.languages.patterns import Writing
 from assistant.languages.rapid import rules
@@ -30,15 +28,17 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import function_call
 from assistant.languages.rapid.tree.runs import (
     JOINT_PLACES,
-    PARTS,
     POSITION_PLACES,
     QUATERNION_PLACES,
+    SIZES_PLACES,
 )
+from assistant.languages.records import Decimals, Values
 from assistant.program import expressions as e
 from assistant.program.diagnostics import Refused, Rule
-from assistant.program.geometry import JointTarget, Pose, Target
-from assistant.program.path import configuration_row
-from assistant.robots.configurations import to_confdata
+
+RECORDS: Final = Decimals(
+    POSITION_PLACES, QUATERNION_PLACES, JOINT_PLACES, SIZES_PLACES, rules.NOT_FINITE
+)
 
 
 def refuse(rule: Rule, **fields: Any) -> Refused:
@@ -77,12 +77,8 @@ class Expressions:
                 return text(value), PRIMARY
             case e.Name(name):
                 return s.NameRef(self._value(name)), PRIMARY
-            case e.TargetValue(target):
-                return target_node(target), PRIMARY
-            case e.JointValue(joints):
-                return joints_node(joints), PRIMARY
-            case e.PoseValue(pose):
-                return pose_node(pose), PRIMARY
+            case e.TargetValue(record) | e.JointValue(record) | e.PoseValue(record):
+                return bracketed(RECORDS.values(record)), PRIMARY
             case e.Aggregate(items):
                 return s.AggregateNode(tuple(self.lower(i) for i in items)), PRIMARY
             case e.Member(value, name):
@@ -159,60 +155,13 @@ def text(value: str) -> s.StringLiteral:
     return s.StringLiteral(value)
 
 
-def numbers_node(values: list[float], places: int) -> s.AggregateNode:
-    """Rounded numbers in brackets; 9E9 for NaN."""
-    items: list[s.Expression] = []
-    for value in values:
-        if value != value:
-            items.append(s.NumberLiteral("9E9"))
-        else:
-            items.append(number(float(np.round(value, places)) + 0.0)[0])
-    return s.AggregateNode(tuple(items))
-
-
-def target_values(target: Target) -> list[float]:
-    """The 17 numbers of a target, rounded as they are printed, 9E9 for unused axes."""
-    numbers = [
-        *np.round(target.pose.position, POSITION_PLACES),
-        *np.round(target.pose.quaternion, QUATERNION_PLACES),
-        *to_confdata([configuration_row(target.configuration)])[0],
-        *np.round([9e9 if v != v else v for v in target.external], JOINT_PLACES),
-    ]
-    finite([float(v) for v in numbers], "a target")
-    return [float(v) + 0.0 for v in numbers]
-
-
-def finite(values: list[float], what: str) -> None:
-    if not all(math.isfinite(v) for v in values):
-        raise refuse(rules.NOT_FINITE, what=what)
-
-
-def target_node(target: Target) -> s.AggregateNode:
-    values = target_values(target)
-    return s.AggregateNode(tuple(_group(values[a:b]) for a, b in PARTS))
-
-
-def _group(values: list[float]) -> s.AggregateNode:
-    return s.AggregateNode(
-        tuple(s.NumberLiteral("9E9") if v == 9e9 else number(v)[0] for v in values)
-    )
-
-
-def joints_node(target: JointTarget) -> s.AggregateNode:
-    finite(list(target.joints), "a joint target")
-    return s.AggregateNode(
-        (
-            numbers_node(list(target.joints), JOINT_PLACES),
-            numbers_node(list(target.external), JOINT_PLACES),
-        )
-    )
-
-
-def pose_node(pose: Pose) -> s.AggregateNode:
-    finite([*pose.position, *pose.quaternion], "a pose")
-    return s.AggregateNode(
-        (
-            numbers_node(list(pose.position), POSITION_PLACES),
-            numbers_node(list(pose.quaternion), QUATERNION_PLACES),
-        )
-    )
+def bracketed(values: Values) -> s.Expression:
+    """The node of values, see `records`."""
+    match values:
+        case list():
+            return s.AggregateNode(tuple(map(bracketed, values)))
+        case bool():
+            return s.BoolLiteral(values)
+        case str():
+            return s.StringLiteral(values)
+    return number(values)[0]

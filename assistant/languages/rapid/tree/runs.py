@@ -22,6 +22,8 @@ POSITION_PLACES: Final = 4
 QUATERNION_PLACES: Final = 9
 JOINT_PLACES: Final = 6
 """Of joints and external axes, degrees or mm."""
+SIZES_PLACES: Final = 6
+"""Of masses, inertias, speeds and zone sizes."""
 DECIMALS: Final = Fewest((0, POSITION_PLACES, QUATERNION_PLACES), {UNUSED: b"9E9"})
 PARTS: Final = ((0, 3), (3, 7), (7, 11), (11, 17))
 """Columns of position, quaternion, confdata and external axes."""

@@ -8,9 +8,13 @@ import numpy as np
 
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lower.adapt.findings import Findings
-from assistant.languages.rapid.lower.data import SIZES_PLACES
 from assistant.languages.rapid.tables.words import LEAST_CENTRE, LEAST_MASS, UNUSED
-from assistant.languages.rapid.tree.runs import JOINT_PLACES, POSITION_PLACES, QUATERNION_PLACES
+from assistant.languages.rapid.tree.runs import (
+    JOINT_PLACES,
+    POSITION_PLACES,
+    QUATERNION_PLACES,
+    SIZES_PLACES,
+)
 from assistant.program import rotations
 from assistant.program.geometry import (
     Configuration,

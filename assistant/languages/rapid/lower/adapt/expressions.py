@@ -6,7 +6,6 @@ from dataclasses import replace
 from functools import partial
 
 from assistant.languages.rapid.lift.expressions import (
-    aggregate,
     frame_name,
     lift,
     negative,
@@ -16,6 +15,7 @@ from assistant.languages.rapid.lower.adapt.data import sayable_joints, sayable_p
 from assistant.languages.rapid.lower.adapt.findings import Findings
 from assistant.languages.rapid.tables.words import UNUSED
 from assistant.languages.rapid.text import verbatim
+from assistant.languages.records import aggregate
 from assistant.program import expressions as e
 from assistant.program.diagnostics import Refused
 from assistant.program.passes.conditions import as_truth
