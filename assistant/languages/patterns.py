@@ -76,12 +76,12 @@ class Reading(Generic[N]):
     """What a language reads its rows with.
 
     kinds: of slots; `value` is any expression. opened: the call that a node is. number: the literal
-    that it is.
+    that it is. Of these it gives what its rows have as arguments.
     """
 
     kinds: Mapping[str, Read[N]]
-    opened: Callable[[N], Called[N] | None]
-    number: Callable[[N], float | None]
+    opened: Callable[[N], Called[N] | None] = lambda _: None
+    number: Callable[[N], float | None] = lambda _: None
 
     def fields(self, pattern: Pattern, called: Called[N]) -> dict[str, Any] | None:
         """What stands in the slots of a pattern, None if that is not what is called."""
@@ -133,11 +133,14 @@ class Reading(Generic[N]):
 
 @dataclass(frozen=True, slots=True)
 class Writing(Generic[N]):
-    """What a language writes its rows with. made: the node of a call. number: of a literal."""
+    """What a language writes its rows with. made: the node of a call. number: of a literal.
+
+    Of these it gives what its rows have as arguments.
+    """
 
     kinds: Mapping[str, Write[N]]
-    made: Callable[[Called[N]], N]
-    number: Callable[[float], N]
+    made: Callable[[Called[N]], N | None] = lambda _: None
+    number: Callable[[float], N | None] = lambda _: None
 
     def called(self, pattern: Pattern, said: Mapping[str, Any]) -> Called[N] | None:
         """The call with the values of its slots, None if one does not fit."""

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lower.expressions import Unsayable
+from assistant.languages.melfa_basic.lower.signals import plain
 from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.dialects import EMITTED_LINE
 from assistant.languages.melfa_basic.text import printer
@@ -79,7 +80,7 @@ def result_of(w: Writer, procedure: Procedure) -> s.Variable:
 def stop(w: Writer, node: p.Stop) -> None:
     if node.end:
         raise Unsayable("an end for good", "write `Hlt` in a loop")
-    w.add(s.Command("Hlt"))
+    plain(w, node)
     w.previous = None
 
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from assistant.languages.melfa_basic.lower.expressions import Unsayable, numeric, plain_number
+from assistant.languages.melfa_basic.tables.statements import ROWS
 from assistant.languages.melfa_basic.tables.vocabulary import timers
 from assistant.languages.melfa_basic.tables.vocabulary.timers import MOST_TIMERS
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.timers import timer
+from assistant.languages.patterns import Write, Writing
 from assistant.program import expressions as e
 from assistant.program import statements as p
 
@@ -20,8 +22,23 @@ TIMED_OUT: Final = 9100
 HANDS: Final = 8
 
 
-def wait(w: Writer, node: p.Wait) -> None:
-    w.add(s.Command("Dly", (w.expressions.of(node.seconds),)))
+def plain(w: Writer, node: p.Statement) -> None:
+    """A statement that is a row of `tables.statements`."""
+    writers: dict[str, Write[s.Expression]] = {
+        "value": lambda value, _: w.expressions.of(value),
+        "hand": lambda number, _: hand(number),
+    }
+    writing: Writing[s.Expression] = Writing(writers)
+    called = ROWS.write(node, writing)
+    if called is None:
+        raise Unsayable(f"such a {type(node).__name__}", "say it otherwise")
+    w.add(s.Command(called.word, tuple(called.given)))
+
+
+def hand(number: int) -> s.Number:
+    if not 1 <= number <= HANDS:
+        raise Unsayable(f"hand {number}", f"use hands 1 to {HANDS}")
+    return s.Number(number)
 
 
 def wait_signal(w: Writer, node: p.WaitSignal) -> None:
@@ -86,19 +103,3 @@ def set_signal(w: Writer, node: p.SetSignal) -> None:
     pulse = None if node.pulse is None else w.expressions.of(node.pulse)
     value = w.expressions.of(node.value)
     w.add(s.Assign(*w.expressions.output(node.signal, value), pulse))
-
-
-def gripper(w: Writer, node: p.Gripper) -> None:
-    if not 1 <= node.hand <= HANDS:
-        raise Unsayable(f"hand {node.hand}", f"use hands 1 to {HANDS}")
-    word = "HOpen" if node.action == "open" else "HClose"
-    w.add(s.Command(word, (s.Number(node.hand),)))
-
-
-def acceleration(w: Writer, node: p.SetAcceleration) -> None:
-    values = (node.acceleration, node.deceleration)
-    w.add(s.Command("Accel", tuple(w.expressions.of(v) for v in values)))
-
-
-def override(w: Writer, node: p.SetOverride) -> None:
-    w.add(s.Command("Ovrd", (w.expressions.of(node.percent),)))

@@ -14,7 +14,6 @@ PASSES: Final = (
     "ways",  # what kept texts do to what holds along the ways
     "places",  # where the position is read
     "program",  # modules as procedures and data
-    "configurations",  # those that are left to the arm
     "switches",  # optional parameters
     "exported",  # what other languages are told
 )

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.language import Adapted
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.lift.configurations import with_open_lines
 from assistant.languages.rapid.lift.data import numbers
 from assistant.languages.rapid.lift.instructions import Meaning, instruction
 from assistant.languages.rapid.lift.program import routines
@@ -33,6 +32,7 @@ from assistant.program.analysis.ways import CORNER, STOP, UNKNOWN, Ways, corner_
 from assistant.program.diagnostics import Findings
 from assistant.program.geometry import Frame, Tool
 from assistant.program.motion import FINE
+from assistant.program.passes.open_lines import with_open_lines
 from assistant.program.program import Procedure, Program, Variable, identifier, walk
 from assistant.program.rewriting import Body, map_bodies, records, rewrite
 
@@ -90,7 +90,8 @@ def exported(program: Program, arm: Robot | None) -> Adapted:
     program = _with_rows(with_switches(program, routines))
     if any(_is_text(record) for record in records(program.procedures)):
         program = _with_plain_moves(program, findings)
-        program = with_open_lines(program, arm)
+        if arm is not None:
+            program = with_open_lines(program, steps)
         program = _with_stops(program, arm, findings)
     return Adapted(_with_predefined(program), tuple(findings))
 

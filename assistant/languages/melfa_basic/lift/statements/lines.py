@@ -18,9 +18,11 @@ from assistant.languages.melfa_basic.lift.values import reasons
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
 from assistant.languages.melfa_basic.lift.values.pallets import define as define_pallet
 from assistant.languages.melfa_basic.lift.values.symbols import Routine, Symbols, Unliftable
+from assistant.languages.melfa_basic.tables.statements import ROWS
 from assistant.languages.melfa_basic.text import effects
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.walk import nodes
+from assistant.languages.patterns import Called, Reading
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.arrays import Ints
@@ -61,6 +63,12 @@ class Statements:
         self.expressions = Expressions(symbols)
         self.runs = Runs(symbols, single, self.own, self.one_move)
         self.moves = Moves(self.expressions, self.runs)
+        self.reading: Reading[s.Expression] = Reading(
+            {
+                "value": lambda node, _: self.expressions.of(node),
+                "hand": lambda node, _: self.hand(node),
+            }
+        )
         self.by_label = {r.label: k for k, r in enumerate(self.flow.regions) if r.label}
         self.form: Form | None = None
         self.region = Region(0, 0)
@@ -184,32 +192,21 @@ class Statements:
 
     def command(self, node: s.Command) -> list[p.Statement]:
         lift = COMMANDS.get(node.keyword)
-        if lift is None:
+        if lift is not None:
+            return lift(self, node)
+        called: Called[s.Expression] = Called(node.keyword, node.arguments)
+        said = ROWS.read(called, self.reading)
+        if said is None:
             raise Unliftable
-        return lift(self, node)
+        return [said]
 
-    def value(self, node: s.Command) -> e.Expression:
-        return self.expressions.of(*_exactly(node.arguments, 1))
+    def hand(self, node: s.Expression) -> int | None:
+        number = self.symbols.value(node)
+        return round(number) if isinstance(number, float) else None
 
     def wait(self, node: s.Command) -> list[p.Statement]:
         (condition,) = _exactly(node.arguments, 1)
         return [waits.awaited(condition, self.expressions)]
-
-    def hand(self, node: s.Command) -> list[p.Statement]:
-        (hand,) = _exactly(node.arguments, 1)
-        number = self.symbols.value(hand)
-        if not isinstance(number, float):
-            raise Unliftable
-        action: Any = "open" if node.keyword == "HOpen" else "close"
-        return [p.Gripper(action, round(number))]
-
-    def acceleration(self, node: s.Command) -> list[p.Statement]:
-        full: tuple[Any, ...] = (s.Number(100), s.Number(100))
-        given = node.arguments
-        given = (*given, *full[len(given) :]) if len(given) <= 2 else ()
-        up, down = _exactly(given, 2)
-        of = self.expressions.of
-        return [p.SetAcceleration(of(up or full[0]), of(down or full[1]))]
 
     def end(self, node: s.Command) -> list[p.Statement]:
         """`End` ends a cycle of the main program; one that was called goes back to its caller."""
@@ -224,10 +221,6 @@ class Statements:
             raise Unliftable(reasons.NO_SUBROUTINE)
         return [p.Return()]
 
-    def stopped(self, node: s.Command) -> list[p.Statement]:
-        _exactly(node.arguments, 0)
-        return [p.Stop()]
-
 
 def _exactly(arguments: tuple[Any, ...], count: int) -> tuple[Any, ...]:
     if len(arguments) != count or (count == 1 and arguments[0] is None):
@@ -236,13 +229,7 @@ def _exactly(arguments: tuple[Any, ...], count: int) -> tuple[Any, ...]:
 
 
 COMMANDS: Final[dict[str, Callable[[Statements, s.Command], list[p.Statement]]]] = {
-    "Dly": lambda reader, node: [p.Wait(reader.value(node))],
     "Wait": Statements.wait,
-    "Ovrd": lambda reader, node: [p.SetOverride(reader.value(node))],
-    "Accel": Statements.acceleration,
-    "HOpen": Statements.hand,
-    "HClose": Statements.hand,
-    "Hlt": Statements.stopped,
     "End": Statements.end,
     "Return": Statements.returned,
     "Exit Function": Statements.left,

@@ -1,36 +1,33 @@
-r"""Configurations that `ConfL\Off` leaves to the arm.
+"""Configurations that are left to the arm, where nothing watches those of straight moves.
 
-Behind it a straight move or an arc goes on in the configuration nearest to the one that it begins
-in, whatever its target states (RAPID reference manual, ConfL).
+There a straight move or an arc goes on in the configuration nearest to the one that it begins in,
+whatever its target states.
 """
 
 from __future__ import annotations
 
 from collections import Counter
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from assistant.languages.rapid.lift.ways import steps
 from assistant.program import statements as p
 from assistant.program.analysis.uses import names_in
-from assistant.program.analysis.ways import LINES, OPEN, Ways
+from assistant.program.analysis.ways import LINES, OPEN, Kept, Ways
 from assistant.program.geometry import Target
 from assistant.program.kept import effect_of
 from assistant.program.path import Kind, Path, configuration_row
 from assistant.program.program import Program, walk
 from assistant.program.rewriting import Body, map_bodies, rewrite
 
-if TYPE_CHECKING:
-    from assistant.robots import Robot
 
+def with_open_lines(program: Program, kept: Kept) -> Program:
+    """With the targets open that only such straight moves use, for an arm to choose.
 
-def with_open_lines(program: Program, arm: Robot | None) -> Program:
-    """With the targets open that only straight moves behind it use, for an arm to choose."""
-    if arm is None:
-        return program
-    ways = Ways(program, _is_straight, steps)
+    kept: what kept texts do.
+    """
+    ways = Ways(program, _is_straight, kept)
     free = {
         id(node)
         for procedure in program.procedures
