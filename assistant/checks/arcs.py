@@ -8,6 +8,7 @@ from typing import Final
 
 import numpy as np
 
+from assistant.program.arcs import ArcMeasures
 from assistant.program.arrays import Floats, Rows
 from assistant.program.diagnostics import Diagnostic, Rule, Severity
 from assistant.program.expressions import Expression, Name, TargetValue
@@ -96,25 +97,16 @@ def _path(path: Path, before: Floats | None) -> Iterator[Diagnostic]:
 
 def _found(points: Floats, place: _Place) -> Iterator[Diagnostic]:
     """points: (n, 3, 3) start, via and end; NaN for a point that is not known."""
-    start, via, end = (points[:, i] for i in range(3))
-    sides = np.stack([via - start, end - via, end - start], axis=1)
-    lengths = np.linalg.norm(sides, axis=2)
-    close = (lengths < LEAST_APART).any(axis=1)  # NaN is no length, so it never is
-    height = np.linalg.norm(np.cross(sides[:, 0], sides[:, 2]), axis=1)
-    straight = ~close & (height < LEAST_HEIGHT * lengths[:, 2])
+    arcs = ArcMeasures.through(points)
+    close = (arcs.sides < LEAST_APART).any(axis=1)  # NaN is no length, so it never is
+    straight = ~close & (arcs.area < LEAST_HEIGHT * arcs.sides[:, 2])
     for rule, rows in ((TOO_CLOSE, close), (STRAIGHT, straight)):
         for row in np.flatnonzero(rows):
             yield rule(about=place(int(row)))
-    sound = ~close & ~straight & np.isfinite(lengths).all(axis=1)
-    flat = np.degrees(np.arctan2(height, np.einsum("ij,ij->i", sides[:, 0], sides[:, 2])))
-    inner = np.arctan2(
-        np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1),
-        -np.einsum("ij,ij->i", sides[:, 0], sides[:, 1]),
-    )
-    around = 360.0 - np.degrees(2.0 * inner)
+    sound = ~close & ~straight & np.isfinite(arcs.sides).all(axis=1)
     for rule, angle, rows in (
-        (NEARLY_STRAIGHT, flat, sound & (flat < LEAST_ANGLE)),
-        (NEARLY_ROUND, around, sound & (around > MOST_ANGLE)),
+        (NEARLY_STRAIGHT, arcs.apart, sound & (arcs.apart < LEAST_ANGLE)),
+        (NEARLY_ROUND, arcs.around, sound & (arcs.around > MOST_ANGLE)),
     ):
         yield from _of_angle(rule, angle, np.flatnonzero(rows), place)
 

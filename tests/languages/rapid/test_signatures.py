@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 
 from assistant.languages.rapid.tables import predefined, signatures, standard
-from assistant.languages.rapid.tables.signatures import Parameter, Signature, signature
+from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tables.words import LONGEST_NAME, SPEEDS, ZONES
+from assistant.languages.signatures import Parameter, Signature
 
 ALL = [found for name in signatures.rows() if (found := signature(name))]
 

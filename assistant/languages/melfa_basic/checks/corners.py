@@ -8,7 +8,6 @@ from typing import Final
 from assistant.languages.melfa_basic.checks import motion_rules as rules
 from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.checks.kinds import literal
-from assistant.languages.melfa_basic.checks.steps import row_span
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import is_word
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
@@ -54,7 +53,7 @@ def tools(look: Look) -> Found:
         return
     for item in look.code:
         if isinstance(item, MoveRows):
-            yield look.finding(rules.NO_TOOL, row_span(look, item, 0))
+            yield look.finding(rules.NO_TOOL, look.row(item, 0))
             return
         if isinstance(item.statement, s.Motion):
             yield look.at(rules.NO_TOOL, item, item.statement.keyword)

@@ -9,6 +9,7 @@ from functools import cached_property
 from pathlib import PurePath
 from typing import Any, Final, TypeVar
 
+from assistant.languages.checks.places import Lines, row_of
 from assistant.languages.checks.views import Memory, by_type
 from assistant.languages.melfa_basic.checks.damage import BasicDamage
 from assistant.languages.melfa_basic.checks.uses import Use, uses
@@ -24,9 +25,11 @@ Entry = s.Line | MoveRows
 Named = s.Variable | s.Target
 """Nodes that know where they stand."""
 
-_TOKEN: Final = re.compile(r"\"[^\"\r\n]*\"?|'.*|(?i:\brem\b.*)|[^\s]")
-"""A string, a comment, or any other character of a line."""
-_BODY: Final = re.compile(r"[ \t]*[0-9]*[ \t]*")
+_LINES: Final = Lines(
+    begin=re.compile(r"[ \t]*[0-9]*[ \t]*"),
+    token=re.compile(r"\"[^\"\r\n]*\"?|'.*|(?i:\brem\b.*)|[^\s]"),
+    comments=("'", "rem"),
+)
 _HEADING: Final = re.compile(r"'\s*robot-assistant:", re.IGNORECASE)
 HEAD: Final = 40
 """Lines at the top of a file, one of which tells that it was compiled."""
@@ -117,6 +120,10 @@ class Look(Memory):
             found.append(Scope(tuple(inner), function))
         return [Scope(tuple(main)), *found]
 
+    def lines_of(self, scope: Scope) -> list[s.Line]:
+        """The lines of a scope that stand in no table."""
+        return [item for at in scope.entries if isinstance(item := self.code[at], s.Line)]
+
     @cached_property
     def functions(self) -> dict[str, s.Function]:
         """Functions of MELFA-BASIC VI that the file and those it includes define, by name."""
@@ -166,7 +173,7 @@ class Look(Memory):
         if source is None or span is None:
             return rule(path=source.path if source else None, **words)
         if not isinstance(where, Span):
-            span = self._trimmed(span)
+            span = _LINES.said(source.text, span)
         return source.finding(rule, span, **words)
 
     def at(self, rule: Rule, line: s.Item, what: str | Named, /, **words: Any) -> Diagnostic:
@@ -189,62 +196,20 @@ class Look(Memory):
         """Where a word first stands in an item: not in a string or comment, in any case."""
         if item.span is None or self.tree.source is None:
             return None
-        text = self.tree.source.text
-        end = min(item.span.end, item.span.start + LONGEST)
-        low = " ".join(word.split()).lower()
-        pattern = re.compile(re.escape(low).replace(r"\ ", r"[ \t]+"), re.IGNORECASE)
-        at = item.span.start
+        text, span = self.tree.source.text, item.span
         if isinstance(item, s.Line):
-            at = _begin(text, item.span)
-        while at < end:
-            token = _TOKEN.search(text, at, end)
-            if token is None:
-                return None
-            found = pattern.match(text, token.start(), end)
-            if found and _is_whole(text, found.start(), found.end()):
-                return Span(*found.span())
-            at = token.end()
-            if text[token.start()].isalnum():  # the rest of a name is no name
-                while at < end and (text[at].isalnum() or text[at] == "_"):
-                    at += 1
-        return None
+            span = Span(_LINES.start(text, span), span.end)
+        return _LINES.word(text, span, word)
 
-    def _trimmed(self, span: Span) -> Span:
-        """What of a line says something: without its step number, comment and line end."""
+    def row(self, table: s.Item, row: int, name: str = "") -> Span | None:
+        """Where a row of a table stands; where a name stands in it, if given."""
         source = self.tree.source
-        if source is None:
-            return span
-        text = source.text
-        start = _begin(text, span)
-        end = last = start
-        for token in _TOKEN.finditer(text, start, min(span.end, start + LONGEST)):
-            if last != start and "\n" in text[last : token.start()]:
-                break
-            last = token.end()
-            if token.group()[0] != "'" and token.group()[:3].lower() != "rem":
-                end = token.end()
-        return Span(start, end if end > start else max(last, start))
+        if source is None or table.span is None:
+            return None
+        return row_of(source.text, table.span, row, name)
 
     def text_of(self, line: s.Line) -> str:
         """A line as it stands in the file, without its line end."""
         if line.span is not None and self.tree.source is not None:
             return self.tree.source.text[line.span.start : line.span.end].rstrip("\r\n")
         return printer.line(line, self.dialect.upper)
-
-
-LONGEST: Final = 1000
-"""Characters of an item that are searched for a word."""
-
-
-def _begin(text: str, span: Span) -> int:
-    found = _BODY.match(text, span.start, span.end)
-    at = found.end() if found else span.start
-    return at if at < span.end and not text[at : at + 1].isspace() else span.start
-
-
-def _is_whole(text: str, start: int, end: int) -> bool:
-    """Whether a range of a text is not a part of a longer name or number."""
-    before, after = text[start - 1 : start], text[end : end + 1]
-    if text[start].isalnum() and (before.isalnum() or before == "_"):
-        return False
-    return not (text[end - 1].isalnum() and (after.isalnum() or after == "_"))

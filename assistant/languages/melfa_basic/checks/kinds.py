@@ -17,7 +17,7 @@ Kind = Literal["M", "C", "P", "J", "PJ", ""]
 
 SPOKEN: Final[Mapping[str, str]] = {
     "M": "a number", "C": "a text", "P": "a position", "J": "joints",
-    "PJ": "a position or joints", "JP": "a position or joints",
+    "PJ": "a position or joints", "JP": "a position or joints", "PM": "a position or a number",
 }  # fmt: skip
 DECLARED: Final[Mapping[str, Kind]] = {
     "Inte": "M", "Long": "M", "Float": "M", "Double": "M", "Char": "C", "Pos": "P", "Jnt": "J",

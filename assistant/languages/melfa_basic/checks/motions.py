@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
-from typing import Any, Final
+from collections.abc import Iterator
+from itertools import islice
+from typing import Final, Literal
 
 import numpy as np
 
+from assistant.languages.checks.moves import Moves
+from assistant.languages.checks.wording import like_it
 from assistant.languages.melfa_basic.checks import motion_rules as rules
 from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.checks.kinds import literal
-from assistant.languages.melfa_basic.checks.steps import row_span
 from assistant.languages.melfa_basic.checks.variables_of import known
 from assistant.languages.melfa_basic.tables.vocabulary import commands
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import KEYWORDS, MOV, MVR, MoveRows
 from assistant.languages.melfa_basic.tree.positions import NO_FLAGS, Positions
-from assistant.program.arrays import Floats, Ints, Truths
-from assistant.program.diagnostics import Diagnostic
+from assistant.program.arcs import ArcMeasures
+from assistant.program.arrays import Floats, Ints
+from assistant.program.diagnostics import Diagnostic, Span
 
 Found = Iterator[Diagnostic]
 
@@ -28,64 +30,28 @@ STRAIGHT: Final = 0.01
 """mm: how far the second point of an arc must at least be beside the line of the others."""
 
 
-@dataclass(slots=True)
-class Moves:
-    """n moves in the order of the lines, those to plain positions of the file's own lines.
-
-    kinds: (n,) rows of KEYWORDS, -1 for others. follows: (n,) whether the robot is surely where
-    the move before it ends. ends, vias, starts: (n, 3) mm, NaN where not known. flags: (n,) of
-    the end, -1 where not known. typed: (n,) `Type` with 1 or 2 at its second place.
-    places: the item of each move and the row in it. names: of the end, the start.
-    """
-
-    kinds: Ints
-    follows: Truths
-    ends: Floats
-    vias: Floats
-    starts: Floats
-    flags: Ints
-    typed: Truths
-    items: Sequence[s.Line | MoveRows]
-    item: Ints
-    row: Ints
-
-    def __len__(self) -> int:
-        return len(self.kinds)
+Item = s.Line | MoveRows
 
 
-@dataclass(slots=True)
-class _Piece:
-    """A line or a table of moves, as columns of Moves."""
-
-    item: s.Line | MoveRows
-    kinds: Ints
-    follows: Truths
-    points: list[Floats]
-    flags: Ints
-    typed: Truths
-    rows: Ints = field(default_factory=lambda: np.zeros(1, np.int64))
-
-
-def moves(look: Look) -> Moves:
+def moves(look: Look) -> Moves[Item] | None:
     """Worked out once for a file."""
     positions = look.once(_positions)
     changed = _changed(look)
-    pieces: list[_Piece] = []
+    found: list[Moves[Item]] = []
     follows = False
     for item in look.code:
         if isinstance(item, MoveRows):
-            pieces.append(_of_rows(item, positions, changed, follows=follows))
+            found.append(_of_rows(item, positions, changed, follows=follows))
             follows = True
             continue
         if item.label is not None:
             follows = False
         if isinstance(item.statement, s.Motion):
-            piece = _of_line(item, item.statement, positions, changed, follows=follows)
-            pieces.append(piece)
+            found.append(_of_line(item, item.statement, positions, changed, follows=follows))
             follows = item.statement.append is None
         elif not _is_harmless(item.statement):
             follows = False
-    return _joined(pieces)
+    return Moves.joined(found)
 
 
 def _positions(look: Look) -> Positions:
@@ -112,55 +78,59 @@ def _is_harmless(statement: s.Statement | None) -> bool:
     return isinstance(statement, KEEPS)
 
 
-def _of_rows(rows: MoveRows, positions: Positions, changed: set[str], *, follows: bool) -> _Piece:
+def _of_rows(
+    rows: MoveRows, positions: Positions, changed: set[str], *, follows: bool
+) -> Moves[Item]:
     stem = rows.stem.upper()
-    points: list[Floats] = []
-    flags = np.full(len(rows), NO_FLAGS, dtype=np.int64)
-    moved = np.array(
-        [int(n[len(stem) :]) for n in changed if n.startswith(stem) and n[len(stem) :].isdigit()],
-        dtype=np.int64,
+    moved = [
+        int(n[len(stem) :]) for n in changed if n.startswith(stem) and n[len(stem) :].isdigit()
+    ]
+
+    def known(numbers: Ints) -> tuple[Floats, Ints]:
+        values, flags, found = positions.find(stem, numbers)
+        found = found & ~np.isin(numbers, moved)
+        points = np.where(found[:, None], values[:, :3], np.nan)
+        return points, np.where(found, flags[:, 0], NO_FLAGS)
+
+    ends, flags = known(rows.end)
+    vias, starts = known(rows.via)[0], known(rows.start)[0]
+    return Moves.of(
+        rows, rows.kinds, ends, vias=vias, starts=starts, postures=flags, follows=follows
     )
-    for numbers in (rows.end, rows.via, rows.start):
-        values, marks, found = positions.find(stem, numbers)
-        found = found & ~np.isin(numbers, moved) if len(moved) else found
-        where = np.where(found[:, None], values[:, :3], np.nan)
-        points.append(where)
-        if numbers is rows.end:
-            flags = np.where(found, marks[:, 0], NO_FLAGS)
-    begin = np.ones(len(rows), dtype=bool)
-    begin[0] = follows
-    return _Piece(
-        rows, rows.kinds, begin, points, flags, np.zeros(len(rows), dtype=bool),
-        np.arange(len(rows), dtype=np.int64),
-    )  # fmt: skip
 
 
 def _of_line(
     line: s.Line, motion: s.Motion, positions: Positions, changed: set[str], *, follows: bool
-) -> _Piece:
+) -> Moves[Item]:
     kind = KEYWORDS.index(motion.keyword) if motion.keyword in KEYWORDS else -1
-    named: list[s.Expression | None] = [None, None, None]
+    start = via = end = None
     if kind == MVR and len(motion.arguments) >= ARC_POINTS:
-        named = [motion.arguments[2], motion.arguments[1], motion.arguments[0]]
+        start, via, end = motion.arguments[:ARC_POINTS]
     elif kind >= 0 and len(motion.arguments) == 1:
-        named = [motion.arguments[0], None, None]
-    points, flags = [], np.full(1, NO_FLAGS, dtype=np.int64)
-    for at, expression in enumerate(named):
-        point = np.full((1, 3), np.nan)
-        constant = _constant(expression, positions, changed)
-        if constant is not None:
-            values = [np.nan if v is None else v for v in (*constant.values, None, None, None)]
-            point[0] = values[:3]
-            if at == 0 and constant.flags is not None and constant.flags[0] is not None:
-                flags[0] = constant.flags[0]
-        points.append(point)
-    second = literal(motion.type[1]) if motion.type else 0
-    return _Piece(
-        line, np.array([kind]), np.array([follows]), points, flags, np.array([second in (1, 2)])
+        (end,) = motion.arguments
+    constants = [_constant(one, positions, changed) for one in (end, via, start)]
+    ends, vias, starts = (_point(constant) for constant in constants)
+    flags = constants[0].flags if constants[0] is not None else None
+    second = literal(motion.type[1]) if motion.type else None
+    return Moves.of(
+        line,
+        kind,
+        ends,
+        vias=vias,
+        starts=starts,
+        postures=NO_FLAGS if flags is None or flags[0] is None else flags[0],
+        turning=second in (1, 2),
+        follows=follows,
     )
 
 
 ARC_POINTS: Final = 3
+
+
+def _point(constant: s.Constant | None) -> Floats:
+    """(1, 3) mm, NaN where there is no value."""
+    values = (*(constant.values if constant is not None else ()), None, None, None)[:3]
+    return np.array([[np.nan if value is None else value for value in values]])
 
 
 def _constant(
@@ -173,27 +143,6 @@ def _constant(
         if plain and expression.key not in changed:
             return positions.constant(expression.key)
     return None
-
-
-def _joined(pieces: list[_Piece]) -> Moves:
-    def column(arrays: list[Any], empty: Any) -> Any:
-        return np.concatenate(arrays) if arrays else empty
-
-    none = np.empty(0, np.int64)
-    nowhere = np.empty((0, 3))
-    sizes = [len(piece.kinds) for piece in pieces]
-    return Moves(
-        column([p.kinds for p in pieces], none),
-        column([p.follows for p in pieces], np.empty(0, bool)),
-        column([p.points[0] for p in pieces], nowhere),
-        column([p.points[1] for p in pieces], nowhere),
-        column([p.points[2] for p in pieces], nowhere),
-        column([p.flags for p in pieces], none),
-        column([p.typed for p in pieces], np.empty(0, bool)),
-        [piece.item for piece in pieces],
-        np.repeat(np.arange(len(pieces)), sizes),
-        column([p.rows for p in pieces], none),
-    )
 
 
 # --------------------------------------------------------------------------------------- rules
@@ -230,42 +179,35 @@ def _is_given_elsewhere(look: Look, key: str) -> bool:
 
 def _zero_rows(look: Look) -> Found:
     run = look.once(moves)
+    if run is None:
+        return
     zero = (run.ends == 0).all(axis=1)
-    for at in np.flatnonzero(zero)[:1].tolist():
-        item = run.items[int(run.item[at])]
+    for item, row in islice(run.where(zero), 1):
         if isinstance(item, MoveRows):
-            row = int(run.row[at])
-            name = f"{item.stem}{int(item.end[row])}"
-            yield look.finding(
-                rules.NEVER_TAUGHT,
-                row_span(look, item, row, name),
-                name=name,
-                what="it lies in the origin",
-                more=_more(int(zero.sum()) - 1),
-            )
+            name, where = _named(look, item, row, "end")
+            what, more = "it lies in the origin", like_it(int(zero.sum()) - 1)
+            yield look.finding(rules.NEVER_TAUGHT, where, name=name, what=what, more=more)
 
 
 def flags(look: Look) -> Found:
     """Linear moves and arcs between positions of different structure flags."""
     run = look.once(moves)
-    if len(run) < 2:
+    if run is None:
         return
-    before = np.concatenate([[NO_FLAGS], run.flags[:-1]])
-    straight = (run.kinds > MOV) & run.follows & ~run.typed
-    wrong = straight & (before != NO_FLAGS) & (run.flags != NO_FLAGS) & (before != run.flags)
-    hits = np.flatnonzero(wrong)
-    for at in hits[:MOST].tolist():
-        more = _more(len(hits) - MOST) if at == hits[MOST - 1 : MOST].sum() else ""
-        item = run.items[int(run.item[at])]
-        name, where = _end(look, item, int(run.row[at]))
+    before = np.concatenate([[NO_FLAGS], run.postures[:-1]])
+    straight = (run.kinds > MOV) & run.follows & ~run.turning
+    known = (before != NO_FLAGS) & (run.postures != NO_FLAGS)
+    hits = np.flatnonzero(straight & known & (before != run.postures))
+    for count, at in enumerate(hits[:MOST].tolist(), 1):
+        name, where = _named(look, run.items[run.item[at]], int(run.row[at]), "end")
         yield look.finding(
             rules.FLAGS,
             where,
             word=KEYWORDS[run.kinds[at]],
             before=int(before[at]),
-            after=int(run.flags[at]),
+            after=int(run.postures[at]),
             name=name,
-            more=more,
+            more=like_it(len(hits) - MOST if count == MOST else 0),
         )
 
 
@@ -273,61 +215,44 @@ MOST: Final = 5
 """Moves of one kind of mistake that are told one by one."""
 
 
-def _more(count: int) -> str:
-    return f" and {count} more like it" if count > 0 else ""
-
-
-def _end(look: Look, item: s.Line | MoveRows, row: int) -> tuple[str, Any]:
-    """The name of the position that a move ends at, and where the move stands."""
+def _named(
+    look: Look, item: Item, row: int, point: Literal["start", "end"]
+) -> tuple[str, s.Item | Span | None]:
+    """The name of a position that a move starts or ends at, and where it stands."""
     if isinstance(item, MoveRows):
-        name = f"{item.stem}{int(item.end[row])}"
-        return name, row_span(look, item, row, name)
+        name = f"{item.stem}{int(getattr(item, point)[row])}"
+        return name, look.row(item, row, name)
     motion = item.statement
-    end = motion.arguments[-1] if isinstance(motion, s.Motion) else None
-    if isinstance(end, s.Variable):
-        return end.name, look.place(item, end) or item
-    return "the end", item
+    arguments = motion.arguments if isinstance(motion, s.Motion) else (None,)
+    variable = arguments[-1 if point == "end" else 0]
+    if isinstance(variable, s.Variable):
+        return variable.name, look.place(item, variable) or item
+    return f"the {point}", item
 
 
 def arcs(look: Look) -> Found:
     """Arcs that are no arcs, and arcs that start elsewhere."""
     run = look.once(moves)
-    arc = run.kinds == MVR
-    if not arc.any():
+    if run is None or not (run.kinds == MVR).any():
         return
-    one, two = run.vias - run.starts, run.ends - run.starts
-    chord = np.linalg.norm(two, axis=1)
-    off = np.linalg.norm(np.cross(one, two), axis=1) / np.maximum(chord, NEAR)
-    near = (np.linalg.norm(one, axis=1) < NEAR) | (chord < NEAR)
-    near |= np.linalg.norm(run.ends - run.vias, axis=1) < NEAR
+    arc = run.kinds == MVR
+    measures = ArcMeasures.through(np.stack([run.starts, run.vias, run.ends], axis=1))
+    near = (measures.sides < NEAR).any(axis=1)
+    beside = measures.area / np.maximum(measures.sides[:, 2], NEAR)
     for hits, what in (
-        (np.flatnonzero(arc & near), "two points of the arc are the same"),
-        (np.flatnonzero(arc & ~near & (off < STRAIGHT)), "the points of the arc lie in a line"),
+        (arc & near, "two points of the arc are the same"),
+        (arc & ~near & (beside < STRAIGHT), "the points of the arc lie in a line"),
     ):
-        if len(hits):
-            _, where = _end(look, run.items[int(run.item[hits[0]])], int(run.row[hits[0]]))
-            yield look.finding(rules.ARC_STRAIGHT, where, what=what, more=_more(len(hits) - 1))
-    before = np.concatenate([np.full((1, 3), np.nan), run.ends[:-1]])
-    gap = np.linalg.norm(run.starts - before, axis=1)
-    hits = np.flatnonzero(arc & run.follows & (gap > NEAR))
-    if len(hits):
-        at = int(hits[0])
-        item = run.items[int(run.item[at])]
-        name, where = _start(look, item, int(run.row[at]))
-        yield look.finding(
-            rules.ARC_START, where, name=name, distance=float(gap[at]), more=_more(len(hits) - 1)
-        )
-
-
-def _start(look: Look, item: s.Line | MoveRows, row: int) -> tuple[str, Any]:
-    if isinstance(item, MoveRows):
-        name = f"{item.stem}{int(item.start[row])}"
-        return name, row_span(look, item, row, name)
-    motion = item.statement
-    first = motion.arguments[0] if isinstance(motion, s.Motion) else None
-    if isinstance(first, s.Variable):
-        return first.name, look.place(item, first) or item
-    return "the start", item
+        for item, row in islice(run.where(hits), 1):
+            _, where = _named(look, item, row, "end")
+            more = like_it(int(hits.sum()) - 1)
+            yield look.finding(rules.ARC_STRAIGHT, where, what=what, more=more)
+    gap = np.linalg.norm(run.starts - run.before, axis=1)
+    hits = arc & (gap > NEAR)
+    for item, row in islice(run.where(hits), 1):
+        name, where = _named(look, item, row, "start")
+        distance, more = float(gap[hits][0]), like_it(int(hits.sum()) - 1)
+        yield look.finding(rules.ARC_START, where, name=name, distance=distance, more=more)
 
 
 def circles(look: Look) -> Found:

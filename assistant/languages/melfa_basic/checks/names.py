@@ -7,9 +7,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from assistant.languages.checks.repeats import firsts, repeated
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks.file_view import Look, program_name
-from assistant.languages.melfa_basic.checks.steps import row_span
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import PROGRAM_NAME
 from assistant.languages.melfa_basic.tree import syntax as s
@@ -25,38 +25,36 @@ Found = Iterator[Diagnostic]
 def spelling(look: Look) -> Found:
     """Names and labels are within the limits of the version."""
     most = look.dialect.longest
-    seen: set[str] = set()
+    long = (one for one in _named(look) if len(one[1]) > most and not _is_known(one[1]))
+    for item, name, where in firsts(long, lambda one: one[1].upper()):
+        if isinstance(where, str):
+            yield look.at(rules.LONG_NAME, item, where, name=name, most=most)
+        else:
+            yield look.finding(rules.LONG_NAME, look.row(item, where), name=name, most=most)
+    for line in look.lines if not look.dialect.label_underscores else ():
+        if line.label is not None and "_" in line.label.upper().removeprefix("L_"):
+            name, title = line.label, look.dialect.title
+            yield look.at(rules.LABEL_FORM, line, f"*{name}", name=name, title=title)
 
-    def long(name: str) -> bool:
-        known = vocabulary.status(name) or vocabulary.function(name)
-        if len(name) <= most or known is not None or name.upper() in seen:
-            return False
-        seen.add(name.upper())
-        return True
 
+def _named(look: Look) -> Iterator[tuple[s.Item, str, str | int]]:
+    """Names with what they stand in, and the word or row there; of tables the longest one."""
     for line in look.lines:
-        label = line.label
-        if label is not None:
-            if long(label):
-                yield look.at(rules.LONG_NAME, line, f"*{label}", name=label, most=most)
-            if not look.dialect.label_underscores and "_" in label.upper().removeprefix("L_"):
-                title = look.dialect.title
-                yield look.at(rules.LABEL_FORM, line, f"*{label}", name=label, title=title)
+        if line.label is not None:
+            yield line, line.label, f"*{line.label}"
     for line, use in look.uses:
-        name = use.variable.name
-        if long(name):
-            yield look.at(rules.LONG_NAME, line, name, name=name, most=most)
+        yield line, use.variable.name, use.variable.name
     for item in look.tree.items:
         if isinstance(item, s.Data):
-            if long(item.variable.name):
-                name = item.variable.name
-                yield look.at(rules.LONG_NAME, item, name, name=name, most=most)
+            yield item, item.variable.name, item.variable.name
         elif isinstance(item, PositionRows | MoveRows) and len(item):
             numbers = item.numbers if isinstance(item, PositionRows) else item.end
             row = int(np.argmax(numbers))
-            if long(name := f"{item.stem}{int(numbers[row])}"):
-                where = row_span(look, item, row)
-                yield look.finding(rules.LONG_NAME, where, name=name, most=most)
+            yield item, f"{item.stem}{int(numbers[row])}", row
+
+
+def _is_known(name: str) -> bool:
+    return vocabulary.status(name) is not None or vocabulary.function(name) is not None
 
 
 def program(look: Look) -> Found:
@@ -81,17 +79,12 @@ def program(look: Look) -> Found:
 
 
 def declarations(look: Look) -> Found:
-    """Variables that are declared twice, and names that are words of the language."""
+    """Variables that are declared twice."""
     for scope in look.scopes:
-        seen: set[str] = set()
-        for at in scope.entries:
-            line = look.code[at]
-            if not isinstance(line, s.Line):
-                continue
-            for variable in _declared(line.statement):
-                if variable.key in seen:
-                    yield look.at(rules.DECLARED_TWICE, line, variable, name=variable.name)
-                seen.add(variable.key)
+        lines = look.lines_of(scope)
+        declared = [(line, one) for line in lines for one in _declared(line.statement)]
+        for line, variable in repeated(declared, lambda one: one[1].key):
+            yield look.at(rules.DECLARED_TWICE, line, variable, name=variable.name)
 
 
 def _declared(statement: s.Statement | None) -> tuple[s.Variable, ...]:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
+from assistant.languages.checks.call_graph import depth, way_to
+from assistant.languages.checks.repeats import firsts
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks import flow_rules, motion_rules
 from assistant.languages.melfa_basic.checks.file_view import Look, program_name
@@ -43,75 +45,52 @@ def _statements(statement: s.Statement | s.Target | None) -> Iterator[s.Statemen
 
 def missing(look: Look) -> Found:
     """Programs that are called, run or loaded, and are not among the files."""
-    seen: set[str] = set()
-    for line, name, _ in called(look.tree):
-        plain = name.upper().removesuffix(".PRG")
-        if plain not in look.calls.by_name and plain not in seen:
-            seen.add(plain)
+    for line, name, _ in firsts(called(look.tree), lambda call: _plain(call[1])):
+        if _plain(name) not in look.calls.by_name:
             yield look.at(rules.NO_PROGRAM, line, f'"{name}"', name=name)
 
 
+def _plain(name: str) -> str:
+    return name.upper().removesuffix(".PRG")
+
+
 def recursion(look: Look) -> Found:
-    """Programs that call themselves, or call too deep."""
+    """Programs that call themselves, or call too deep: the first call of either kind."""
     own = program_name(look.tree).upper()
     most = look.dialect.nesting.calls
-    told = False
-    for line, name, slot in called(look.tree):
-        if slot is not None or isinstance(line.statement, s.Include) or told:
-            continue
-        chain = _way_back(look, name.upper(), own) if own else None
+
+    def inner(name: str) -> list[str]:
+        tree = look.calls.by_name.get(name.removesuffix(".PRG"))
+        return [other for _, other in _awaited(tree)] if tree is not None else []
+
+    for line, name in _awaited(look.tree):
+        chain = way_to(own, name, inner) if own else None
         if chain is not None:
-            told = True
             text = " calls ".join(f"`{n}`" for n in (own, *chain))
             yield look.at(flow_rules.CALLS_ITSELF, line, "CallP", chain=text)
-            continue
-        depth = 1 + _depth(look, name.upper(), ())
-        if depth == most + 1:
-            told = True
-            yield look.at(flow_rules.CALLED_TOO_DEEP, line, "CallP", depth=depth, most=most)
+            return
+        deep = 1 + depth(name, inner)
+        if deep == most + 1:
+            yield look.at(flow_rules.CALLED_TOO_DEEP, line, "CallP", depth=deep, most=most)
+            return
 
 
-def _inner(look: Look, name: str) -> list[str]:
-    tree = look.calls.by_name.get(name.removesuffix(".PRG"))
-    if tree is None:
-        return []
+def _awaited(tree: s.File) -> list[tuple[s.Line, str]]:
+    """Programs that a file calls and that come back to it, by their names in upper case."""
     return [
-        other.upper()
-        for line, other, slot in called(tree)
+        (line, name.upper())
+        for line, name, slot in called(tree)
         if slot is None and not isinstance(line.statement, s.Include)
     ]
 
 
-def _way_back(look: Look, name: str, own: str) -> list[str] | None:
-    """The programs from one to the own one, None if it does not lead there."""
-    left: list[tuple[str, ...]] = [(name,)]
-    seen: set[str] = set()
-    while left:
-        chain = left.pop()
-        if chain[-1] == own:
-            return list(chain)
-        if chain[-1] not in seen:
-            seen.add(chain[-1])
-            left += [(*chain, other) for other in _inner(look, chain[-1])]
-    return None
-
-
-def _depth(look: Look, name: str, above: tuple[str, ...]) -> int:
-    if name in above:
-        return 0
-    return max((1 + _depth(look, n, (*above, name)) for n in _inner(look, name)), default=0)
-
-
 def mechanisms(look: Look) -> Found:
     """Programs that are run in slots other than 1, and move the robot without having asked."""
-    seen: set[str] = set()
-    for line, name, slot in called(look.tree):
-        tree = look.calls.by_name.get(name.upper().removesuffix(".PRG"))
-        if tree is None or slot is None or slot <= 1 or name.upper() in seen:
-            continue
-        code = [item for item in tree.items if isinstance(item, s.Line | MoveRows)]
+    others = (call for call in called(look.tree) if (call[2] or 0) > 1)
+    for line, name, slot in firsts(others, lambda call: call[1].upper()):
+        tree = look.calls.by_name.get(_plain(name))
+        code = [i for i in tree.items if isinstance(i, s.Line | MoveRows)] if tree else ()
         if any(map(_moves, code)) and not any(map(_asks, code)):
-            seen.add(name.upper())
             yield look.at(motion_rules.NO_GETM, line, f'"{name}"', name=name, slot=slot)
 
 
@@ -127,31 +106,34 @@ def _moves(item: s.Line | MoveRows) -> bool:
 # ----------------------------------------------------------------------------------- interrupts
 
 
+Numbers = dict[float, s.Line]
+
+
+def _numbered(
+    places: Iterable[tuple[s.Line, s.Expression | None]],
+) -> tuple[Numbers, bool]:
+    """The first line of each number, and whether there are numbers that are worked out."""
+    found: Numbers = {}
+    worked_out = False
+    for line, value in places:
+        number = literal(value)
+        if number is None:
+            worked_out = True
+        else:
+            found.setdefault(number, line)
+    return found, worked_out
+
+
 def interrupts(look: Look) -> Found:
     """Interrupts that are switched but not defined, or defined but not switched on."""
-    defined: dict[float, s.Line] = {}
-    unsure = False
-    for line, act in look.all(s.DefAct):
-        number = literal(act.number)
-        if number is None:
-            unsure = True
-        else:
-            defined.setdefault(number, line)
-    switched: set[float] = set()
-    on: set[float] = set()
-    every = False
-    for line, number, state in _switches(look):
-        if number is None:
-            every = True
-            continue
-        if number == 0:
-            every = every or state != 0
-            continue
-        if state != 0:
-            on.add(number)
-        if number not in defined and number not in switched and not unsure:
+    defined, unsure = _numbered((line, act.number) for line, act in look.all(s.DefAct))
+    switches = list(_switches(look))
+    every = any(n is None or (n == 0 and state != 0) for _, n, state in switches)
+    certain = [(line, number, state) for line, number, state in switches if number]
+    for line, number, _ in firsts(certain, lambda switch: switch[1]):
+        if number not in defined and not unsure:
             yield look.at(motion_rules.NO_ACT, line, "Act", number=f"{number:g}")
-        switched.add(number)
+    on = {number for _, number, state in certain if state != 0}
     for number, line in defined.items():
         if number not in on and not every:
             yield look.at(motion_rules.ACT_OFF, line, "Act", number=f"{number:g}")
@@ -171,28 +153,20 @@ def _switches(look: Look) -> Iterator[tuple[s.Line, float | None, float | None]]
 
 def files(look: Look) -> Found:
     """Lines that are used without being opened, opened twice, or never closed."""
-    opened: dict[float, s.Line] = {}
-    unsure = False
-    for line, node in look.all(s.Open):
-        number = literal(node.number)
-        unsure = unsure or number is None
-        if number is not None:
-            opened.setdefault(number, line)
-    closed = {literal(n) for _, close in look.all(s.Close) for n in close.numbers}
-    every = None in closed or any(not close.numbers for _, close in look.all(s.Close))
+    opened, unsure = _numbered((line, node.number) for line, node in look.all(s.Open))
+    closes = look.all(s.Close)
+    closed, every = _numbered((line, n) for line, close in closes for n in close.numbers)
+    every = every or any(not close.numbers for _, close in closes)
     others = any(
         isinstance(item, s.Line) and isinstance(item.statement, s.Open)
         for tree in look.calls.trees
         if tree is not look.tree
         for item in tree.items
     )
-    seen: set[float] = set()
-    for word, kind in (("Print", s.Print), ("Input", s.Input)):
-        for line, used in look.all(kind):
-            number = literal(used.number)  # type: ignore[attr-defined]
-            if number is None or number in opened or number in seen or unsure or others:
-                continue
-            seen.add(number)
+    uses = [("Print", line, literal(node.number)) for line, node in look.all(s.Print)]
+    uses += [("Input", line, literal(node.number)) for line, node in look.all(s.Input)]
+    for word, line, number in firsts(uses, lambda use: use[2]):
+        if number is not None and number not in opened and not unsure and not others:
             yield look.at(motion_rules.NOT_OPENED, line, word, word=word, number=f"{number:g}")
     for number, line in opened.items():
         if number not in closed and not every:

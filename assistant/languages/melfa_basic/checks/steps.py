@@ -8,12 +8,13 @@ from typing import Final
 
 import numpy as np
 
+from assistant.languages.checks.repeats import repeated
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.tables.dialects import LAST_STEP
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
-from assistant.languages.melfa_basic.tree.targets import exits_of, labels_of
+from assistant.languages.melfa_basic.tree.targets import exits_of
 from assistant.program.diagnostics import Diagnostic, Span
 
 Found = Iterator[Diagnostic]
@@ -53,7 +54,7 @@ def _rows(look: Look, rows: MoveRows, before: int) -> Found:
     for at in np.flatnonzero(numbers[1:] <= numbers[:-1])[:MOST_ROWS].tolist():
         yield look.finding(
             rules.NOT_ASCENDING,
-            row_span(look, rows, at),
+            look.row(rows, at),
             number=numbers[at + 1],
             before=numbers[at],
         )
@@ -62,28 +63,10 @@ def _rows(look: Look, rows: MoveRows, before: int) -> Found:
         first = int(wrong[0])
         yield look.finding(
             rules.STEP_RANGE,
-            row_span(look, rows, first),
+            look.row(rows, first),
             number=int(rows.steps[first]),
             most=LAST_STEP,
         )
-
-
-def row_span(look: Look, rows: s.Item, row: int, name: str = "") -> Span | None:
-    """Where a row of a table stands, without its line end; where a name stands in it, if given."""
-    source = look.tree.source
-    if source is None or rows.span is None:
-        return None
-    start = rows.span.start
-    for _ in range(row):
-        start = source.text.find("\n", start) + 1
-    end = source.text.find("\n", start)
-    text = source.text[start : rows.span.end if end < 0 else end].rstrip()
-    found = re.search(rf"\b{re.escape(name)}\b", text, re.IGNORECASE) if name else None
-    return (
-        Span(start + found.start(), start + found.end())
-        if found
-        else Span(start, start + len(text))
-    )
 
 
 def _number(look: Look, line: s.Line) -> Span | None:
@@ -113,20 +96,19 @@ def lengths(look: Look) -> Found:
 def labels(look: Look) -> Found:
     """A label stands once, and what is jumped to is there; functions have their own."""
     for scope in look.scopes:
-        lines = [line for at in scope.entries if isinstance(line := look.code[at], s.Line)]
-        seen: set[str] = set()
+        lines = look.lines_of(scope)
+        for line in repeated(lines, _label):
+            yield look.at(rules.TWO_LABELS, line, f"*{line.label}", name=line.label)
+        labels = set(map(_label, lines))
         for line in lines:
-            if line.label is None:
-                continue
-            if line.label.upper() in seen:
-                yield look.at(rules.TWO_LABELS, line, f"*{line.label}", name=line.label)
-            seen.add(line.label.upper())
-        inside = scope.function is not None
-        for line in lines:
-            yield from _targets(look, line, seen, inside=inside)
+            yield from _targets(look, line, labels, inside=scope.function is not None)
 
 
-def _targets(look: Look, line: s.Line, seen: set[str], *, inside: bool) -> Found:
+def _label(line: s.Line) -> str | None:
+    return line.label.upper() if line.label is not None else None
+
+
+def _targets(look: Look, line: s.Line, labels: set[str | None], *, inside: bool) -> Found:
     for target in exits_of(line.statement).targets:
         if isinstance(target.place, int):
             if target.place not in look.once(_steps):
@@ -135,7 +117,7 @@ def _targets(look: Look, line: s.Line, seen: set[str], *, inside: bool) -> Found
             elif not look.dialect.line_targets:
                 word, title = str(target.place), look.dialect.title
                 yield look.at(rules.LINE_TARGET, line, word, name=target.place, title=title)
-        elif target.place.upper() not in seen:
+        elif target.place.upper() not in labels:
             other = target.place.upper() in look.once(_all_labels)
             where = ""
             if other:
@@ -151,5 +133,5 @@ def _steps(look: Look) -> set[int]:
     return found if look.damage is None else found | look.damage.steps
 
 
-def _all_labels(look: Look) -> set[str]:
-    return set(labels_of(look.lines))
+def _all_labels(look: Look) -> set[str | None]:
+    return set(map(_label, look.lines))

@@ -11,12 +11,13 @@ import numpy as np
 from assistant.languages.checks.slips import slips
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks.file_view import Look
-from assistant.languages.melfa_basic.checks.steps import MOST_ROWS, row_span
+from assistant.languages.melfa_basic.checks.steps import MOST_ROWS
 from assistant.languages.melfa_basic.checks.variables_of import Known, known
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MVR, MoveRows
 from assistant.languages.melfa_basic.tree.walk import nodes
+from assistant.languages.runs.names import Names
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]
@@ -35,7 +36,7 @@ def variables(look: Look) -> Found:
         variable, key = use.variable, use.variable.key
         if use.role != "read" or key in seen or _is_call(look, variable):
             continue
-        if key in names.given or names.has_row(key):
+        if key in names.given:
             continue
         seen.add(key)
         if key[1:2] == "_":
@@ -59,15 +60,12 @@ def variables(look: Look) -> Found:
 def _undefined_rows(look: Look, rows: MoveRows, names: Known) -> Found:
     arc = rows.kinds == MVR
     numbers = np.unique(np.concatenate([rows.end, rows.via[arc], rows.start[arc]]))
-    stem = rows.stem.upper()
-    found = np.zeros(len(numbers), dtype=bool)
-    for table in names.rows.get(stem, ()):
-        found |= np.isin(numbers, table)
-    missing = [n for n in numbers[~found].tolist() if f"{stem}{n}" not in names.given]
+    stem = rows.stem.encode("ascii")
+    missing = numbers[~names.given.among(Names.numbered(stem, numbers))].tolist()
     for number in missing[:MOST_ROWS]:
         fitting = (rows.end == number) | (rows.via == number) | (rows.start == number)
         name = f"{rows.stem}{number}"
-        where = row_span(look, rows, int(np.argmax(fitting)), name)
+        where = look.row(rows, int(np.argmax(fitting)), name)
         yield look.finding(rules.NO_POSITION, where, kind="position", name=name)
 
 

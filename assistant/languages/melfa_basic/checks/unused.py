@@ -4,65 +4,52 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
-from typing import Final
 
 import numpy as np
 
+from assistant.languages.checks.name_sets import NameSet, places, repeats
+from assistant.languages.checks.wording import SHOWN, listed
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks.file_view import Look
-from assistant.languages.melfa_basic.checks.steps import MOST_ROWS, row_span
+from assistant.languages.melfa_basic.checks.steps import MOST_ROWS
 from assistant.languages.melfa_basic.checks.uses import Use
-from assistant.languages.melfa_basic.checks.variables_of import NUMBERED, Known, is_position, known
+from assistant.languages.melfa_basic.checks.variables_of import Known, is_position, known, names_of
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
 from assistant.languages.melfa_basic.tree.targets import labels_named
-from assistant.program.arrays import Ints
+from assistant.languages.runs.names import Names
 from assistant.program.diagnostics import Diagnostic, Span
 
 Found = Iterator[Diagnostic]
 
-SHOWN: Final = 6
-"""Names that one finding lists."""
-
 
 def twice(look: Look) -> Found:
     """Variables with two lines of data."""
-    counts: Counter[str] = Counter()
-    last: dict[str, s.Data] = {}
-    stems: dict[str, list[PositionRows]] = {}
-    single: dict[str, list[int]] = {}
+    items: dict[str, list[s.Data]] = {}
+    tables: list[PositionRows] = []
     for item in look.data:
         if isinstance(item, PositionRows):
-            stems.setdefault(item.stem.upper(), []).append(item)
-            continue
-        name = printer.expression(item.variable).upper()
-        counts[name] += 1
-        last[name] = item
-        split = NUMBERED.fullmatch(name)
-        if split is not None:
-            single.setdefault(split[1], []).append(int(split[2]))
-    for stem, tables in stems.items():
-        alone = np.array(single.get(stem, []), dtype=np.int64)
-        every = np.concatenate([*(t.numbers for t in tables), np.unique(alone)])
-        numbers, times = np.unique(every, return_counts=True)
-        for number in numbers[times > 1][:MOST_ROWS].tolist():
-            name = f"{stem}{number}"
-            counts.pop(name, None)
-            where = last.get(name) or _second(look, tables, number)
+            tables.append(item)
+        else:
+            items.setdefault(printer.expression(item.variable).upper(), []).append(item)
+    single = [name for name in items if name.isascii()]
+    columns = [*map(names_of, tables), Names.of(single)]
+    names = Names.joined(columns)
+    owner, row = places(columns)
+    before, again = repeats(names)
+    told: Counter[int] = Counter()
+    for at in again[~np.isin(again, before)].tolist():
+        told[int(names.stem[at])] += 1
+        if told[int(names.stem[at])] <= MOST_ROWS:
+            name = names.name(at)
+            table = tables[owner[at]] if owner[at] < len(tables) else None
+            where = look.row(table, int(row[at])) if table is not None else items.pop(name)[-1]
             yield look.finding(rules.TWO_POSITIONS, where, name=name)
-    for name, count in counts.items():
-        if count > 1:
-            yield look.at(rules.TWO_POSITIONS, last[name], last[name].variable.name, name=name)
-
-
-def _second(look: Look, tables: list[PositionRows], number: int) -> Span | None:
-    """Where the last row of a number stands."""
-    for table in reversed(tables):
-        rows = np.flatnonzero(table.numbers == number)
-        if len(rows):
-            return row_span(look, table, int(rows[-1]))
-    return None
+    for name, several in items.items():
+        if len(several) > 1:
+            last = several[-1]
+            yield look.at(rules.TWO_POSITIONS, last, last.variable.name, name=name)
 
 
 # -------------------------------------------------------------------------------------- unused
@@ -104,57 +91,38 @@ def _is_own(look: Look, use: Use, names: Known) -> bool:
 def _unused(look: Look, what: str, found: list[tuple[s.Line, str]]) -> Found:
     if found:
         line, first = found[0]
-        names = ", ".join(f"`{name}`" for _, name in found[:SHOWN])
-        more = f" and {len(found) - SHOWN} more" if len(found) > SHOWN else ""
-        them = "them" if len(found) > 1 else "it"
-        word = first.rstrip("$%&!#")
-        yield look.at(rules.UNUSED, line, word, what=what, names=names + more, them=them)
+        names = listed([name for _, name in found])
+        yield look.at(rules.UNUSED, line, first.rstrip("$%&!#"), what=what, **names)
 
 
 def _unused_positions(look: Look, names: Known, told: set[str]) -> Found:
     """Positions with a line that no statement names."""
-    if not look.lines and not any(isinstance(item, MoveRows) for item in look.code):
+    if not look.code:
         return  # a list of positions for other programs
-    moved: dict[str, list[Ints]] = {}
+    used = NameSet()
+    used.words = names.read | told
     for rows in look.code:
         if isinstance(rows, MoveRows):
-            numbers = moved.setdefault(rows.stem.upper(), [])
-            numbers += [rows.end, rows.via, rows.start]
-    for key in names.read | names.given:
-        split = NUMBERED.fullmatch(key)
-        if split is not None and (key in names.read or key in told):
-            moved.setdefault(split[1], []).append(np.array([int(split[2])]))
+            stem, points = rows.stem.encode("ascii"), (rows.end, rows.via, rows.start)
+            used.columns += [Names.numbered(stem, numbers) for numbers in points]
     found: list[tuple[s.Item | Span | None, str]] = []
     count = 0
     for item in look.data:
         if isinstance(item, PositionRows):
-            used = moved.get(item.stem.upper(), [np.empty(0, np.int64)])
-            idle = np.flatnonzero(~np.isin(item.numbers, np.concatenate(used)))
+            idle = np.flatnonzero(~used.among(names_of(item)))
             count += len(idle)
             for row in idle[: max(0, SHOWN - len(found))].tolist():
                 name = f"{item.stem}{int(item.numbers[row])}"
-                found.append((row_span(look, item, row), name))
-        elif is_position(item) and not _is_used(item, names, moved, told):
+                found.append((look.row(item, row), name))
+        elif is_position(item) and not _is_shared(item.variable) and item.variable.key not in used:
             count += 1
             found.append((item, item.variable.name))
     if found:
-        where, _ = found[0]
-        listed = ", ".join(f"`{name}`" for _, name in found[:SHOWN])
-        more = f" and {count - SHOWN} more" if count > SHOWN else ""
-        what, them = ("the positions", "them") if count > 1 else ("the position", "it")
-        yield look.finding(rules.UNUSED, where, what=what, names=listed + more, them=them)
+        what = "the positions" if count > 1 else "the position"
+        listing = listed([name for _, name in found], count)
+        yield look.finding(rules.UNUSED, found[0][0], what=what, **listing)
 
 
-def _is_used(
-    item: s.Data,
-    names: Known,
-    moved: dict[str, list[Ints]],
-    told: set[str],
-) -> bool:
-    key = item.variable.key
-    if key in names.read or key in told or key[1:2] == "_" or item.variable.arguments is not None:
-        return True
-    split = NUMBERED.fullmatch(key)
-    return split is not None and any(
-        bool((numbers == int(split[2])).any()) for numbers in moved.get(split[1], ())
-    )
+def _is_shared(variable: s.Variable) -> bool:
+    """Whether other programs, or subscripts that are worked out, may name a position."""
+    return variable.key[1:2] == "_" or variable.arguments is not None

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
-from typing import Final
+from typing import Any, Final
 
+from assistant.languages.checks.limits import Limits
+from assistant.languages.checks.wording import alternatives
 from assistant.languages.melfa_basic.checks import kinds
 from assistant.languages.melfa_basic.checks import value_rules as rules
 from assistant.languages.melfa_basic.checks.file_view import Look
@@ -16,28 +18,6 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.diagnostics import Diagnostic, Severity
 
 Found = Iterator[Diagnostic]
-
-
-@dataclass(frozen=True, slots=True)
-class Limits:
-    """What a literal number may be. number: of the controller's error. above: low is too low."""
-
-    what: str
-    low: float
-    high: float
-    above: bool = False
-    cure: str = ""
-    number: int = 3110
-
-    def holds(self, value: float) -> bool:
-        return self.low <= value <= self.high and not (self.above and value == self.low)
-
-    @property
-    def range(self) -> str:
-        if self.high == inf:
-            return f"above {self.low:g}" if self.above else f"{self.low:g} or more"
-        begin = f"above {self.low:g} and at most" if self.above else f"{self.low:g} to"
-        return f"{begin} {self.high:g}"
 
 
 PERCENT: Final = "write a percentage; `Spd` takes mm/s"
@@ -88,188 +68,164 @@ INDICES: Final[dict[str, Limits]] = {
 """Status variable → what its subscript may be."""
 
 
+PULSE: Final = Limits("the length of the pulse", 0, inf)
+TYPE: Final = Limits("the first number of `Type`", 0, 1)
+
+_Values = Sequence[s.Expression | None]
+LIMITED: Final[Mapping[type[Any], Callable[[Any], tuple[Sequence[Limits | None], _Values]]]] = {
+    s.Command: lambda node: (COMMANDS.get(node.keyword, ()), node.arguments),
+    s.DefOther: lambda node: (DEFINITIONS.get(node.kind, ()), node.arguments),
+    s.DefAct: lambda node: ((ACT,), (node.number,)),
+    s.Open: lambda node: ((FILE,), (node.number,)),
+    s.Print: lambda node: ((FILE,), (node.number,)),
+    s.Input: lambda node: ((FILE,), (node.number,)),
+    s.Close: lambda node: ((FILE,) * len(node.numbers), node.numbers),
+    s.Assign: lambda node: ((PULSE,), (node.delay,)),
+    s.Variable: lambda node: ((INDICES.get(node.key),), node.arguments or ()),
+    s.Motion: lambda node: ((TYPE,), (node.type or ())[:1]),
+}
+"""Construct → numbers in it, and what each may be where it is a plain one."""
+
+
 def ranges(look: Look) -> Found:
     """Plain numbers that an argument cannot be."""
-    for line, command in look.all(s.Command):
-        yield from _in(look, line, COMMANDS.get(command.keyword, ()), command.arguments)
-    for line, node in look.all(s.DefOther):
-        yield from _in(look, line, DEFINITIONS.get(node.kind, ()), node.arguments)
-    for line, act in look.all(s.DefAct):
-        yield from _in(look, line, (ACT,), (act.number,))
-    for line, opened in look.all(s.Open):
-        yield from _in(look, line, (FILE,), (opened.number,))
-    for line, printed in look.all(s.Print):
-        yield from _in(look, line, (FILE,), (printed.number,))
-    for line, read in look.all(s.Input):
-        yield from _in(look, line, (FILE,), (read.number,))
-    for line, closed in look.all(s.Close):
-        yield from _in(look, line, (FILE,) * len(closed.numbers), closed.numbers)
-    for line, assign in look.all(s.Assign):
-        delay = Limits("the length of the pulse", 0, inf)
-        yield from _in(look, line, (delay,), (assign.delay,))
-    for line, variable in look.all(s.Variable):
-        limits = INDICES.get(variable.key)
-        if limits is not None:
-            yield from _in(look, line, (limits,), variable.arguments or ())
+    for construct, limited in LIMITED.items():
+        for line, node in look.all(construct):
+            for limits, argument in zip(*limited(node), strict=False):
+                yield from _in(look, line, limits, argument)
+    limits = Limits("the second number of `Type`", 0, 2 if look.dialect.singular_type else 1)
     for line, move in look.all(s.Motion):
-        limits_of = (
-            Limits("the first number of `Type`", 0, 1),
-            Limits("the second number of `Type`", 0, 2 if look.dialect.singular_type else 1),
+        yield from _in(look, line, limits, move.type[1] if move.type else None)
+
+
+def _in(look: Look, line: s.Line, limits: Limits | None, argument: s.Expression | None) -> Found:
+    value = literal(argument)
+    if limits is not None and value is not None and not limits.holds(value):
+        yield look.at(
+            rules.OUT_OF_RANGE,
+            line,
+            f"{abs(value):g}",
+            what=limits.what,
+            value=f"{value:g}",
+            range=limits.range,
+            number=limits.number or OUT_OF_RANGE,
+            cure=limits.cure or f"write {limits.range}",
         )
-        yield from _in(look, line, limits_of, move.type or ())
 
 
-def _in(
-    look: Look,
-    line: s.Line,
-    limits: Sequence[Limits | None],
-    arguments: Sequence[s.Expression | None],
-) -> Found:
-    for one, argument in zip(limits, arguments, strict=False):
-        value = literal(argument)
-        if one is not None and value is not None and not one.holds(value):
-            text = f"{abs(value):g}"
-            yield look.at(
-                rules.OUT_OF_RANGE,
-                line,
-                text,
-                what=one.what,
-                value=f"{value:g}",
-                range=one.range,
-                number=one.number,
-                cure=one.cure or f"write {one.range}",
-            )
-
-
-# --------------------------------------------------------------------------------------- counts
-
-
-def counts(look: Look) -> Found:
-    """Statements and functions with more or fewer arguments than they take."""
-    for line, command in look.all(s.Command):
-        row = vocabulary.statement(command.keyword)
-        if row is not None and row.role == "command":
-            given = len(command.arguments)
-            yield from _count(look, line, command.keyword, row.least, row.most, given)
-    for line, motion in look.all(s.Motion):
-        row = vocabulary.statement(motion.keyword)
-        if row is not None:
-            given = len(motion.arguments)
-            yield from _count(look, line, motion.keyword, row.least, row.most, given)
-    for line, call in look.all(s.CallP):
-        yield from _count(look, line, "CallP", 0, MOST_PARAMETERS, len(call.arguments), 3120)
-    for line, head in look.all(s.FPrm):
-        yield from _count(look, line, "FPrm", 1, MOST_PARAMETERS, len(head.variables), 3120)
-    for line, variable in look.all(s.Variable):
-        function = _function(look, variable)
-        if function is not None and variable.arguments is not None:
-            given = len(variable.arguments)
-            yield from _count(look, line, variable, function.least, function.most, given, 3120)
-        own = look.functions.get(variable.key)
-        if own is not None and variable.arguments is not None:
-            wanted = len(own.parameters or ())
-            given = len(variable.arguments)
-            yield from _count(look, line, variable, wanted, wanted, given, 3120)
-
+# ------------------------------------------------------------------------------------ arguments
 
 MOST_PARAMETERS: Final = 16
 """Of CallP and FPrm (COSIROP help)."""
+TOO_MANY, TOO_FEW, OUT_OF_RANGE = 3120, 4220, 3110
+"""Numbers of the controller's errors."""
+TYPES: Final = {"XLoad": "MC", "XRun": "MC", "Tool": ("PM",), "Base": ("PM",)}
+"""Types of arguments that may be more than a number. Where a version has no stored frames, a number
+is a finding of what it lacks.
+"""
+POINTS: Final = {"Mov": ("PJ",), "Mvs": ("P",), "Mva": ("P",)}
+"""Word of a move → types of its points; other moves have three positions."""
+ORDER: Final = ("the first argument", "the second argument", "the third argument", "an argument")
+
+
+@dataclass(frozen=True, slots=True)
+class Taken:
+    """What is given where arguments are taken.
+
+    what: the word, or the name that is called. types: of the arguments, as `kinds.fits` wants
+    them; further ones are of the type `more`. least, most: how many there may be.
+    """
+
+    what: str | s.Variable
+    given: Sequence[s.Expression | None]
+    least: int = 0
+    most: int | None = None
+    types: Sequence[str] = ()
+    more: str = ""
+    too_few: int = TOO_MANY
+
+    @property
+    def word(self) -> str:
+        return self.what if isinstance(self.what, str) else self.what.name
+
+
+def taken(look: Look) -> list[tuple[s.Line, Taken]]:
+    """Everything in a file that takes arguments."""
+    return list(_taken(look))
+
+
+def _taken(look: Look) -> Iterator[tuple[s.Line, Taken]]:
+    for line, command in look.all(s.Command):
+        word = command.keyword
+        row = vocabulary.statement(word)
+        types: Sequence[str] = TYPES.get(word) or "M" * len(COMMANDS.get(word, ()))
+        if row is not None and row.role == "command":
+            yield line, Taken(word, command.arguments, row.least, row.most, types, "", TOO_FEW)
+    for line, motion in look.all(s.Motion):
+        row = vocabulary.statement(motion.keyword)
+        types = POINTS.get(motion.keyword, "PPP")
+        if row is not None:
+            word, given = motion.keyword, motion.arguments
+            yield line, Taken(word, given, row.least, row.most, types, "M", TOO_FEW)
+    for line, call in look.all(s.CallP):
+        yield line, Taken("CallP", call.arguments, most=MOST_PARAMETERS)
+        yield line, Taken("CallP", (call.program,), types="C")
+    for line, opened in look.all(s.Open):
+        yield line, Taken("Open", (opened.name,), types="C")
+    for line, head in look.all(s.FPrm):
+        yield line, Taken("FPrm", head.variables, 1, MOST_PARAMETERS)
+    for line, variable in look.all(s.Variable):
+        if variable.arguments is None:
+            continue
+        function, own = _function(look, variable), look.functions.get(variable.key)
+        if function is not None:
+            types = [argument.types for argument in function.arguments]
+            least, most = function.least, function.most
+            more = types[-1] if types else ""
+            yield line, Taken(variable, variable.arguments, least, most, types, more)
+        if own is not None:
+            wanted = len(own.parameters or ())
+            yield line, Taken(variable, variable.arguments, wanted, wanted)
 
 
 def _function(look: Look, variable: s.Variable) -> vocabulary.Function | None:
     """The function of the language that a variable with arguments calls."""
-    if variable.arguments is None or variable.component:
-        return None
-    if variable.key in look.once(kinds.declared) or variable.key in look.functions:
-        return None
-    return vocabulary.function(variable.key)
+    own = variable.key in look.once(kinds.declared) or variable.key in look.functions
+    return None if variable.component or own else vocabulary.function(variable.key)
 
 
-def _count(
-    look: Look,
-    line: s.Line,
-    what: str | s.Variable,
-    least: int,
-    most: int | None,
-    given: int,
-    number: int = 0,
-) -> Found:
-    if given < least or (most is not None and given > most):
-        if most is None:
-            wanted = f"{least} arguments or more"
-        elif least == most:
-            wanted = f"{least or 'no'} argument" + "s" * (least != 1)
-        else:
-            wanted = f"{least} to {most} arguments"
-        code = number or (4220 if given < least else 3120)
-        word = what if isinstance(what, str) else what.name
-        yield look.at(
-            rules.ARGUMENT_COUNT, line, what, word=word, wanted=wanted, given=given, number=code
-        )
-
-
-# ---------------------------------------------------------------------------------------- types
-
-PLACES: Final = ("Tool", "Base")
-ORDER: Final = ("the first argument", "the second argument", "the third argument", "an argument")
-TEXTS: Final = {"XLoad": 1, "XRun": 1}
-"""Word of a statement → which of its arguments is a program's name."""
+def counts(look: Look) -> Found:
+    """Statements and functions with more or fewer arguments than they take."""
+    for line, one in look.once(taken):
+        given = len(one.given)
+        if given < one.least or (one.most is not None and given > one.most):
+            yield look.at(
+                rules.ARGUMENT_COUNT,
+                line,
+                one.what,
+                word=one.word,
+                wanted=alternatives(one.least, one.most, "argument"),
+                given=given,
+                number=one.too_few if given < one.least else TOO_MANY,
+            )
 
 
 def types(look: Look) -> Found:
     """Arguments of another type than a statement or function takes."""
-    for line, variable in look.all(s.Variable):
-        function = _function(look, variable)
-        if function is not None:
-            for at, argument in enumerate(variable.arguments or ()):
-                wanted = function.arguments[min(at, len(function.arguments) - 1)].types
-                yield from _type(look, line, variable, at, argument, wanted)
-    for line, motion in look.all(s.Motion):
-        points = 1 if motion.keyword in ("Mov", "Mvs", "Mva") else 3
-        wanted = "PJ" if motion.keyword == "Mov" else "P"
-        for at, argument in enumerate(motion.arguments[:points]):
-            yield from _type(look, line, motion.keyword, at, argument, wanted)
-        for at, argument in enumerate(motion.arguments[points:], points):
-            yield from _type(look, line, motion.keyword, at, argument, "M")
-    for line, command in look.all(s.Command):
-        word = command.keyword
-        if word in PLACES and command.arguments:
-            # where a version has no stored ones, a number is a finding of what it lacks
-            yield from _type(look, line, word, 0, command.arguments[0], "PM")
-        for at, argument in enumerate(command.arguments):
-            if word in COMMANDS and at < len(COMMANDS[word]):
-                yield from _type(look, line, word, at, argument, "M")
-            elif TEXTS.get(word) == at:
-                yield from _type(look, line, word, at, argument, "C")
-    for line, call in look.all(s.CallP):
-        yield from _type(look, line, "CallP", 0, call.program, "C")
-    for line, opened in look.all(s.Open):
-        yield from _type(look, line, "Open", 0, opened.name, "C")
-
-
-def _type(
-    look: Look,
-    line: s.Line,
-    what: str | s.Variable,
-    at: int,
-    argument: s.Expression | None,
-    wanted: str,
-) -> Found:
-    given = kinds.of(look, argument)
-    if wanted == "PM":
-        fitting, said = not given or given in ("P", "PJ", "M"), "a position or a number"
-    else:
-        fitting, said = kinds.fits(given, wanted), kinds.SPOKEN.get(wanted, "")
-    if not fitting and said:
-        yield look.at(
-            rules.ARGUMENT_TYPE,
-            line,
-            argument if isinstance(argument, s.Variable) else what,
-            word=what if isinstance(what, str) else what.name,
-            which=ORDER[min(at, 3)],
-            given=kinds.SPOKEN[given],
-            wanted=said,
-        )
+    for line, one in look.once(taken):
+        for at, argument in enumerate(one.given):
+            given = kinds.of(look, argument)
+            wanted = one.types[at] if at < len(one.types) else one.more
+            if wanted in kinds.SPOKEN and not kinds.fits(given, wanted):
+                yield look.at(
+                    rules.ARGUMENT_TYPE,
+                    line,
+                    argument if isinstance(argument, s.Variable) else one.what,
+                    word=one.word,
+                    which=ORDER[min(at, 3)],
+                    given=kinds.SPOKEN[given],
+                    wanted=kinds.SPOKEN[wanted],
+                )
 
 
 # --------------------------------------------------------------------------------------- habits

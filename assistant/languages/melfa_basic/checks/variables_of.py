@@ -2,41 +2,28 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, field
-from typing import Final
 
+from assistant.languages.checks.name_sets import NameSet
 from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import PositionRows
 from assistant.languages.melfa_basic.tree.walk import nodes
-from assistant.program.arrays import Ints
-
-NUMBERED: Final = re.compile(r"([A-Z][A-Z_]*)(0|[1-9][0-9]{0,8})")
-"""A name in upper case that ends with a number, as those of tables do."""
+from assistant.languages.runs.names import Names
 
 
 @dataclass(slots=True)
 class Known:
     """What a file and those it includes say about variables, by name in upper case.
 
-    given: names that something gives a value. declared: by Def, Dim, FPrm or a Function's head.
-    dimensioned: arrays. read: names that something reads. rows: numbers that have a position
-    line, by stem.
+    given: names that something gives a value, rows of positions too. declared: by Def, Dim, FPrm
+    or a Function's head. dimensioned: arrays. read: names that something reads.
     """
 
-    given: set[str] = field(default_factory=set)
+    given: NameSet = field(default_factory=NameSet)
     declared: set[str] = field(default_factory=set)
     dimensioned: set[str] = field(default_factory=set)
     read: set[str] = field(default_factory=set)
-    rows: dict[str, list[Ints]] = field(default_factory=dict)
-
-    def has_row(self, name: str) -> bool:
-        found = NUMBERED.fullmatch(name)
-        if found is None:
-            return False
-        number = int(found[2])
-        return any(bool((numbers == number).any()) for numbers in self.rows.get(found[1], ()))
 
 
 def known(look: Look) -> Known:
@@ -49,10 +36,11 @@ def known(look: Look) -> Known:
 
 
 def _take(look: Look, found: Known) -> None:
+    given = found.given.words
     for _, use in look.uses:
         key = use.variable.key
         if use.role in ("written", "either"):
-            found.given.add(key)
+            given.add(key)
         if use.role == "declared":
             found.declared.add(key)
             if use.variable.arguments is not None:
@@ -67,20 +55,24 @@ def _take(look: Look, found: Known) -> None:
             case s.FPrm(variables):
                 found.declared |= {v.key for v in variables}
             case s.Function(_, name, _, parameters):
-                found.given.add(name.upper())
+                given.add(name.upper())
                 names = {p.name.upper() for p in parameters or ()}
-                found.given |= names
+                given |= names
                 found.declared |= names
                 found.dimensioned |= {p.name.upper() for p in parameters or () if p.array}
             case s.DefFunction(name, _, parameters):
-                found.given |= {name.upper(), *(p.key for p in parameters)}
+                given |= {name.upper(), *(p.key for p in parameters)}
     for item in look.data:
         if isinstance(item, PositionRows):
-            found.rows.setdefault(item.stem.upper(), []).append(item.numbers)
+            found.given.columns.append(names_of(item))
         elif not _is_empty(item):
-            found.given.add(item.variable.key)
+            given.add(item.variable.key)
         if isinstance(item, s.Data) and item.variable.arguments is not None:
             found.dimensioned.add(item.variable.key)
+
+
+def names_of(rows: PositionRows) -> Names:
+    return Names.numbered(rows.stem.upper().encode("ascii"), rows.numbers)
 
 
 def is_position(item: s.Data) -> bool:

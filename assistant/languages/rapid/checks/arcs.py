@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
+from assistant.languages.checks.moves import Moves
+from assistant.languages.checks.wording import as_of_more
 from assistant.languages.rapid.checks import plain_rules as rules
 from assistant.languages.rapid.checks.module_view import Look
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_target
-from assistant.languages.rapid.tree.runs import CIRCULAR, MotionNames, MoveRun, TargetRun
+from assistant.languages.rapid.tree.runs import CIRCULAR, LINEAR, MotionNames, TargetRun
 from assistant.languages.rapid.tree.walk import lists
 from assistant.languages.runs.columns import Entries
 from assistant.languages.runs.names import Index, Names
-from assistant.program.arrays import Floats, Rows
+from assistant.program.arcs import ArcMeasures
+from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]
@@ -28,16 +31,11 @@ LEAST_ANGLE: Final = 1.0
 LONGEST: Final = 240.0
 """degrees that an arc should go round at most."""
 UNKNOWN: Final = (np.nan, np.nan, np.nan)
-MOVES: Final = {"movej": 1, "movel": 1, "movec": 2}
+TARGETS: Final = {"movej": 1, "movel": 1, "movec": 2}
 """Plain moves with the number of their targets."""
 
-
-@dataclass(slots=True)
-class _Here:
-    """Where the robot stands: what the last move named, and in which frame and tool."""
-
-    point: Floats
-    of: tuple[str, str]
+Frame = tuple[str, str]
+"""The tool and the work object of a move, lower case."""
 
 
 def arcs(look: Look) -> Found:
@@ -47,47 +45,52 @@ def arcs(look: Look) -> Found:
     known = _Positions(look)
     for routine in look.routines:
         for body in lists(routine):
-            yield from _body(look, routine, known, body)
+            moves = Moves.joined(list(_moves(look, routine, known, body)))
+            if moves is not None:
+                yield from _found(look, moves)
 
 
-def _body(
+def _moves(
     look: Look, routine: s.Routine, known: _Positions, body: Sequence[s.StatementNode]
-) -> Found:
+) -> Iterator[Moves[s.Node]]:
     """Follows the robot through a list of statements; after what is no move it is nowhere."""
-    here = _nowhere()
+    here: Frame | None = None
+    own = {d.type.lower() for d in look.frame(routine).values()}
     for node in body:
         if isinstance(node, s.MoveRunNode):
-            own = {d.type.lower() for d in look.frame(routine).values()}
-            if "robtarget" not in own:  # else a name may mean another target here
-                yield from _run(look, known, node, here)
-            last = node.run.motions[-1]
-            here = _Here(known.last(node.run), _frame(last))
+            run = node.run
+            frames = Entries(tuple(map(_frame, run.motions.table)), run.motions.index)
+            ends = known.of(run.names) if run.values is None else run.values[:, :3]
+            moves: Moves[s.Node] = Moves.of(
+                node, run.kinds, ends, vias=known.of(run.vias), follows=here == frames[0]
+            )
+            moves.follows[1:] &= frames.rows(slice(1, None)).equal(frames.rows(slice(-1)))
+            # a name may mean another target here
+            yield replace(moves, kinds=moves.kinds * 0) if "robtarget" in own else moves
+            here = frames[-1]
         elif isinstance(node, s.ProcedureCall):
             targets = _targets(node)
             if targets is None:
-                here = _nowhere()
+                here = None
                 continue
-            points, of = targets
-            row = [known.one(point, look, routine) for point in points]
-            if len(points) == 2:
-                start = here.point if here.of == of else np.array(UNKNOWN)
-                yield from _found(look, node, np.stack([start, *row])[None], np.zeros(1, np.intp))
-            here = _Here(row[-1], of)
+            points, frame = targets
+            known_points = [known.one(point, look, routine)[None] for point in points]
+            kind = CIRCULAR if len(points) > 1 else LINEAR
+            yield Moves.of(
+                node, kind, known_points[-1], vias=known_points[0], follows=here == frame
+            )
+            here = frame
         elif not isinstance(node, s.CommentLine | s.Assignment):
-            here = _nowhere()
+            here = None
 
 
-def _nowhere() -> _Here:
-    return _Here(np.array(UNKNOWN), ("", ""))
-
-
-def _frame(motion: MotionNames) -> tuple[str, str]:
+def _frame(motion: MotionNames) -> Frame:
     return motion.tool.lower(), (motion.frame or "wobj0").lower()
 
 
-def _targets(call: s.ProcedureCall) -> tuple[list[s.Expression], tuple[str, str]] | None:
+def _targets(call: s.ProcedureCall) -> tuple[list[s.Expression], Frame] | None:
     """Targets of a plain move, with its tool and work object; None for anything else."""
-    count = MOVES.get(str(call.name).lower())
+    count = TARGETS.get(str(call.name).lower())
     plain = [a.value for a in call.arguments if isinstance(a, s.Positional)]
     if count is None or len(plain) != count + 3:
         return None
@@ -99,50 +102,33 @@ def _targets(call: s.ProcedureCall) -> tuple[list[s.Expression], tuple[str, str]
     return plain[:count], (tool.name.lower(), frame.name.lower())
 
 
-def _run(look: Look, known: _Positions, node: s.MoveRunNode, here: _Here) -> Found:
-    run = node.run
-    rows = np.flatnonzero(run.kinds == CIRCULAR)
-    if not len(rows):
-        return
-    ends, vias = known.of(run.names), known.of(run.vias.rows(rows))
-    frames = Entries(tuple(map(_frame, run.motions.table)), run.motions.index)
-    same = frames.rows(rows).equal(frames.rows(np.maximum(rows - 1, 0)))
-    starts = np.where(same[:, None], ends[np.maximum(rows - 1, 0)], np.nan)
-    if rows[0] == 0:
-        starts[0] = here.point if here.of == frames[0] else UNKNOWN
-    yield from _found(look, node, np.stack([starts, vias, ends[rows]], axis=1), rows)
-
-
-def _found(look: Look, node: s.Node, points: Floats, rows: Rows) -> Found:
-    """points: (n, 3, 3) start, circle point and end; NaN for a point that is not known."""
-    start, via, end = (points[:, i] for i in range(3))
-    to_via, to_end, rest = via - start, end - start, end - via
-    lengths = np.linalg.norm(np.stack([to_via, rest, to_end], axis=1), axis=2)
-    close = lengths < LEAST_APART  # NaN is no length, so it never is
-    angle = _between(to_via, to_end)
-    # the angle at the circle point stands on the part of the circle that is left out
-    turn = 360.0 - 2.0 * _between(-to_via, rest)
-    plain = ~close.any(axis=1) & ~np.isnan(lengths).any(axis=1)
-    straight, long = angle < LEAST_ANGLE, turn > LONGEST
-    for rule, what, bad in (
-        (rules.ARC_CLOSE, "start and circle point", close[:, 0]),
-        (rules.ARC_CLOSE, "circle point and end", close[:, 1]),
-        (rules.ARC_CLOSE, "start and end", close[:, 2]),
-        (rules.ARC_STRAIGHT, "", plain & straight),
-        (rules.ARC_LONG, "", plain & ~straight & long),
-    ):
-        at = np.flatnonzero(bad)
-        if len(at):
-            more = f", as of {len(at) - 1} more" if len(at) > 1 else ""
-            given = {"what": what, "angle": float(turn[at[0]]), "more": more}
-            yield look.finding(rule, node, row=int(rows[at[0]]), **given)
-
-
-def _between(a: Floats, b: Floats) -> Floats:
-    """(n,) degrees between vectors."""
-    sine = np.linalg.norm(np.cross(a, b), axis=1)
-    angles: Floats = np.degrees(np.arctan2(sine, (a * b).sum(axis=1)))
-    return angles
+def _found(look: Look, moves: Moves[s.Node]) -> Found:
+    rows = np.flatnonzero(moves.kinds == CIRCULAR)
+    measures = ArcMeasures.through(
+        np.stack([moves.before[rows], moves.vias[rows], moves.ends[rows]], axis=1)
+    )
+    close = measures.sides < LEAST_APART  # NaN is no length, so it never is
+    plain = ~close.any(axis=1) & ~np.isnan(measures.sides).any(axis=1)
+    straight = measures.apart < LEAST_ANGLE
+    for item in np.unique(moves.item[rows]):
+        here = moves.item[rows] == item
+        for rule, what, bad in (
+            (rules.ARC_CLOSE, "start and circle point", close[:, 0]),
+            (rules.ARC_CLOSE, "circle point and end", close[:, 1]),
+            (rules.ARC_CLOSE, "start and end", close[:, 2]),
+            (rules.ARC_STRAIGHT, "", plain & straight),
+            (rules.ARC_LONG, "", plain & ~straight & (measures.around > LONGEST)),
+        ):
+            at = np.flatnonzero(bad & here)
+            if len(at):
+                yield look.finding(
+                    rule,
+                    moves.items[item],
+                    row=int(moves.row[rows[at[0]]]),
+                    what=what,
+                    angle=float(measures.around[at[0]]),
+                    more=as_of_more(len(at)),
+                )
 
 
 class _Positions:
@@ -175,12 +161,6 @@ class _Positions:
             value = found.node.value
         numbers = literal_target(value)
         return np.array(UNKNOWN if numbers is None else numbers[:3])
-
-    def last(self, run: MoveRun) -> Floats:
-        """(3,) of where a run ends."""
-        if run.values is not None:
-            return np.array(run.values[-1, :3])
-        return np.array(self.of(run.names.rows(slice(-1, None)))[0])
 
     def of(self, names: Names) -> Floats:
         """(n, 3) of names in columns; NaN where they are not known."""

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
 from assistant.languages.checks.slips import misspelt
 from assistant.languages.rapid.checks import names_used
 from assistant.languages.rapid.checks import use_rules as rules
-from assistant.languages.rapid.checks.arguments import Bound, bind, signature_of
+from assistant.languages.rapid.checks.arguments import bind, call_of, signature_of
 from assistant.languages.rapid.checks.kinds import Scope
 from assistant.languages.rapid.checks.motions import PREDEFINED, WORDS, nearest, unknown
 from assistant.languages.rapid.checks.values import shaped
 from assistant.languages.rapid.tables import predefined, signatures
-from assistant.languages.rapid.tables.signatures import Parameter, Signature, signature
+from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tables.words import TYPE_ENDING
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import root
+from assistant.languages.signatures import Parameter, Signature
 from assistant.program.diagnostics import Diagnostic, Severity
 
 Found = Iterator[Diagnostic]
@@ -61,9 +62,10 @@ def _call(node: s.ProcedureCall | s.FunctionCall, name: str, kind: str, scope: S
         rule = rules.FUNCTION_ALONE if kind == "PROC" else rules.NO_FUNCTION
         yield scope.look.finding(rule, node, name=routine.name)
         return
-    yield from bind(node, routine, scope)
-    for bound in Bound.of(node.arguments, routine):
-        yield from _argument(bound, routine, scope)
+    call = call_of(node, routine)
+    yield from bind(node, call, scope)
+    for value, parameters in call.bound():
+        yield from _argument(value, parameters, routine, scope)
 
 
 def _unknown(node: s.ProcedureCall | s.FunctionCall, name: str, kind: str, scope: Scope) -> Found:
@@ -92,14 +94,15 @@ def _routine(name: str, scope: Scope) -> Signature | None:
 
 def _right(node: s.ProcedureCall | s.FunctionCall, routine: Signature, scope: Scope) -> bool:
     """Whether the arguments of a call fit another routine: else that one is hardly meant."""
-    bound = Bound.of(node.arguments, routine)
-    return not any(bind(node, routine, scope)) and all(
-        scope.suiting(one.value, one.parameters) for one in bound
+    call = call_of(node, routine)
+    return not any(bind(node, call, scope)) and all(
+        scope.suiting(value, parameters) for value, parameters in call.bound()
     )
 
 
-def _argument(bound: Bound, routine: Signature, scope: Scope) -> Found:
-    value, parameters = bound.value, bound.parameters
+def _argument(
+    value: s.Expression, parameters: Sequence[Parameter], routine: Signature, scope: Scope
+) -> Found:
     if isinstance(value, s.Placeholder) or any(one.mode == "REF" for one in parameters):
         return
     if isinstance(value, s.NameRef) and scope.find(value.name) is None:

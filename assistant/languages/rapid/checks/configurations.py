@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from functools import partial
 from typing import Final
 
 import numpy as np
 
-from assistant.languages.rapid.checks import plain_rules
 from assistant.languages.rapid.checks.module_view import Look
+from assistant.languages.rapid.checks.plain_rules import NO_CFX, NO_QUADRANTS
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_target
-from assistant.languages.rapid.tree.runs import MOVES
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Diagnostic
 
@@ -26,44 +24,30 @@ CODES: Final = (10, 9999)
 
 def configurations(look: Look) -> Iterator[Diagnostic]:
     """Quadrants and cfx are whole numbers, and cfx is one that an arm of six axes has."""
-    for run in look.all(s.TargetRunNode):
-        yield from _rows(look, run, run.run.values[:, 7:11], run.run.names.name)
-    for moves in look.all(s.MoveRunNode):
-        if moves.run.values is not None:
-            name = partial(_word, moves)
-            yield from _rows(look, moves, moves.run.values[:, 7:11], name)
+    for run, values, name in look.targets:
+        yield from _rows(look, run, values[:, 7:11], name)
     for call in look.all(s.ProcedureCall):
         for argument in call.arguments:
             if isinstance(argument, s.Positional):
-                yield from _written_out(look, argument, argument.value, str(call.name))
+                yield from _written_out(look, argument.value, str(call.name))
     for node in look.all(s.Data):
         if node.value is not None and node.type.lower() == "robtarget":
-            yield from _written_out(look, node, node.value, node.name)
+            yield from _written_out(look, node.value, node.name)
 
 
-def _word(moves: s.MoveRunNode, row: int) -> str:
-    return MOVES[int(moves.run.kinds[row])]
-
-
-def _written_out(look: Look, node: s.Node, value: s.Expression, name: str) -> Iterator[Diagnostic]:
+def _written_out(look: Look, value: s.Expression, name: str) -> Iterator[Diagnostic]:
     """A target, or those of an array, at its own place."""
     numbers = literal_target(value)
     if numbers is not None:
-        place = value if isinstance(value, s.Node) else node
-        yield from _rows(look, place, np.array([numbers[7:11]]), lambda _: name, single=True)
+        yield from _rows(look, value, np.array([numbers[7:11]]), lambda _: name)
     elif isinstance(value, s.AggregateNode):
         for item in value.items:
             if isinstance(item, s.AggregateNode):
-                yield from _written_out(look, item, item, name)
+                yield from _written_out(look, item, name)
 
 
 def _rows(
-    look: Look,
-    node: s.Node,
-    confdata: Floats,
-    name: Callable[[int], str],
-    *,
-    single: bool = False,
+    look: Look, node: s.Node, confdata: Floats, name: Callable[[int], str]
 ) -> Iterator[Diagnostic]:
     """confdata: (n, 4) of the rows of a run. name: of a row."""
     whole = np.isfinite(confdata) & (confdata == np.round(confdata))
@@ -71,16 +55,9 @@ def _rows(
     odd = ~(quadrants & whole[:, 3])
     cfx = confdata[:, 3]
     known = ((cfx >= 0) & (cfx < SHAPES)) | ((cfx >= CODES[0]) & (cfx <= CODES[1]))
-    for faults, rule in (
-        (odd, plain_rules.NO_QUADRANTS),
-        (~odd & ~known, plain_rules.NO_CFX),
-    ):
+    for faults, rule in ((odd, NO_QUADRANTS), (~odd & ~known, NO_CFX)):
         rows = np.flatnonzero(faults)
         if len(rows):
-            row = int(rows[0])
-            more = f", as of {len(rows) - 1} more" if len(rows) > 1 else ""
-            numbers = ", ".join(f"{v:g}" for v in confdata[row])
-            place = {} if single else {"row": row}
-            yield look.finding(
-                rule, node, name=name(row), numbers=numbers, cfx=f"{cfx[row]:g}", more=more, **place
-            )
+            numbers = [f"{value:g}" for value in confdata[rows[0]]]
+            listed = ", ".join(numbers)
+            yield from look.at_rows(rule, node, rows, name, numbers=listed, cfx=numbers[-1])

@@ -13,8 +13,9 @@ from typing import Final, cast
 
 from assistant.languages.rapid.checks.module_view import Declaration, Look
 from assistant.languages.rapid.tables import predefined
-from assistant.languages.rapid.tables.signatures import Parameter, Slot, signature
+from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.signatures import Parameter, Slot
 from assistant.program import expressions as e
 
 NUMBER: Final = "number"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import islice, takewhile
@@ -12,11 +12,13 @@ from typing import Any, Final, TypeVar
 import numpy as np
 
 from assistant.languages.checks.views import Memory, by_type
+from assistant.languages.checks.wording import as_of_more
 from assistant.languages.rapid.text.header import opening
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.runs import TargetRun
+from assistant.languages.rapid.tree.runs import MOVES, TargetRun
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.languages.runs.names import Names, split
+from assistant.program.arrays import Floats, Rows
 from assistant.program.diagnostics import Diagnostic, Rule, Span
 
 N = TypeVar("N", bound=s.Node)
@@ -224,6 +226,24 @@ class Look:
         if row is not None and isinstance(node, s.TargetRunNode | s.MoveRunNode):
             span = _row_span(source.text, span, row)
         return source.finding(rule, span, **given)
+
+    def at_rows(
+        self, rule: Rule, node: s.Node, rows: Rows, name: Callable[[int], str], **given: Any
+    ) -> Iterator[Diagnostic]:
+        """The rule's finding at the first of some rows of a node, none if there are none."""
+        for row in rows[:1].tolist():
+            more = as_of_more(len(rows))
+            yield self.finding(rule, node, row=row, name=name(row), more=more, **given)
+
+    @property
+    def targets(self) -> Iterator[tuple[s.Node, Floats, Callable[[int], str]]]:
+        """Long runs of targets that are written out: values (n, 17), and what a row is called."""
+        for run in self.all(s.TargetRunNode):
+            yield run, run.run.values, run.run.names.name
+        for moves in self.all(s.MoveRunNode):
+            if moves.run.values is not None:
+                words = [MOVES[kind] for kind in moves.run.kinds.tolist()]
+                yield moves, moves.run.values, words.__getitem__
 
 
 _ROW: Final = re.compile(r"(?:\s++|![^\n]*+)*+((?:[^;!]|![^\n]*+)*+;)")

@@ -8,6 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.languages.checks.name_sets import places, repeats
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.checks import plain_rules
 from assistant.languages.rapid.checks.module_view import Look, Task, declaration, parameters
@@ -82,22 +83,14 @@ def repeated_rows(task: Task) -> list[tuple[s.Module, s.TargetRunNode, int]]:
     """Rows of runs whose name an earlier row has: the first one of each run."""
     if not task.runs:
         return []
-    scopes: dict[int, int] = {}
-    lowered, scope, at, row = [], [], [], []
-    for position, (module, node) in enumerate(task.runs):
-        names = node.run.names
-        lowered.append(Names(tuple(t.lower() for t in names.stems), names.stem, names.number))
-        own = scopes.setdefault(id(module), len(scopes) + 1) if node.scope == "LOCAL" else 0
-        scope.append(np.full(len(names), own))
-        at.append(np.full(len(names), position))
-        row.append(np.arange(len(names)))
-    joined = Names.joined(lowered)
-    places, owners, rows = (np.concatenate(part) for part in (scope, at, row))
-    order = np.lexsort((joined.number, joined.stem, places))
-    keys = np.stack([joined.number[order], joined.stem[order], places[order]])
-    same = np.flatnonzero((keys[:, 1:] == keys[:, :-1]).all(axis=0))
+    modules = {id(module): at for at, module in enumerate(task.modules, 1)}
+    scopes = [modules[id(of)] if node.scope == "LOCAL" else 0 for of, node in task.runs]
+    columns = [node.run.names for _, node in task.runs]
+    lowered = [Names(tuple(t.lower() for t in n.stems), n.stem, n.number) for n in columns]
+    owners, rows = places(columns)
+    pairs = repeats(Names.joined(lowered), np.array(scopes)[owners])
     found: dict[int, tuple[s.Module, s.TargetRunNode, int]] = {}
-    for one, other in zip(order[same], order[same + 1], strict=True):
+    for one, other in zip(*pairs, strict=True):
         module, node = task.runs[int(owners[other])]
         before = task.runs[int(owners[one])][0]
         if before is module or not task.mixed:

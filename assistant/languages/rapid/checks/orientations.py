@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from functools import partial
 from typing import Final
 
 import numpy as np
@@ -14,7 +13,6 @@ from assistant.languages.rapid.checks.kinds import Types
 from assistant.languages.rapid.checks.module_view import Look
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number, literal_target
-from assistant.languages.rapid.tree.runs import MOVES
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Diagnostic, Severity
 
@@ -28,31 +26,25 @@ Found = Iterator[Diagnostic]
 
 def quaternions(look: Look) -> Found:
     """They have unit length; all zero is a place holder that no robot can move to."""
-    for run in look.all(s.TargetRunNode):
-        yield from _rows(look, run, run.run.values[:, 3:7], run.run.names.name)
-    for moves in look.all(s.MoveRunNode):
-        if moves.run.values is not None:
-            yield from _rows(look, moves, moves.run.values[:, 3:7], partial(_word, moves))
+    for run, values, name in look.targets:
+        yield from _rows(look, run, values[:, 3:7], name)
     for call in look.all(s.ProcedureCall):
-        yield from _call(look, call)
+        for argument in call.arguments:
+            numbers = literal_target(argument.value) if isinstance(argument, s.Positional) else None
+            if numbers is not None:
+                yield from _rows(look, argument, np.array([numbers[3:7]]), _always(str(call.name)))
     types = Types(look)
     for node in look.all(s.Data):
         if isinstance(node.value, s.AggregateNode):
             depth = len(node.dimensions)
+            target = node.storage == "CONST" and node.type.lower() == "robtarget"
             for place, numbers in _orientations(types, node.value, node.type, depth):
-                off = abs(sum(v * v for v in numbers) - 1.0)
-                if not any(numbers):
-                    if node.storage == "CONST" and node.type.lower() == "robtarget":
-                        name = node.name
-                        yield look.finding(plain_rules.NO_ORIENTATION, place, name=name, more="")
-                elif off > OFF_UNIT:
-                    yield look.finding(
-                        rules.NOT_UNIT, place, severity=_severity(off), name=node.name, off=off
-                    )
+                if target or any(numbers):
+                    yield from _rows(look, place, np.array([numbers]), _always(node.name))
 
 
-def _word(moves: s.MoveRunNode, row: int) -> str:
-    return MOVES[int(moves.run.kinds[row])]
+def _always(name: str) -> Callable[[int], str]:
+    return lambda _: name
 
 
 def _rows(look: Look, node: s.Node, q: Floats, name: Callable[[int], str]) -> Found:
@@ -63,28 +55,11 @@ def _rows(look: Look, node: s.Node, q: Floats, name: Callable[[int], str]) -> Fo
     if len(bad):
         worst = int(bad[off[bad].argmax()])
         miss = float(off[worst])
-        severity = _severity(miss)
+        severity = Severity.ERROR if miss > USELESS else Severity.WARNING
         yield look.finding(
             rules.NOT_UNIT, node, row=worst, severity=severity, name=name(worst), off=miss
         )
-    if zero.any():
-        rows = np.flatnonzero(zero)
-        more = f", as of {len(rows) - 1} more" if len(rows) > 1 else ""
-        first = int(rows[0])
-        yield look.finding(plain_rules.NO_ORIENTATION, node, row=first, name=name(first), more=more)
-
-
-def _call(look: Look, call: s.ProcedureCall) -> Found:
-    """Targets that are written out in a call."""
-    for argument in call.arguments:
-        numbers = literal_target(argument.value) if isinstance(argument, s.Positional) else None
-        if numbers is not None:
-            q = np.array([numbers[3:7]])
-            yield from _rows(look, argument, q, lambda _: str(call.name))
-
-
-def _severity(off: float) -> Severity:
-    return Severity.ERROR if off > USELESS else Severity.WARNING
+    yield from look.at_rows(plain_rules.NO_ORIENTATION, node, np.flatnonzero(zero), name)
 
 
 def _orientations(

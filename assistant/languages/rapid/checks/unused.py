@@ -4,23 +4,23 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
+from assistant.languages.checks.name_sets import NameSet
+from assistant.languages.checks.wording import SHOWN, listed
 from assistant.languages.rapid.checks import plain_rules as rules
 from assistant.languages.rapid.checks.module_view import Look, Task
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
-from assistant.languages.runs.names import Names, split
+from assistant.languages.runs.names import Names
 from assistant.program.arrays import Truths
-from assistant.program.diagnostics import Diagnostic
+from assistant.program.diagnostics import Diagnostic, Rule
 
 Found = Iterator[Diagnostic]
 
 _WORD: Final = re.compile(r"[^\W\d]\w*")
-SHOWN: Final = 6
-"""Names that one finding lists."""
 SHORTEST: Final = 3
 """Letters of a string that count as the begin of a name."""
 
@@ -71,13 +71,10 @@ def _inner(look: Look, routine: s.Routine) -> Found:
     yield from _told(look, rules.UNUSED_DATA, idle)
 
 
-def _told(look: Look, rule: Any, found: list[tuple[s.Node, int, str]]) -> Found:
+def _told(look: Look, rule: Rule, found: list[tuple[s.Node, int, str]]) -> Found:
     if found:
         first, row, _ = found[0]
-        names = ", ".join(f"`{name}`" for _, _, name in found[:SHOWN])
-        more = f" and {len(found) - SHOWN} more" if len(found) > SHOWN else ""
-        them = "them" if len(found) > 1 else "it"
-        yield look.finding(rule, first, row=row, names=names + more, them=them)
+        yield look.finding(rule, first, row=row, **listed([name for _, _, name in found]))
 
 
 class Used:
@@ -88,54 +85,34 @@ class Used:
     """
 
     def __init__(self, task: Task | None = None) -> None:
-        self.words: set[str] = set()
+        self.names = NameSet()
         self.beginnings: set[str] = set()
-        self.runs: list[Names] = []
         for node in nodes(task.modules if task else ()):
             self.take(node)
 
     def take(self, node: s.Node) -> None:
         match node:
             case s.NameRef(name) | s.FunctionCall(name) | s.ProcedureCall(str(name)):
-                self.words.add(name.lower())
+                self.names.words.add(name.lower())
             case s.Connect(trap=trap):
-                self.words.add(trap.lower())
+                self.names.words.add(trap.lower())
             case s.StringLiteral(value):
                 words = [word.lower() for word in _WORD.findall(value)]
-                self.words.update(words)
+                self.names.words.update(words)
                 self.beginnings.update(word for word in words if len(word) >= SHORTEST)
             case s.MoveRunNode(run):
-                self.runs += [run.names, run.vias]
+                self.names.columns += [run.names, run.vias]
                 for m in run.motions.table:
-                    self.words.update(w.lower() for w in (m.speed, m.zone, m.tool, m.frame))
+                    self.names.words.update(w.lower() for w in (m.speed, m.zone, m.tool, m.frame))
 
     def __contains__(self, name: str) -> bool:
-        low = name.lower()
-        if low in self.words or any(low.startswith(begin) for begin in self.beginnings):
-            return True
-        stem, number = split(low) if low.isascii() else (b"", 0)
-        return any(
-            (run.number[np.isin(run.stem, _stems(run, stem))] == number).any() for run in self.runs
-        )
+        return self._may_be_made(name.lower()) or name.lower() in self.names
 
     def rows(self, names: Names) -> Truths:
         """(n,) which rows of declared names are used."""
-        words: dict[bytes, list[int]] = {}
-        for word in self.words:
-            if word.isascii():
-                stem, number = split(word)
-                words.setdefault(stem, []).append(number)
-        used = np.zeros(len(names), dtype=bool)
-        for at, stem in enumerate(names.stems):
-            low = stem.lower()
-            if any(low.decode("ascii").startswith(begin) for begin in self.beginnings):
-                used |= names.stem == at
-                continue
-            numbers = [np.array(words.get(low, ()), dtype=np.int64)]
-            numbers += [run.number[np.isin(run.stem, _stems(run, low))] for run in self.runs]
-            used |= (names.stem == at) & np.isin(names.number, np.concatenate(numbers))
-        return used
+        made = [self._may_be_made(stem.lower().decode("ascii")) for stem in names.stems]
+        found: Truths = np.array(made)[names.stem] | self.names.among(names)
+        return found
 
-
-def _stems(names: Names, stem: bytes) -> list[int]:
-    return [at for at, other in enumerate(names.stems) if other.lower() == stem]
+    def _may_be_made(self, name: str) -> bool:
+        return any(name.startswith(begin) for begin in self.beginnings)

@@ -3,62 +3,19 @@
 Source: the RAPID instructions, functions and data types manual of RobotWare 6 (3HAC050917),
 compared with the arguments that programs give; instructions of options by their manuals or
 by name only. What is not certain is open or has no type, so that nothing is concluded from it.
+A routine is a `PROC`, `FUNC` or `TRAP`; the mode of a parameter is `VAR`, `PERS`, `INOUT`, or `REF`
+for the mere name of any object.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from typing import Final
 
-
-@dataclass(frozen=True, slots=True)
-class Parameter:
-    """type: lower case, empty if it is not known. dimensions: 0 of a single value, -1 any.
-
-    mode: `VAR`, `PERS`, `INOUT`; `REF` for the mere name of any object, empty for a value.
-    """
-
-    name: str
-    type: str
-    mode: str = ""
-    dimensions: int = 0
-
-
-@dataclass(frozen=True, slots=True)
-class Slot:
-    """One place in a list of parameters: a parameter, or several that exclude each other."""
-
-    alternatives: tuple[Parameter, ...]
-    optional: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class Signature:
-    """What a routine is called with.
-
-    kind: `PROC`, `FUNC` or `TRAP`. result: type of a function's value, empty if not known.
-    open: whether there may be more parameters than stated.
-    option: of RobotWare that brings the routine, empty for every controller.
-    """
-
-    name: str
-    kind: str
-    slots: tuple[Slot, ...] = ()
-    result: str = ""
-    open: bool = False
-    option: str = ""
-
-    @property
-    def required(self) -> tuple[Slot, ...]:
-        return tuple(slot for slot in self.slots if not slot.optional)
-
-    @property
-    def optional(self) -> tuple[Slot, ...]:
-        return tuple(slot for slot in self.slots if slot.optional)
+from assistant.languages.signatures import Parameter, Signature, Slot
 
 
 @cache

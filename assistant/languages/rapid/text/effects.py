@@ -7,12 +7,13 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import Any, Final
 
-from assistant.languages.rapid.tables.signatures import Parameter, Signature, signature
+from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tables.standard import CALLING, JUMPING, MOVING, NAMING, WAITING
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import root
 from assistant.languages.runs.names import Names
+from assistant.languages.signatures import Parameter, Signature
 from assistant.languages.walking import Walk
 from assistant.program.diagnostics import Refused
 from assistant.program.effects import Collected, Effect, KeptKind, unknown

@@ -1,0 +1,30 @@
+"""What numbers may be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What a literal number may be. number: of the error that a controller
+    shows, 0 for the usual one. above: low is too low.
+    """
+
+    what: str
+    low: float
+    high: float
+    above: bool = False
+    cure: str = ""
+    number: int = 0
+
+    def holds(self, value: float) -> bool:
+        return self.low <= value <= self.high and not (self.above and value == self.low)
+
+    @property
+    def range(self) -> str:
+        if self.high == inf:
+            return f"above {self.low:g}" if self.above else f"{self.low:g} or more"
+        begin = f"above {self.low:g} and at most" if self.above else f"{self.low:g} to"
+        return f"{begin} {self.high:g}"

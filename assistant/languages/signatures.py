@@ -1,0 +1,178 @@
+"""What routines are called with, and which argument of a call is for which parameter."""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+N = TypeVar("N")
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """type: lower case, empty if it is not known. dimensions: 0 of a single value, -1 any.
+
+    mode: how it is handed over, in the language's own word; empty for a value.
+    """
+
+    name: str
+    type: str
+    mode: str = ""
+    dimensions: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Slot:
+    """One place in a list of parameters: a parameter, or several that exclude each other."""
+
+    alternatives: tuple[Parameter, ...]
+    optional: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Signature:
+    """What a routine is called with.
+
+    kind: what it is, in the language's own word. result: type of a function's value, empty if not
+    known. open: whether there may be more parameters than stated. option: of the controller that
+    brings the routine, empty for every controller.
+    """
+
+    name: str
+    kind: str
+    slots: tuple[Slot, ...] = ()
+    result: str = ""
+    open: bool = False
+    option: str = ""
+
+    @property
+    def required(self) -> tuple[Slot, ...]:
+        return tuple(slot for slot in self.slots if not slot.optional)
+
+    @property
+    def optional(self) -> tuple[Slot, ...]:
+        return tuple(slot for slot in self.slots if slot.optional)
+
+
+@dataclass(frozen=True, slots=True)
+class Given(Generic[N]):
+    """An argument of a call.
+
+    value: None of one that says no more than that it is there. name: of the parameter, empty if it
+    is not written. optional: it is for a parameter that may be left out, by its name.
+    handed_on: it is what the caller itself may have been given. hole: nothing is written yet.
+    """
+
+    node: N
+    value: Any = None
+    name: str = ""
+    optional: bool = False
+    handed_on: bool = False
+    hole: bool = False
+
+
+class Misfit(enum.Enum):
+    """What may be wrong with the arguments of a call."""
+
+    MISSING = enum.auto()
+    TOO_MANY = enum.auto()
+    OTHER_NAME = enum.auto()
+    UNKNOWN = enum.auto()
+    EXCLUSIVE = enum.auto()
+    NO_VALUE = enum.auto()
+    SWITCH_WITH_VALUE = enum.auto()
+
+
+Wrong = tuple[Misfit, N | None, dict[str, Any]]
+"""What is wrong, at which argument (None for the call), and the fields of its sentence."""
+
+
+class Call(Generic[N]):
+    """Arguments beside the signature of what is called."""
+
+    def __init__(self, given: Sequence[Given[N]], routine: Signature) -> None:
+        self.given, self.routine = given, routine
+        self.plain = [one for one in given if not one.optional]
+        self.named = [one for one in given if one.optional]
+        self.options = {
+            one.name.lower(): (slot, one) for slot in routine.optional for one in slot.alternatives
+        }
+
+    def bound(self) -> Iterator[tuple[Any, tuple[Parameter, ...]]]:
+        """Values with the parameters that they may be for: several where those exclude each other.
+
+        Only what has its place for sure: plain arguments if there are as many as there are to be.
+        """
+        required = self.routine.required
+        counted = self.routine.open or len(self.plain) == len(required)
+        places = iter(required if counted else ())
+        for one in self.given:
+            if not one.optional:
+                slot = next(places, None)
+                if slot is not None:
+                    yield one.value, slot.alternatives
+            elif one.value is not None and not one.handed_on:
+                found = self.options.get(one.name.lower())
+                if found is not None and found[1].type != "switch":
+                    yield one.value, (found[1],)
+
+    def misfits(
+        self, suits: Callable[[Any, Slot], bool], *, any_name: bool = False
+    ) -> Iterator[Wrong[N]]:
+        """Arguments that are missing, too many, unknown, named wrongly, or given twice.
+
+        suits: whether a value may be for a slot. any_name: names that no parameter has may be
+        written before plain arguments.
+        """
+        yield from self._misnamed(any_name)
+        yield from self._counted(suits)
+        taken: dict[int, Given[N]] = {}
+        for one in self.named:
+            found = self.options.get(one.name.lower())
+            if found is not None and not one.handed_on:
+                slot, parameter = found
+                fields = {"option": one.name, "type": parameter.type}
+                if parameter.type == "switch" and one.value is not None:
+                    yield Misfit.SWITCH_WITH_VALUE, one.node, fields
+                elif parameter.type not in ("", "switch") and one.value is None:
+                    yield Misfit.NO_VALUE, one.node, fields
+                before = taken.setdefault(id(slot), one)
+                if before is not one:
+                    yield Misfit.EXCLUSIVE, one.node, {"one": before.name, "other": one.name}
+            elif found is None and not self.routine.open:
+                yield Misfit.UNKNOWN, one.node, {"option": one.name}
+
+    def _misnamed(self, any_name: bool) -> Iterator[Wrong[N]]:
+        slots = self.routine.required
+        known = {one.name.lower() for slot in slots for one in slot.alternatives}
+        for given, slot in zip(self.plain, slots, strict=False):
+            name = given.name.lower()
+            own = {one.name.lower() for one in slot.alternatives}
+            if name and name not in own and (name in known or not any_name):
+                parameter = slot.alternatives[0].name
+                yield Misfit.OTHER_NAME, given.node, {"name": given.name, "parameter": parameter}
+
+    def _counted(self, suits: Callable[[Any, Slot], bool]) -> Iterator[Wrong[N]]:
+        slots, given = self.routine.required, len(self.plain)
+        if self.routine.open or any(one.hole for one in self.plain):
+            return
+        if given > len(slots):
+            yield Misfit.TOO_MANY, self.plain[len(slots)].node, {"given": given}
+        elif given < len(slots):
+            yield Misfit.MISSING, None, {"parameters": self._missing(suits)}
+
+    def _missing(self, suits: Callable[[Any, Slot], bool]) -> str:
+        """The one parameter without which the types fit, else how many are missing."""
+        slots, values = self.routine.required, [one.value for one in self.plain]
+        gaps: Sequence[Slot] = slots
+        if len(slots) == len(values) + 1 and len(slots) > 1:
+            gaps = [
+                gap
+                for i, gap in enumerate(slots)
+                if all(map(suits, values, (*slots[:i], *slots[i + 1 :])))
+            ]
+        if len(gaps) == 1:
+            return " or ".join(f"`{one.name}`" for one in gaps[0].alternatives)
+        return f"{len(slots) - len(values)} of its {len(slots)} arguments"
