@@ -5,12 +5,17 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from assistant.languages.melfa_basic.tables.dialects import LAST_STEP
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
-from assistant.languages.melfa_basic.tree.targets import retargeted
+from assistant.languages.melfa_basic.tree.targets import (
+    first_step,
+    retargeted,
+    steps_in,
+)
+from assistant.languages.melfa_basic.tree.targets import (
+    numbered as given_steps,
+)
 
 
 def bare(items: Sequence[s.Item]) -> list[s.Item]:
@@ -27,28 +32,11 @@ def numbered(
     that go again, with jumps to the number of the line below them.
     """
     kept, dropped = _without(items, as_steps)
-    count = sum(len(i) if isinstance(i, MoveRows) else isinstance(i, s.Line) for i in kept)
-    if count > LAST_STEP:
+    if steps_in(kept) > LAST_STEP:
         return None
-    step = max(1, min(step, LAST_STEP // max(count, 1)))
-    number = 0
-    lines: list[s.Item] = []
-    first: list[int] = []
-    for item in kept:
-        first.append(number + step)
-        if isinstance(item, MoveRows):
-            steps = number + step * np.arange(1, len(item) + 1, dtype=np.int64)
-            lines.append(replace(item, steps=steps))
-            number = int(steps[-1])
-        elif isinstance(item, s.Line):
-            number += step
-            lines.append(replace(item, number=number))
-        else:
-            lines.append(item)
-    if not dropped:
-        return lines
-    places = {name: first[at] for name, at in dropped.items()}
-    return [retargeted(item, lambda to: places.get(str(to).upper(), to)) for item in lines]
+    lines = list(given_steps(kept, step))
+    places = {name: first_step(lines[at]) for name, at in dropped.items()}
+    return [retargeted(item, lambda to: places.get(str(to).upper()) or to) for item in lines]
 
 
 def _without(

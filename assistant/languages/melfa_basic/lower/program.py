@@ -13,11 +13,12 @@ from assistant.languages.melfa_basic.lower.heading import heading, named
 from assistant.languages.melfa_basic.lower.names import naming
 from assistant.languages.melfa_basic.lower.unit import Unit
 from assistant.languages.melfa_basic.tables import poses
-from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP, Dialect
+from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.languages.melfa_basic.tables.variables import LETTERS
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
+from assistant.languages.melfa_basic.tree.columnar import PositionRows
 from assistant.languages.melfa_basic.tree.line_tables import gathered
+from assistant.languages.melfa_basic.tree.targets import numbered
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Refused
@@ -56,25 +57,6 @@ def build(
     return lines.tree(code)
 
 
-def steps(items: list[s.Item]) -> int:
-    """Step numbers that the code lines take."""
-    return sum(len(i) if isinstance(i, MoveRows) else 1 for i in items)
-
-
-def numbered(items: list[s.Item], dialect: Dialect) -> Iterator[s.Item]:
-    """The lines with step numbers, in smaller steps if the usual ones would not fit."""
-    count = steps(items)
-    step = max(1, min(dialect.step, LAST_STEP // max(count, 1)))
-    at = step
-    for item in items:
-        if isinstance(item, MoveRows):
-            yield replace(item, steps=at + step * np.arange(len(item), dtype=np.int64))
-            at += step * len(item)
-        elif isinstance(item, s.Line):
-            yield replace(item, number=at)
-            at += step
-
-
 class UnitLines(Unit):
     """The code lines and the variable lines of a unit."""
 
@@ -93,7 +75,7 @@ class UnitLines(Unit):
 
     def tree(self, code: list[s.Item]) -> s.File:
         """The file of its code lines, which it gave before, and its variable lines."""
-        steps = gathered(numbered(code, self.dialect))
+        steps = gathered(numbered(code, self.dialect.step))
         return s.File(self.dialect.name, (*steps, *gathered(list(self.data()))))
 
     def as_subroutines(self, first: Procedure | None, others: list[Procedure]) -> None:

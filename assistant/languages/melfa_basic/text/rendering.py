@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from assistant.languages.alignment import aligned, same
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
-from assistant.languages.melfa_basic.text.layout.levels import Levels
+from assistant.languages.melfa_basic.text.layout.levels import levels
 from assistant.languages.melfa_basic.text.layout.printing import decimals, item_text, print_items
 from assistant.languages.melfa_basic.text.merging.changed_lines import changed_line, parts_of
 from assistant.languages.melfa_basic.text.merging.changed_rows import moves, positions
@@ -58,9 +58,7 @@ class _Changes:
 
     def _levels(self, items: Sequence[s.Item]) -> Iterator[tuple[s.Item, int]]:
         """The items with the level that each stands at."""
-        levels = Levels()
-        for item in items:
-            level = levels.of(item) if isinstance(item, s.Line) else levels.inside
+        for item, level in zip(items, levels(items), strict=True):
             yield item, level if self._dialect.blocks else 0
 
     def _note(self, item: s.Item, text: str, level: int) -> None:

@@ -75,7 +75,7 @@ class Block:
     """A block by the places of its lines.
 
     parts: of ElseIf, Else, Case and Default. last: of the closing word, None where it is missing.
-    depth: blocks that its lines stand in.
+    depth: blocks that its lines stand in. crossed: where a block around it ends while it is open.
     """
 
     kind: Kind
@@ -84,6 +84,7 @@ class Block:
     parts: list[int] = field(default_factory=list)
     last: int | None = None
     depth: int = 1
+    crossed: int | None = None
 
     @property
     def chain(self) -> Iterator[Block]:
@@ -138,6 +139,8 @@ def blocks_of(code: Sequence[object], places: Iterable[int]) -> Blocks:
     inner: Block | None = None
     for at in places:
         statement = statement_of(code[at])
+        if isinstance(statement, s.Function) or statement == s.Command("FEnd"):
+            inner = None
         if kind := opened(statement):
             found.around[at] = inner
             inner = Block(kind, at, inner, depth=1 if inner is None else inner.depth + 1)
@@ -170,9 +173,9 @@ def _misfit(at: int, kind: Kind, inner: Block | None) -> Misfit:
 
 def _close_outer(inner: Block | None, kind: Kind, at: int) -> None:
     """Closes the block that a word is meant for, and leaves those inside of it open."""
-    child = inner
-    for block in inner.chain if inner is not None else ():
-        if block.kind == kind and child is not None:
-            block.last, child.around = at, block.around
-            return
-        child = block
+    chain = list(inner.chain) if inner is not None else []
+    meant = next((k for k, block in enumerate(chain) if block.kind == kind), 0)
+    for block in chain[:meant]:
+        block.crossed = at
+    if meant:
+        chain[meant].last, chain[meant - 1].around = at, chain[meant].around

@@ -9,6 +9,7 @@ from typing import Any, Final, TypeVar
 
 import numpy as np
 
+from assistant.languages.melfa_basic.tables.dialects import LAST_STEP
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import statement_of
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
@@ -149,7 +150,37 @@ def _retargeted(node: Any, change: Change) -> Any:
     return node
 
 
-# --------------------------------------------------------------------------- labels for steps
+# ---------------------------------------------------------------------------------------- steps
+
+
+def steps_in(items: Iterable[object]) -> int:
+    """How many steps some lines are."""
+    return sum(len(i) if isinstance(i, MoveRows) else isinstance(i, s.Line) for i in items)
+
+
+def numbered(items: Sequence[T], step: int) -> Iterator[T]:
+    """The lines with ascending step numbers.
+
+    step: between two of them, smaller where they would not fit otherwise.
+    """
+    step = max(1, min(step, LAST_STEP // max(steps_in(items), 1)))
+    number = step
+    for item in items:
+        if isinstance(item, MoveRows):
+            yield replace(item, steps=number + step * np.arange(len(item), dtype=np.int64))
+            number += step * len(item)
+        elif isinstance(item, s.Line):
+            yield replace(item, number=number)
+            number += step
+        else:
+            yield item
+
+
+def first_step(item: object) -> int | None:
+    """The step number of a line, of the first one of a table of moves."""
+    if isinstance(item, MoveRows):
+        return int(item.steps[0])
+    return item.number if isinstance(item, s.Line) else None
 
 
 def labelled(items: Sequence[T]) -> tuple[list[T | s.Line], dict[str, int]]:
@@ -165,7 +196,7 @@ def labelled(items: Sequence[T]) -> tuple[list[T | s.Line], dict[str, int]]:
     names: dict[str | int, str] = {}
     lines: list[T | s.Line] = []
     for item in _cut(items, wanted):
-        number = _first_step(item)
+        number = first_step(item)
         if number in wanted and number not in names:
             if isinstance(item, s.Line) and item.label is not None:
                 names[number] = item.label
@@ -195,9 +226,3 @@ def _cut(items: Iterable[T], wanted: set[int]) -> Iterator[T | MoveRows]:
             continue
         for low, high in itertools.pairwise(edges):
             yield cut(item, low, high)
-
-
-def _first_step(item: object) -> int | None:
-    if isinstance(item, MoveRows):
-        return int(item.steps[0])
-    return item.number if isinstance(item, s.Line) else None

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from assistant.languages.melfa_basic.lift.files import declared, routines
 from assistant.languages.melfa_basic.lift.files.parts import File
-from assistant.languages.melfa_basic.lift.settings import equal_forms, forms_by_way
+from assistant.languages.melfa_basic.lift.settings import forms_by_way
 from assistant.languages.melfa_basic.lift.settings.calls import calls_of
 from assistant.languages.melfa_basic.lift.settings.flow import Flow
 from assistant.languages.melfa_basic.lift.settings.forms import CalledForms, Form
@@ -34,6 +34,7 @@ from assistant.languages.melfa_basic.lift.values.symbols import Inside, Routine,
 from assistant.languages.melfa_basic.lift.values.timers import timers
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.arrays import Ints
+from assistant.program.passes import equal_procedures
 from assistant.program.program import (
     Declaration,
     Parameter,
@@ -209,7 +210,7 @@ class Unit:
                 self._procedure(number, form, reading, taken_away)
         several = [forms.values() for forms in ways.called.forms if len(forms) > 1]
         origin = {form.name: form.region for forms in several for form in forms}
-        reading.procedures = equal_forms.as_one(reading.procedures, origin)
+        reading.procedures = equal_procedures.as_one(reading.procedures, origin)
         reading.procedures += [replace(f, unit=self.unit) for f in functions]
         return reading
 

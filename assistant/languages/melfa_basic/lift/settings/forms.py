@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, Final
 
@@ -40,7 +40,8 @@ class Form:
 
     One that is divided is read in several passes, each under the settings of its own way there;
     itself it is the first. number: among the forms of the procedure, or the passes from `low` on.
-    name: what the procedure is called in this form, once that is decided.
+    key: tells it from the others. name: what the procedure is called in this form, once that is
+    decided.
     """
 
     region: int
@@ -48,6 +49,7 @@ class Form:
     state: State
     low: int
     high: int
+    key: Any
     called: dict[int, dict[int, Form]] = field(default_factory=dict)
     """Forms that a line calls, by line, then by procedure."""
     head: Form | None = None
@@ -129,41 +131,35 @@ class CalledForms:
 
     def _form(self, region: int, state: State) -> tuple[Form, bool]:
         """The form of a procedure for what its caller has set; whether it is new or changed."""
-        low, high = self.parts[region][0]
-        forms = self.forms[region]
-        key, state = self._key(region, low, state, len(forms) >= MOST_FORMS, forms)
-        known = forms.get(key)
-        if known is None:
-            made = forms[key] = Form(region, len(forms) + 1, state, low, high)
-            if self.flow.is_divided(region):
-                made.passes[key] = made
-            self.read += high - low
-            return made, True
-        return known, self._join(known, state)
+        made, changed = self._met(self.forms[region], region, *self.parts[region][0], state)
+        if self.flow.is_divided(region) and not made.passes:
+            made.passes[made.key] = made
+        return made, changed
 
     def _pass(self, form: Form, low: int, state: State) -> tuple[Form, bool]:
         """The pass of a divided procedure that begins at a place in a state."""
         head = form.head or form
         high = next(high for start, high in self.parts[form.region] if start == low)
-        count = sum(1 for one in head.passes.values() if one.low == low)
-        key, state = self._key(form.region, low, state, count >= MOST_FORMS, head.passes)
-        known = head.passes.get(key)
-        if known is None:
-            made = Form(form.region, count + 1, state, low, high, head=head)
-            head.passes[key] = made
-            self.read += high - low
-            return made, True
-        return known, self._join(known, state)
+        made, changed = self._met(head.passes, form.region, low, high, state)
+        if made is not head:
+            made.head = head
+        return made, changed
 
-    def _key(
-        self, region: int, low: int, state: State, full: bool, known: Mapping[Any, Form]
-    ) -> tuple[Any, State]:
-        """What tells a form from others; the same for all if there are too many."""
+    def _met(
+        self, known: dict[Any, Form], region: int, low: int, high: int, state: State
+    ) -> tuple[Form, bool]:
+        """The one that begins at a place in a state, among those that are known."""
+        count = sum(1 for one in known.values() if one.low == low)
         needs = self.needs[region, low]
         key: Any = (low, *(h.value if k in needs else None for k, h in enumerate(state)))
-        if key in known or not full:
-            return key, state
-        return (low, UNKNOWN), tuple(Held(UNKNOWN, h.by) for h in state)
+        if key not in known and count >= MOST_FORMS:
+            key = low, UNKNOWN  # the same for all if there are too many
+            state = tuple(Held(UNKNOWN, h.by) for h in state)
+        if key in known:
+            return known[key], self._join(known[key], state)
+        made = known[key] = Form(region, count + 1, state, low, high, key)
+        self.read += high - low
+        return made, True
 
     @staticmethod
     def _join(known: Form, state: State) -> bool:

@@ -14,13 +14,14 @@ from assistant.languages.melfa_basic.lower.adapt.data import with_plain_data
 from assistant.languages.melfa_basic.lower.adapt.statements import comment_lines, plain_procedure
 from assistant.languages.melfa_basic.lower.adapt.vendor_text import check_names
 from assistant.languages.melfa_basic.lower.names import naming
-from assistant.languages.melfa_basic.lower.program import UnitLines, branches_in, steps
+from assistant.languages.melfa_basic.lower.program import UnitLines, branches_in
 from assistant.languages.melfa_basic.lower.writer import mentioned
 from assistant.languages.melfa_basic.tables.capabilities import capabilities
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP, Dialect
 from assistant.languages.melfa_basic.tables.variables import is_external
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.targets import steps_in
 from assistant.program.diagnostics import Diagnostic, Findings, Span, has_errors
 from assistant.program.geometry import BASE
 from assistant.program.passes.arrays import (
@@ -141,7 +142,7 @@ def _written(context: Context, program: Program) -> dict[str | None, s.File]:
         code = writing.code()
         findings += writing.findings
         findings += _too_long(code, context.dialect, writing.writer.spans)
-        if (count := steps(code)) > LAST_STEP:
+        if (count := steps_in(code)) > LAST_STEP:
             name, most = names.units[unit], LAST_STEP
             about = Declared(name)
             findings.append(rules.TOO_MANY_STEPS(name=name, count=count, most=most, about=about))

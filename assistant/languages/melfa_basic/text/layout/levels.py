@@ -2,69 +2,49 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.blocks import closed, divided, opened
+from assistant.languages.melfa_basic.tree.blocks import Block, blocks_of, divided, statement_of
 
 _DEEPER: Final = {"Select": 2}
 """Levels that a block's inside is deeper, if not one: `Case` stands one level in."""
 
 
-class Levels:
-    """The level of line after line, from 0; what is closed but was never opened is passed over."""
-
-    def __init__(self) -> None:
-        self._open: list[str] = []
-        self._inside = 0
-        self._selects = False
-
-    @property
-    def inside(self) -> int:
-        """The level of a plain line that comes next."""
-        return self._inside
-
-    @property
-    def comment(self) -> int:
-        """The level of a line that is a comment; before the first `Case` it is that one's."""
-        return self.inside - self._selects
-
-    def of(self, item: s.Line) -> int:
-        """The level of a line, which comes next."""
-        if is_comment(item):
-            return self.comment
-        self._selects = isinstance(item.statement, s.Select)
-        return self._level(item.statement)
-
-    def _level(self, statement: s.Statement | None) -> int:
+def levels(items: Sequence[s.Item]) -> list[int]:
+    """The level of each item, from 0; what is closed but was never opened is passed over."""
+    blocks = blocks_of(items, range(len(items)))
+    made: list[int] = []
+    function = 0
+    selects = False
+    for at, item in enumerate(items):
+        statement = statement_of(item)
+        if isinstance(statement, s.Function) or statement == s.Command("FEnd"):
+            function = 0
+        level = function + _inside(blocks.around[at], at)
         if isinstance(statement, s.Function):
-            self._open, self._inside = ["Function"], 1
-            return 0
-        kind = opened(statement)
-        if kind:
-            level = self.inside
-            self._open.append(kind)
-            self._inside += _DEEPER.get(kind, 1)
-            return level
+            function = 1
         if divided(statement):
-            return max(self.inside - 1, 0)
-        self._close(statement)
-        return self.inside
-
-    def _close(self, statement: s.Statement | None) -> None:
-        if statement == s.Command("FEnd"):
-            self._open, self._inside = [], 0
-        for kind in closed(statement):
-            self._leave(kind)
-
-    def _leave(self, kind: str) -> None:
-        if kind in self._open:
-            left = ""
-            while left != kind:
-                left = self._open.pop()
-                self._inside -= _DEEPER.get(left, 1)
+            level = max(level - 1, 0)
+        elif is_comment(item):
+            level -= selects  # before the first `Case` it is that one's
+        if isinstance(item, s.Line) and not is_comment(item):
+            selects = isinstance(statement, s.Select)
+        made.append(level)
+    return made
 
 
-def is_comment(item: s.Line) -> bool:
-    """Whether a line is a comment and nothing else."""
-    return item.statement is None and item.label is None and item.comment is not None
+def _inside(block: Block | None, at: int) -> int:
+    chain = block.chain if block is not None else ()
+    return sum(_DEEPER.get(b.kind, 1) for b in chain if b.crossed is None or at < b.crossed)
+
+
+def is_comment(item: s.Item) -> bool:
+    """Whether an item is a comment and nothing else."""
+    return (
+        isinstance(item, s.Line)
+        and item.statement is None
+        and item.label is None
+        and item.comment is not None
+    )

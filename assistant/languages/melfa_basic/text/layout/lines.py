@@ -19,7 +19,7 @@ from typing import Final
 
 from assistant.languages.laying_out import TAB, Line, aligned
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
-from assistant.languages.melfa_basic.text.layout.levels import Levels, is_comment
+from assistant.languages.melfa_basic.text.layout.levels import is_comment, levels
 from assistant.languages.melfa_basic.text.layout.printing import decimals, exact, item_text
 from assistant.languages.melfa_basic.text.layout.tokens import COMMENTS, code, tokens
 from assistant.languages.melfa_basic.text.printer import INDENT, constant
@@ -69,25 +69,23 @@ class _Pages:
     def pieces(self) -> Iterator[str]:
         """Lines with their ends; a table is one piece."""
         waiting: list[Line] = []
-        levels = Levels()
-        for at, item in enumerate(self._file.items):
+        inside = levels(self._file.items)
+        for at, (item, level) in enumerate(zip(self._file.items, inside, strict=True)):
+            if not self._dialect.blocks:
+                level = 0
+            elif is_comment(item):
+                level -= self._heads_division(item, at)
             if isinstance(item, s.Line):
-                waiting.append(self._line(item, self._level(item, at, levels)))
+                waiting.append(self._line(item, level))
                 continue
             yield from self._aligned(waiting)
             waiting = []
-            yield self._other(item, self._places[at], levels)
+            yield self._other(item, self._places[at], level)
         yield from self._aligned(waiting)
 
     # Levels
 
-    def _level(self, item: s.Line, at: int, levels: Levels) -> int:
-        level = levels.of(item)
-        if level == levels.inside and is_comment(item):
-            level -= self._heads_division(item, at)
-        return level if self._dialect.blocks else 0
-
-    def _heads_division(self, comment: s.Line, at: int) -> bool:
+    def _heads_division(self, comment: s.Item, at: int) -> bool:
         """Whether a comment belongs to an `Else` or `Case` below rather than to what is above.
 
         It does where it stands at that word's column and what is above does not.
@@ -101,7 +99,7 @@ class _Pages:
             return False  # that one comes to stand at the same column
         return column == self._column(below) and (above is None or column != self._column(above))
 
-    def _column(self, item: s.Line) -> int:
+    def _column(self, item: s.Item) -> int:
         """The column at which the text behind the step number begins."""
         text = self._source(item)
         start = self._behind_step(text)
@@ -154,9 +152,8 @@ class _Pages:
 
     # What is no line of code
 
-    def _other(self, item: s.Item, places: int, levels: Levels) -> str:
+    def _other(self, item: s.Item, places: int, level: int) -> str:
         if isinstance(item, PositionRows | MoveRows):
-            level = levels.inside if self._dialect.blocks else 0
             try:
                 return item_text(item, self._dialect.upper, self._newline, places, level)
             except ValueError:  # more digits than a number of that table holds

@@ -9,7 +9,7 @@ from itertools import groupby
 import numpy as np
 
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
-from assistant.languages.melfa_basic.text.layout.levels import Levels
+from assistant.languages.melfa_basic.text.layout.levels import levels
 from assistant.languages.melfa_basic.text.printer import INDENT, constant, expression, line
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import (
@@ -25,9 +25,7 @@ from assistant.languages.melfa_basic.tree.columnar import (
 def print_items(items: Sequence[s.Item], dialect: str, newline: str) -> Iterator[str]:
     """The text of each item, with its line ends."""
     of = DIALECTS[dialect]
-    levels = Levels()
-    for item, places in zip(items, decimals(items), strict=True):
-        level = levels.of(item) if isinstance(item, s.Line) else levels.inside
+    for item, places, level in zip(items, decimals(items), levels(items), strict=True):
         text = item_text(item, of.upper, newline, places, level if of.blocks else 0)
         if isinstance(item, s.Line) and len(text.rstrip("\r\n").encode(errors="replace")) > of.line:
             text = item_text(item, of.upper, newline, places, 0)  # rather than too long

@@ -1,4 +1,4 @@
-"""Forms of a procedure that say the same are one: what was set at their calls did not matter."""
+"""Procedures that are forms of one and say the same are one: how they differ does not matter."""
 
 from __future__ import annotations
 
