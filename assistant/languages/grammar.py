@@ -95,6 +95,8 @@ def _packed(grammar: Lark, starts: tuple[str, ...]) -> dict[str, Any]:
     A row of the tables is a list of symbols and of what each of them does, by turns: a state to go
     to, or a rule, counted on from the states.
     """
+    from lark.lexer import PatternStr
+
     confs = {s: grammar.parse_interactive("", start=s).parser_state.parse_conf for s in starts}
     states = confs[starts[0]].states
     symbols: dict[str, int] = {END: 0}
@@ -117,7 +119,7 @@ def _packed(grammar: Lark, starts: tuple[str, ...]) -> dict[str, Any]:
     )
     return {
         "terminals": [
-            (t.name, t.pattern.value, t.pattern.type == "str", t.pattern.to_regexp())
+            (t.name, t.pattern.value, isinstance(t.pattern, PatternStr), t.pattern.to_regexp())
             for t in grammar.terminals
         ],
         "order": [t.name for t in tried],

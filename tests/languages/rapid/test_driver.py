@@ -16,9 +16,9 @@ from lark.exceptions import UnexpectedInput
 from assistant import languages
 from assistant.languages.grammar import lark
 from assistant.languages.lalr import Stack
-from assistant.languages.rapid.reading.driver import sound_words
 from assistant.languages.rapid.reading.grammar import grammar
 from assistant.languages.rapid.reading.nodes import Nodes
+from assistant.languages.rapid.reading.scanner import table_words
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program.diagnostics import Span
 from assistant.resources import read_grammar
@@ -44,8 +44,8 @@ def everything(value: Any) -> Any:
 def driven(text: str) -> Any:
     tables = grammar().tables["start"]
     stack = Stack(tables.first)
-    words = sound_words(text, tables.rows, stack.states)
-    if tables.drive(stack, words, Nodes(text, int, ())) is not None:
+    read = table_words().sound(text, tables.rows, stack.states)
+    if tables.drive(stack, read, Nodes(text, int, ())) is not None:
         return None
     return everything(stack.values[0])
 

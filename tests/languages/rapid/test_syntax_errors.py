@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 from assistant import languages
 from assistant.languages.rapid.reading.parser import parse
-from assistant.languages.rapid.reading.recovery.mistake import Mistake
-from assistant.languages.rapid.reading.recovery.reading import MOST_FINDINGS
 from assistant.languages.rapid.reading.recovery.statement_mistakes import MISTAKES
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.recovery.mistakes import Mistake
+from assistant.languages.recovery.reading import MOST_FINDINGS
 
 RAPID = languages.get("rapid")
 PLACE = "¦"

@@ -8,10 +8,11 @@ from typing import Any, Final
 from assistant.languages.lalr import Stack
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.reading import files
-from assistant.languages.rapid.reading.rows import Runs, find_runs
-from assistant.languages.rapid.reading.shortened import MARKS, RunInTheWay, Shortened
+from assistant.languages.rapid.reading.rows import RunNode, Runs, find_runs
 from assistant.languages.rapid.tables.words import MOST_NESTING, MOST_OPERATORS
-from assistant.languages.rapid.tree.syntax import File, Item, Origin, StatementNode
+from assistant.languages.rapid.tree.syntax import File, Item, Origin, StatementNode, TargetRunNode
+from assistant.languages.runs.reading import Found
+from assistant.languages.shortened import RunInTheWay, Shortened
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.text import SourceText
 from assistant.program.without_gc import uncollected
@@ -83,23 +84,22 @@ def _read(
     source: SourceText, start: str, *, runs: bool
 ) -> tuple[Any, tuple[Diagnostic, ...]] | Diagnostic:
     """What the typed tree is made of, and the findings; or why the text cannot be read."""
-    from assistant.languages.rapid.reading.driver import sound_words
     from assistant.languages.rapid.reading.grammar import grammar
     from assistant.languages.rapid.reading.nodes import Nodes
-    from assistant.languages.rapid.reading.recovery.reading import read_damaged
+    from assistant.languages.rapid.reading.scanner import table_words
 
     text = files.with_line_feeds(source.text)
     tables = grammar().tables[start]
     found: Runs = list(find_runs(text)) if runs else []
     while True:
-        short = Shortened.of(text, found)
+        short = Shortened.of(text, found, _marks)
         if (long := _too_long(short.text)) is not None:
             at = short.offset(long)
             return source.finding(rules.TOO_LONG, Span(at, at + 1), most=MOST_OPERATORS)
-        nodes = Nodes(short.text, short.offset, short.runs)
+        nodes = Nodes(short.text, short.offset, found)
         stack = Stack(tables.first)
-        words = sound_words(short.text, tables.rows, stack.states)
-        sound = tables.drive(stack, words, nodes) is None
+        read = table_words().sound(short.text, tables.rows, stack.states)
+        sound = tables.drive(stack, read, nodes) is None
         if sound and stack.deepest < MOST_NESTING:
             return stack.values[0], ()
         if (deep := _too_deep(short.text)) is not None:
@@ -107,11 +107,23 @@ def _read(
             return source.finding(rules.TOO_DEEP, Span(at, at + 1), most=MOST_NESTING)
         if sound:
             return stack.values[0], ()
-        reading = read_damaged(source, short, start, nodes)
+        from assistant.languages.rapid.reading.recovery.reader import reader
+
+        reading = reader().read(source, text, short, tables, nodes)
         if not isinstance(reading, RunInTheWay):
-            return reading
+            value = nodes.start(None, [None]) if reading.value is None else reading.value
+            return value, reading.findings
         # What stands before the run wants its first row for itself: `IF x` and a line end.
         found = _without_first_row(text, found, reading.number)
+
+
+MARKS: Final = ("\x02", "\x03", "\x04", "\x05")
+"""Characters that stand for runs in what the grammar reads."""
+
+
+def _marks(found: Found[RunNode]) -> tuple[str, str]:
+    opening, closing = MARKS[:2] if isinstance(found.node, TargetRunNode) else MARKS[2:]
+    return opening, closing
 
 
 def _without_first_row(text: str, found: Runs, number: int) -> Runs:

@@ -8,6 +8,7 @@ from functools import cache
 from typing import Final
 
 from assistant.languages.rapid.reading.grammar import grammar
+from assistant.languages.scanning import Words, pattern
 from assistant.languages.words import Word
 
 SILENT: Final = frozenset({"NOTE", "COMMENT", "BLANK"})
@@ -34,15 +35,13 @@ FREQUENT: Final = ("BLANK", "SEMICOLON", "COMMA", "NAME", "LPAR", "RPAR", "BACKS
 @cache
 def scanner() -> re.Pattern[str]:
     """The terminals in the order in which they are tried, and the foreign ones around them."""
-    known = grammar()
-    patterns = {name: known.terminals[name].regexp for name in known.order}
-    rows = {
-        **{name: patterns[name] for name in FREQUENT},
-        **FOREIGN_BEFORE,
-        **patterns,
-        **FOREIGN_AFTER,
-    }
-    return re.compile("|".join(f"(?P<{n}>{r})" for n, r in rows.items()), re.MULTILINE)
+    return pattern(grammar(), FREQUENT, FOREIGN_BEFORE, FOREIGN_AFTER)
+
+
+@cache
+def table_words() -> Words:
+    """What the tables of the grammar read; a note is only one where one may stand."""
+    return Words(grammar(), scanner(), SILENT - {"NOTE"}, frozenset({"NOTE"}))
 
 
 _KINDS: Final = {

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.languages.rapid.reading.recovery.mistake import Mistake
 from assistant.languages.rapid.reading.recovery.value_mistakes import VALUES
+from assistant.languages.recovery.mistakes import Mistake
 
 MISTAKES: Final = (
     *VALUES,

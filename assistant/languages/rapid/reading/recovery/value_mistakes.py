@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.languages.rapid.reading.recovery.mistake import Mistake
+from assistant.languages.recovery.mistakes import Mistake
 
 VALUES: Final = (
     Mistake(

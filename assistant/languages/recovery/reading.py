@@ -2,26 +2,22 @@
 
 The grammar stays the authority. Every word is tried on the parser's stack before it is shifted;
 where none fits, `repairs` proposes changes, and the one that lets the parser read on furthest is
-made. What can be mended in no way becomes a placeholder, as the pendant writes them.
+made. What can be mended in no way is left out, with what stands for it in its place.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any, Final
 
-from assistant.languages.lalr import END, NOWHERE, Stack, Word
-from assistant.languages.rapid import rules
-from assistant.languages.rapid.reading.driver import words
-from assistant.languages.rapid.reading.files import with_line_feeds
-from assistant.languages.rapid.reading.grammar import grammar
-from assistant.languages.rapid.reading.nodes import Nodes
-from assistant.languages.rapid.reading.recovery import wording
-from assistant.languages.rapid.reading.recovery.broken import CLAUSES, Broken, HalfIf, Repair
-from assistant.languages.rapid.reading.recovery.lexemes import lexemes
-from assistant.languages.rapid.reading.recovery.repairs import best
-from assistant.languages.rapid.reading.shortened import RunInTheWay, Shortened
+from assistant.languages.lalr import END, NOWHERE, Stack, Tables, Word
+from assistant.languages.recovery.broken import Broken, HalfBlock, Repair
+from assistant.languages.recovery.repairs import best
+from assistant.languages.recovery.syntax import Syntax
+from assistant.languages.recovery.wording import Wording
+from assistant.languages.scanning import Words
+from assistant.languages.shortened import RunInTheWay, Shortened, number_of
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.text import SourceText
 
@@ -30,81 +26,107 @@ FURTHER: Final = 24
 """Words behind an error that a repair is tried on."""
 MOST_MENDS: Final = 2000
 """Repairs, the unsaid ones included, after which a file counts as damaged all over."""
-ROUTINES: Final = frozenset({"_PROC", "_FUNC", "_TRAP"})
-NOTED: Final = ROUTINES | {"_IF"}
 
 
-def read_damaged(
-    source: SourceText, short: Shortened, start: str, nodes: Nodes
-) -> tuple[Any, tuple[Diagnostic, ...]] | RunInTheWay:
-    """What `nodes` make of a damaged file, and what is wrong with it."""
-    reading = _Reading(source, short, start, nodes)
-    try:
-        return reading.tree(), tuple(reading.findings)
-    except _Way as way:
-        return RunInTheWay(way.number)
+@dataclass(frozen=True, slots=True)
+class Damaged:
+    """What was made of a damaged text, None for one that is damaged all over, and what is wrong."""
+
+    value: Any
+    findings: tuple[Diagnostic, ...]
 
 
-class _Way(Exception):
+@dataclass(frozen=True, slots=True)
+class Reader:
+    """Reads damaged texts of a language."""
+
+    words: Words
+    syntax: Syntax
+    wording: Wording
+
+    def read(
+        self, source: SourceText, text: str, short: Shortened, tables: Tables, nodes: Any
+    ) -> Damaged | RunInTheWay:
+        """What `nodes` make of it, or the run that a mended statement reaches into.
+
+        text: of the source, line feeds at its line ends.
+        """
+        reading = _Reading(self, source, text, short, tables, nodes)
+        try:
+            return Damaged(reading.value(), tuple(reading.findings))
+        except _InTheWay as way:
+            return RunInTheWay(way.number)
+
+
+class _InTheWay(Exception):
     def __init__(self, number: int) -> None:
         super().__init__(number)
         self.number: Final = number
 
 
 class _Reading:
-    def __init__(self, source: SourceText, short: Shortened, start: str, nodes: Nodes) -> None:
-        self.source, self.short = source, short
-        self.text = with_line_feeds(source.text)
+    def __init__(
+        self,
+        reader: Reader,
+        source: SourceText,
+        text: str,
+        short: Shortened,
+        tables: Tables,
+        nodes: Any,
+    ) -> None:
+        self.reader, self.source, self.text, self.short = reader, source, text, short
         self.findings: list[Diagnostic] = []
-        self._tables = grammar().tables[start]
-        self._stack = Stack(self._tables.first)
-        self._nodes = nodes
+        self._tables, self._nodes = tables, nodes
+        self._stack = Stack(tables.first)
         self._at = 0
         self._quiet_until = -1
-        self._kept: list[HalfIf] = []
+        self._kept: list[HalfBlock] = []
 
-    def tree(self) -> Any:
+    def value(self) -> Any:
         for _ in range(MOST_MENDS + 1):
             words = self._words()
             wrong = self._tables.drive(self._stack, words, self._nodes, careful=True)
             if wrong is None:
                 return self._stack.values[0]
             self._mend(wrong)
-        return self._nodes.start(None, [None])  # damaged all over
+        return None
 
     def _words(self) -> Iterator[Word]:
-        states = self._stack.states
-        for word in words(self.short.text, self._at, self._tables.rows, states):
-            if word[0] in NOTED and self._tables.after(states, word[:1]) is not None:
+        states, blocks = self._stack.states, self.reader.syntax.blocks
+        noted = blocks.scopes | {blocks.half.opener}
+        words = self.reader.words.fitting(self.short.text, self._at, self._tables.rows, states)
+        for word in words:
+            if word[0] in noted and self._tables.after(states, word[:1]) is not None:
                 self._note(word)
             yield word
 
     def _note(self, word: Word) -> None:
-        """Remembers where an IF without THEN began: its ENDIF tells what it was meant to be."""
+        """Remembers where a half head began: what ends its block tells what it was meant to be."""
         type, _, at, _ = word
-        if type in ROUTINES:
+        blocks = self.reader.syntax.blocks
+        if type in blocks.scopes:
             self._kept.clear()
-        elif type == "_IF":
-            text = self.short.text
-            stop = text.find(";", at)
-            line = text.find("\n", at)
-            code = re.sub(r"![^\n]*", "", text[at:stop])
-            if 0 <= line < stop and "then" not in code.lower():
-                begin, end = self.short.offset(at), self.short.offset(line)
-                self._kept.append(HalfIf(begin, end, self._stack.kept()))
+            return
+        text = self.short.text
+        stop = text.find(";", at)
+        line = text.find("\n", at)
+        code = blocks.half.comment.sub("", text[at:stop])
+        if 0 <= line < stop and blocks.half.word not in code.lower():
+            begin, end = self.short.offset(at), self.short.offset(line)
+            self._kept.append(HalfBlock(begin, end, self._stack.kept()))
 
     def _mend(self, wrong: Word) -> None:
         type, said, short_at, _ = wrong
-        if type in ("TARGETS", "MOVES"):
-            first = ("NAME",) if type == "MOVES" else ("CONST", "LOCAL")
-            if any(self._tables.after(self._stack.states, (t,)) is not None for t in first):
-                raise _Way(int(said[1:-1]))
+        syntax, stack = self.reader.syntax, self._stack
+        first = syntax.runs.get(type, ())
+        if any(self._tables.after(stack.states, (t,)) is not None for t in first):
+            raise _InTheWay(number_of(said))
         at = len(self.text) if type == END else self.short.offset(short_at)
         base, begin = self._statement(at)
-        near = lexemes(self.text, begin, at, FURTHER)
+        near = syntax.scanner.lexemes(self.text, begin, at, FURTHER)
         error = next((i for i, word in enumerate(near) if word.end > at), len(near) - 1)
-        stack = self._stack
         broken = Broken(
+            syntax,
             self.text,
             near,
             error,
@@ -123,15 +145,16 @@ class _Reading:
     def _statement(self, at: int) -> tuple[int, int]:
         """How much of the stack stands before the damaged statement, and where that begins."""
         states, types = self._stack.states, self._tables.types(self._stack.states)
+        blocks = self.reader.syntax.blocks
         base = len(types)
-        while base and not STARTS & self._tables.rows[states[base]].keys():
+        while base and not blocks.starts & self._tables.rows[states[base]].keys():
             base -= 1
-            if types[base] in CLAUSES:
+            if types[base] in blocks.clauses:
                 break
         return base, next((begin for begin in self._begins()[base:] if begin >= 0), at)
 
     def _begins(self) -> tuple[int, ...]:
-        """Offsets of the values of the stack; -1 for one that stands for no text."""
+        """Offsets of the values of the stack; NOWHERE for one that stands for no text."""
         stack, offset = self._stack, self.short.offset
         types = self._tables.types(stack.states)
         return tuple(
@@ -140,13 +163,13 @@ class _Reading:
         )
 
     def _say(self, broken: Broken, repair: Repair, *, full: bool) -> None:
-        word = broken.words[broken.error]
+        word, wording = broken.words[broken.error], self.reader.wording
         if repair.silent or (word.start <= self._quiet_until and not full):
             return
         if full:
             if len(self.findings) == MOST_FINDINGS:
                 span = Span(word.start, max(word.end, word.start + 1))
-                self.findings.append(self.source.finding(rules.MANY, span, most=MOST_FINDINGS))
+                self.findings.append(self.source.finding(wording.many, span, most=MOST_FINDINGS))
             return
         self.findings.append(wording.finding(self.source, broken, repair))
 
@@ -165,7 +188,7 @@ class _Reading:
         go_on = len(self.text) if ended else repair.resume
         inside = self.short.run_around(self.text, go_on)
         if inside is not None:
-            raise _Way(inside)
+            raise _InTheWay(inside)
         self._at = self.short.back(go_on)
         place = broken.words[broken.error].start
         if broken.error and go_on <= place:
@@ -175,7 +198,3 @@ class _Reading:
         line = self.text.find("\n", place)
         ends = len(self.text) if line < 0 else line
         self._quiet_until = max(ends, go_on)
-
-
-STARTS: Final = frozenset({"_FOR", "_RECORD", "_MODULE"})
-"""Words that only a whole statement, item or module may begin with."""

@@ -1,4 +1,4 @@
-"""A row of the table of usual mistakes, and how a damaged place is told to be one."""
+"""A row of a table of usual mistakes, and how a damaged place is told to be one."""
 
 from __future__ import annotations
 
@@ -6,10 +6,8 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal
 
-from assistant.languages.rapid.reading.recovery.indentation import code_end
-
 if TYPE_CHECKING:
-    from assistant.languages.rapid.reading.recovery.broken import Broken, Repair
+    from assistant.languages.recovery.broken import Broken, Repair
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,7 +18,8 @@ class Mistake:
     before: regular expression for what ends at the error, or with `block` stands anywhere from
     the begin of the open block on; its group `at`, if it has one, is the place.
     after: for what begins at the error. repair: for the kind and the word of the change that
-    mends it, `insert SEMICOLON`. here: the place is the word that does not fit.
+    mends it, `insert SEMICOLON`. shown: for what begins at the place that the change shows.
+    here: the place is the word that does not fit.
     """
 
     cure: str
@@ -54,7 +53,8 @@ class Mistake:
     def _begin(self, broken: Broken, repair: Repair) -> int:
         """Where the text that `before` looks at begins."""
         if self.within == "line":
-            return broken.text.rfind("\n", 0, code_end(broken.text, broken.word.start)) + 1
+            end = broken.syntax.layout.code_end(broken.text, broken.word.start)
+            return broken.text.rfind("\n", 0, end) + 1
         if self.within == "block":
             return broken.block if repair.kept is None else repair.kept.at
         return broken.words[0].start

@@ -1,17 +1,24 @@
-"""A text with a mark in place of each run of alike lines."""
+"""A text with a mark in place of each run of alike lines that is read otherwise."""
 
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import accumulate
-from typing import Final
+from typing import Protocol, TypeVar
 
-from assistant.languages.rapid.reading.rows import Runs
-from assistant.languages.rapid.tree import syntax as s
 
-MARKS: Final = ("\x02", "\x03", "\x04", "\x05")
-"""Characters that stand for runs in what the grammar reads."""
+class Run(Protocol):
+    """Lines of a text. start, end: offsets."""
+
+    @property
+    def start(self) -> int: ...
+    @property
+    def end(self) -> int: ...
+
+
+R = TypeVar("R", bound=Run)
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,19 +30,24 @@ class RunInTheWay:
 
 @dataclass(frozen=True, slots=True)
 class Shortened:
-    """What the grammar reads, and the way from its offsets to those of the source and back."""
+    """What a grammar reads, and the way from its offsets to those of the source and back.
+
+    begins, shifts: offsets in the short text from which on its places are so much farther on in
+    the source.
+    """
 
     text: str
-    runs: Runs
+    runs: Sequence[Run]
     begins: list[int]
     shifts: list[int]
 
     @staticmethod
-    def of(text: str, runs: Runs) -> Shortened:
+    def of(text: str, runs: Sequence[R], marks: Callable[[R], tuple[str, str]]) -> Shortened:
+        """marks: characters around the number of a run, which the text does not have."""
         pieces, at = [], 0
         lengths, removed = [], []
         for number, run in enumerate(runs):
-            opening, closing = MARKS[:2] if isinstance(run.node, s.TargetRunNode) else MARKS[2:]
+            opening, closing = marks(run)
             mark = f"{opening}{number}{closing}\n"
             pieces += [text[at : run.start], mark]
             lengths.append(run.start - at + len(mark))
@@ -65,3 +77,8 @@ class Shortened:
         if row < 0 or offset >= self.runs[row].end:
             return None
         return row if text[self.runs[row].start : offset].strip() else None
+
+
+def number_of(mark: str) -> int:
+    """The number of the run that a mark stands for."""
+    return int(mark[1:-1])

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Final
 
 from assistant.languages.lalr import Kept, Tables
-from assistant.languages.rapid.reading.recovery import indentation
-from assistant.languages.rapid.reading.recovery.lexemes import Lexeme
+from assistant.languages.recovery.lexemes import Lexeme
+from assistant.languages.recovery.syntax import Syntax
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class HalfIf:
-    """The stack as it was at an IF without THEN.
+class HalfBlock:
+    """The stack as it was at a head whose last word may be forgotten.
 
-    line_end: of the line that IF stands on.
+    line_end: of the line that it stands on.
     """
 
     at: int
@@ -28,9 +26,9 @@ class HalfIf:
 class Repair:
     """A change of the stack and of the place where reading goes on.
 
-    kind: a key of `wording.SAYING`. keep: values that stay. put: words to shift then.
-    resume: offset to go on from. start, end: the place to show. what: the word concerned.
-    kept: a stack to go back to instead of keeping `keep` values.
+    kind: a key of `Wording.cures`, or `insert`, `replace`, `join`, `close`. keep: values that
+    stay. put: words to shift then. resume: offset to go on from. start, end: the place to show.
+    what: the word concerned. kept: a stack to go back to instead of keeping `keep` values.
     """
 
     kind: str
@@ -41,7 +39,7 @@ class Repair:
     end: int
     what: str = ""
     silent: bool = False
-    kept: HalfIf | None = None
+    kept: HalfBlock | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,9 +48,10 @@ class Broken:
 
     words: from the begin of the statement to some words behind the error. error: row of the word
     that does not fit. states, types, begins: the parser's stack; of each value on it its terminal
-    (empty for a tree) and its offset (-1 if it was put in). base: values before the statement.
+    (empty for a node) and its offset (-1 if it was put in). base: values before the statement.
     """
 
+    syntax: Syntax
     text: str
     words: list[Lexeme]
     error: int
@@ -61,32 +60,26 @@ class Broken:
     types: tuple[str, ...]
     begins: tuple[int, ...]
     base: int
-    kept: tuple[HalfIf, ...]
+    kept: tuple[HalfBlock, ...]
 
     @property
     def word(self) -> Lexeme:
         return self.words[self.error]
 
     @property
-    def before(self) -> str:
-        """The statement as far as it was read."""
-        return self.text[self.words[0].start : self.word.start]
-
-    @property
-    def behind_module(self) -> bool:
-        """Whether a module ends before the place."""
-        return _ENDMODULE.search(self.text, 0, self.word.start) is not None
+    def behind_unit(self) -> bool:
+        """Whether a unit ends before the place."""
+        return self.syntax.blocks.unit_end.search(self.text, 0, self.word.start) is not None
 
     @property
     def closes(self) -> bool:
         """Whether the word that does not fit begins a line and ends a block that is open."""
-        return self.word.first and any(
-            self.word.type == "_END" + opener[1:] for opener, _ in self.openers()
-        )
+        ends = self.syntax.blocks.ends
+        return self.word.first and any(self.word.type == ends[o] for o, _ in self.openers())
 
     @property
     def at_file_level(self) -> bool:
-        return self.error == 0 and self.fits(("_MODULE",))
+        return self.error == 0 and self.fits((self.syntax.blocks.unit,))
 
     @property
     def block(self) -> int:
@@ -99,7 +92,7 @@ class Broken:
         """Where the word before the error ends."""
         if self.error:
             return self.words[self.error - 1].end
-        return indentation.code_end(self.text, self.word.start)
+        return self.syntax.layout.code_end(self.text, self.word.start)
 
     def accepts(self, terminal: str) -> bool:
         return self.tables.after(self.states, (terminal,)) is not None
@@ -113,11 +106,13 @@ class Broken:
 
     def openers(self) -> list[tuple[str, int]]:
         """Blocks that are open before the statement, the outermost first: word and offset."""
+        ends = self.syntax.blocks.ends
+        closers = frozenset(ends.values())
         found: list[tuple[str, int]] = []
         for type, begin in zip(self.types[: self.base], self.begins, strict=False):
-            if "_END" + type[1:] in ENDS:
+            if type in ends:
                 found.append((type, begin))
-            elif type in ENDS:  # read, but not yet put together
+            elif type in closers:  # read, but not yet put together
                 found.pop()
         return found
 
@@ -134,18 +129,3 @@ class Broken:
     def rest_left_out(self) -> Repair:
         at = len(self.text)
         return Repair("hole", self.base, (), at, self.word.start, self.word.end)
-
-
-_ENDMODULE: Final = re.compile(r"^[ \t]*endmodule\b", re.IGNORECASE | re.MULTILINE)
-BLOCKS: Final = ("_IF", "_FOR", "_WHILE", "_TEST", "_PROC", "_FUNC", "_TRAP", "_RECORD", "_MODULE")
-ENDS: Final = frozenset("_END" + block[1:] for block in BLOCKS)
-CLAUSES: Final = frozenset(
-    {"_ELSEIF", "_ELSE", "_CASE", "_DEFAULT", "_ERROR", "_BACKWARD", "_UNDO"}
-)
-TEXTS: Final = {"EXP": "<EXP>", "NAME": "<ID>", "SMT": "<SMT>", "DDN": "<DDN>", "RDN": "<RDN>"}
-"""Terminals that stand for what is not there, with their text."""
-
-
-def put(types: Iterable[str], at: int) -> tuple[Lexeme, ...]:
-    """Words of no width at an offset."""
-    return tuple(Lexeme(type, TEXTS.get(type, ""), at, at) for type in types)
