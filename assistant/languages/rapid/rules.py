@@ -113,7 +113,7 @@ OTHER_LANGUAGE: Final = Rule(
     "{cure}",
 )
 NO_MEANING: Final = Rule("RA305", ERROR, "RAPID cannot say {what}", "{cure}")
-CHANGED: Final = Rule("RA306", WARNING, "{what} is written as {instead}", "{hint}")
+CHANGED: Final = Rule("RA306", WARNING, "{what} is written as {instead}", "{cure}")
 NOT_FINITE: Final = Rule(
     "RA307", ERROR, "{what} holds a number that is not finite", "correct the input"
 )

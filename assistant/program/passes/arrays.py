@@ -70,10 +70,10 @@ def _copied(
                 other = sizes.get(value.name.lower()) if isinstance(value, e.Name) else None
                 if other != size or 0 in size:
                     with job.findings.at(node.span):
-                        job.findings.append(job.can.cannot_say(
+                        job.cannot(
                             what=f"what the whole array `{name}` is given here",
                             cure="assign its elements, in a loop",
-                        ))  # fmt: skip
+                        )
                     made.append(node)
                     continue
 
@@ -104,11 +104,11 @@ def with_array_parameters(job: Legalising) -> Program:
             if not q.dimensions or (q.dimensions == 1 and not called):
                 continue
             with job.findings.at(procedure.span):
-                job.findings.append(job.can.cannot_say(
+                job.cannot(
                     what=f"the array parameter `{q.name}` of `{procedure.name}`",
                     cure="use an array of the program" if called else "give it one dimension",
                     about=Declared(procedure.name, "procedures"),
-                ))  # fmt: skip
+                )
         parameters = tuple(
             replace(q, type="number") if q.dimensions and q.type == "integer" else q
             for q in procedure.parameters
@@ -142,19 +142,19 @@ def _filled(
         can = job.can.arrays
         if can and (len(variable.size) > can.dimensions or max(variable.size) > can.elements):
             extents = " x ".join(map(str, variable.size))
-            job.findings.append(job.can.cannot_say(
+            job.cannot(
                 what=f"the array `{name}` of {extents} elements",
                 cure=f"use at most {can.dimensions} dimensions of {can.elements} elements",
                 about=Declared(name, "variables", owner),
-            ))  # fmt: skip
+            )
             continue
         values = list(_elements(name, variable, counters))
         if variable.initial is not None and not values:
-            job.findings.append(job.can.cannot_say(
+            job.cannot(
                 what=f"the first values of the array `{name}`",
                 cure="write a value for each element",
                 about=Declared(name, "variables", owner),
-            ))  # fmt: skip
+            )
         first += values
         type = "number" if variable.type == "integer" else variable.type
         storage = "variable" if variable.storage == "constant" else variable.storage

@@ -39,10 +39,10 @@ def in_base(job: Legalising) -> Program:
                 key = next((n for n in targets if n.lower() == name.lower()), None)
                 if key is not None and used.setdefault(key, frame) == frame:
                     return value
-        findings.append(job.can.cannot_say(
+        job.cannot(
             what=f"a computed or shared target of frame `{frame}` on an arm of five axes",
             cure="give the target in the robot's base",
-        ))  # fmt: skip
+        )
         return value
 
     def move(node: p.MoveStatement) -> p.Statement:

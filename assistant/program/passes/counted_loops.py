@@ -18,11 +18,27 @@ from assistant.program import statements as p
 from assistant.program.analysis.uses import names_in
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.kept import effect_of, respelled
+from assistant.program.passes.legalising import Legalising
 from assistant.program.program import Procedure, Program, Variable, bodies, identifier, walk
 from assistant.program.rewriting import Body, head, map_bodies, map_head, records
 
 Found = dict[tuple[str, str], Diagnostic]
 Tells = Callable[..., Diagnostic]
+
+
+def counted_loops(job: Legalising) -> Program:
+    """The program for a language whose loops have a variable of their own."""
+    loops = job.can.loops
+    if loops is None:
+        return job.program
+
+    def as_while(name: str, why: str, **where: Any) -> Diagnostic:
+        what = f"the `for` over `{name}`, which {why},"
+        return loops.changed(what=what, instead="a `while`", cure=loops.cure, **where)
+
+    program, found = counted(job.program, refused=loops.refused, changed=as_while)
+    job.findings.extend(found)
+    return program
 
 
 def counted(

@@ -8,8 +8,10 @@ from functools import wraps
 from typing import Literal
 
 from assistant.program.diagnostics import Findings, Rule
+from assistant.program.motion import Blend, Speed
 from assistant.program.passes.watching import passed
 from assistant.program.program import Program, Variable
+from assistant.program.subjects import Subject
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,6 +57,63 @@ class Variables:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class NameForm:
+    """Names of a language whose programs do not say what something was called before.
+
+    longest: characters of a name. legal: gives the nearest name of legal characters. renamed: tells
+    of a name (given) that is written as another one (name).
+    """
+
+    longest: int
+    legal: Callable[[str], str]
+    renamed: Rule
+    reserved: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Switches:
+    """Of a language whose cases are one number each. nested: one may stand inside another."""
+
+    nested: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Comments:
+    """Comments of one line. ascii: that has no letters but those. most_bytes: of a line.
+
+    message: tells of a message that becomes a comment (text); None where messages are said.
+    """
+
+    ascii: bool = False
+    most_bytes: int | None = None
+    message: Rule | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Corners:
+    """Of a language in which each corner has a size.
+
+    size: mm of one that the controller is to choose, at a speed. name: of a blend.
+    """
+
+    size: Callable[[Speed], float]
+    name: Callable[[Blend], str]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Loops:
+    """Of a language whose loops have variables of their own.
+
+    refused: tells of a counter (name) that is used so that it cannot be one, and why. changed: of
+    a loop (what) that is said as another one (instead), with a cure.
+    """
+
+    refused: Rule
+    changed: Rule
+    cure: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class FiveAxes:
     """Rules of arms of five axes: orientations that they do not reach.
 
@@ -96,15 +155,24 @@ class Capabilities:
     A table that is None is of what the language says as it stands: the pass leaves it alone.
 
     kin: languages whose programs mean by their values what this one does. cannot_say: has the
-    fields what and cure.
+    fields what and cure. changed: has those and instead; None where nobody is told. no_fit: tells
+    of a number (value) that the bits (in words) of a signal (name) cannot hold, up to most. ended:
+    of an end for good.
     """
 
     kin: frozenset[str]
     cannot_say: Rule
+    changed: Rule | None = None
+    no_fit: Rule | None = None
+    ended: Rule | None = None
+    names: NameForm | None = None
     units: Units | None = None
     procedures: Procedures | None = None
     arrays: Arrays | None = None
     variables: Variables | None = None
+    loops: Loops | None = None
+    switches: Switches | None = None
+    comments: Comments = Comments()
     five_axes: FiveAxes | None = None
 
 
@@ -115,6 +183,18 @@ class Legalising:
     program: Program
     can: Capabilities
     findings: Findings
+
+    def cannot(self, what: str, cure: str, about: Subject | str | None = None) -> None:
+        """An error: the language has no words for it."""
+        self.findings.append(self.can.cannot_say(what=what, cure=cure, about=about))
+
+    def changed(
+        self, what: str, instead: str, cure: str, about: Subject | str | None = None
+    ) -> None:
+        """Something is said differently."""
+        if self.can.changed is not None:
+            told = self.can.changed(what=what, instead=instead, cure=cure, about=about)
+            self.findings.append(told)
 
 
 Pass = Callable[[Legalising], Program]

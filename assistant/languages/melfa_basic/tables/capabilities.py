@@ -11,8 +11,10 @@ from assistant.languages.melfa_basic.tables.variables import is_external
 from assistant.program.passes.legalising import (
     Arrays,
     Capabilities,
+    Comments,
     FiveAxes,
     Procedures,
+    Switches,
     Units,
     Variables,
 )
@@ -39,6 +41,7 @@ ARRAYS: Final = Arrays(dimensions=3, elements=999)
 VARIABLES: Final = Variables(
     external=is_external, persistent=rules.PERSISTENT, carried=rules.CARRIED
 )
+COMMENTS: Final = Comments(most_bytes=100, message=rules.MESSAGE)
 FIVE_AXES: Final = FiveAxes(
     unreachable=rules.UNREACHABLE, over_the_back=rules.OVER_THE_BACK, to_base=rules.TO_BASE
 )
@@ -51,11 +54,15 @@ def capabilities(
     return Capabilities(
         kin=frozenset(DIALECTS),
         cannot_say=rules.CANNOT_SAY,
+        no_fit=rules.NO_FIT,
+        ended=rules.ENDED,
         units=UNITS if most_targets is None else replace(UNITS, most=most_targets),
         procedures=Procedures(
             functions=dialect.functions, as_variables=rules.AS_VARIABLES, recursive=rules.RECURSIVE
         ),
         arrays=ARRAYS,
         variables=VARIABLES,
+        switches=Switches(nested=dialect.nested_select),
+        comments=COMMENTS,
         five_axes=FIVE_AXES if robot is not None and robot.five_axis else None,
     )

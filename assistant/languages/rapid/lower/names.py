@@ -14,6 +14,7 @@ from weakref import ReferenceType, ref
 from assistant.languages.rapid.tables.words import LONGEST_NAME, PREDEFINED, RESERVED
 from assistant.languages.rapid.text import verbatim
 from assistant.program.geometry import BASE, FLANGE
+from assistant.program.passes.names import Names
 from assistant.program.program import Procedure, Program, identifier, walk
 from assistant.program.statements import Follow, For, Label
 from assistant.program.timers import timers
@@ -52,7 +53,7 @@ class Naming:
     counters: dict[str, dict[str, str]] = field(default_factory=dict)
     labels: dict[str, dict[str, str]] = field(default_factory=dict)
     changed: list[tuple[str, str]] = field(default_factory=list)
-    _taken: set[str] = field(default_factory=lambda: set(PREDEFINED | RESERVED))
+    _space: Names = field(default_factory=lambda: Names(LONGEST_NAME, PREDEFINED | RESERVED))
     _numbered: dict[str, list[int]] = field(default_factory=dict)
     _meant: dict[str, str] = field(default_factory=dict)
 
@@ -65,12 +66,12 @@ class Naming:
         return self.get("values", self.get("signals", name))
 
     def take(self, name: str) -> None:
-        self._taken.add(name.lower())
+        self._space.take(name)
         if (row := _ROW.fullmatch(name.lower())) is not None and len(row[2]) < 16:
             self._numbered.setdefault(row[1], []).append(int(row[2]))
 
     def declare(self, kind: str, name: str) -> None:
-        short = self._free(name)
+        short = self._space.free(name)
         self.of[kind][name.lower()] = short
         self.take(short)
         self._note(short, name)
@@ -103,7 +104,7 @@ class Naming:
     def _declare_own(self, known: dict[str, str], name: str, own: set[str]) -> None:
         if name.lower() in known:
             return
-        short = known[name.lower()] = self._free(name, own)
+        short = known[name.lower()] = self._space.free(name, own)
         own.add(short.lower())
         if short != name:
             self.take(short)
@@ -127,14 +128,6 @@ class Naming:
     def _means(self, stem: str, name: str) -> bool:
         """Whether a stem would be read as the name of something else, which was changed to it."""
         return self._meant.get(stem.lower(), name) != name
-
-    def _free(self, name: str, own: set[str] | frozenset[str] = frozenset()) -> str:
-        base = identifier(name)[:LONGEST_NAME]
-        short, number = base, 2
-        while short.lower() in self._taken or short.lower() in own:
-            end = f"_{number}"
-            short, number = base[: LONGEST_NAME - len(end)] + end, number + 1
-        return short
 
     def _note(self, short: str, name: str) -> None:
         if short != name and (short, name) not in self.changed:

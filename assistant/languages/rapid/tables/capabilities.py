@@ -6,8 +6,9 @@ from dataclasses import replace
 from typing import Final
 
 from assistant.languages.rapid import rules
+from assistant.languages.rapid.tables.motions import corner_of, zone_name
 from assistant.languages.rapid.tables.words import MOST_TARGETS
-from assistant.program.passes.legalising import Capabilities, Units
+from assistant.program.passes.legalising import Capabilities, Comments, Corners, Loops, Units
 
 UNITS: Final = Units(
     most=MOST_TARGETS,
@@ -20,6 +21,12 @@ UNITS: Final = Units(
     straight=False,
     split=rules.SPLIT,
 )
+CORNERS: Final = Corners(size=corner_of, name=zone_name)
+LOOPS: Final = Loops(
+    refused=rules.COUNTER,
+    changed=rules.CHANGED,
+    cure="a loop of RAPID has a variable of its own; use another name if that is meant",
+)
 
 
 def capabilities(most_targets: int | None = None) -> Capabilities:
@@ -27,5 +34,8 @@ def capabilities(most_targets: int | None = None) -> Capabilities:
     return Capabilities(
         kin=frozenset({"rapid"}),
         cannot_say=rules.NO_MEANING,
+        changed=rules.CHANGED,
+        loops=LOOPS,
+        comments=Comments(ascii=True),
         units=replace(UNITS, most=most_targets) if most_targets else UNITS,
     )

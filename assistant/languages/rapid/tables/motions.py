@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Final, Generic, TypeVar
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Final
 
 from assistant.languages.rapid.tables import words
 from assistant.languages.rapid.tables.words import usual_sizes
 from assistant.program.motion import Blend, Speed
-
-T = TypeVar("T")
+from assistant.program.passes.motions import Words
 
 _SPEED_NAMES: Final = {speed: name for name, speed in words.SPEEDS.items()}
 _ZONE_NAMES: Final = {blend: name for name, blend in words.ZONES.items()}
@@ -24,32 +23,6 @@ LEAST_CHOSEN: Final = 0.3
 """mm of one at a crawl: z0."""
 BRAKING: Final = 5000.0
 """mm/s², as much as arms brake by along a line: with less the way that it takes were longer."""
-
-
-@dataclass(frozen=True, slots=True)
-class Words(Generic[T]):
-    """How RAPID calls speeds, or blends.
-
-    kind: what they are. predefined: by name. name: of a value, predefined or to be declared.
-    """
-
-    kind: str
-    predefined: Mapping[str, T]
-    name: Callable[[T], str]
-
-    def meant(self, name: str, declared: Mapping[str, T]) -> T | None:
-        """The value that stands for a name: one that is called so; None for a name of its own.
-
-        declared: by lower-case name.
-        """
-        value = declared.get(name.lower())
-        if value is None:
-            return self.predefined.get(name.lower())
-        return value if self.name(value) == name.lower() else None
-
-    def named(self, declared: Mapping[str, T]) -> dict[str, T]:
-        """Those with names of their own."""
-        return {n: v for n, v in declared.items() if n.lower() != self.name(v)}
 
 
 def speed_name(speed: Speed) -> str:

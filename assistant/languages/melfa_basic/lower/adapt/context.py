@@ -16,12 +16,11 @@ from assistant.languages.melfa_basic.tables.dialects import Dialect
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
-from assistant.program.motion import MAXIMUM_SPEED, Blend, Speed
+from assistant.program.motion import Blend, Speed
 from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.motions import joint_percent, meant, without_axes
 from assistant.program.path import configuration_of, configuration_row
-from assistant.program.program import Procedure, Signal, walk
 from assistant.program.subjects import Subject
-from assistant.program.timers import timers
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
@@ -43,78 +42,39 @@ class Context:
         robot: Robot | None,
         products: bool = False,
     ) -> None:
-        program = job.program
-        self.program, self.findings, self.five_axis = job.program, job.findings, job.can.five_axes
-        self.dialect, self.robot, self.products = dialect, robot, products
+        self.job, self.program, self.findings = job, job.program, job.findings
+        self.five_axis, self.dialect, self.robot = job.can.five_axes, dialect, robot
+        self.products = products
         self.unstated = 0
         self.named = 0
-        self.unit: str | None = None
-        self._own: dict[str, str] = {}
-        tables = (program.signals, program.joint_targets, program.targets, program.variables)
-        self._spelled = {name.lower(): name for table in tables for name in table}
-        self._procedures = {q.name.lower(): q.name for q in program.procedures}
-        self._timers = {name.lower(): name for name in timers(program)}
-        self._signals = {name.lower(): signal for name, signal in program.signals.items()}
-
-    def enter(self, procedure: Procedure) -> None:
-        """Names mean from here on what they mean in the procedure."""
-        self.unit = procedure.unit
-        loops = [n.variable for n in walk(procedure.body) if isinstance(n, p.For)]
-        own = (*(q.name for q in procedure.parameters), *procedure.variables)
-        self._own = {name.lower(): name for name in reversed((*own, *loops))}
-        for name in loops:  # a loop over a variable of the program counts that one
-            if name.lower() in self._spelled and name.lower() not in {n.lower() for n in own}:
-                self._own.pop(name.lower(), None)
-
-    def is_entry(self, procedure: Procedure) -> bool:
-        entry = self.program.entry or ""
-        return procedure.unit is None and procedure.name.lower() == entry.lower()
-
-    def is_signal(self, name: str) -> bool:
-        return name.lower() in self._signals and name.lower() not in self._own
-
-    def signal(self, name: str) -> Signal | None:
-        return self._signals.get(name.lower()) if self.is_signal(name) else None
-
-    def spelled(self, name: str) -> str:
-        """The name as its declaration spells it."""
-        key = name.lower()
-        return self._own.get(key) or self._spelled.get(key, name)
-
-    def timer(self, name: str) -> str:
-        return self._timers.get(name.lower(), name)
-
-    def spelled_procedure(self, name: str) -> str:
-        return self._procedures.get(name.lower(), name)
 
     def speed(self, speed: Speed | e.Name, joint_move: bool) -> Speed | e.Name:
         """The speed by value, with its percentage for joint moves only."""
+        named = isinstance(speed, e.Name)
+        speed = meant(speed, self.program.speeds)
         if isinstance(speed, e.Name):
-            found: Speed | None = _find(self.program.speeds, speed.name)
-            if found is None:
-                self.findings.append(rules.UNKNOWN(what="the speed", name=speed.name))
-                return Speed(math.inf, joint=1.0) if joint_move else Speed(100.0)
-            self.named += 1
-            speed = found
-        speed, parts = plain_speed(speed)
+            self.findings.append(rules.UNKNOWN(what="the speed", name=speed.name))
+            return Speed(math.inf, joint=1.0) if joint_move else Speed(100.0)
+        self.named += named
+        speed, parts = without_axes(speed)
         self.findings += [rules.SPEED_PARTS(part=part) for part in parts]
         if not joint_move:
             return replace(speed, joint=None)
         if speed.joint is None:
-            percent = joint_percent(speed.tcp, self.robot)
+            known = None if self.robot is None else self.robot.tcp_speed
+            percent = joint_percent(speed.tcp, NOMINAL_TCP if known is None else known)
             tcp = "the most" if math.isinf(speed.tcp) else f"{speed.tcp:g}"
             self.findings.append(rules.JOINT_PERCENT(tcp=tcp, percent=percent))
             return Speed(math.inf, joint=percent)
         return Speed(math.inf, joint=min(100.0, max(1.0, speed.joint)))
 
     def blend(self, blend: Blend | e.Name) -> Blend | e.Name:
+        named = isinstance(blend, e.Name)
+        blend = meant(blend, self.program.blends)
         if isinstance(blend, e.Name):
-            found: Blend | None = _find(self.program.blends, blend.name)
-            if found is None:
-                self.findings.append(rules.UNKNOWN(what="the blend", name=blend.name))
-                return Blend()
-            self.named += 1
-            blend = found
+            self.findings.append(rules.UNKNOWN(what="the blend", name=blend.name))
+            return Blend()
+        self.named += named
         if blend.details is not None:
             self.findings.append(rules.BLEND_PARTS())
             blend = replace(blend, details=None)
@@ -153,16 +113,18 @@ class Context:
         row = np.array([configuration_row(target.configuration)], dtype=np.int8)
         configuration = configuration_of(poses.rounded_configurations(row, self.robot)[0])
         if any(v == v for v in target.external[2:]):
-            self.findings.append(rules.CANNOT_SAY(
-                what=f"external axes beyond the second, of `{name}`", cure="leave them out",
+            self.job.cannot(
+                what=f"external axes beyond the second, of `{name}`",
+                cure="leave them out",
                 about=about,
-            ))  # fmt: skip
+            )
         first, second, *_ = (*target.external, math.nan, math.nan)
         if math.isnan(first) and not math.isnan(second):
-            self.findings.append(rules.CANNOT_SAY(
+            self.job.cannot(
                 what=f"the second external axis of `{name}` without the first",
-                cure="give the first one a value as well", about=about,
-            ))  # fmt: skip
+                cure="give the first one a value as well",
+                about=about,
+            )
         if self.five_axis is not None:
             target = target_in_reach(name, target, about, self.five_axis, self.findings)
         return replace(target, configuration=configuration, external=_printed(target.external))
@@ -172,9 +134,9 @@ class Context:
         if self.five_axis is not None and len(joints) == 6:
             fourth = joints[3]
             if fourth == fourth and abs(fourth) > 0.01:
-                self.findings.append(rules.CANNOT_SAY(
+                self.job.cannot(
                     what=f"axis 4 of `{name}` for an arm of five axes", cure="teach it on this arm"
-                ))  # fmt: skip
+                )
             joints = joints[:3] + joints[4:]
         elif self.robot is not None:
             joints = self.robot.own_joints(joints)
@@ -183,11 +145,11 @@ class Context:
         wanted = 6 if self.robot is None else min(len(self.robot.axes), 6)
         used = tuple(v for v in target.external if v == v)
         if len(joints) != wanted or used != target.external[: len(used)] or len(used) > 2:
-            self.findings.append(rules.CANNOT_SAY(
+            self.job.cannot(
                 what=f"the {len(joints)} joints and external axes of `{name}`",
                 cure=f"give {wanted} joints and at most two external axes",
                 about=about,
-            ))  # fmt: skip
+            )
         self.finite(f"the joint target `{name}`", (v for v in joints if v == v), about)
         return JointTarget(_printed(joints), _printed(target.external))
 
@@ -199,30 +161,3 @@ class Context:
 def _printed(values: Iterable[float]) -> tuple[float, ...]:
     """Joints or external axes with the two decimals that are printed, NaN where there is none."""
     return tuple(round(v, 2) + 0.0 if math.isfinite(v) else v for v in values)
-
-
-def plain_speed(speed: Speed) -> tuple[Speed, list[str]]:
-    """The speed's tcp and joint parts, and the names of the others if they state anything."""
-    usual = MAXIMUM_SPEED
-    parts = [
-        text
-        for name, text in (
-            ("rotation", "deg/s of reorientation"),
-            ("external_linear", "mm/s of external axes"),
-            ("external_rotary", "deg/s of external axes"),
-        )
-        if getattr(speed, name) != getattr(usual, name)
-    ]
-    return Speed(speed.tcp, joint=speed.joint), parts
-
-
-def joint_percent(tcp: float, robot: Robot | None) -> float:
-    """Whole percent of joint speed for a speed in mm/s, rounded down, at least 1."""
-    most = NOMINAL_TCP if robot is None or robot.tcp_speed is None else robot.tcp_speed
-    if math.isinf(tcp):
-        return 100.0
-    return float(math.floor(min(100.0, max(1.0, 100.0 * tcp / most))))
-
-
-def _find(table: dict[str, Any], name: str) -> Any:
-    return next((v for k, v in table.items() if k.lower() == name.lower()), None)

@@ -22,10 +22,10 @@ def with_plain_data(context: Context, program: Program) -> Program:
     """The program with everything but its procedures in plain form."""
     for declaration in program.declarations:
         with context.findings.at(declaration.span):
-            context.findings.append(rules.CANNOT_SAY(
+            context.job.cannot(
                 what=f"the {declaration.language} declaration `{declaration.text[:40]}`",
                 cure="leave it out or say it in plain statements",
-            ))  # fmt: skip
+            )
     return replace(
         program,
         tools=dict(_tools(context, program)),

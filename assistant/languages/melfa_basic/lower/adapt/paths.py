@@ -27,13 +27,13 @@ def plain_path(context: Context, path: Path) -> Path:
         context.findings.append(rules.NOT_FINITE(where=where, about=Declared(path.name, "paths")))
         return path
     if not np.isnan(path.external[:, 2:]).all():
-        context.findings.append(rules.CANNOT_SAY(
+        context.job.cannot(
             what=f"external axes beyond the second, of `{path.name}`", cure="leave them out"
-        ))  # fmt: skip
+        )
     if has_half_arcs(path):
-        context.findings.append(rules.CANNOT_SAY(
+        context.job.cannot(
             what=f"half an arc in `{path.name}`", cure="give each arc a via point and an end"
-        ))  # fmt: skip
+        )
         return path
     path = _external(context, path)
     path = with_whole_arcs(path)
@@ -50,10 +50,10 @@ def _external(context: Context, path: Path) -> Path:
     """Every row of a table has the same axes: one that a row leaves out is refused."""
     used = ~np.isnan(path.external[:, :2])
     if (used.any(axis=0) != used.all(axis=0)).any() or (used[:, 1] & ~used[:, 0]).any():
-        context.findings.append(rules.CANNOT_SAY(
+        context.job.cannot(
             what=f"an external axis that only some targets of `{path.name}` have",
             cure="give every target of the path the same external axes, the first one first",
-        ))  # fmt: skip
+        )
     return path
 
 

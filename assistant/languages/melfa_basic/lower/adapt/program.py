@@ -11,7 +11,7 @@ from assistant.languages.language import Adapted
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lower.adapt.context import Context
 from assistant.languages.melfa_basic.lower.adapt.data import with_plain_data
-from assistant.languages.melfa_basic.lower.adapt.statements import comment_lines, plain_procedure
+from assistant.languages.melfa_basic.lower.adapt.statements import plain_procedure
 from assistant.languages.melfa_basic.lower.adapt.vendor_text import check_names
 from assistant.languages.melfa_basic.lower.names import naming
 from assistant.languages.melfa_basic.lower.program import UnitLines, branches_in
@@ -30,6 +30,7 @@ from assistant.program.passes.arrays import (
     with_filled_arrays,
 )
 from assistant.program.passes.base_frames import in_base
+from assistant.program.passes.comments import lines
 from assistant.program.passes.first_values import with_first_values
 from assistant.program.passes.legalising import Legalising, Pass, legalised, pure
 from assistant.program.passes.outputs import with_checked_outputs
@@ -41,6 +42,7 @@ from assistant.program.passes.procedures import (
     without_recursion,
 )
 from assistant.program.passes.settled_loops import with_settled_loops
+from assistant.program.passes.spelling import with_declared_names
 from assistant.program.passes.splitting import split
 from assistant.program.passes.watching import passed
 from assistant.program.program import Program
@@ -62,13 +64,16 @@ def adapt(
     products: targets are multiplied by their frames, else `Base` is set.
     """
     dialect, findings = DIALECTS[dialect_name], Findings()
-    job = Legalising(_headed(program, robot), capabilities(dialect, robot, most_targets), findings)
-    job = replace(job, program=legalised(job, PASSES))
+    program = replace(program, robot=robot.name if robot is not None else program.robot)
+    job = Legalising(program, capabilities(dialect, robot, most_targets), findings)
+    comments = tuple(line for text in program.comments for line in lines(text, job))
+    job = replace(job, program=replace(program, comments=comments))
+    job = replace(job, program=legalised(job, FIRST))
     context = Context(job, dialect, robot, products)
     adapted = with_plain_data(context, job.program)
     procedures = tuple(plain_procedure(context, q) for q in job.program.procedures)
     job = replace(job, program=passed("sayable", replace(adapted, procedures=procedures)))
-    adapted = legalised(job, (split, pure(with_units_together)))
+    adapted = legalised(job, LAST)
     if adapted.procedures and adapted.entry is None:
         findings.append(rules.NO_ENTRY(name=adapted.name))
     findings += _shared(adapted)
@@ -81,7 +86,8 @@ def adapt(
     return Adapted(adapted, tuple(findings), {} if has_errors(findings) else trees)
 
 
-PASSES: Final[tuple[Pass, ...]] = (
+FIRST: Final[tuple[Pass, ...]] = (
+    pure(with_entry_first),
     with_first_values,
     with_array_parameters,
     with_checked_outputs,
@@ -93,17 +99,15 @@ PASSES: Final[tuple[Pass, ...]] = (
     with_sayable_procedures,
     pure(with_computed_targets),
     in_base,
+    pure(with_declared_names),
 )
 """Variables, arrays, loops, procedures and targets as the dialects have them, in this order."""
 
-
-def _headed(program: Program, robot: Robot | None) -> Program:
-    """With plain comments, its robot, and its entry first."""
-    return replace(
-        with_entry_first(program),
-        robot=robot.name if robot is not None else program.robot,
-        comments=tuple(line for text in program.comments for line in comment_lines(text)),
-    )
+LAST: Final[tuple[Pass, ...]] = (
+    split,
+    pure(with_units_together),
+)
+"""Plain statements, which paths become."""
 
 
 def _shared(program: Program) -> Iterator[Diagnostic]:

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.lower.adapt.findings import Findings
 from assistant.languages.rapid.tables.words import LEAST_CENTRE, LEAST_MASS, UNUSED
 from assistant.languages.rapid.tree.runs import (
     JOINT_PLACES,
@@ -25,62 +24,63 @@ from assistant.program.geometry import (
     Target,
     Tool,
 )
+from assistant.program.passes.legalising import Legalising
 from assistant.program.subjects import Declared, Subject
 
 
-def sayable_tool(tool: Tool, name: str, findings: Findings) -> Tool:
+def sayable_tool(tool: Tool, name: str, job: Legalising) -> Tool:
     """With a load that the controller takes."""
     load, about = tool.load, Declared(name, "tools")
     if load is None:
-        findings.append(rules.NO_LOAD(name=name, about=about))
+        job.findings.append(rules.NO_LOAD(name=name, about=about))
         load = Load(LEAST_MASS, LEAST_CENTRE)
     if load.mass < LEAST_MASS:
-        findings.changed(
+        job.changed(
             f"the mass of tool `{name}`", f"{LEAST_MASS} kg", "state the tool's mass", about
         )
         load = replace(load, mass=LEAST_MASS)
     if not any(load.centre):
-        findings.changed(
+        job.changed(
             f"the centre of gravity of tool `{name}`, which is none",
             "0.001 mm before the flange",
             "state the tool's centre of gravity",
             about,
         )
         load = replace(load, centre=LEAST_CENTRE)
-    return replace(tool, tip=sayable_pose(tool.tip, findings), load=_printed(load))
+    return replace(tool, tip=sayable_pose(tool.tip, job), load=_printed(load))
 
 
-def sayable_frame(frame: Frame, findings: Findings) -> Frame:
-    user, object = (sayable_pose(x, findings) for x in (frame.user, frame.object))
+def sayable_frame(frame: Frame, job: Legalising) -> Frame:
+    user, object = (sayable_pose(x, job) for x in (frame.user, frame.object))
     return replace(frame, user=user, object=object)
 
 
-def sayable_target(target: Target, about: Subject | str, findings: Findings) -> Target:
+def sayable_target(target: Target, about: Subject | str, job: Legalising) -> Target:
     """With a configuration."""
     configuration = target.configuration
     if configuration is None:
-        findings.append(rules.NO_CONFIGURATION(about=about))
+        job.findings.append(rules.NO_CONFIGURATION(about=about))
         configuration = Configuration()
-    return Target(sayable_pose(target.pose, findings), configuration, _axes(target.external))
+    return Target(sayable_pose(target.pose, job), configuration, _axes(target.external))
 
 
-def sayable_joints(target: JointTarget, about: Subject | str, findings: Findings) -> JointTarget:
+def sayable_joints(target: JointTarget, about: Subject | str, job: Legalising) -> JointTarget:
     """With six joints."""
     joints = target.joints
     if len(joints) > 6:
-        findings.cannot(f"{len(joints)} joints", "use six; further axes are external", about)
+        job.cannot(f"{len(joints)} joints", "use six; further axes are external", about)
     if len(joints) < 6 or any(j != j for j in joints):
-        findings.changed("a joint that is not stated", "0 degrees", "state every joint", about)
+        job.changed("a joint that is not stated", "0 degrees", "state every joint", about)
         joints = tuple(0.0 if j != j else j for j in joints) + (0.0,) * (6 - len(joints))
     joints = tuple(round(j, JOINT_PLACES) + 0.0 for j in joints)
     return JointTarget(joints, _axes(target.external))
 
 
-def sayable_pose(pose: Pose, findings: Findings) -> Pose:
+def sayable_pose(pose: Pose, job: Legalising) -> Pose:
     """With a quaternion of one spelling."""
     quaternion = np.array(pose.quaternion)
     if not np.isfinite(quaternion).all() or np.linalg.norm(quaternion) < 0.5:
-        findings.append(rules.NOT_FINITE(what="an orientation"))
+        job.findings.append(rules.NOT_FINITE(what="an orientation"))
         return pose
     return Pose.of(np.array(pose.position), rotations.canonical(quaternion))
 

@@ -12,19 +12,20 @@ from assistant.languages.rapid.lift.expressions import (
     tool_name,
 )
 from assistant.languages.rapid.lower.adapt.data import sayable_joints, sayable_pose, sayable_target
-from assistant.languages.rapid.lower.adapt.findings import Findings
 from assistant.languages.rapid.tables.words import UNUSED
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.records import aggregate
 from assistant.program import expressions as e
 from assistant.program.diagnostics import Refused
 from assistant.program.passes.conditions import as_truth
+from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.plain_expressions import in_pairs, shifted
 from assistant.program.program import Variable
 from assistant.program.rewriting import map_expressions
 from assistant.program.subjects import Declared
 
 
-def sayable_expression(x: e.Expression, findings: Findings) -> e.Expression:
+def sayable_expression(x: e.Expression, job: Legalising) -> e.Expression:
     """An expression in the form that its text is read back as."""
     match x:
         case e.Unary("-", operand):
@@ -33,34 +34,22 @@ def sayable_expression(x: e.Expression, findings: Findings) -> e.Expression:
             return e.Number(0)
         case e.Aggregate(items):
             made = aggregate(items)
-            return x if isinstance(made, e.Aggregate) else sayable_expression(made, findings)
+            return x if isinstance(made, e.Aggregate) else sayable_expression(made, job)
         case e.TargetValue(target):
-            return e.TargetValue(sayable_target(target, "a written out target", findings))
+            return e.TargetValue(sayable_target(target, "a written out target", job))
         case e.JointValue(target):
-            return e.JointValue(sayable_joints(target, "a written out joint target", findings))
+            return e.JointValue(sayable_joints(target, "a written out joint target", job))
         case e.PoseValue(pose):
-            return e.PoseValue(sayable_pose(pose, findings))
+            return e.PoseValue(sayable_pose(pose, job))
         case e.Apply("relative", given) if 4 < len(given) < 7:
-            return e.Apply("relative", given + (e.Number(0),) * (7 - len(given)))
+            return shifted(x, 6)
         case e.Here(tool, frame):
             return e.Here(tool_name(tool), frame_name(frame))
-        case e.Apply("min" | "max" as function, (one, two, *more)) if more:
-            for after in (two, *more):
-                one = e.Apply(function, (one, after))
-            return one
+        case e.Apply("min" | "max", (_, _, _, *_)):
+            return in_pairs(x)
         case e.Verbatim(verbatim.LANGUAGE):
             return _understood(x)
     return x
-
-
-def floor(x: e.Expression) -> e.Expression:
-    """The whole number below: one less than the whole part where that is above.
-
-    What is left of a number without its whole part is over -1 and under 1.
-    """
-    whole = e.Apply("trunc", (x,))
-    rest = e.Binary("+", e.Binary("-", x, whole), e.Number(1))
-    return e.Binary("-", e.Binary("+", whole, e.Apply("trunc", (rest,))), e.Number(1))
 
 
 def _understood(x: e.Verbatim) -> e.Expression:
@@ -79,18 +68,16 @@ def _unset(x: e.Expression) -> e.Expression:
     return e.Aggregate(tuple(e.Aggregate(tuple(map(e.Number, part))) for part in parts))
 
 
-def sayable_variable(
-    variable: Variable, name: str, findings: Findings, owner: str = ""
-) -> Variable:
+def sayable_variable(variable: Variable, name: str, job: Legalising, owner: str = "") -> Variable:
     """With a type that RAPID has. owner: procedure whose own it is, empty for the program's."""
     if variable.type == "integer":
         variable = replace(variable, type="number")
     if variable.storage == "constant" and variable.initial is None:
         about = Declared(name, "variables", owner)
-        findings.cannot(f"the constant `{name}` without a value", "give it one", about)
+        job.cannot(f"the constant `{name}` without a value", "give it one", about)
     if variable.type == "position" and variable.size:
         variable = replace(variable, initial=map_expressions(variable.initial, _unset))
     if variable.type == "truth":
         variable = replace(variable, initial=map_expressions(variable.initial, as_truth))
-    change = partial(sayable_expression, findings=findings)
+    change = partial(sayable_expression, job=job)
     return replace(variable, initial=map_expressions(variable.initial, change))

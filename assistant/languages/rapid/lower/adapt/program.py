@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import Final
 
 from assistant.languages.language import Adapted
 from assistant.languages.rapid import rules
@@ -16,9 +16,8 @@ from assistant.languages.rapid.lower.adapt.data import (
     sayable_tool,
 )
 from assistant.languages.rapid.lower.adapt.expressions import sayable_variable
-from assistant.languages.rapid.lower.adapt.findings import Findings
 from assistant.languages.rapid.lower.adapt.motions import Motions
-from assistant.languages.rapid.lower.adapt.statements import StatementAdapter, sayable_comment
+from assistant.languages.rapid.lower.adapt.statements import StatementAdapter
 from assistant.languages.rapid.lower.names import naming, units
 from assistant.languages.rapid.lower.program import build
 from assistant.languages.rapid.tables.capabilities import capabilities
@@ -27,13 +26,13 @@ from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree.syntax import File
 from assistant.program import statements as p
 from assistant.program.analysis.signals import read_by_another_name, uses, with_used
-from assistant.program.diagnostics import Diagnostic, Refused, has_errors
+from assistant.program.diagnostics import Diagnostic, Findings, Refused, has_errors
 from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
-from assistant.program.passes.counted_loops import counted
-from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.comments import lines
+from assistant.program.passes.counted_loops import counted_loops
+from assistant.program.passes.legalising import Legalising, Pass, legalised, pure
 from assistant.program.passes.paths import with_paths
 from assistant.program.passes.splitting import split
-from assistant.program.passes.watching import passed
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import map_bodies
 from assistant.program.subjects import Declared
@@ -43,15 +42,10 @@ def adapt(program: Program, most_targets: int | None = None) -> Adapted:
     """most_targets: of one module, None for MOST_TARGETS."""
     findings = Findings()
     try:
-        adapted = passed("sayable", _sayable(program, findings))
-        adapted = passed("with-places", with_places(adapted))
-        adapted, loops = counted(adapted, refused=rules.COUNTER, changed=_as_while)
-        findings += loops
-        adapted = passed("with-paths", with_paths(passed("counted-loops", adapted)))
-        job = Legalising(adapted, capabilities(most_targets), findings)
-        adapted = passed("split", split(job))
+        job = Legalising(program, capabilities(most_targets), findings)
+        adapted = legalised(job, PASSES)
         _find_names(adapted, findings)
-        _find_shared_outputs(adapted, findings)
+        _find_shared_outputs(adapted, job)
         trees = _built(adapted, findings)
     except Refused as refused:
         findings += refused.findings
@@ -59,20 +53,22 @@ def adapt(program: Program, most_targets: int | None = None) -> Adapted:
     return Adapted(adapted, tuple(findings), trees)
 
 
-def _sayable(program: Program, findings: Findings) -> Program:
+def sayable(job: Legalising) -> Program:
+    """The program with all its parts as RAPID has them."""
+    program = job.program
     for declaration in program.declarations:
         if declaration.language != verbatim.LANGUAGE:
-            with findings.at(declaration.span):
-                findings.append(rules.OTHER_LANGUAGE(**verbatim.foreign(declaration)))
-    motions = Motions(program, findings)
+            with job.findings.at(declaration.span):
+                job.findings.append(rules.OTHER_LANGUAGE(**verbatim.foreign(declaration)))
+    motions = Motions(job)
     targets = {
-        n: sayable_target(t, Declared(n, "targets"), findings) for n, t in program.targets.items()
+        n: sayable_target(t, Declared(n, "targets"), job) for n, t in program.targets.items()
     }
     joints = {
-        n: sayable_joints(t, Declared(n, "joint_targets"), findings)
+        n: sayable_joints(t, Declared(n, "joint_targets"), job)
         for n, t in program.joint_targets.items()
     }
-    variables = {n: sayable_variable(v, n, findings) for n, v in program.variables.items()}
+    variables = {n: sayable_variable(v, n, job) for n, v in program.variables.items()}
     for name, variable in list(variables.items()):
         match None if variable.local else fixed_target(variable):
             case Target() as target:
@@ -81,7 +77,7 @@ def _sayable(program: Program, findings: Findings) -> Program:
             case JointTarget() as joint_target:
                 joints[name] = joint_target
                 del variables[name]
-    statements = StatementAdapter(program, motions, findings)
+    statements = StatementAdapter(job, motions)
     procedures = tuple(map(statements.procedure, program.procedures))
     entry = program.entry
     if entry is not None and program.procedure(entry) is None:
@@ -91,9 +87,9 @@ def _sayable(program: Program, findings: Findings) -> Program:
     return replace(
         program,
         entry=entry,
-        comments=tuple(sayable_comment(c, findings) for c in program.comments),
-        frames={n: sayable_frame(f, findings) for n, f in frames.items()},
-        tools={n: sayable_tool(t, n, findings) for n, t in tools.items()},
+        comments=tuple(line for text in program.comments for line in lines(text, job)),
+        frames={n: sayable_frame(f, job) for n, f in frames.items()},
+        tools={n: sayable_tool(t, n, job) for n, t in tools.items()},
         speeds=motions.speeds.table(),
         blends=motions.blends.table(),
         signals=with_used(
@@ -106,13 +102,14 @@ def _sayable(program: Program, findings: Findings) -> Program:
     )
 
 
-def _as_while(name: str, why: str, **where: Any) -> Diagnostic:
-    return rules.CHANGED(
-        what=f"the `for` over `{name}`, which {why},",
-        instead="a `while`",
-        hint="a loop of RAPID has a variable of its own; use another name if that is meant",
-        **where,
-    )
+PASSES: Final[tuple[Pass, ...]] = (
+    sayable,
+    pure(with_places),
+    counted_loops,
+    pure(with_paths),
+    split,
+)
+"""Parts of a program as RAPID has them, and then what it says in other words, in this order."""
 
 
 def _find_names(program: Program, findings: Findings) -> None:
@@ -121,13 +118,13 @@ def _find_names(program: Program, findings: Findings) -> None:
         findings.append(rules.SHORTENED(name=name, short=short, why=why, about=Declared(name)))
 
 
-def _find_shared_outputs(program: Program, findings: Findings) -> None:
+def _find_shared_outputs(program: Program, job: Legalising) -> None:
     for statement, name, other in read_by_another_name(program):
-        with findings.at(statement.span):
-            findings.append(rules.NO_MEANING(
-                what=f"that `{name}` is read, which is set as part of `{other}`",
-                cure="read and set the output by one name, or keep its value in a variable",
-            ))  # fmt: skip
+        with job.findings.at(statement.span):
+            job.cannot(
+                f"that `{name}` is read, which is set as part of `{other}`",
+                "read and set the output by one name, or keep its value in a variable",
+            )
 
 
 def _why(name: str) -> str:

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-import unicodedata
-from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
-from typing import Any, Final, Literal
+from typing import Any
 
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.statements import statements_of
 from assistant.languages.rapid.lower.adapt.expressions import (
-    floor,
     sayable_expression,
     sayable_variable,
 )
-from assistant.languages.rapid.lower.adapt.findings import Findings
 from assistant.languages.rapid.lower.adapt.motions import Motions
 from assistant.languages.rapid.tables.hands import gripper
 from assistant.languages.rapid.tables.words import LEAST_ACCELERATION, LONGEST_STRING
@@ -25,38 +20,41 @@ from assistant.program import statements as p
 from assistant.program.analysis.kinds import Kinds, is_position, is_truth, kinds
 from assistant.program.diagnostics import has_errors
 from assistant.program.geometry import Target
+from assistant.program.passes.comments import plain_comment
 from assistant.program.passes.conditions import as_truth, compared, with_conditions
+from assistant.program.passes.legalising import Legalising
 from assistant.program.passes.messages import lines, parts
-from assistant.program.path import Kind
-from assistant.program.program import Procedure, Program, identifier
-from assistant.program.rewriting import is_repeatable, map_bodies, map_head
+from assistant.program.passes.plain_expressions import floor
+from assistant.program.passes.points import move_at
+from assistant.program.passes.rewording import Rewording
+from assistant.program.passes.switches import plain_switch
+from assistant.program.program import Procedure, identifier
+from assistant.program.rewriting import is_repeatable
 
 
-class StatementAdapter:
+class StatementAdapter(Rewording):
     """targets: those that paths of a single one become, filled as procedures are adapted."""
 
-    def __init__(self, program: Program, motions: Motions, findings: Findings) -> None:
-        self.program, self.motions, self.findings = program, motions, findings
-        self.signals = {n.lower(): g for n, g in program.signals.items()}
+    def __init__(self, job: Legalising, motions: Motions) -> None:
+        super().__init__(job)
+        self.program, self.motions = job.program, motions
+        self.signals = {n.lower(): g for n, g in job.program.signals.items()}
         self.targets: dict[str, Target] = {}
         self.known: Kinds = {}
-        self._expression = partial(sayable_expression, findings=findings)
 
     def procedure(self, procedure: Procedure) -> Procedure:
-        with self.findings.at(procedure.span):
+        with self.job.findings.at(procedure.span):
             return self._procedure(procedure)
 
     def _procedure(self, procedure: Procedure) -> Procedure:
         self.known = kinds(self.program, procedure)
         variables = {
-            n: sayable_variable(v, n, self.findings, procedure.name)
+            n: sayable_variable(v, n, self.job, procedure.name)
             for n, v in procedure.variables.items()
         }
         for name, variable in variables.items():
             if variable.storage == "persistent":
-                self.findings.cannot(
-                    f"the persistent `{name}` inside a procedure", "declare it outside"
-                )
+                self.job.cannot(f"the persistent `{name}` inside a procedure", "declare it outside")
             if variable.local:
                 variables[name] = replace(variable, local=False)
         parameters = tuple(
@@ -65,45 +63,24 @@ class StatementAdapter:
         result = "number" if procedure.result == "integer" else procedure.result
         return replace(
             procedure,
-            body=self._body(procedure.body),
+            body=self.body(procedure.body),
             variables=variables,
             parameters=parameters,
             result=result,
         )
 
-    def _body(self, body: tuple[p.Statement, ...]) -> tuple[p.Statement, ...]:
-        out: list[p.Statement] = []
-        for statement in body:
-            with self.findings.at(statement.span):
-                out += self._statement(statement)
-        return tuple(out)
-
-    def _sayable(self, x: e.Expression) -> e.Expression:
+    def expression(self, x: e.Expression) -> e.Expression:
         match x:
             case e.Apply("floor", (inner,)) if is_repeatable(inner):
                 x = floor(inner)
             case e.Apply("inverse", (inner,)) if is_position(inner, self.known):
-                self.findings.cannot(
+                self.job.cannot(
                     "the inverse of a target", "work it out beforehand, or take a pose for it"
                 )
-        return compared(self._expression(x), self.known)
+        return compared(sayable_expression(x, self.job), self.known)
 
-    def _statement(self, statement: p.Statement) -> Changed:
-        change = CHANGES.get(type(statement))
-        node = map_head(map_bodies(statement, self._body), self._sayable)
-        node = with_conditions(node, self.known)
-        made = [node] if change is None else change(self, node)
-        return [x if x.span else replace(x, span=statement.span) for x in made]
-
-
-def sayable_comment(text: str, findings: Findings) -> str:
-    """One line of ASCII."""
-    letters = (c for c in unicodedata.normalize("NFKD", text) if not unicodedata.combining(c))
-    plain = "".join(letters).encode("ascii", "replace").decode("ascii")
-    plain = "".join(c if c.isprintable() else " " for c in plain).strip()
-    if plain != text.strip():
-        findings.changed("a comment", f"`{plain[:40]}`", "use one line of ASCII")
-    return plain
+    def whole(self, node: p.Statement) -> p.Statement:
+        return with_conditions(node, self.known)
 
 
 Changed = list[p.Statement]
@@ -115,19 +92,14 @@ def _motion(a: StatementAdapter, x: Any) -> Changed:
 
 def _follow(a: StatementAdapter, x: p.Follow) -> Changed:
     if not len(x.path):
-        a.findings.changed(
-            f"the path `{x.path.name}`, which has no targets", "nothing", "leave it out"
-        )
+        a.job.changed(f"the path `{x.path.name}`, which has no targets", "nothing", "leave it out")
         return []
     path = a.motions.path(x.path)
-    if len(path) > 1 or has_errors(a.findings):
+    if len(path) > 1 or has_errors(a.job.findings):
         return [replace(x, path=path)]
     name = identifier(f"{path.name}_1", {*a.program.targets, *a.targets, *a.program.variables})
     a.targets[name] = path.target(0)
-    kind: Literal["joint", "linear"] = "joint" if path.kinds[0] == Kind.JOINT else "linear"
-    speed, blend = path.speeds[path.speed[0]], path.blends[path.blend[0]]
-    motion = p.Motion(speed, blend, path.tools[path.tool[0]], path.frames[path.frame[0]])
-    return [p.Move(kind, e.Name(name), motion, span=x.span)]
+    return [move_at(path, 0, e.Name(name))]
 
 
 def _wait_signal(a: StatementAdapter, x: p.WaitSignal) -> Changed:
@@ -160,7 +132,7 @@ def _acceleration(a: StatementAdapter, x: p.SetAcceleration) -> Changed:
     if isinstance(one, e.Number) and isinstance(two, e.Number):
         least = max(min(one.value, two.value), LEAST_ACCELERATION)
         if (least, least) != (one.value, two.value):
-            a.findings.changed(
+            a.job.changed(
                 f"acceleration {one.value} and deceleration {two.value} percent",
                 f"{least} percent for both",
                 "AccSet has one value of 20 percent or more",
@@ -168,40 +140,29 @@ def _acceleration(a: StatementAdapter, x: p.SetAcceleration) -> Changed:
         value: e.Expression = e.Number(least)
     else:
         if one != two:
-            a.findings.changed(
-                "the deceleration", "the acceleration", "AccSet has one value for both"
-            )
+            a.job.changed("the deceleration", "the acceleration", "AccSet has one value for both")
         value = one
     return [replace(x, acceleration=value, deceleration=value)]
-
-
-def _comment(a: StatementAdapter, x: p.Comment) -> Changed:
-    return [replace(x, text=sayable_comment(x.text, a.findings))]
 
 
 def _message(a: StatementAdapter, x: p.Message) -> Changed:
     """As many messages as it takes for 80 characters each."""
     rows = lines(parts(x, a.known) or (e.Text(""),), LONGEST_STRING)
     if len(rows) > 1:
-        a.findings.changed(
+        a.job.changed(
             "a message of more than 80 characters", f"{len(rows)} messages", "write a shorter one"
         )
     return [p.Message(tuple(row), span=x.span) for row in rows]
 
 
-def _switch(_: StatementAdapter, x: p.Switch) -> Changed:
-    """A case of no value is never chosen, and there are no words for it."""
-    return [replace(x, cases=tuple(case for case in x.cases if case.values))]
-
-
 def _opaque(a: StatementAdapter, x: p.Opaque) -> Changed:
     if x.language != verbatim.LANGUAGE:
-        a.findings.append(rules.OTHER_LANGUAGE(**verbatim.foreign(x)))
+        a.job.findings.append(rules.OTHER_LANGUAGE(**verbatim.foreign(x)))
         return [x]
     return list(statements_of(x.text, a.program))
 
 
-CHANGES: Final[dict[type, Callable[[StatementAdapter, Any], Changed]]] = {
+StatementAdapter.changes = {
     p.Move: _motion,
     p.MoveCircular: _motion,
     p.MoveJoints: _motion,
@@ -210,8 +171,8 @@ CHANGES: Final[dict[type, Callable[[StatementAdapter, Any], Changed]]] = {
     p.Assign: _assign,
     p.SetSignal: _set_signal,
     p.SetAcceleration: _acceleration,
-    p.Comment: _comment,
+    p.Comment: plain_comment,
     p.Message: _message,
-    p.Switch: _switch,
+    p.Switch: plain_switch,
     p.Opaque: _opaque,
 }

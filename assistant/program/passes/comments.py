@@ -1,0 +1,51 @@
+"""Comments, and messages that become some, in the lines and letters that a language takes."""
+
+from __future__ import annotations
+
+import unicodedata
+from collections.abc import Iterator
+from dataclasses import replace
+
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.rewording import Rewording
+
+
+def plain_comment(r: Rewording, node: p.Comment) -> Iterator[p.Statement]:
+    """A comment in lines that the language takes."""
+    yield from (replace(node, text=line) for line in lines(node.text, r.job))
+
+
+def as_comment(r: Rewording, node: p.Message) -> Iterator[p.Statement]:
+    """A message as a comment, for a language without any."""
+    shown = "".join(part.value if isinstance(part, e.Text) else "..." for part in node.parts)
+    line = lines("message: " + shown, r.job)[0]
+    if r.job.can.comments.message is not None:
+        r.job.findings.append(r.job.can.comments.message(text=line))
+    yield p.Comment(line)
+
+
+def lines(text: str, job: Legalising) -> list[str]:
+    """A comment in lines that fit; control characters become blanks."""
+    can = job.can.comments
+    plain = _in_ascii(text) if can.ascii else text
+    plain = "".join(c if c.isprintable() else " " for c in plain).strip()
+    if plain != text.strip():
+        job.changed("a comment", f"`{plain[:40]}`", "use one line of ASCII")
+    made: list[str] = []
+    while can.most_bytes is not None and len(plain.encode("utf-8")) > can.most_bytes:
+        most = can.most_bytes
+        while len(plain[:most].encode("utf-8")) > can.most_bytes:
+            most -= 1
+        cut = plain.rfind(" ", most // 2, most)
+        cut = most if cut < 0 else cut
+        made.append(plain[:cut].strip())
+        plain = plain[cut:].strip()
+    return [*made, plain]
+
+
+def _in_ascii(text: str) -> str:
+    """The text with letters without their accents, and `?` for what is beyond ASCII even so."""
+    letters = (c for c in unicodedata.normalize("NFKD", text) if not unicodedata.combining(c))
+    return "".join(letters).encode("ascii", "replace").decode("ascii")

@@ -1,0 +1,91 @@
+"""Names that a language takes: legal, short enough, none twice and none of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable
+from dataclasses import replace
+from typing import Any, Final
+
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.geometry import BASE, FLANGE
+from assistant.program.passes.legalising import Legalising
+from assistant.program.program import Procedure, Program, identifier
+from assistant.program.rewriting import rewrite
+
+FIELDS: Final[dict[type, tuple[str, ...]]] = {
+    Program: ("name", "entry"),
+    Procedure: ("name",),
+    p.Motion: ("tool", "frame"),
+    p.SetSignal: ("signal",),
+    p.WaitSignal: ("signal",),
+    p.Call: ("procedure",),
+    e.Name: ("name",),
+}
+"""Kind of record → its fields that are names."""
+TABLES: Final = ("tools", "frames", "signals", "targets", "joint_targets", "variables")
+"""What is declared under a name."""
+
+
+class Names:
+    """The names of one space that are taken, in any case.
+
+    longest: characters of a name. legal: gives a name of legal characters, near to another one.
+    """
+
+    def __init__(
+        self,
+        longest: int,
+        taken: Iterable[str] = (),
+        legal: Callable[[str], str] = identifier,
+    ) -> None:
+        self.longest, self.legal = longest, legal
+        self.taken = {name.lower() for name in taken}
+
+    def take(self, name: str) -> None:
+        self.taken.add(name.lower())
+
+    def free(self, wanted: str, besides: Collection[str] = ()) -> str:
+        """The legal name nearest to the one that is wanted, with a number if that is taken.
+
+        besides: more that are taken, in lower case.
+        """
+        base = self.legal(wanted)[: self.longest]
+        name, number = base, 2
+        while name.lower() in self.taken or name.lower() in besides:
+            end = f"_{number}"
+            name, number = base[: self.longest - len(end)] + end, number + 1
+        return name
+
+
+def with_legal_names(job: Legalising) -> Program:
+    """The program with names that the language takes, each the same wherever it is used.
+
+    For a language whose programs say nothing of the names that something had before.
+    """
+    can, program = job.can.names, job.program
+    if can is None:
+        return program
+    names, legal = Names(can.longest, can.reserved, can.legal), dict[str, str]()
+    given = [FLANGE, BASE, *(q.name for q in program.procedures)]
+    given += [name for table in TABLES for name in getattr(program, table)]
+    given += [name for name in (program.name, program.entry) if name]
+    kept = [name for name in given if names.free(name) == name]
+    for name in (*kept, *given):
+        if name.lower() not in legal:
+            legal[name.lower()] = short = names.free(name)
+            names.take(short)
+            if short != name:
+                job.findings.append(can.renamed(given=name, name=short))
+
+    def of(name: str) -> str:
+        return legal.get(name.lower(), name)
+
+    def renamed(part: Any) -> Any:
+        fields = FIELDS.get(type(part), ())
+        return replace(part, **{f: of(getattr(part, f)) for f in fields if getattr(part, f)})
+
+    rows: dict[str, Any] = {
+        t: {of(n): part for n, part in getattr(program, t).items()} for t in TABLES
+    }
+    return rewrite(replace(program, **rows), renamed)

@@ -1,0 +1,59 @@
+"""Choices among values, for languages whose cases are single numbers, or do not nest."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import reduce
+
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.rewording import Rewording
+from assistant.program.rewriting import records
+
+
+def plain_switch(r: Rewording, node: p.Switch) -> Iterator[p.Statement]:
+    """A choice, or an `if` for one that the language has no words for.
+
+    A case of no value is never chosen, and goes.
+    """
+    node = replace(node, cases=tuple(case for case in node.cases if case.values))
+    can = r.job.can.switches
+    if can is None or (_is_of_numbers(node) and (can.nested or not r.choices)):
+        r.choices += 1
+        yield r.inside(node)
+        r.choices -= 1
+        return
+    if sum(len(case.values) for case in node.cases) > 1:
+        _compare_once(node.subject, r.job)
+    if node.cases:
+        yield r.inside(_as_if(node))
+    else:
+        yield from r.body(node.otherwise)
+
+
+def _compare_once(subject: e.Expression, job: Legalising) -> None:
+    """An error where a subject calls functions, which each comparison would do again."""
+    for record in records(subject):
+        if isinstance(record, e.Apply) and job.program.procedure(record.function):
+            job.cannot(
+                what=f"that `{record.function}` is called once for all cases here",
+                cure="assign it to a variable, and choose by that",
+            )
+
+
+def _is_of_numbers(node: p.Switch) -> bool:
+    """Whether each case is one number."""
+    return bool(node.cases) and all(
+        len(case.values) == 1 and isinstance(case.values[0], e.Number) for case in node.cases
+    )
+
+
+def _as_if(node: p.Switch) -> p.If:
+    def chosen(case: p.Case) -> e.Expression:
+        tests: list[e.Expression] = [e.Binary("=", node.subject, v) for v in case.values]
+        return reduce(lambda one, other: e.Binary("or", one, other), tests)
+
+    branches = (p.Branch(chosen(case), case.body) for case in node.cases)
+    return p.If(tuple(branches), node.otherwise)
