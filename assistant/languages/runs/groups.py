@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import accumulate
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -61,15 +62,13 @@ class Groups:
             raise ValueError("a number is too large")
         return np.asarray(offsets[:, -1])
 
-    def pieces(self, values: Floats, number: Callable[[Floats], list[Piece]]) -> list[Piece]:
-        """The numbers (n, width) as they are printed. number: how a column of them is."""
+    def pieces(self, columns: Sequence[Sequence[Piece]]) -> list[Piece]:
+        """The numbers as they are printed. columns: pieces of each column of them."""
+        firsts = set(accumulate(self.sizes))
         pieces: list[Piece] = [self.opening]
-        column = 0
-        for size in self.sizes:
-            pieces.append(self.between if column else b"")
-            for at in range(size):
-                pieces += [b"," if at else b"", *number(values[:, column])]
-                column += 1
+        for at, column in enumerate(columns):
+            between = self.between if at in firsts else b"," if at else b""
+            pieces += [between, *column]
         return [*pieces, self.closing]
 
 
@@ -108,9 +107,10 @@ class Fewest:
     places: tuple[int, ...]
     spelled: Mapping[float, bytes]
 
-    def __call__(self, values: Floats) -> list[Piece]:
+    def pieces(self, values: Floats) -> list[Piece]:
+        """A column (n,) of numbers."""
         if len(values) > 1 and (values == values[0]).all():
-            return [rows_text(self(values[:1]), 1)]
+            return [rows_text(self.pieces(values[:1]), 1)]
         large = np.abs(values) >= MOST_DECIMALS
         for places in self.places:
             if not large.any() and (np.round(values, places) == values).all():

@@ -9,18 +9,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any, Generic, TypeVar
+from itertools import pairwise
+from typing import Any, Final, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.languages.runs.columns import Entries, Store
+from assistant.languages.runs.columns import Entries, Run, Store, joined
 from assistant.languages.runs.names import MOST_DIGITS, Names
 from assistant.program.arrays import Truths
 from assistant.program.digits_at_offsets import WORD, Offsets, Slots
 
 R = TypeVar("R")
+C = TypeVar("C", bound=Run)
 E = TypeVar("E")
+
+MOST: Final = 8192
+"""Rows read at a time, so that their text and numbers fit the processor's cache."""
 
 _ZERO, _NINE, _POINT = b"09."
 
@@ -55,6 +60,13 @@ def stretches(
             yield from stretches(text, middle, end, fewest, store, read)
         return
     yield Found(start, end, node)
+
+
+def in_parts(data: bytes, read: Callable[[bytes], C]) -> C:
+    """The run of many lines, each part of which fits the processor's cache."""
+    ends = np.flatnonzero(np.frombuffer(data, dtype=np.uint8) == ord("\n")) + 1
+    bounds = [0, *ends[MOST - 1 : -1 : MOST].tolist(), len(data)]
+    return joined([read(data[start:end]) for start, end in pairwise(bounds)])
 
 
 class Marks:
@@ -124,8 +136,8 @@ class Words:
         lengths = ends - starts
         if int(lengths.max()) > self.longest:
             raise ValueError("a name is too long")
-        numbered = _numbered(text, starts, ends)
-        return self._different(text, starts, lengths) if numbered is None else numbered
+        alone = numbered(text, starts, ends)
+        return self._different(text, starts, lengths) if alone is None else alone
 
     def _different(self, text: Slots, starts: Offsets, lengths: Offsets) -> Names:
         fields = text.fields(starts, lengths)
@@ -147,7 +159,7 @@ class Words:
         return Names(tuple(table), index, np.where(plain, number, -1))
 
 
-def _numbered(text: Slots, starts: Offsets, ends: Offsets) -> Names | None:
+def numbered(text: Slots, starts: Offsets, ends: Offsets) -> Names | None:
     """Names of one stem, with a number each; None for others."""
     stem = text.bytes[starts[0] : ends[0]].tobytes().rstrip(b"0123456789")
     count = ends - starts - len(stem)

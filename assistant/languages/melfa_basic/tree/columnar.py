@@ -8,14 +8,22 @@ line and means the same.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
-from typing import Final
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Final, TypeVar
 
 import numpy as np
 
+from assistant.languages.runs.columns import Run
+from assistant.languages.runs.groups import Groups
+from assistant.languages.runs.groups import places_of as fewest_places
+from assistant.languages.runs.names import Names
+from assistant.languages.runs.reading import Marks, behind_digits, in_parts, numbered
 from assistant.program.arrays import Floats, Ints
-from assistant.program.columns import Chosen, Decimal, Integer, Piece, numbers, rows_text
+from assistant.program.columns import Chosen, Decimal, Integer, Piece, rows_text
 from assistant.program.diagnostics import Span
+from assistant.program.digits_at_offsets import Offsets, Slots
 
 KEYWORDS: Final = ("Mov", "Mvs", "Mvr")
 MOV, MVS, MVR = range(3)
@@ -28,7 +36,7 @@ MOST_PLACES: Final = 9
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class PositionRows:
+class PositionRows(Run):
     """n position lines `P1=(x,y,z,a,b,c)(fl1,fl2)` whose names differ in the number only.
 
     stem: the name before the number. numbers: (n,) ≥ 0.
@@ -41,25 +49,9 @@ class PositionRows:
     flags: Ints
     span: Span | None = field(default=None, compare=False, repr=False)
 
-    def __len__(self) -> int:
-        return len(self.numbers)
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, PositionRows):
-            return NotImplemented
-        return (
-            self.stem.upper() == other.stem.upper()
-            and np.array_equal(self.numbers, other.numbers)
-            and np.array_equal(self.values, other.values)
-            and np.array_equal(self.flags, other.flags)
-        )
-
-    def __hash__(self) -> int:
-        return hash((self.stem.upper(), len(self)))
-
 
 @dataclass(frozen=True, slots=True, eq=False)
-class MoveRows:
+class MoveRows(Run):
     """n code lines `10 MVS P1`, `20 MVR P1,P2,P3` through positions of one stem.
 
     steps: (n,) step numbers. kinds: (n,) rows of KEYWORDS.
@@ -75,31 +67,20 @@ class MoveRows:
     end: Ints
     span: Span | None = field(default=None, compare=False, repr=False)
 
-    def __len__(self) -> int:
-        return len(self.steps)
 
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, MoveRows):
-            return NotImplemented
-        return self.stem.upper() == other.stem.upper() and all(
-            np.array_equal(getattr(self, f), getattr(other, f))
-            for f in ("steps", "kinds", "start", "via", "end")
-        )
-
-    def __hash__(self) -> int:
-        return hash((self.stem.upper(), len(self)))
-
+R = TypeVar("R", "PositionRows", "MoveRows")
 
 # ---------------------------------------------------------------------------- to text
 
 
-def places_of(values: Floats, least: int = 2) -> int:
+def places_of(values: Floats) -> int:
     """Decimal places, at least two, that print every value without loss, at most nine."""
-    known = values[~np.isnan(values)]
-    for places in range(least, MOST_PLACES):
-        if np.array_equal(np.round(known, places), known):
-            return places
-    return MOST_PLACES
+    return fewest_places(values, 2, MOST_PLACES)
+
+
+def groups_of(elements: int) -> Groups:
+    """A position with so many elements and its flags."""
+    return Groups((elements, 2), b"(", b")(", b")")
 
 
 def position_text(rows: PositionRows, newline: bytes, places: int | None = None) -> str:
@@ -107,43 +88,26 @@ def position_text(rows: PositionRows, newline: bytes, places: int | None = None)
 
     places: decimals, None for as many as the table needs.
     """
-    places = places_of(rows.values) if places is None else places
-    columns: list[Piece] = [
-        rows.stem.encode("ascii"),
-        Integer(rows.numbers),
-        b"=(",
-    ]
-    for i in range(rows.values.shape[1]):
-        if i:
-            columns.append(b",")
-        columns.append(Decimal(rows.values[:, i], places, plus=True))
-    columns += [b")(", Integer(rows.flags[:, 0]), b",", Integer(rows.flags[:, 1]), b")" + newline]
-    return rows_text(columns, len(rows)).decode("ascii")
+    decimals = places_of(rows.values) if places is None else places
+    columns: list[Piece] = [Decimal(column, decimals, plus=True) for column in rows.values.T]
+    columns += [Integer(column) for column in rows.flags.T]
+    name: list[Piece] = [rows.stem.encode("ascii"), Integer(rows.numbers), b"="]
+    groups = groups_of(rows.values.shape[1]).pieces([[column] for column in columns])
+    return rows_text([*name, *groups, newline], len(rows)).decode("ascii")
 
 
 def move_text(rows: MoveRows, newline: bytes, upper: bool, indent: int = 0) -> str:
     """The lines of a run of moves, each with its line end. indent: blanks more behind steps."""
     stem = rows.stem.encode("ascii")
-    blanks = b" " * (1 + indent)
     words = [(w.upper() if upper else w).encode() + b" " for w in KEYWORDS]
-    columns: list[Piece]
-    if not np.any(rows.kinds == MVR):
-        plain = Chosen(rows.kinds, [word + stem for word in words])
-        columns = [Integer(rows.steps), blanks, plain, Integer(rows.end), newline]
-        return rows_text(columns, len(rows)).decode("ascii")
-    # an arc names two positions more: their digits are chosen, which an empty text leaves out
+    columns: list[Piece] = [Integer(rows.steps), b" " * (1 + indent), Chosen(rows.kinds, words)]
     arc = rows.kinds == MVR
-    start, via = (
-        Decimal(np.where(arc, column, np.nan).astype(np.float64), 0, missing=b"")
-        for column in (rows.start, rows.via)
-    )
-    isarc = arc.astype(np.int64)
-    columns = [
-        Integer(rows.steps), blanks, Chosen(rows.kinds, words),
-        Chosen(isarc, (b"", stem)), start, Chosen(isarc, (b"", b"," + stem)), via,
-        Chosen(isarc, (b"", b",")), stem, Integer(rows.end), newline,
-    ]  # fmt: skip
-    return rows_text(columns, len(rows)).decode("ascii")
+    if arc.any():  # an arc names two positions more
+        at = np.flatnonzero(arc)
+        comma = Chosen(arc.astype(np.int64), (b"", b","))
+        for numbers in (rows.start, rows.via):
+            columns += [*Names.numbered(stem, numbers[at]).spread(at, len(rows)).pieces(), comma]
+    return rows_text([*columns, stem, Integer(rows.end), newline], len(rows)).decode("ascii")
 
 
 # -------------------------------------------------------------------------- from text
@@ -177,9 +141,6 @@ def _move_pattern() -> re.Pattern[str]:
 
 
 _MOVES: Final = _move_pattern()
-_LETTERS: Final = bytes.maketrans(
-    b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_=", b" " * 54
-)
 
 
 def rows_at(text: str, at: int) -> PositionRows | MoveRows | None:
@@ -187,51 +148,56 @@ def rows_at(text: str, at: int) -> PositionRows | MoveRows | None:
     character = text[at : at + 1]
     if character.isdigit():
         found = _MOVES.match(text, at)
-        return _moves(found) if found else None
+        return _table(found, _moves) if found else None
     if not character.isalpha():
         return None
     for elements, pattern in zip((6, 7, 8), _POSITIONS, strict=True):
         found = pattern.match(text, at)
         if found:
-            return _positions(found, elements)
+            return _table(found, partial(_positions, groups_of(elements)))
     return None
 
 
-def _positions(found: re.Match[str], elements: int) -> PositionRows:
-    data = found.group().encode("ascii").translate(_LETTERS)
-    table = numbers(data).reshape(-1, 1 + elements + 2)
-    return PositionRows(
-        found.group(1),
-        table[:, 0].astype(np.int64),
-        np.ascontiguousarray(table[:, 1:-2]) + 0.0,
-        table[:, -2:].astype(np.int64),
-        Span(found.start(), found.end()),
-    )
+def _table(found: re.Match[str], read: Callable[[bytes], R]) -> R:
+    rows = in_parts(found.group().encode("ascii").translate(None, b" \t\r"), read)
+    return replace(rows, span=Span(found.start(), found.end()))
 
 
-def _moves(found: re.Match[str]) -> MoveRows:
-    stem = found.group(1) or found.group(2)
-    data = found.group().encode("ascii")
-    text = np.frombuffer(data, dtype=np.uint8)
-    # the third letter of the keyword tells the three apart; it follows the blank after the step
-    ends = np.flatnonzero(text == ord("\n"))
-    begins = np.concatenate([[0], ends[:-1] + 1])
-    letter = (text >= ord("A")) & (text <= ord("z"))
-    letters = np.flatnonzero(letter & ~np.concatenate([[False], letter[:-1]]))
-    third = text[letters[np.searchsorted(letters, begins)] + 2] & 0xDF
-    kinds = np.select([third == ord("V"), third == ord("S")], [MOV, MVS], MVR)
-    values = numbers(data.translate(_LETTERS)).astype(np.int64)
-    count = np.where(kinds == MVR, 4, 2)
-    last = np.cumsum(count)
-    arc = kinds == MVR
+def _positions(groups: Groups, data: bytes) -> PositionRows:
+    """Lines without blanks."""
+    text = Slots(data)
+    marks = Marks(text, b"=,)", b"\n")
+    equals = marks.offsets[marks.first]
+    values = np.empty((len(equals), sum(groups.sizes)))
+    groups.read(text, marks, 1, equals + 1, b"\n", values)
+    names = numbered(text, marks.rows, equals)
+    assert names is not None
+    flags = values[:, -2:].astype(np.int64)
+    return PositionRows(names.stems[0].decode("ascii"), names.number, values[:, :-2] + 0.0, flags)
+
+
+def _moves(data: bytes) -> MoveRows:
+    """Lines without blanks: the third letter of the keyword tells the three apart."""
+    text = Slots(data)
+    marks = Marks(text, b",", b"\n")
+    words = behind_digits(text.bytes, marks.rows)
+    letter = text.bytes[words + 2] & 0xDF
+    kinds = np.select([letter == ord("V"), letter == ord("S")], [MOV, MVS], MVR)
+    arc, begins = kinds == MVR, words + len(KEYWORDS[MVR])
+    commas = marks.offsets[marks.first[arc, None] + np.arange(2)]
     start, via = np.full((2, len(kinds)), -1, dtype=np.int64)
-    start[arc], via[arc] = values[last[arc] - 3], values[last[arc] - 2]
-    return MoveRows(
-        stem,
-        values[last - count],
-        kinds.astype(np.int64),
-        start,
-        via,
-        values[last - 1],
-        Span(found.start(), found.end()),
-    )
+    if arc.any():
+        start[arc] = _numbers(text, begins[arc], commas[:, 0])
+        via[arc] = _numbers(text, commas[:, 0] + 1, commas[:, 1])
+        begins[arc] = commas[:, 1] + 1
+    steps, _ = text.whole(words, words - marks.rows)
+    ends = numbered(text, begins, marks.stops)
+    assert ends is not None
+    stem = ends.stems[0].decode("ascii")
+    return MoveRows(stem, steps, kinds.astype(np.int64), start, via, ends.number)
+
+
+def _numbers(text: Slots, starts: Offsets, ends: Offsets) -> Ints:
+    names = numbered(text, starts, ends)
+    assert names is not None
+    return names.number

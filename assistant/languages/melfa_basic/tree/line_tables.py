@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
-from typing import Final
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import chain
+from typing import Any, Final
 
 import numpy as np
 
@@ -16,7 +17,8 @@ from assistant.languages.melfa_basic.tree.columnar import (
     MoveRows,
     PositionRows,
 )
-from assistant.program.arrays import Ints
+from assistant.languages.runs import gathering as alike
+from assistant.languages.runs.columns import Run, joined
 
 _NUMBERED: Final = re.compile(r"([A-Za-z][A-Za-z_]*)(0|[1-9][0-9]{0,8})")
 
@@ -38,29 +40,32 @@ def split_numbered(name: str) -> tuple[str, int] | None:
 
 def gathered(items: Iterable[s.Item]) -> Iterator[s.Item]:
     """The same lines, neighbours of one stem as one table, lone ones as lines."""
-    group: list[MoveRows] | list[PositionRows] = []
-    for item in items:
-        rows = as_rows(item)
-        if rows is not None and group and _same(group[-1], rows):
-            group.append(rows)  # type: ignore[arg-type]
-            continue
-        yield from _joined(group)
-        group = []
-        if rows is None:
-            yield item
-        elif isinstance(rows, MoveRows):
-            group = [rows]
+    known: list[s.Item] = [as_rows(item) or item for item in items]
+    for item in chain.from_iterable(
+        alike.gathered(known, map(_kind, known), _run, FEWEST, _joined)
+    ):
+        if isinstance(item, MoveRows | PositionRows) and 0 < len(item) < FEWEST:
+            yield from rows_as_lines(item)
         else:
-            group = [rows]
-    yield from _joined(group)
+            yield item
 
 
-def _same(left: MoveRows | PositionRows, right: MoveRows | PositionRows) -> bool:
-    if left.stem != right.stem or type(left) is not type(right):
-        return False
-    if isinstance(left, PositionRows) and isinstance(right, PositionRows):
-        return bool(left.values.shape[1] == right.values.shape[1])
-    return True
+def _run(item: s.Item) -> Run | None:
+    return item if isinstance(item, Run) else None
+
+
+def _kind(item: s.Item) -> object:
+    """What rows of one table have in common."""
+    match item:
+        case MoveRows(stem=stem) if len(item):
+            return MoveRows, stem
+        case PositionRows(stem=stem, values=values) if len(item):
+            return PositionRows, stem, values.shape[1]
+    return None
+
+
+def _joined(items: Sequence[Any]) -> Any:
+    return joined(items)
 
 
 def as_rows(item: s.Item) -> MoveRows | PositionRows | None:
@@ -99,50 +104,6 @@ def as_rows(item: s.Item) -> MoveRows | PositionRows | None:
                 np.array([flags], dtype=np.int64),
             )
     return None
-
-
-def _joined(group: list[MoveRows] | list[PositionRows]) -> Iterator[s.Item]:
-    if not group:
-        return
-    if sum(len(rows) for rows in group) < FEWEST:
-        yield from rows_as_lines(group[0])
-    elif isinstance(group[0], MoveRows):
-        yield _moves([rows for rows in group if isinstance(rows, MoveRows)])
-    else:
-        yield _positions([rows for rows in group if isinstance(rows, PositionRows)])
-
-
-def _moves(group: list[MoveRows]) -> MoveRows:
-    if len(group) == 1:
-        return group[0]
-
-    def column(name: str) -> Ints:
-        return np.concatenate([getattr(rows, name) for rows in group])
-
-    return MoveRows(
-        group[0].stem, column("steps"), column("kinds"), column("start"), column("via"),
-        column("end"),
-    )  # fmt: skip
-
-
-def _positions(group: list[PositionRows]) -> PositionRows:
-    if len(group) == 1:
-        return group[0]
-    return PositionRows(
-        group[0].stem,
-        np.concatenate([rows.numbers for rows in group]),
-        np.concatenate([rows.values for rows in group]),
-        np.concatenate([rows.flags for rows in group]),
-    )
-
-
-def cut(rows: MoveRows, low: int, high: int) -> MoveRows:
-    """Some of the rows."""
-    part = slice(low, high)
-    return MoveRows(
-        rows.stem, rows.steps[part], rows.kinds[part], rows.start[part], rows.via[part],
-        rows.end[part],
-    )  # fmt: skip
 
 
 def rows_as_lines(rows: MoveRows | PositionRows) -> Iterator[s.Line | s.Data]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -12,6 +13,8 @@ from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import PositionRows
 from assistant.languages.melfa_basic.tree.line_tables import split_name
+from assistant.languages.runs.columns import joined
+from assistant.languages.runs.names import sorted_rows
 from assistant.program import expressions as e
 from assistant.program.arrays import Floats, Ints, Truths
 from assistant.program.geometry import UNUSED_AXIS, JointTarget, Pose, Target
@@ -63,40 +66,26 @@ class Positions:
                 single.setdefault(name[0].upper(), []).append((name[1], constant))
         self.columns = {stem: self._columns(stem, found) for stem, found in single.items()}
 
-    def _columns(
-        self, stem: str, single: Sequence[tuple[int, s.Constant]]
-    ) -> tuple[Ints, Floats, Ints]:
-        """Sorted numbers of a stem with their values and flags."""
-        numbers, values, flags = (
-            [np.empty(0, np.int64)],
-            [np.empty((0, 8))],
-            [np.empty((0, 2), np.int64)],
-        )
+    def _columns(self, stem: str, single: Sequence[tuple[int, s.Constant]]) -> PositionRows:
+        """The positions of a stem in the order of their numbers."""
+        parts = [PositionRows(stem, np.empty(0, np.int64), np.empty((0, 8)), np.empty((0, 2), int))]
         for rows in self.tables.get(stem, ()):
             wide = np.full((len(rows), 8), np.nan)
             wide[:, : rows.values.shape[1]] = rows.values
-            numbers.append(rows.numbers)
-            values.append(wide)
-            flags.append(rows.flags)
+            parts.append(replace(rows, values=wide))
         for at, constant in single if stem[0] == "P" else ():
-            one, two = _row(constant)
-            numbers.append(np.array([at]))
-            values.append(one)
-            flags.append(two)
-        number = np.concatenate(numbers)
-        order = np.argsort(number, kind="stable")
-        return number[order], np.concatenate(values)[order], np.concatenate(flags)[order]
+            parts.append(PositionRows(stem, np.array([at]), *_row(constant)))
+        table = joined(parts)
+        return table.rows(np.argsort(table.numbers, kind="stable"))
 
     def find(self, stem: str, numbers: Ints) -> tuple[Floats, Ints, Truths]:
         """Values, flags and whether there are any, of the positions of these numbers."""
-        known, values, flags = self.columns.get(
-            stem.upper(), (np.empty(0, np.int64), np.empty((0, 8)), np.empty((0, 2), np.int64))
-        )
-        if not len(known):
+        known = self.columns.get(stem.upper())
+        if known is None or not len(known):
             n = len(numbers)
             return np.full((n, 8), np.nan), np.zeros((n, 2), np.int64), np.zeros(n, bool)
-        at = np.minimum(np.searchsorted(known, numbers), len(known) - 1)
-        return values[at], flags[at], known[at] == numbers
+        at = sorted_rows(known.numbers, numbers)
+        return known.values[at], known.flags[at], at >= 0
 
     def constant(self, name: str) -> s.Constant | None:
         """The constant of one variable."""

@@ -13,7 +13,6 @@ from assistant.languages.melfa_basic.tables.dialects import LAST_STEP
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import statement_of
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
-from assistant.languages.melfa_basic.tree.line_tables import cut
 
 Entry = s.Line | MoveRows
 """What is code."""
@@ -225,4 +224,4 @@ def _cut(items: Iterable[T], wanted: set[int]) -> Iterator[T | MoveRows]:
             yield item
             continue
         for low, high in itertools.pairwise(edges):
-            yield cut(item, low, high)
+            yield item.rows(slice(low, high))

@@ -31,12 +31,9 @@ from assistant.languages.rapid.tree.runs import (
 )
 from assistant.languages.runs.columns import Store
 from assistant.languages.runs.names import Names
-from assistant.languages.runs.reading import Found, Marks, entries, stretches
+from assistant.languages.runs.reading import MOST, Found, Marks, entries, stretches
 from assistant.languages.runs.reading import Words as Spelling
 from assistant.program.digits_at_offsets import Slots
-
-MOST: Final = 8192
-"""Rows read at a time, so that their text and numbers fit the processor's cache."""
 
 _B = r"[ \t]"
 _NAME = r"[A-Za-z][A-Za-z0-9_]*+"

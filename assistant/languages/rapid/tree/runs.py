@@ -84,10 +84,14 @@ def targets_text(run: TargetRun, scope: str, indent: str, newline: str) -> str:
         head.encode("ascii"),
         *run.names.pieces(),
         b":=",
-        *NUMBERS.pieces(run.values, DECIMALS),
+        *_target(run.values),
     ]
     pieces.append(b";" + newline.encode("ascii"))
     return rows_text(pieces, len(run)).decode("ascii")
+
+
+def _target(values: Floats) -> list[Piece]:
+    return NUMBERS.pieces([DECIMALS.pieces(column) for column in values.T])
 
 
 def moves_text(run: MoveRun, indent: str, newline: str) -> str:
@@ -100,6 +104,6 @@ def moves_text(run: MoveRun, indent: str, newline: str) -> str:
     pieces: list[Piece] = [Chosen(run.kinds, kinds)]
     if circular.any():
         pieces += [*run.vias.pieces(), Chosen(circular.astype(np.int64), (b"", b","))]
-    pieces += run.names.pieces() if run.values is None else NUMBERS.pieces(run.values, DECIMALS)
+    pieces += run.names.pieces() if run.values is None else _target(run.values)
     pieces += [Chosen(run.motions.index, tuple(t.encode("ascii") for t in tails))]
     return rows_text(pieces, len(run)).decode("ascii")

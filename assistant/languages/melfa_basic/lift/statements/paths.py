@@ -7,7 +7,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,13 +21,13 @@ from assistant.languages.melfa_basic.tables.words import ARC_START
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import KEYWORDS, MOV, MVR, MoveRows
 from assistant.languages.melfa_basic.tree.line_tables import (
-    cut,
     rows_as_lines,
     split_name,
     split_numbered,
 )
 from assistant.languages.melfa_basic.tree.positions import configurations
 from assistant.languages.melfa_basic.tree.walk import nodes
+from assistant.languages.runs.paths import path_kinds, setting_columns
 from assistant.program import statements as p
 from assistant.program.arrays import Ints, Truths
 from assistant.program.diagnostics import Span, over
@@ -42,6 +42,10 @@ Place = tuple[str, Any, Any]
 
 One = Callable[[s.Motion, Values, Span | None], list[p.Statement]]
 """Makes the statements of a move that is part of no path."""
+
+
+_PLAIN: Final = np.array([Kind.JOINT, Kind.LINEAR, Kind.END], dtype=np.uint8)
+"""Kinds of rows of a path by those of moves."""
 
 
 @dataclass(slots=True)
@@ -104,7 +108,7 @@ class Runs:
             breaks |= np.isin(first, starts)
         edges = [*np.flatnonzero(breaks).tolist(), len(rows)]
         for low, high in itertools.pairwise(edges):
-            self.run(cut(rows, low, high), values, made, bool(odd[low]))
+            self.run(rows.rows(slice(low, high)), values, made, bool(odd[low]))
 
     def run(self, rows: MoveRows, values: Values, made: list[p.Statement], odd: bool) -> None:
         """Rows of consecutive numbers."""
@@ -113,11 +117,12 @@ class Runs:
         allowed = bool(self.allowed(rows.stem, np.array([first, int(rows.end[0])])).all())
         starts_at = place(f"{rows.stem}{rows.start[0]}", values) if arc else None
         if odd or not allowed or (arc and starts_at != self.previous):
-            self.one_by_one(cut(rows, 0, 1), values, made)
+            self.one_by_one(rows.rows(slice(1)), values, made)
             if len(rows) > 1:
-                self.run(cut(rows, 1, len(rows)), values, made, False)
+                self.run(rows.rows(slice(1, None)), values, made, False)
             return
-        self.extend(rows.stem, first, _kinds(rows), values, self.at, made)
+        kinds = path_kinds(rows.kinds == MVR, _PLAIN[rows.kinds])
+        self.extend(rows.stem, first, kinds, values, self.at, made)
 
     def one_by_one(self, rows: MoveRows, values: Values, made: list[p.Statement]) -> None:
         self.flush(made)
@@ -277,42 +282,15 @@ def place(name: str, values: Values) -> Place:
     return name.upper(), values[TOOL], values[FRAME]
 
 
-def _kinds(rows: MoveRows) -> NDArray[np.uint8]:
-    """The kinds of a path's rows: an arc is two."""
-    arc = rows.kinds == MVR
-    plain = np.where(rows.kinds == MOV, Kind.JOINT, Kind.LINEAR)
-    last = np.cumsum(1 + arc) - 1
-    kinds = np.full(int(last[-1]) + 1, Kind.VIA, dtype=np.uint8)
-    kinds[last] = np.where(arc, Kind.END, plain)
-    return kinds
-
-
 def _columns(chunks: list[_Chunk]) -> dict[str, Any]:
     """Tables and index columns of a path; the percentage counts for joint moves only."""
-    tables: dict[str, list[Any]] = {"speed": [], "blend": [], "tool": [], "frame": []}
-    rows: dict[str, dict[Any, int]] = {name: {} for name in tables}
-    columns: dict[str, list[NDArray[np.int32]]] = {name: [] for name in tables}
-
-    def row(name: str, key: Any) -> int:
-        if key not in rows[name]:
-            rows[name][key] = len(tables[name])
-            tables[name].append(key)
-        return rows[name][key]
-
-    for chunk in chunks:
-        rest = chunk.settings[2:]
-        n = len(chunk.kinds)
-        joint = chunk.kinds == Kind.JOINT
-        speed = np.zeros(n, dtype=np.int32)
-        for flag in (True, False):
-            if (joint == flag).any():
-                speed[joint == flag] = row("speed", speed_of(chunk.settings, flag))
-        columns["speed"].append(speed)
-        for name, value in zip(("blend", "tool", "frame"), rest, strict=True):
-            columns[name].append(np.full(n, row(name, value), dtype=np.int32))
-    made: dict[str, Any] = {name: np.concatenate(parts) for name, parts in columns.items()}
-    made.update({name + "s": table for name, table in tables.items()})
-    return made
+    ways = [2 * at + (chunk.kinds != Kind.JOINT) for at, chunk in enumerate(chunks)]
+    used, rows = np.unique(np.concatenate(ways), return_inverse=True)
+    settings = [
+        (speed_of(chunks[way // 2].settings, way % 2 == 0), *chunks[way // 2].settings[2:])
+        for way in used.tolist()
+    ]
+    return setting_columns(settings, rows)
 
 
 def used_once(code: Sequence[Entry]) -> dict[str, Ints]:
