@@ -285,12 +285,13 @@ def place(name: str, values: Values) -> Place:
 def _columns(chunks: list[_Chunk]) -> dict[str, Any]:
     """Tables and index columns of a path; the percentage counts for joint moves only."""
     ways = [2 * at + (chunk.kinds != Kind.JOINT) for at, chunk in enumerate(chunks)]
-    used, rows = np.unique(np.concatenate(ways), return_inverse=True)
+    rows = np.concatenate(ways)
+    used = np.flatnonzero(np.bincount(rows))
     settings = [
         (speed_of(chunks[way // 2].settings, way % 2 == 0), *chunks[way // 2].settings[2:])
         for way in used.tolist()
     ]
-    return setting_columns(settings, rows)
+    return setting_columns(settings, np.searchsorted(used, np.arange(2 * len(chunks)))[rows])
 
 
 def used_once(code: Sequence[Entry]) -> dict[str, Ints]:

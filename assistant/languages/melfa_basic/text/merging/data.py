@@ -11,7 +11,8 @@ from assistant.languages.melfa_basic.text.printer import expression
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import PositionRows
 from assistant.languages.melfa_basic.tree.line_tables import rows_as_lines
-from assistant.program.arrays import Truths
+from assistant.languages.runs.columns import joined
+from assistant.languages.runs.names import rows_of
 
 Table = dict[str, s.Data]
 
@@ -60,9 +61,11 @@ def _differing(before: Sequence[s.Item], after: Sequence[s.Item]) -> tuple[Table
         for table, other, into in ((a, b, old), (b, a, new)):
             if table is None:
                 continue
-            differs = ~_contained(table, other)
+            differs = np.ones(len(table), dtype=bool)
+            if other is not None:
+                differs = ~other.equal(rows_of(other.numbers, table.numbers), table)
             if differs.any():
-                rows = rows_as_lines(_some(table, differs))
+                rows = rows_as_lines(table.rows(differs))
                 into |= {_key(d.variable): d for d in rows if isinstance(d, s.Data)}
     plain = [
         {_key(i.variable): i for i in items if isinstance(i, s.Data)} for items in (before, after)
@@ -82,32 +85,7 @@ def _tables(items: Sequence[s.Item]) -> Iterator[PositionRows]:
 
 def _joined(tables: Sequence[PositionRows], stem: str, width: int) -> PositionRows | None:
     some = [t for t in tables if t.stem.upper() == stem and t.values.shape[1] == width]
-    if not some:
-        return None
-    numbers, values, flags = (
-        np.concatenate([getattr(t, name) for t in some]) for name in ("numbers", "values", "flags")
-    )
-    return PositionRows(some[0].stem, numbers, values, flags)
-
-
-def _some(table: PositionRows, rows: Truths) -> PositionRows:
-    return PositionRows(table.stem, table.numbers[rows], table.values[rows], table.flags[rows])
-
-
-def _contained(table: PositionRows, other: PositionRows | None) -> Truths:
-    """Which rows another table has as well."""
-    if other is None or not len(other):
-        return np.zeros(len(table), dtype=bool)
-    order = np.argsort(other.numbers, kind="stable")
-    at = order[
-        np.minimum(np.searchsorted(other.numbers, table.numbers, sorter=order), len(other) - 1)
-    ]
-    same: Truths = (
-        (other.numbers[at] == table.numbers)
-        & (other.values[at] == table.values).all(axis=1)
-        & (other.flags[at] == table.flags).all(axis=1)
-    )
-    return same
+    return joined(some) if some else None
 
 
 def _changed(item: s.Data, old: s.Data | None, new: s.Data) -> s.Data:
@@ -144,7 +122,7 @@ def _rows(table: PositionRows, old: Table, new: Table, done: set[str]) -> Iterat
         if key not in new:
             kept[row] = False
             continue
-        (line,) = rows_as_lines(_some(table, np.arange(len(table)) == row))
+        (line,) = rows_as_lines(table.rows(slice(row, row + 1)))
         assert isinstance(line, s.Data)
         value = _changed(line, old.get(key), new[key]).value
         if not isinstance(value, s.Constant) or len(value.values) != values.shape[1]:
@@ -155,4 +133,4 @@ def _rows(table: PositionRows, old: Table, new: Table, done: set[str]) -> Iterat
         if value.flags is not None:
             flags[row] = [flag or 0 for flag in value.flags]
     if kept.any():
-        yield _some(PositionRows(table.stem, table.numbers, values, flags), kept)
+        yield replace(table, values=values, flags=flags).rows(kept)

@@ -207,8 +207,7 @@ class _Edits:
 
 def _some(rows: MoveRows, start: int, stop: int) -> Iterator[MoveRows]:
     if start < stop:
-        columns = (getattr(rows, n)[start:stop] for n in ("steps", "kinds", "start", "via", "end"))
-        yield MoveRows(rows.stem, *columns)
+        yield rows.rows(slice(start, stop))
 
 
 # Step numbers
