@@ -218,14 +218,21 @@ class FunctionRow(Row):
 
 
 class Rows:
-    """Rows in their order: the first that fits is the one."""
+    """Rows in their order: the first that fits is the one.
 
-    def __init__(self, *rows: Row) -> None:
+    also: rows that are read as well, but never written. written: words, in lower case, and records:
+    their types, of those that are.
+    """
+
+    def __init__(self, *rows: Row, also: Sequence[Row] = ()) -> None:
         self._by_word: dict[str, list[Row]] = {}
         self._by_key: dict[object, list[Row]] = {}
-        for row in rows:
+        for row in (*rows, *also):
             self._by_word.setdefault(row.pattern.word.lower(), []).append(row)
+        for row in rows:
             self._by_key.setdefault(row.key, []).append(row)
+        self.written = frozenset(row.pattern.word.lower() for row in rows)
+        self.records = frozenset(row.record for row in rows)
 
     def __contains__(self, word: str) -> bool:
         """Whether a row begins with a word, in lower case."""

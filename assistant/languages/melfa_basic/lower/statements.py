@@ -11,6 +11,7 @@ from assistant.languages.melfa_basic.lower.expressions import Unsayable
 from assistant.languages.melfa_basic.lower.writer import Writer
 from assistant.languages.melfa_basic.reading.parser import statement as read_statement
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
+from assistant.languages.melfa_basic.tables.statements import ROWS
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import statements as p
 
@@ -44,18 +45,15 @@ def opaque_line(node: p.Opaque, dialect: Dialect) -> s.Line | None:
 
 
 STATEMENTS: Final[dict[type, Callable[[Writer, Any], None]]] = {
+    **dict.fromkeys(ROWS.records, signals.plain),
     p.Move: motions.move,
     p.MoveCircular: motions.move_circular,
     p.MoveJoints: motions.move_joints,
     p.Follow: motions.follow,
-    p.Wait: signals.plain,
     p.WaitSignal: signals.wait_signal,
     p.WaitUntil: signals.wait_until,
     p.StartTimer: signals.start_timer,
     p.SetSignal: signals.set_signal,
-    p.Gripper: signals.plain,
-    p.SetAcceleration: signals.plain,
-    p.SetOverride: signals.plain,
     p.Call: control.call,
     p.Assign: control.assign,
     p.If: control.if_,

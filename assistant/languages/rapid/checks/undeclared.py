@@ -15,17 +15,13 @@ from assistant.languages.rapid.checks.module_view import Look, Task
 from assistant.languages.rapid.checks.motions import WORDS
 from assistant.languages.rapid.tables.hands import hand_of
 from assistant.languages.rapid.tables.standard import INSTRUCTIONS, OF_OPTIONS
+from assistant.languages.rapid.tables.statements import ROWS
 from assistant.languages.rapid.tables.words import PREDEFINED
 from assistant.languages.rapid.text.header import opening
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program.diagnostics import Diagnostic
 
-WRITTEN: Final = frozenset(
-    """
-    accset pulsedo setao setdo setgo tpwrite velset waitdi waitdo waitgi waitgo waittime waituntil
-    """.split()  # noqa: SIM905
-)
-_AS_IS: Final = (INSTRUCTIONS | OF_OPTIONS) - WRITTEN - WORDS
+_AS_IS: Final = (INSTRUCTIONS | OF_OPTIONS) - ROWS.written - {"tpwrite"} - WORDS
 """Instructions that the pseudo-program has no word for: their data may be of other modules."""
 _OF_MOTION: Final = 3
 """Last arguments of a move: its speed, zone and tool, which have rules of their own."""

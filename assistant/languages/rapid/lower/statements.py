@@ -225,18 +225,13 @@ def _opaque(_: Body, x: p.Opaque) -> Lowered:
 
 
 STATEMENTS: Final[dict[type, Callable[[Body, Any], Lowered]]] = {
+    **dict.fromkeys(ROWS.records, _plain),
     p.Move: _move,
     p.MoveCircular: _circular,
     p.MoveJoints: _joints,
     p.Follow: _follow,
-    p.Wait: _plain,
-    p.WaitSignal: _plain,
-    p.WaitUntil: _plain,
     p.StartTimer: _start_timer,
     p.SetSignal: _set_signal,
-    p.Gripper: _plain,
-    p.SetAcceleration: _plain,
-    p.SetOverride: _plain,
     p.Call: _call,
     p.Assign: _assign,
     p.If: _if,

@@ -38,9 +38,9 @@ ROWS: Final = Rows(
     FunctionRow("bitxor", "DnumToNum(BitXOrDnum(NumToDnum({a}), NumToDnum({b})))"),
     Row("Pow({left}, {right})", e.Binary, operator="^"),
     Row("PoseMult({left}, {right})", e.Binary, operator="@"),
-    Row("TestDI({left})", e.Binary, operator="=", right=e.Number(1)),
     Row("ClkRead({timer})", e.Elapsed),
     Row(r"CRobT(\Tool:={tool} \WObj:={frame})", e.Here),
+    also=(Row("TestDI({left})", e.Binary, operator="=", right=e.Number(1)),),
 )
 HERE: Final = pattern(r"CRobT(\Tool:={tool?} \WObj:={frame?})")
 """The same where it reads in the tool or frame of the move before (RAPID reference manual)."""

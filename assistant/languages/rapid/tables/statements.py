@@ -1,7 +1,4 @@
-"""Instructions of RAPID that the pseudo-program has as well: one row each, both ways.
-
-Of several that say the same the first is written.
-"""
+"""Instructions of RAPID that the pseudo-program has as well: one row each, both ways."""
 
 from __future__ import annotations
 
@@ -27,16 +24,18 @@ ROWS: Final = Rows(
     Row("SetDO {signal:digital}, {value}", p.SetSignal),
     Row("SetAO {signal:analog}, {value}", p.SetSignal),
     Row("SetGO {signal:group}, {value}", p.SetSignal),
-    Row("Set {hand}", p.Gripper, action="open"),
-    Row("Reset {hand}", p.Gripper, action="close"),
-    Row("Set {signal}", p.SetSignal, value=_ONE),
-    Row("Reset {signal}", p.SetSignal, value=_ZERO),
     Row(r"PulseDO \High \PLength:={pulse=0.2}, {signal}", p.SetSignal, value=_ONE),
     Row("AccSet {acceleration}, 100", p.SetAcceleration, deceleration=e.Name("{acceleration}")),
     Row(f"VelSet {{percent}}, {SPEED_CAP}", p.SetOverride),
-    Row("Incr {target}", p.Assign, value=e.Binary("+", _TARGET, _ONE)),
-    Row("Decr {target}", p.Assign, value=e.Binary("-", _TARGET, _ONE)),
-    Row("Add {target}, {by}", p.Assign, value=e.Binary("+", _TARGET, _BY)),
-    Row("Clear {target}", p.Assign, value=_ZERO),
     Row("Stop", p.Stop),
+    also=(
+        Row("Set {hand}", p.Gripper, action="open"),
+        Row("Reset {hand}", p.Gripper, action="close"),
+        Row("Set {signal}", p.SetSignal, value=_ONE),
+        Row("Reset {signal}", p.SetSignal, value=_ZERO),
+        Row("Incr {target}", p.Assign, value=e.Binary("+", _TARGET, _ONE)),
+        Row("Decr {target}", p.Assign, value=e.Binary("-", _TARGET, _ONE)),
+        Row("Add {target}, {by}", p.Assign, value=e.Binary("+", _TARGET, _BY)),
+        Row("Clear {target}", p.Assign, value=_ZERO),
+    ),
 )
