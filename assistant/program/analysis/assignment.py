@@ -9,10 +9,12 @@ from typing import Any
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.dataflow import Dataflow
+from assistant.program.analysis.graph import EXIT, Graph
 from assistant.program.analysis.uses import base, indices_of, named
 from assistant.program.kept import effect_of
-from assistant.program.program import Procedure, Program, bodies
-from assistant.program.rewriting import Body, head, records
+from assistant.program.program import Procedure, Program
+from assistant.program.rewriting import head, records
 
 Element = tuple[str, tuple[int, ...]]
 Known = frozenset[str | Element]
@@ -88,10 +90,7 @@ class Assigning:
 
 
 class _Reading:
-    """One procedure, read once from its top.
-
-    A label may be come to with nothing given but what stands before the first label or jump.
-    """
+    """One procedure, along the ways through it from its top."""
 
     def __init__(self, assigning: Assigning, procedure: Procedure) -> None:
         self.assigning, self.run = assigning, Run()
@@ -99,65 +98,36 @@ class _Reading:
         self.own |= {name.lower() for name in procedure.variables}
         self.sizes = {name: n for name, n in assigning.sizes.items() if name not in self.own}
         self.sizes |= {n.lower(): v.size for n, v in procedure.variables.items() if v.size}
-        self.labels = any(isinstance(r, p.Goto) for r in records(procedure.body))
-        jumps = (any(isinstance(r, p.Label | p.Goto) for r in records(x)) for x in procedure.body)
-        first = next((at for at, found in enumerate(jumps) if found), len(procedure.body))
-        state = self.body(procedure.body[:first], frozenset())
-        self.at_label: State = state or frozenset()
-        self.leave(self.body(procedure.body[first:], state))
+        self.graph = Graph(procedure.body, lambda node: bool(filled(node, self.sizes)))
+        flow = Dataflow(self.graph.after, self.behind, frozenset[str | Element].intersection)
+        flow.spread([(self.graph.start, frozenset())])
+        given = flow.found.get(EXIT)
+        self.run.given = None if given is None else self.others(given)
 
-    def body(self, body: Body, state: State) -> State:
-        for node in body:
-            state = self.statement(node, state)
+    def behind(self, node: int, given: Known) -> State:
+        state: State = given
+        for part in self.graph.runs[node]:
+            state = None if state is None else self.ran(part, state)
         return state
 
-    def statement(self, node: p.Statement, state: State) -> State:
-        if isinstance(node, p.Label):
-            return self.at_label if self.labels else state
-        if state is None:
-            # what stands behind is run by nobody, but a label in it may be
-            _ = [self.body(inner, None) for inner in bodies(node)]
-            return None
+    def ran(self, node: Any, state: Known) -> State:
+        """What has a value behind a statement, or behind a condition that is worked out."""
         match node:
             case p.Assign(e.Name(name), value):
                 return self.reads(value, state) | {name.lower()}
             case p.Assign(e.Index() | e.Member() as target, value):
                 return self.reads((indices_of(target), value), state) | self.element(target, state)
-            case p.For() if name := filled(node, self.sizes):
-                return self.reads(head(node), state) | {name}
-            case p.For(variable, first, last, body, step):
-                begun = self.reads((first, last, step), state) | {variable.lower()}
-                self.body(body, begun)
-                return begun
-            case p.While(condition, body):
-                state = self.reads(condition, state)
-                self.body(body, state)
-                return None if _is_true(condition) else state
-            case p.If(branches, otherwise):
-                ways = []
-                for branch in branches:
-                    state = self.reads(branch.condition, state)
-                    ways.append(self.body(branch.body, state))
-                return _met(*ways, self.body(otherwise, state))
-            case p.Switch(subject, cases, otherwise):
-                state = self.reads((subject, tuple(c.values for c in cases)), state)
-                ways = [self.body(c.body, state) for c in cases]
-                return _met(*ways, self.body(otherwise, state))
-            case p.Return(value):
-                self.leave(self.reads(value, state))
-                return None
-            case p.Goto():
-                return None
-            case p.Stop(end=True):
-                return None
+            case p.For(variable):
+                given = filled(node, self.sizes) or variable.lower()
+                return self.reads(head(node), state) | {given}
             case p.Call(name):
                 return self.called(name, self.reads(node, state))
-        return self.reads(head(node), state)
+        return self.reads(node, state)
 
-    def element(self, target: e.Expression, state: State) -> set[str | Element]:
+    def element(self, target: e.Expression, state: Known) -> set[str | Element]:
         """What has a value behind an assignment to an element: that, and its array if all have."""
         place = element(target, self.sizes)
-        if place is None or state is None:
+        if place is None:
             return set()
         name, _ = place
         every = itertools.product(*(range(1, n + 1) for n in self.sizes[name]))
@@ -187,10 +157,6 @@ class _Reading:
     def read(self, names: set[str], state: Known) -> None:
         self.run.read |= names - self.own - state
         self.run.own |= (names & self.own) - state
-
-    def leave(self, state: State) -> None:
-        if state is not None:
-            self.run.given = _met(self.run.given, self.others(state))
 
     def others(self, state: Known) -> Known:
         """What has a value of data that is not the procedure's own."""
@@ -223,16 +189,3 @@ def filled(node: p.Statement, sizes: Mapping[str, tuple[int, ...]]) -> str:
             if counted == counters and sizes.get(name.lower()) == tuple(extents):
                 return name.lower()
     return ""
-
-
-def _met(*ways: State) -> State:
-    """What is given on all of the ways that lead on."""
-    known = [way for way in ways if way is not None]
-    return frozenset.intersection(*known) if known else None
-
-
-def _is_true(condition: e.Expression) -> bool:
-    match condition:
-        case e.Truth(value) | e.Number(value):
-            return bool(value)
-    return False
