@@ -40,6 +40,9 @@ INITIAL: Final = {"Tool": "P_NTool", "Base": "P_NBase"}
 """What number 0 stands for."""
 
 
+STAY: Final = "do without it, or stay with the dialect that has it"
+
+
 def word_of(statement: s.Statement) -> str | None:
     """The word of the vocabulary that a statement is found by, None for the plainest ones."""
     match statement:
@@ -118,12 +121,17 @@ class Words:
         word = word_of(statement)
         if self.dialect.level == 4 and isinstance(statement, s.Const):
             return  # becomes an assignment
-        entry = vocabulary.statement(word) if word else None
-        if entry is not None and self.dialect.level not in entry.dialects:
-            cure = entry.instead or "do without it, or stay with the dialect that has it"
-            self.complain(
-                self.here, f"`{entry.word}`", f"write instead: {cure}" if entry.instead else cure
-            )
+        row = vocabulary.statement(word) if word else None
+        if row is not None:
+            self.has(row.dialects, row.word, row.instead)
+
+    def has(
+        self, levels: frozenset[int], name: str, instead: str = "", otherwise: str = STAY
+    ) -> None:
+        """Complains of a word that the dialect lacks."""
+        if self.dialect.level not in levels:
+            cure = f"write instead: {instead}" if instead else otherwise
+            self.complain(self.here, f"`{name}`", cure)
 
     def narrowed(self, record: Any) -> Any:
         """What IV has, but not in this form."""
@@ -169,24 +177,13 @@ class Words:
                 )
                 return node
             return node if names[out].upper() == node.key else replace(node, name=names[out])
-        entry = vocabulary.status(node.name)
-        if entry is not None:
-            if level not in entry.dialects:
-                self.complain(
-                    self.here,
-                    f"`{entry.name}`",
-                    "do without it, or stay with the dialect that has it",
-                )
-            return node
+        status = vocabulary.status(node.name)
         called = vocabulary.function(node.name) if node.arguments is not None else None
+        if status is not None:
+            self.has(status.dialects, status.name)
+            return node
         if called is not None:
-            if level not in called.dialects:
-                cure = (
-                    f"write instead: {called.instead}"
-                    if called.instead
-                    else "compute it another way"
-                )
-                self.complain(self.here, f"`{called.name}`", cure)
+            self.has(called.dialects, called.name, called.instead, "compute it another way")
             return node
         return self.plain(node) if level == 4 and is_own(node.name) else node
 

@@ -30,22 +30,26 @@ def unreachable(look: Look) -> Found:
 
 
 def _dead(body: Body) -> Iterator[tuple[s.StatementNode, str]]:
-    ended = ""
     told = False
-    for statement in body:
+    for statement, before in zip(body, _ends(body), strict=False):
         if isinstance(statement, SILENT):
             continue
-        if ended and any(isinstance(n, s.LabelMark) for n in nodes(statement)):
-            ended, told = "", False
-        if ended:
-            if not told:
-                yield statement, ended
-            told = True
-            continue
-        for block in blocks(statement):
+        if before and not told:
+            yield statement, before
+        told = bool(before)
+        for block in () if before else blocks(statement):
             yield from _dead(block)
-        if not _goes_on(statement):
-            ended = _named(statement)
+
+
+def _ends(body: Body) -> list[str]:
+    """For each statement and the end of a list why it cannot be reached, empty where it can."""
+    found = [""]
+    for statement in body:
+        if found[-1] and any(isinstance(n, s.LabelMark) for n in nodes(statement)):
+            found[-1] = ""
+        leaves = not found[-1] and not isinstance(statement, SILENT) and not _goes_on(statement)
+        found.append(_named(statement) if leaves else found[-1])
+    return found
 
 
 def _goes_on(statement: s.StatementNode) -> bool:
@@ -73,12 +77,7 @@ def _bare(value: s.Expression) -> s.Expression:
 
 def falls_through(body: Body) -> bool:
     """Whether the end of a list of statements can be reached."""
-    on = True
-    for statement in body:
-        if not on and any(isinstance(n, s.LabelMark) for n in nodes(statement)):
-            on = True
-        on = on and (isinstance(statement, SILENT) or _goes_on(statement))
-    return on
+    return not _ends(body)[-1]
 
 
 def _named(statement: s.StatementNode) -> str:
