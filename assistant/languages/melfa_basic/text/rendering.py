@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from assistant.languages.alignment import aligned, same
+from assistant.languages.alignment import same
+from assistant.languages.changed_lines import Indentation, changed_line, partners, parts_of
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.languages.melfa_basic.text.layout.levels import levels
 from assistant.languages.melfa_basic.text.layout.printing import decimals, item_text, print_items
-from assistant.languages.melfa_basic.text.merging.changed_lines import changed_line, parts_of
+from assistant.languages.melfa_basic.text.merging.changed_lines import Code, of_line
 from assistant.languages.melfa_basic.text.merging.changed_rows import moves, positions
 from assistant.languages.melfa_basic.text.printer import INDENT
 from assistant.languages.melfa_basic.tree import syntax as s
@@ -40,7 +41,7 @@ class _Changes:
         self._new, self._old = file.items, file.parsed
         self._text, self._newline = text, newline
         self._dialect = DIALECTS[file.dialect]
-        self._partner = _partners(self._old, self._new)
+        self._partner = partners(self._old, self._new, _said)
         kept = {
             at
             for at, item in zip(self._partner, self._new, strict=True)
@@ -51,7 +52,8 @@ class _Changes:
             for at, item in enumerate(self._old)
             if at not in kept and isinstance(rows := as_rows(item), PositionRows)
         ]
-        self._indents: dict[int, str] = {}
+        self._indents = Indentation(INDENT)
+        self._code = Code(self._dialect.upper)
         for item, level in self._levels(self._old):
             if level not in self._indents:
                 self._note(item, self._source(item), level)
@@ -64,9 +66,9 @@ class _Changes:
     def _note(self, item: s.Item, text: str, level: int) -> None:
         """Keeps in mind how lines as deep are indented."""
         if isinstance(item, MoveRows):
-            self._indents[level] = _row_indent(text)
+            self._indents.note(level, _row_indent(text))
         elif isinstance(item, s.Line) and (item.statement or item.label):
-            self._indents[level] = parts_of(text, item).indent
+            self._indents.note(level, parts_of(text, of_line(item)).indent)
 
     def texts(self) -> Iterator[str]:
         """The text of each item, with its line ends."""
@@ -90,13 +92,14 @@ class _Changes:
         upper = self._dialect.upper
         match item, old:
             case s.Line(), s.Line():
-                text = changed_line(self._source(old), old, item, upper)
+                was, now = of_line(old), of_line(item)
+                text = changed_line(parts_of(self._source(old), was), was, now, self._code)
                 self._note(item, text, level)
                 return text
             case MoveRows(), MoveRows():
                 text = self._source(old)
                 self._note(old, text, level)
-                deep = len(self._indents[level]) - 1
+                deep = len(self._indents.of(level)) - 1
                 return moves(item, old, text, self._newline, upper, deep)
             case ((PositionRows() | s.Data()), _):
                 rows = as_rows(item)
@@ -105,19 +108,11 @@ class _Changes:
         printed = item_text(item, upper, self._newline, places, 0)
         if isinstance(item, s.Line) and (item.statement or item.label or item.comment):
             step = "" if item.number is None else str(item.number)
-            indent = self._indent(level)
+            indent = self._indents.of(level)
             if not step and level not in self._indents:
                 indent = indent.removeprefix(" ")
             return step + (indent or " " * bool(step)) + printed.removeprefix(step).lstrip(" ")
         return printed
-
-    def _indent(self, level: int) -> str:
-        """The blanks behind the step number of lines as deep, as they are written around."""
-        known = [one for one in self._indents if one <= level]
-        if not known:
-            return " " * (1 + INDENT * level)
-        nearest = max(known)
-        return self._indents[nearest] + " " * (INDENT * (level - nearest))
 
 
 def _row_indent(text: str) -> str:
@@ -128,18 +123,6 @@ def _row_indent(text: str) -> str:
 
 def _ended(text: str, newline: str) -> str:
     return text if text.endswith("\n") else text + newline
-
-
-def _partners(old: Sequence[s.Item], new: Sequence[s.Item]) -> list[int | None]:
-    """For each item the index of the one that it was made from, None for a new one.
-
-    Lines that say the same are the same whatever their step numbers; what is left over between
-    such is taken for what it is like.
-    """
-    return [
-        k if k is not None and type(old[k]) is type(item) else None
-        for k, item in zip(aligned(old, new, _said), new, strict=True)
-    ]
 
 
 def _said(item: s.Item) -> object:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
-from typing import Final, NamedTuple
+from typing import Final
 
 from assistant.languages.melfa_basic.reading.line import lexemes
 from assistant.languages.melfa_basic.tables.words import spelled
+from assistant.languages.words import Word
 
 _BLANKS: Final = re.compile(r"[ \t\f]+")
 _MARKS: Final = frozenset(("NAME", "FN_NAME", "SUFFIX", "REM", "HASH"))
@@ -27,36 +28,24 @@ _HEADS: Final = frozenset(("MOTION", "COMMAND"))
 """Statements whose first argument may be left out: `Mvs ,-100`."""
 
 
-class Token(NamedTuple):
-    """kind: the grammar's name for it. start: offset in the line."""
-
-    kind: str
-    text: str
-    start: int
-
-    @property
-    def keyword(self) -> bool:
-        return self.kind not in _MARKS and (self.text[0].isalpha() or self.text[0] == "#")
-
-
 @lru_cache(maxsize=1 << 14)
-def tokens(line: str, start: str = "line") -> tuple[Token, ...]:
+def tokens(line: str, start: str = "line") -> tuple[Word, ...]:
     """The tokens of a line that the grammar takes, without step number.
 
     start: the grammar's rule, `line` or `data`.
     """
-    return tuple(Token(type, line[begin:end], begin) for type, begin, end in lexemes(line, start))
+    return tuple(Word(type, line[begin:end], begin) for type, begin, end in lexemes(line, start))
 
 
-def code(listed: Sequence[Token], upper: bool) -> str:
-    """Tokens with the blanks that belong between them, keywords spelt as the tools do.
+def code(listed: Sequence[Word], upper: bool) -> str:
+    """Words with the blanks that belong between them, keywords spelt as the tools do.
 
     upper: keywords in upper case. Names, numbers, strings and comments stay as they are.
     """
     return "".join(_spaced(listed, upper))
 
 
-def _spaced(listed: Sequence[Token], upper: bool) -> Iterator[str]:
+def _spaced(listed: Sequence[Word], upper: bool) -> Iterator[str]:
     for before, token, at in zip([None, *listed], listed, range(len(listed)), strict=False):
         within_is = at > 0 and "IS" in (listed[at - 1].kind, listed[at - 2].kind if at > 1 else "")
         if before is not None and (within_is or _apart(before, token)):
@@ -64,14 +53,18 @@ def _spaced(listed: Sequence[Token], upper: bool) -> Iterator[str]:
         yield _spelt(token, upper)
 
 
-def _spelt(token: Token, upper: bool) -> str:
-    if token.keyword:
+def _spelt(token: Word, upper: bool) -> str:
+    if _is_keyword(token):
         word = spelled(token.text)
         return word.upper() if upper else word
     return _BLANKS.sub("", token.text) if token.kind in _TIGHT else token.text
 
 
-def _apart(before: Token, token: Token) -> bool:
+def _is_keyword(token: Word) -> bool:
+    return token.kind not in _MARKS and (token.text[0].isalpha() or token.text[0] == "#")
+
+
+def _apart(before: Word, token: Word) -> bool:
     """Whether a blank stands between two neighbours."""
     if token.kind in _CLAUSES and before.kind != "COLON":
         return True
@@ -79,9 +72,9 @@ def _apart(before: Token, token: Token) -> bool:
         return False
     if token.kind == "COMMA":
         return before.kind in _HEADS
-    if before.keyword:
+    if _is_keyword(before):
         return not (before.kind == "COM" and token.kind == "LPAR")
-    if token.keyword:
+    if _is_keyword(token):
         return before.kind not in _OPERATORS
     if before.kind in _OPERATORS or token.kind in _OPERATORS:
         return False
@@ -90,9 +83,9 @@ def _apart(before: Token, token: Token) -> bool:
     return _ends_word(before) and _begins_word(token)
 
 
-def _begins_word(token: Token) -> bool:
+def _begins_word(token: Word) -> bool:
     return token.text[0].isalnum() or token.text[0] in '"&.'
 
 
-def _ends_word(token: Token) -> bool:
+def _ends_word(token: Word) -> bool:
     return token.kind != "HASH" and (token.text[-1].isalnum() or token.text[-1] in '")$%&!#.')
