@@ -1,14 +1,14 @@
-"""Two programs compared step by step: which line of one is which of the other."""
+"""What a program says, step by step, to be compared with another one."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from difflib import SequenceMatcher
 from typing import Final, Literal
 
 import numpy as np
 
+from assistant.languages import merging
 from assistant.languages.melfa_basic.tables.vocabulary import commands
 from assistant.languages.melfa_basic.text.merging.names import in_upper_case
 from assistant.languages.melfa_basic.text.printer import statement as printed
@@ -21,7 +21,7 @@ MOST_ROWS: Final = 1 << 10
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class Entry(merging.Entry):
     """A comment, label or statement of a line, or a long table; a comment comes first.
 
     key: what it says, whatever its step number and layout. at: index of its item.
@@ -35,14 +35,16 @@ class Entry:
     line: s.Line | MoveRows
 
     @property
+    def place(self) -> tuple[int, int]:
+        return self.at, self.row
+
+    @property
     def kind(self) -> str:
-        """What entries that may take each other's place have in common."""
         node = self.line.statement if isinstance(self.line, s.Line) else None
         return f"{self.part} {type(node).__name__} {getattr(node, 'keyword', '')}"
 
     @property
     def setting(self) -> str | None:
-        """The keyword of a statement that holds for what follows."""
         node = self.line.statement if isinstance(self.line, s.Line) else None
         keyword = node.keyword if isinstance(node, s.Command) else None
         return keyword if keyword in commands("sets") else None
@@ -76,49 +78,3 @@ def _of_line(line: s.Line, at: int, row: int) -> Iterator[Entry]:
     if line.statement is not None:
         key = printed(in_upper_case(line.statement), upper=True)
         yield Entry(key, "statement", at, row, s.Line(statement=line.statement))
-
-
-def matched(old: Sequence[Entry], new: Sequence[Entry]) -> dict[int, int]:
-    """Index of the new entry that each old one is, as far as they say the same; both rise."""
-    pairs: dict[int, int] = {}
-    for block in _matcher(old, new).get_matching_blocks():
-        pairs |= {block.a + k: block.b + k for k in range(block.size)}
-    return pairs
-
-
-@dataclass(frozen=True, slots=True)
-class Change:
-    """What stands in the place of old entries first … stop: pairs of old and new, None for none."""
-
-    first: int
-    stop: int
-    pairs: tuple[tuple[int | None, Entry | None], ...]
-
-
-def changes(old: Sequence[Entry], new: Sequence[Entry]) -> list[Change]:
-    """The changes that lead from one program to another, in order."""
-    found = []
-    for step, i1, i2, j1, j2 in _matcher(old, new).get_opcodes():
-        if step != "equal":
-            found.append(Change(i1, i2, tuple(_paired(old, i1, i2, new[j1:j2]))))
-    return found
-
-
-def _paired(
-    old: Sequence[Entry], first: int, stop: int, new: Sequence[Entry]
-) -> Iterator[tuple[int | None, Entry | None]]:
-    """Entries of one kind take each other's place, in order."""
-    at = first
-    for entry in new:
-        partner = next((k for k in range(at, stop) if old[k].kind == entry.kind), None)
-        if partner is None:
-            yield None, entry
-            continue
-        yield from ((k, None) for k in range(at, partner))
-        yield partner, entry
-        at = partner + 1
-    yield from ((k, None) for k in range(at, stop))
-
-
-def _matcher(old: Sequence[Entry], new: Sequence[Entry]) -> SequenceMatcher[str]:
-    return SequenceMatcher(None, [e.key for e in old], [e.key for e in new], autojunk=False)

@@ -8,20 +8,15 @@ that can go is tried out, and a try counts only if the outcome says what the bui
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
 
+from assistant.languages import merging
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP
 from assistant.languages.melfa_basic.text.merging.data import merged_data
-from assistant.languages.melfa_basic.text.merging.entries import (
-    Change,
-    Entry,
-    changes,
-    entries,
-    matched,
-)
+from assistant.languages.melfa_basic.text.merging.entries import Entry, entries
 from assistant.languages.melfa_basic.text.merging.names import named_as
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
@@ -54,9 +49,9 @@ def _merged(
     here, old, new = entries(tree.items), entries(before.items), entries(after.items)
     if not any(e.key.startswith(HEADER) for e in here):
         old, new = _headless(old), _headless(new)
-    place = matched(old, here)
+    place = merging.matched(old, here)
     edits = _Edits(here, place, forward)
-    found = changes(old, new)
+    found = merging.changes(old, new)
     if not all(edits.take(change) for change in found):
         return None
     if restored:
@@ -74,70 +69,8 @@ def _headless(listed: list[Entry]) -> list[Entry]:
     return listed[end + 1 :]
 
 
-@dataclass
-class _Edits:
-    """What is done to the entries of the tree.
-
-    place: entry of the built tree → entry here. replaced: entry → what takes its place, None for
-    nothing. put: new lines in front of an entry.
-    """
-
-    here: Sequence[Entry]
-    place: dict[int, int]
-    forward: bool
-    replaced: dict[int, Entry | None] = field(default_factory=dict)
-    put: dict[int, list[s.Line | MoveRows]] = field(default_factory=dict)
-
-    def take(self, change: Change) -> bool:
-        """Does a change; False if it cannot be told where."""
-        last: int | None = None
-        for was, now in change.pairs:
-            at = None if was is None else self.place.get(was)
-            if at is not None:
-                self.replaced[at] = now
-                last = at
-            elif now is not None:
-                gap = self._gap(change.first, change.stop) if last is None else last + 1
-                if gap is None:
-                    return False
-                self.put.setdefault(gap, []).append(now.line)
-        return True
-
-    def restore(self, change: Change, old: Sequence[Entry], changed: set[int]) -> None:
-        """Says settings again that have changed and are not said where they are to change back.
-
-        changed: entries of the built tree that are not to stay.
-        """
-        said = {old[at].setting for at in range(change.first, change.stop)}
-        said |= {now.setting for _, now in change.pairs if now is not None}
-        for setting in said - {None}:
-            following = range(change.stop, len(old))
-            at = next((k for k in following if old[k].setting == setting), None)
-            if at is None or at in changed or at in self.place:
-                continue
-            gap = self._gap(at, at + 1, forward=True)
-            if gap is not None:
-                self.put.setdefault(gap, []).append(old[at].line)
-
-    def _gap(self, first: int, stop: int, forward: bool | None = None) -> int | None:
-        """The entry here that stands behind the place of entries first … stop of the built tree."""
-        above = max((k for k in self.place if k < first), default=None)
-        below = min((k for k in self.place if k >= stop), default=None)
-        if (self.forward if forward is None else forward) and below is not None:
-            return self._begin(self.place[below])
-        if above is not None:
-            return self.place[above] + 1
-        return None if below is None else self._begin(self.place[below])
-
-    def _begin(self, entry: int) -> int:
-        """The first entry of the same line."""
-        while entry and self._together(entry - 1, entry):
-            entry -= 1
-        return entry
-
-    def _together(self, one: int, other: int) -> bool:
-        a, b = self.here[one], self.here[other]
-        return (a.at, a.row) == (b.at, b.row)
+class _Edits(merging.Edits[Entry]):
+    """What is done to the entries of the tree."""
 
     def items(self, items: Sequence[s.Item]) -> list[s.Item]:
         """The items with all edits done; tables that nothing happened to stay one."""
@@ -154,7 +87,7 @@ class _Edits:
             mine = of.get(at, [])
             if mine:
                 last = mine[-1]
-                made += self.put.get(mine[0], [])
+                made += self._new(mine[0])
             if at not in touched:
                 made.append(item)
             elif isinstance(item, MoveRows) and self.here[mine[0]].part != "table":
@@ -162,13 +95,17 @@ class _Edits:
             else:
                 made += self._line(item, mine)
             if mine and last == len(self.here) - 1:
-                made += self.put.get(len(self.here), [])
+                made += self._new(len(self.here))
         return made
+
+    def _new(self, before: int) -> list[s.Line | MoveRows]:
+        """New lines in front of an entry."""
+        return [entry.line for entry in self.put.get(before, [])]
 
     def _line(self, item: s.Item, mine: Sequence[int]) -> Iterator[s.Item]:
         """A line with its parts changed; lines that are put between them go in front."""
         for index in mine[1:]:
-            yield from self.put.get(index, [])
+            yield from self._new(index)
         changed = item
         for index in mine:
             if index not in self.replaced:
@@ -191,7 +128,7 @@ class _Edits:
         start = 0
         for index in mine:
             row = self.here[index].row
-            put = self.put.get(index, []) if index != mine[0] else []
+            put = self._new(index) if index != mine[0] else []
             if not put and index not in self.replaced:
                 continue
             yield from _some(rows, start, row)
