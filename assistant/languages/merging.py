@@ -8,7 +8,7 @@ of the old built tree is looked for in the tree, and what is new stands beside s
 from __future__ import annotations
 
 import abc
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from difflib import SequenceMatcher
 from typing import Generic, TypeVar
@@ -40,6 +40,7 @@ class Entry(abc.ABC):
 
 
 E = TypeVar("E", bound=Entry)
+T = TypeVar("T")
 
 
 def matched(old: Sequence[E], new: Sequence[E]) -> dict[int, int]:
@@ -151,3 +152,33 @@ class Edits(Generic[E]):
 
     def _together(self, one: int, other: int) -> bool:
         return self.here[one].place == self.here[other].place
+
+
+def merged_by_key(
+    items: Sequence[T],
+    old: Iterable[T],
+    new: Iterable[T],
+    key: Callable[[T], object],
+    changed: Callable[[T, T, T], T],
+    place: Callable[[Sequence[T], T], int],
+) -> list[T] | None:
+    """The items of a tree, changed as one built tree was into another, where order says nothing.
+
+    key: of what is declared, None for what is none; that stays. changed: an item here, as it was
+    and as it is. place: where a new one goes. None where a changed one is not here.
+    """
+    was, now, here = ({key(item): item for item in listed} for listed in (old, new, items))
+    differ = {k for k, item in now.items() if k is not None and k in was and was[k] != item}
+    gone = was.keys() - now.keys() - {None}
+    if not (differ | gone) <= here.keys():
+        return None
+    kept: list[T] = []
+    for item in items:
+        if (k := key(item)) in differ:
+            kept.append(changed(item, was[k], now[k]))
+        elif k not in gone:
+            kept.append(item)
+    for k, item in now.items():
+        if k is not None and k not in was:
+            kept.insert(place(kept, item), item)
+    return kept

@@ -7,11 +7,12 @@ the rest of the tree stays as people wrote it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from difflib import SequenceMatcher
 from typing import Any
 
+from assistant.languages import merging
 from assistant.languages.rapid.tree import syntax as s
 
 Key = tuple[str, str]
@@ -25,10 +26,12 @@ def merge(tree: s.File, before: s.File, after: s.File) -> s.File:
     if not all(len(file.modules) == 1 for file in (tree, before, after)):
         return after
     (module,), (old,), (new,) = tree.modules, before.modules, after.modules
-    items = _changed(module.items, old.items, new.items)
-    if items is None:
+    merged = merging.merged_by_key(
+        module.items, old.items, new.items, _key, changed=_routine, place=_place
+    )
+    if merged is None:
         return after
-    items = _with_comments(items, _comments(old.items), _comments(new.items))
+    items = _with_comments(merged, _comments(old.items), _comments(new.items))
     name = module.name if old.name == new.name else new.name
     changed = replace(module, name=name, items=items)
     return replace(tree, parts=tuple(changed if part is module else part for part in tree.parts))
@@ -48,31 +51,6 @@ def _key(item: Any) -> Key | None:
     return None
 
 
-def _table(items: Iterable[Any]) -> dict[Key, Any]:
-    return {key: item for item in items if (key := _key(item)) is not None}
-
-
-def _changed(
-    items: tuple[s.Item, ...], old: Iterable[s.Item], new: Iterable[s.Item]
-) -> tuple[s.Item, ...] | None:
-    was, now, here = _table(old), _table(new), _table(items)
-    changed = {key: item for key, item in now.items() if key in was and was[key] != item}
-    gone = was.keys() - now.keys()
-    if (changed.keys() | gone) - here.keys():
-        return None
-    kept: list[s.Item] = []
-    for item in items:
-        key = _key(item)
-        if key is None or (key not in changed and key not in gone):
-            kept.append(item)
-        elif key in changed:
-            kept.append(_routine(item, was[key], changed[key]))
-    for key, item in now.items():
-        if key not in was:
-            kept.insert(_place(kept, item), item)
-    return tuple(kept)
-
-
 def _routine(here: Any, old: Any, new: Any) -> Any:
     """The new item, in a routine with the statements that did not change as they stand here."""
     if not isinstance(here, s.Routine) or len(here.body) != len(old.body):
@@ -85,7 +63,7 @@ def _routine(here: Any, old: Any, new: Any) -> Any:
     return replace(here if heads[0] == heads[1] else new, body=tuple(body))
 
 
-def _place(items: list[s.Item], new: Any) -> int:
+def _place(items: Sequence[s.Item], new: Any) -> int:
     """Behind the last item of its kind; data before the first routine."""
     data = isinstance(new, s.Data | s.TargetRunNode)
     kinds: Any = (s.Data, s.TargetRunNode) if data else type(new)
@@ -100,7 +78,7 @@ def _comments(items: Iterable[s.Item]) -> list[str]:
     return [item.text for item in items if isinstance(item, s.CommentLine)]
 
 
-def _with_comments(items: tuple[s.Item, ...], old: list[str], new: list[str]) -> tuple[s.Item, ...]:
+def _with_comments(items: Sequence[s.Item], old: list[str], new: list[str]) -> tuple[s.Item, ...]:
     """Comments that came stand first; those that went are gone wherever they stood."""
     gone = [text for text in old if text not in new]
     came = [s.CommentLine(text) for text in new if text not in old]

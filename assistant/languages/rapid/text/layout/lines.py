@@ -24,14 +24,14 @@ from __future__ import annotations
 from typing import Final
 
 from assistant.languages import laying_out
-from assistant.languages.rapid.text.layout.segments import segments
+from assistant.languages.rapid.text.layout.segments import CUTTER
 from assistant.languages.rapid.text.layout.spacing import Spacing
 from assistant.languages.words import Word
 
 
 def lay_out(text: str) -> str:
     """The text in the one layout, for any text that the grammar takes; idempotent."""
-    return laying_out.lay_out(text, list(segments(text)), STYLE)
+    return laying_out.lay_out(text, list(CUTTER.segments(text)), STYLE)
 
 
 def _rows(table: str, indent: str, newline: str) -> str:
