@@ -56,7 +56,7 @@ def _closed(b: Broken) -> Iterator[tuple[Repair, int, int]]:
     if own and openers:
         right = ends[openers[-1][0]]
         same = openers[-1][1] >= 0 and far == column(b.text, openers[-1][1])
-        mended = replace(word, type=right)
+        mended = word._replace(type=right)
         yield (
             Repair("replace", b.base, (mended,), word.end, word.start, word.end, right),
             1,
@@ -111,7 +111,7 @@ def _braces(b: Broken) -> Iterator[tuple[Repair, int, int]]:
         if not alone or brace.type not in blocks.braces:
             continue
         for type in blocks.braces[brace.type]:
-            mended = (*b.words[:row], replace(brace, type=type))
+            mended = (*b.words[:row], brace._replace(type=type))
             where = brace.end, brace.start, brace.end
             yield Repair("replace", b.base, mended, *where, type), row + 1, 0
         if brace.type == "LBRACE" and not row:
@@ -167,7 +167,7 @@ def _reworded(b: Broken) -> Iterator[tuple[Repair, int, int]]:
             foreign = () if two else changes.foreign.get(word.text.lower(), ())
             for near in (*foreign, *difflib.get_close_matches(word.text.lower(), reserved, 3, 0.7)):
                 type = reserved[near]
-                mended = (*b.words[:row], replace(word, type=type))
+                mended = (*b.words[:row], word._replace(type=type))
                 behind = row + 1
                 if near in foreign and type in closers:  # what it ends may be named behind it
                     while not b.words[behind].first:
@@ -200,7 +200,7 @@ def _replaced(b: Broken) -> Iterator[tuple[Repair, int, int]]:
     joined = (ahead + word.text).lower() in changes.reserved
     named = used or (b.error and not b.closes and not joined)
     if word.text.lower() in changes.reserved and named and b.accepts("NAME"):
-        yield replace(repair, kind="reserved", put=(replace(word, type="NAME"),)), row, 1
+        yield replace(repair, kind="reserved", put=(word._replace(type="NAME"),)), row, 1
     if word.type == STRANGE:
         for types in ((value,), ("NAME",)):
             yield replace(repair, kind="strange", put=_at(b, word, types)), row, 1
@@ -208,7 +208,7 @@ def _replaced(b: Broken) -> Iterator[tuple[Repair, int, int]]:
 
 def _at(b: Broken, word: Lexeme, types: Iterable[str]) -> tuple[Lexeme, ...]:
     texts = b.syntax.holes.texts
-    return tuple(replace(word, type=t, text=texts.get(t, word.text)) for t in types)
+    return tuple(word._replace(type=t, text=texts.get(t, word.text)) for t in types)
 
 
 def _opened(b: Broken) -> Iterator[tuple[Repair, int, int]]:
@@ -251,7 +251,7 @@ def _bracketed(b: Broken) -> Iterator[tuple[Repair, int, int]]:
         last = ahead.end - 1
         words = b.syntax.scanner.lexemes(b.text, ahead.start + 1, last, 0)
         inner = [w for w in words if w.end <= last]
-        opening = replace(ahead, type="LSQB", text="[", end=ahead.start + 1)
+        opening = ahead._replace(type="LSQB", text="[", end=ahead.start + 1)
         mended = (*b.words[: b.error - 1], opening, *inner)
         yield Repair("delete", b.base, mended, at, last, ahead.end), b.error, 1
     for row in range(b.error):

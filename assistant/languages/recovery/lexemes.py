@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Set
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 from assistant.languages.lalr import END
 
@@ -13,8 +13,7 @@ STRANGE: Final = "STRANGE"
 """The type of what no terminal begins with."""
 
 
-@dataclass(frozen=True, slots=True)
-class Lexeme:
+class Lexeme(NamedTuple):
     """type: a terminal of the grammar, END, or one of what is no terminal. first: on its line.
 
     start, end: offsets in the source; alike for what a repair puts in.

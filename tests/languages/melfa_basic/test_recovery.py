@@ -7,20 +7,22 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
-from assistant.languages.melfa_basic.reading.recovery.mistakes import MISTAKES, Mistake, foreign
+from assistant.languages.melfa_basic.reading.recovery.mistakes import MISTAKES, foreign
+from assistant.languages.melfa_basic.rules import SYNTAX
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.recovery.edits import Slip
 
 FIVE = languages.get("melfa-basic-5")
 
 
 @pytest.mark.parametrize("mistake", MISTAKES, ids=lambda m: m.example)
-def test_usual_mistakes(mistake: Mistake) -> None:
+def test_usual_mistakes(mistake: Slip) -> None:
     before, _, behind = mistake.example.replace("{{", "{").replace("}}", "}").partition("¦")
     tree = FIVE.parse(before + behind + "\r\n")
     (finding,) = tree.findings
     assert finding.column == len(before) + 1
     assert mistake.cure.partition("{")[0] in finding.cure
-    assert str(mistake.number) in finding.message
+    assert finding.code == (mistake.rule or SYNTAX).code
     assert not isinstance(tree.items[0], s.Unread)
     assert FIVE.render(tree) == before + behind + "\r\n"
 

@@ -7,9 +7,11 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import Final
 
-from assistant.languages.melfa_basic.reading.driver import Lexeme, Stop, drive
+from assistant.languages.melfa_basic.reading.driver import drive
 from assistant.languages.melfa_basic.reading.nodes import Nodes
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.recovery.lexemes import Lexeme
+from assistant.languages.recovery.line_syntax import Stop
 from assistant.program.diagnostics import Span
 
 BLANKS: Final = " \t\f\x1a"

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Final
 
 from assistant.languages.melfa_basic import rules
-from assistant.languages.melfa_basic.reading.driver import Stop
 from assistant.languages.melfa_basic.reading.files import TOKENISED
 from assistant.languages.melfa_basic.reading.line import TooLarge, code_start, read_line, statement
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows, rows_at
+from assistant.languages.recovery.line_syntax import Stop
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.text import SourceText
 from assistant.program.without_gc import uncollected
@@ -39,10 +40,12 @@ def parse(source: SourceText | str, dialect: str, *, runs: bool = True) -> s.Fil
         stop = start + len(text[start:end].rstrip("\r\n"))
         node = read_line(text, start, stop, end)
         if isinstance(node, Stop):
-            from assistant.languages.melfa_basic.reading.recovery.lines import mended
+            from assistant.languages.melfa_basic.reading.recovery.reader import reader
 
-            item, found = mended(source, start, stop, end, node, len(findings))
-            items.append(item)
+            item, found = reader().read(source, start, stop, node, len(findings))
+            span = Span(start, end)
+            unread = s.Unread(source.text[start:stop], span)
+            items.append(unread if item is None else replace(item, span=span))
             findings += found
         elif isinstance(node, TooLarge):
             at = Span(code_start(text, start, stop), stop)

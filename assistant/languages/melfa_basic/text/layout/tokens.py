@@ -34,7 +34,7 @@ def tokens(line: str, start: str = "line") -> tuple[Word, ...]:
 
     start: the grammar's rule, `line` or `data`.
     """
-    return tuple(Word(type, line[begin:end], begin) for type, begin, end in lexemes(line, start))
+    return tuple(Word(one.type, one.text, one.start) for one in lexemes(line, start))
 
 
 def code(listed: Sequence[Word], upper: bool) -> str:

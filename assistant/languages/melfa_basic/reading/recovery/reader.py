@@ -1,0 +1,138 @@
+"""The reader of damaged lines of MELFA-BASIC, and its words."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from functools import cache
+from typing import Final
+
+from assistant.languages.lalr import END, Tables
+from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.reading.driver import MOST_WORDS, drive
+from assistant.languages.melfa_basic.reading.grammar import grammar, keywords
+from assistant.languages.melfa_basic.reading.line import code_start, rule_of, step_of
+from assistant.languages.melfa_basic.reading.nodes import Nodes
+from assistant.languages.melfa_basic.reading.recovery.mistakes import MISTAKES, foreign
+from assistant.languages.melfa_basic.tables.vocabulary import statement, words
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.recovery.line_syntax import LineSyntax, Missing, Phrase
+from assistant.languages.recovery.lines import LineReader
+
+_MISSING, _UNCLEAR, _TEXT = 4, 5, 6
+"""Costs of what is put in: how sure it is that it is meant."""
+
+MISSING: Final = {
+    "THEN": Missing(" Then ", "`Then` is missing", "write `Then` behind the condition", _MISSING),
+    "RPAR": Missing(
+        ")", "a `)` is missing", "write it, or take out the `(` that it belongs to", _MISSING
+    ),
+    "COMMA": Missing(",", "a comma is missing", "write `,` between the two", _MISSING),
+    "EQUALS": Missing("=", "a `=` is missing", "write `=` between the two", _UNCLEAR),
+    "TO": Missing(" To ", "`To` is missing", "write `To` between first and last value", _MISSING),
+    "AS": Missing(" As ", "`As` is missing", "write `As #1` with the number of the line", _MISSING),
+    "NUMBER": Missing(" 1 ", "a value is missing", "write a number or a variable", _UNCLEAR),
+    "NAME": Missing(" M1 ", "a name is missing", "write a variable", _UNCLEAR),
+    "GOTO": Missing(
+        " GoTo ", "`GoTo` is missing", "write `GoTo` or `GoSub` before the label", _UNCLEAR
+    ),
+    "TIMES": Missing(
+        "*", "an operator is missing", "write `+`, `-`, `*` or `/` between the two", _TEXT
+    ),
+    "HASH": Missing("#", "a `#` is missing", "write `#` before the number", _MISSING),
+    "LABEL": Missing("*L", "a label is missing", "write `*` and the label's name", _UNCLEAR),
+    "STRING": Missing('"x"', "a text is missing", "write it between quotes", _UNCLEAR),
+    "SKIP": Missing(" Skip ", "a statement is missing", "write what is to be done", _UNCLEAR),
+    "POSITION": Missing("(0,0)", "a constant is missing", "write the constant", _UNCLEAR),
+}
+
+_VALUE: Final = frozenset(("a value", "a statement"))
+PHRASES: Final = (
+    Phrase(frozenset(("MOTION",)), "a statement"),
+    Phrase(frozenset(("NUMBER",)), "a value"),
+    Phrase(frozenset(("POSITION", "NAME")), "a name", _VALUE),
+    Phrase(frozenset(("STRING",)), "a text", _VALUE),
+    Phrase(frozenset(("LABEL",)), "a label", _VALUE),
+    Phrase(frozenset(("THEN",)), "`Then`"),
+    Phrase(frozenset(("TO",)), "`To`"),
+    Phrase(frozenset(("AS",)), "`As`"),
+    Phrase(frozenset(("GOTO", "GOSUB")), "`GoTo` or `GoSub`"),
+    Phrase(frozenset(("TYPE",)), "a type, `Inte` or `Pos` for example"),
+    Phrase(frozenset(("HASH",)), "`#`"),
+    Phrase(frozenset(("EQUALS",)), "`=`"),
+    Phrase(frozenset(("COMMA",)), "`,`"),
+    Phrase(frozenset(("RPAR",)), "`)`"),
+    Phrase(frozenset(("LPAR",)), "`(`", _VALUE),
+    Phrase(frozenset(("SIGN", "TIMES")), "an operator", _VALUE),
+    Phrase(frozenset((END,)), "the end of the line"),
+)
+
+_BRANCH: Final = re.compile(r"\b(?:Then|Else|Wth)\b|^[ \t]*\*\w+[ \t]*:", re.IGNORECASE)
+_PROSE: Final = re.compile(r"[ \t]*([^\W\d]+)(?:[ ,]+[^\W\d][\w'-]*){2,}[ \t.!?:]*$")
+_OPERAND: Final = re.compile(r"\d|[PJMC]\w*\d|[PJ]\w{2}", re.IGNORECASE)
+
+
+@cache
+def reader() -> LineReader:
+    syntax = LineSyntax(
+        title="MELFA-BASIC",
+        comment="'",
+        comments=frozenset(("COMMENT", "REM")),
+        names=frozenset(("NAME", "FN_NAME")),
+        drive=drive,
+        code=_code,
+        line="line",
+        tables=_tables,
+        nodes=Nodes(),
+        item=_item,
+        mistakes=MISTAKES,
+        foreign=foreign(),
+        branch=_BRANCH,
+        keywords=keywords(),
+        words=_words(),
+        spelled=_spelled,
+        begins=lambda word: statement(word) is not None,
+        parted=_parted,
+        is_whole=lambda node: isinstance(node, s.Line) and node.statement is not None,
+        prose=_PROSE,
+        missing=MISSING,
+        phrases=PHRASES,
+        unsaid={"SIGN": frozenset(("EQUALS",))},  # which compares there, as other operators do
+        wrong=rules.SYNTAX,
+        most_words=MOST_WORDS,
+    )
+    return LineReader(syntax)
+
+
+def _code(text: str) -> tuple[int, int, str]:
+    at, end = code_start(text, 0, len(text)), len(text)
+    return at, end, rule_of(text, at, end)
+
+
+def _tables(start: str) -> Tables:
+    return grammar().tables[start]
+
+
+def _item(node: object, text: str) -> s.Line | s.Data | None:
+    if isinstance(node, s.Line):
+        return replace(node, number=step_of(text, 0, len(text)))
+    return node if isinstance(node, s.Data) else None
+
+
+def _words() -> tuple[str, ...]:
+    known = [word for word in keywords() if len(word) > 1]
+    known += [word.upper() for word in (*words("motion"), *words("command"))]
+    return tuple(dict.fromkeys(known))
+
+
+def _spelled(word: str) -> str:
+    return word if (row := statement(word)) is None else row.word
+
+
+def _parted(written: str) -> int | None:
+    """Where a word ends that its operand follows without a blank: `MOVP1`, `GOTO100`, `DLY1`."""
+    for size in range(len(written) - 1, 1, -1):
+        known = statement(written[:size])
+        if known is not None and known.role != "part" and _OPERAND.match(written, size):
+            return size
+    return None
