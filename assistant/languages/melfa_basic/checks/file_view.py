@@ -16,12 +16,11 @@ from assistant.languages.melfa_basic.checks.uses import Use, uses
 from assistant.languages.melfa_basic.tables.dialects import Dialect
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
+from assistant.languages.melfa_basic.tree.columnar import PositionRows
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program.diagnostics import Diagnostic, Rule, Span
 
 N = TypeVar("N")
-Entry = s.Line | MoveRows
 Named = s.Variable | s.Target
 """Nodes that know where they stand."""
 
@@ -73,7 +72,7 @@ class Look(Memory):
         self, tree: s.File, dialect: Dialect, calls: Calls, damage: BasicDamage | None = None
     ) -> None:
         self.tree, self.dialect, self.calls, self.damage = tree, dialect, calls, damage
-        self.code: list[Entry] = [i for i in tree.items if isinstance(i, s.Line | MoveRows)]
+        self.code = tree.code
 
     # ------------------------------------------------------------------------- what is in it
 

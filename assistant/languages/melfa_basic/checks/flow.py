@@ -324,7 +324,7 @@ TAILS: Final = frozenset({"End", "Hlt", "Return", "FEnd", "Break", "EndIf", "End
 """Words that stand at an end as a habit, and do no harm where nothing comes to them."""
 
 
-def _is_tail(item: s.Line | MoveRows) -> bool:
+def _is_tail(item: s.Entry) -> bool:
     if not isinstance(item, s.Line):
         return False
     if divided(item.statement) or isinstance(item.statement, s.Next | s.Jump):

@@ -30,14 +30,11 @@ STRAIGHT: Final = 0.01
 """mm: how far the second point of an arc must at least be beside the line of the others."""
 
 
-Item = s.Line | MoveRows
-
-
-def moves(look: Look) -> Moves[Item] | None:
+def moves(look: Look) -> Moves[s.Entry] | None:
     """Worked out once for a file."""
     positions = look.once(_positions)
     changed = _changed(look)
-    found: list[Moves[Item]] = []
+    found: list[Moves[s.Entry]] = []
     follows = False
     for item in look.code:
         if isinstance(item, MoveRows):
@@ -80,7 +77,7 @@ def _is_harmless(statement: s.Statement | None) -> bool:
 
 def _of_rows(
     rows: MoveRows, positions: Positions, changed: set[str], *, follows: bool
-) -> Moves[Item]:
+) -> Moves[s.Entry]:
     stem = rows.stem.upper()
     moved = [
         int(n[len(stem) :]) for n in changed if n.startswith(stem) and n[len(stem) :].isdigit()
@@ -101,7 +98,7 @@ def _of_rows(
 
 def _of_line(
     line: s.Line, motion: s.Motion, positions: Positions, changed: set[str], *, follows: bool
-) -> Moves[Item]:
+) -> Moves[s.Entry]:
     kind = KEYWORDS.index(motion.keyword) if motion.keyword in KEYWORDS else -1
     start = via = end = None
     if kind == MVR and len(motion.arguments) >= ARC_POINTS:
@@ -216,7 +213,7 @@ MOST: Final = 5
 
 
 def _named(
-    look: Look, item: Item, row: int, point: Literal["start", "end"]
+    look: Look, item: s.Entry, row: int, point: Literal["start", "end"]
 ) -> tuple[str, s.Item | Span | None]:
     """The name of a position that a move starts or ends at, and where it stands."""
     if isinstance(item, MoveRows):

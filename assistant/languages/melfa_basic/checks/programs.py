@@ -89,17 +89,17 @@ def mechanisms(look: Look) -> Found:
     others = (call for call in called(look.tree) if (call[2] or 0) > 1)
     for line, name, slot in firsts(others, lambda call: call[1].upper()):
         tree = look.calls.by_name.get(_plain(name))
-        code = [i for i in tree.items if isinstance(i, s.Line | MoveRows)] if tree else ()
+        code = tree.code if tree else ()
         if any(map(_moves, code)) and not any(map(_asks, code)):
             yield look.at(motion_rules.NO_GETM, line, f'"{name}"', name=name, slot=slot)
 
 
-def _asks(item: s.Line | MoveRows) -> bool:
+def _asks(item: s.Entry) -> bool:
     statement = item.statement if isinstance(item, s.Line) else None
     return isinstance(statement, s.Command) and statement.keyword == "GetM"
 
 
-def _moves(item: s.Line | MoveRows) -> bool:
+def _moves(item: s.Entry) -> bool:
     return isinstance(item, MoveRows) or isinstance(item.statement, s.Motion)
 
 

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 from assistant.languages.melfa_basic.tables.dialects import LAST_STEP
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.targets import (
     first_step,
     retargeted,
@@ -53,7 +52,7 @@ def _without(
             and item.label.upper() in as_steps
             and item.statement is None
             and item.comment is None
-            and isinstance(below, s.Line | MoveRows)
+            and isinstance(below, s.Entry)
         ):
             dropped[item.label.upper()] = len(kept)
         else:

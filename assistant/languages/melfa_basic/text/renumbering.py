@@ -12,8 +12,12 @@ from numpy.typing import NDArray
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.tables.dialects import LAST_STEP
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.columnar import MoveRows
-from assistant.languages.melfa_basic.tree.targets import retargeted, steps_named
+from assistant.languages.melfa_basic.tree.targets import (
+    retargeted,
+    steps_named,
+    steps_of,
+    with_steps,
+)
 from assistant.program.diagnostics import Diagnostic, Refused, Rule
 
 Steps = NDArray[np.int64]
@@ -30,7 +34,7 @@ def renumbered(file: s.File, first: int, step: int) -> s.File:
     Raises Refused where a jump has no destination, where numbers do not ascend (which of two
     lines comes first is open then), or where the last number would be too high.
     """
-    items = _with_steps(file.items)
+    items = _all_steps(file.items)
     old = _numbers(items)
     new = first + step * np.arange(len(old), dtype=np.int64)
     findings = [*_order(file, items), *_range(file, new, first, step)]
@@ -43,18 +47,12 @@ def renumbered(file: s.File, first: int, step: int) -> s.File:
     made: list[s.Item] = []
     at = 0
     for item in items:
-        match item:
-            case MoveRows():
-                made.append(_rows(item, new[at : at + len(item)]))
-                at += len(item)
-            case s.Line() if _is_step(item):
-                findings += _lost(file, item, places)
-                item = retargeted(item, moved)
-                number = int(new[at])
-                made.append(item if number == item.number else replace(item, number=number))
-                at += 1
-            case _:
-                made.append(item)
+        steps = new[at : at + len(steps_of(item))]
+        at += len(steps)
+        if len(steps):
+            findings += _lost(file, item, places)
+            item = with_steps(retargeted(item, moved), steps)
+        made.append(item)
     if findings:
         raise Refused(*findings)
     kept = len(made) == len(file.items) and all(
@@ -66,12 +64,10 @@ def renumbered(file: s.File, first: int, step: int) -> s.File:
 # Which lines are steps
 
 
-def _with_steps(items: Sequence[s.Item]) -> tuple[s.Item, ...]:
+def _all_steps(items: Sequence[s.Item]) -> tuple[s.Item, ...]:
     """The items with every line that is to be a step marked as one, blank lines included."""
-    numbered = [
-        isinstance(i, MoveRows) or (isinstance(i, s.Line) and i.number is not None) for i in items
-    ]
-    code = [at for at, item in enumerate(items) if isinstance(item, s.Line | MoveRows)]
+    numbered = [len(steps_of(item)) > 0 for item in items]
+    code = [at for at, item in enumerate(items) if isinstance(item, s.Entry)]
     last = code[-1] if code and not any(numbered) else -1
     made: list[s.Item] = []
     for at, item in enumerate(items):
@@ -92,39 +88,25 @@ def _looks_like_data(item: s.Line) -> bool:
     return False
 
 
-def _is_step(item: s.Item) -> bool:
-    return isinstance(item, s.Line) and item.number is not None
-
-
 # Numbers
 
 
 def _numbers(items: Sequence[s.Item]) -> Steps:
-    parts: list[Steps] = [np.empty(0, dtype=np.int64)]
-    for item in items:
-        if isinstance(item, MoveRows):
-            parts.append(item.steps)
-        elif isinstance(item, s.Line) and item.number is not None:
-            parts.append(np.array([item.number], dtype=np.int64))
-    return np.concatenate(parts)
+    return np.concatenate([np.empty(0, dtype=np.int64), *map(steps_of, items)])
 
 
 def _order(file: s.File, items: Sequence[s.Item]) -> list[Diagnostic]:
     """A finding for each line or table whose first number does not follow the one before it."""
     before, found = 0, []
     for item in items:
-        if isinstance(item, MoveRows) and len(item):
-            steps = np.concatenate([[before], item.steps])
-            falls = np.flatnonzero(np.diff(steps) <= 0)
-            if len(falls):
-                number, last = int(steps[falls[0] + 1]), int(steps[falls[0]])
-                found.append(_finding(file, item, rules.NOT_ASCENDING, number=number, before=last))
-            before = int(item.steps[-1])
-        elif isinstance(item, s.Line) and item.number:
-            if item.number <= before:
-                fields = {"number": item.number, "before": before}
-                found.append(_finding(file, item, rules.NOT_ASCENDING, **fields))
-            before = item.number
+        if not isinstance(item, s.Entry) or (isinstance(item, s.Line) and not item.number):
+            continue
+        steps = np.concatenate([[before], steps_of(item)])
+        falls = np.flatnonzero(np.diff(steps) <= 0)
+        if len(falls):
+            number, last = int(steps[falls[0] + 1]), int(steps[falls[0]])
+            found.append(_finding(file, item, rules.NOT_ASCENDING, number=number, before=last))
+        before = int(steps[-1])
     return found
 
 
@@ -151,19 +133,12 @@ def _jumped_to(items: Sequence[s.Item], old: Steps, known: Steps) -> list[tuple[
     return [(int(n), int(known[p])) for n, p in zip(wanted[there], places[there], strict=True)]
 
 
-def _lost(file: s.File, item: s.Line, places: dict[int, int]) -> list[Diagnostic]:
+def _lost(file: s.File, item: s.Item, places: dict[int, int]) -> list[Diagnostic]:
     lost = sorted(steps_named([item]) - places.keys())
     return [_finding(file, item, rules.NO_STEP, name=number) for number in lost]
 
 
-def _finding(file: s.File, item: s.Line | MoveRows, rule: Rule, **fields: Any) -> Diagnostic:
+def _finding(file: s.File, item: s.Item, rule: Rule, **fields: Any) -> Diagnostic:
     if file.source is None or item.span is None:
         return rule(**fields)
     return file.source.finding(rule, item.span, **fields)
-
-
-# New lines
-
-
-def _rows(rows: MoveRows, steps: Steps) -> MoveRows:
-    return rows if np.array_equal(rows.steps, steps) else replace(rows, steps=steps)

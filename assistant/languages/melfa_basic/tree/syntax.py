@@ -321,6 +321,8 @@ class Blank:
     span: Span | None = field(default=None, compare=False, repr=False)
 
 
+Entry = Line | MoveRows
+"""What the code of a program is made of."""
 Item = Line | Data | PositionRows | MoveRows | Unread | Blank
 
 
@@ -337,3 +339,8 @@ class File:
     findings: tuple[Diagnostic, ...] = field(default=(), compare=False)
     source: SourceText | None = field(default=None, compare=False, repr=False)
     parsed: tuple[Item, ...] = field(default=(), compare=False, repr=False)
+
+    @property
+    def code(self) -> list[Entry]:
+        """The lines and moves of the program, without the variables of the file."""
+        return [item for item in self.items if isinstance(item, Entry)]

@@ -13,10 +13,9 @@ from assistant.languages.melfa_basic.tables.dialects import LAST_STEP
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import statement_of
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
+from assistant.program.arrays import Ints
 
-Entry = s.Line | MoveRows
-"""What is code."""
-T = TypeVar("T", s.Item, Entry)
+T = TypeVar("T", s.Item, s.Entry)
 I = TypeVar("I", bound=s.Item)  # noqa: E741
 Change = Callable[[str | int], str | int]
 """Gives a jump another label or step number."""
@@ -165,14 +164,26 @@ def numbered(items: Sequence[T], step: int) -> Iterator[T]:
     step = max(1, min(step, LAST_STEP // max(steps_in(items), 1)))
     number = step
     for item in items:
-        if isinstance(item, MoveRows):
-            yield replace(item, steps=number + step * np.arange(len(item), dtype=np.int64))
-            number += step * len(item)
-        elif isinstance(item, s.Line):
-            yield replace(item, number=number)
-            number += step
-        else:
-            yield item
+        count = steps_in([item])
+        yield with_steps(item, number + step * np.arange(count, dtype=np.int64))
+        number += step * count
+
+
+def steps_of(item: object) -> Ints:
+    """(n,) step numbers of a line or a table of moves; none of what has none."""
+    if isinstance(item, MoveRows):
+        return item.steps
+    number = item.number if isinstance(item, s.Line) else None
+    return np.array([] if number is None else [number], dtype=np.int64)
+
+
+def with_steps(item: T, steps: Ints) -> T:
+    """A line or a table of moves with other step numbers (n,)."""
+    if isinstance(item, MoveRows):
+        return item if np.array_equal(item.steps, steps) else replace(item, steps=steps)
+    if isinstance(item, s.Line) and item.number != int(steps[0]):
+        return replace(item, number=int(steps[0]))
+    return item
 
 
 def first_step(item: object) -> int | None:

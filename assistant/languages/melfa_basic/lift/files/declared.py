@@ -8,7 +8,6 @@ from typing import Any, Protocol, cast
 from assistant.languages.melfa_basic.lift.settings.held import Settings
 from assistant.languages.melfa_basic.lift.statements.data import value_of
 from assistant.languages.melfa_basic.lift.statements.paths import Runs
-from assistant.languages.melfa_basic.lift.structure.blocks import Entry
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
 from assistant.languages.melfa_basic.lift.values.symbols import Symbols
 from assistant.languages.melfa_basic.tables import poses
@@ -37,7 +36,7 @@ class Holding(Protocol):
 class OwnVariables:
     """Variables of a heading; their lines are taken out of the code. moved: any was."""
 
-    def __init__(self, header: Header, code: list[Entry]) -> None:
+    def __init__(self, header: Header, code: list[s.Entry]) -> None:
         self.header, self.code, self.moved = header, code, False
 
     def definitions(self) -> tuple[s.Variable, ...]:
@@ -89,7 +88,7 @@ class OwnVariables:
         return None
 
 
-def parameters_of(code: list[Entry]) -> tuple[s.Variable, ...]:
+def parameters_of(code: list[s.Entry]) -> tuple[s.Variable, ...]:
     """Those of a program that is called with arguments: `FPrm` is its first statement."""
     for item in code:
         if not isinstance(item, s.Line) or item.label is not None:
@@ -101,7 +100,7 @@ def parameters_of(code: list[Entry]) -> tuple[s.Variable, ...]:
     return ()
 
 
-def first_parameters(code: list[Entry]) -> tuple[s.Variable, ...]:
+def first_parameters(code: list[s.Entry]) -> tuple[s.Variable, ...]:
     """The same, with the line taken out."""
     found = parameters_of(code)
     for at, item in enumerate(code):

@@ -24,7 +24,7 @@ from assistant.languages.melfa_basic.lift.statements.control import Control
 from assistant.languages.melfa_basic.lift.statements.paths import used_once
 from assistant.languages.melfa_basic.lift.statements.procedure import Reader
 from assistant.languages.melfa_basic.lift.structure import regions
-from assistant.languages.melfa_basic.lift.structure.blocks import Entry, Structure
+from assistant.languages.melfa_basic.lift.structure.blocks import Structure
 from assistant.languages.melfa_basic.lift.structure.regions import Region
 from assistant.languages.melfa_basic.lift.structure.scopes import Scope, all_keys, scope_of
 from assistant.languages.melfa_basic.lift.values.constants import Constants
@@ -214,13 +214,13 @@ class Unit:
         reading.procedures += [replace(f, unit=self.unit) for f in functions]
         return reading
 
-    def _regions(self, code: list[Entry]) -> tuple[Structure, list[Region]]:
+    def _regions(self, code: list[s.Entry]) -> tuple[Structure, list[Region]]:
         """The blocks of some lines, and what is a procedure of its own."""
         structure = Structure(code)
         named = self.header.names["procedure"]
         return structure, regions.regions(code, structure.depth, named, self.own)
 
-    def _ways(self, code: list[Entry], symbols: Symbols) -> _Ways:
+    def _ways(self, code: list[s.Entry], symbols: Symbols) -> _Ways:
         structure, parts = self._regions(code)
         constants = symbols.constants
         settings = Settings(self.file.positions, constants, self.header.names, own=self.own)
@@ -231,7 +231,7 @@ class Unit:
             {} if self.own else used_once(code), symbols.timers, "M_BRKCQ" in set(all_keys(code)),
         )  # fmt: skip
 
-    def _meanings(self, program: Program, code: list[Entry], parts: list[Region]) -> Symbols:
+    def _meanings(self, program: Program, code: list[s.Entry], parts: list[Region]) -> Symbols:
         functions = {r.function.name for r in parts if r.function is not None}
         first = parts[0] if parts else Region(0, 0)
         shared = code
@@ -272,7 +272,7 @@ class Unit:
     # -------------------------------------------------------------------------- procedures
 
     def _routines(
-        self, code: list[Entry], parts: list[Region], symbols: Symbols, program: Program
+        self, code: list[s.Entry], parts: list[Region], symbols: Symbols, program: Program
     ) -> list[Routine]:
         """What each region is called; functions are noted among the symbols."""
         taken = {*(q.name for q in program.procedures), *self.programs}
@@ -382,11 +382,11 @@ def _with(known: dict[str, Any], more: dict[str, Any]) -> dict[str, Any]:
     return known | {name: value for name, value in more.items() if name not in known}
 
 
-def _statements(code: list[Entry], kind: type) -> list[Any]:
+def _statements(code: list[s.Entry], kind: type) -> list[Any]:
     return [i.statement for i in code if isinstance(i, s.Line) and isinstance(i.statement, kind)]
 
 
-def _spelled(code: list[Entry], region: Region) -> str:
+def _spelled(code: list[s.Entry], region: Region) -> str:
     """The label of a subroutine as it is written."""
     for at in (region.low - 1, region.low):
         item = code[at] if at >= 0 else None

@@ -8,12 +8,10 @@ from typing import Any
 
 from assistant.languages.melfa_basic.lift.settings.held import ALL_SETTINGS, SETTINGS
 from assistant.languages.melfa_basic.lift.statements.waits import comment_text
-from assistant.languages.melfa_basic.lift.structure.blocks import Entry
 from assistant.languages.melfa_basic.lift.structure.order import in_order
 from assistant.languages.melfa_basic.text import header as headers
 from assistant.languages.melfa_basic.text.header import Header
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.positions import Positions
 from assistant.languages.melfa_basic.tree.targets import labelled
 from assistant.languages.melfa_basic.tree.walk import nodes
@@ -64,9 +62,9 @@ def touching(files: Mapping[str, File]) -> dict[str, frozenset[int]]:
             return found
 
 
-def _parts(tree: s.File) -> tuple[Header, tuple[str, ...], list[Entry]]:
+def _parts(tree: s.File) -> tuple[Header, tuple[str, ...], list[s.Entry]]:
     """The heading, the comments above it, and the code."""
-    code: list[Entry] = [i for i in tree.items if isinstance(i, s.Line | MoveRows)]
+    code = tree.code
     texts: list[str] = []
     for item in code:
         if not isinstance(item, s.Line) or item.statement or item.label or not item.comment:

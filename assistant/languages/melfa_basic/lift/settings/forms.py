@@ -225,7 +225,7 @@ _SPARED: Final[dict[str, frozenset[int]]] = {"Mov": frozenset({TCP}), "Mva": fro
 """Settings that a move does not depend on; others are at no percentage of joint speed."""
 
 
-def _used(item: s.Line | MoveRows) -> frozenset[int]:
+def _used(item: s.Entry) -> frozenset[int]:
     """Settings that a line depends on: a joint move on no speed of the tool, others on no other."""
     match item:
         case MoveRows(kinds=kinds):

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from assistant.languages.melfa_basic.lift.settings.framed_targets import unframed
 from assistant.languages.melfa_basic.lift.settings.held import FRAME, JOINT, TCP, TOOL, UNKNOWN
-from assistant.languages.melfa_basic.lift.structure.blocks import Entry
 from assistant.languages.melfa_basic.lift.values.symbols import Symbols
 from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.words import ARC_START
@@ -294,7 +293,7 @@ def _columns(chunks: list[_Chunk]) -> dict[str, Any]:
     return setting_columns(settings, np.searchsorted(used, np.arange(2 * len(chunks)))[rows])
 
 
-def used_once(code: Sequence[Entry]) -> dict[str, Ints]:
+def used_once(code: Sequence[s.Entry]) -> dict[str, Ints]:
     """By stem, the numbers of positions that the code mentions in one place only."""
     seen: dict[str, list[Ints]] = {}
     for item in code:

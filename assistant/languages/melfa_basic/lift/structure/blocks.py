@@ -8,10 +8,9 @@ from collections.abc import Sequence
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import Blocks, blocks_of
 from assistant.languages.melfa_basic.tree.jumping import THEN, branches
-from assistant.languages.melfa_basic.tree.targets import Entry as Entry
 from assistant.languages.melfa_basic.tree.targets import lone_labels
 
-Code = Sequence[Entry]
+Code = Sequence[s.Entry]
 
 
 class Structure:
@@ -37,12 +36,12 @@ class Structure:
         self.depth = list(itertools.accumulate(change[:-1]))
 
 
-def is_command(item: Entry, keyword: str) -> bool:
+def is_command(item: s.Entry, keyword: str) -> bool:
     """Whether a line is that word alone."""
     return isinstance(item, s.Line) and item.label is None and item.statement == s.Command(keyword)
 
 
-def is_blank(item: Entry) -> bool:
+def is_blank(item: s.Entry) -> bool:
     return isinstance(item, s.Line) and not (item.statement or item.label or item.comment)
 
 

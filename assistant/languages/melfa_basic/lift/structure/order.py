@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import itertools
 
-from assistant.languages.melfa_basic.lift.structure.blocks import Entry, Structure
+from assistant.languages.melfa_basic.lift.structure.blocks import Structure
 from assistant.languages.melfa_basic.lift.structure.regions import called, goes_on_above, jumps
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import statement_of
 from assistant.languages.melfa_basic.tree.targets import labels_of
 
 
-def in_order(code: list[Entry]) -> list[Entry]:
+def in_order(code: list[s.Entry]) -> list[s.Entry]:
     """The lines as they are, unless a part of the main program stands behind a subroutine.
 
     Then: what the first line leads to by jumps, what nothing calls, and each subroutine whole.
@@ -41,19 +41,19 @@ def in_order(code: list[Entry]) -> list[Entry]:
     return [code[at] for k in ordered for at in spans[k]]
 
 
-def _edges(code: list[Entry]) -> list[int]:
+def _edges(code: list[s.Entry]) -> list[int]:
     """Where runs of lines begin that nothing runs into from above, and the end."""
     depth = Structure(code).depth
     inner = (at for at in range(1, len(code)) if not depth[at] and _begins(code, at))
     return [0, *inner, len(code)]
 
 
-def _begins(code: list[Entry], at: int) -> bool:
+def _begins(code: list[s.Entry], at: int) -> bool:
     """Comments stay with the lines below them."""
     return statement_of(code[at - 1]) is not None and not goes_on_above(code, at)
 
 
-def _joined(code: list[Entry], spans: list[range]) -> list[int]:
+def _joined(code: list[s.Entry], spans: list[range]) -> list[int]:
     """By run, the first of those that jumps join with it."""
     home = {name: k for k, span in enumerate(spans) for name in labels_of(code, span)}
     whole = list(range(len(spans)))

@@ -6,7 +6,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from assistant.languages.melfa_basic.lift.structure.blocks import Entry
 from assistant.languages.melfa_basic.tables.vocabulary import function, status
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.walk import nodes
@@ -39,7 +38,7 @@ class Scope:
         return Scope(dict(self.types), dict(self.sizes), dict(self.names), set(self.static))
 
 
-def scope_of(items: Iterable[Entry], functions: Iterable[str]) -> Scope:
+def scope_of(items: Iterable[s.Entry], functions: Iterable[str]) -> Scope:
     """The variables that some lines hold. functions: upper-case names of the user's own."""
     scope = Scope()
     own = frozenset(functions)
@@ -96,7 +95,7 @@ def letter_type(key: str) -> ValueType:
     return LETTERS.get(key[:1], "number")
 
 
-def all_keys(items: Sequence[Entry]) -> Iterator[str]:
+def all_keys(items: Sequence[s.Entry]) -> Iterator[str]:
     """Upper-case names of all variables in some lines."""
     for item in items:
         statement: Any = item.statement if isinstance(item, s.Line) else None

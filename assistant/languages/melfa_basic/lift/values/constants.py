@@ -9,7 +9,6 @@ from typing import Any, Final
 from assistant.languages.melfa_basic.tables.vocabulary import commands, function, status
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import opened
-from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.walk import nodes
 
 Value = float | str
@@ -26,7 +25,7 @@ class Constants:
     kept: which arguments the functions and arrays of the file leave alone.
     """
 
-    def __init__(self, code: Sequence[s.Line | MoveRows]) -> None:
+    def __init__(self, code: Sequence[s.Entry]) -> None:
         count: Counter[str] = Counter()
         self.kept = kept = keeping(code)
         for item in code:
@@ -90,7 +89,7 @@ Keeping = Mapping[str, Sequence[bool]]
 """By upper-case name of a function or array, which arguments it leaves alone."""
 
 
-def keeping(code: Sequence[s.Line | MoveRows]) -> dict[str, Sequence[bool]]:
+def keeping(code: Sequence[s.Entry]) -> dict[str, Sequence[bool]]:
     """What is known of the functions and arrays of a file."""
     found: dict[str, Sequence[bool]] = {}
     for item in code:

@@ -16,7 +16,6 @@ import numpy as np
 
 from assistant.languages.melfa_basic.lift.values.symbols import Symbols, Unliftable
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.positions import target_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -36,9 +35,7 @@ KEPT: Final = p.Reason(
 _MENTIONED: Final = re.compile(r"\bPlt\b", re.IGNORECASE)
 
 
-def pallets(
-    code: Sequence[s.Line | MoveRows], symbols: Symbols
-) -> dict[int, tuple[str, tuple[Target, ...]]]:
+def pallets(code: Sequence[s.Entry], symbols: Symbols) -> dict[int, tuple[str, tuple[Target, ...]]]:
     """The array of each pallet that has one definition and corners that stay, by its number."""
     found: dict[int, list[s.DefOther]] = {}
     for item in code:

@@ -8,13 +8,12 @@ from typing import Any
 from assistant.languages.melfa_basic.tables.vocabulary.timers import MILLISECONDS, MOST_TIMERS
 from assistant.languages.melfa_basic.text.header import Header
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.timers import timer_of
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program import expressions as e
 
 
-def timers(code: Sequence[s.Line | MoveRows], header: Header, own: bool) -> dict[int, str]:
+def timers(code: Sequence[s.Entry], header: Header, own: bool) -> dict[int, str]:
     """Names of the timers, by number, that are set to zero and read in values and conditions.
 
     Any other use of a timer, such as in an interrupt or another value, keeps all its lines as
@@ -41,7 +40,7 @@ def timers(code: Sequence[s.Line | MoveRows], header: Header, own: bool) -> dict
     return {n: f"timer_{n}" for n in sorted(started - other) if n <= MOST_TIMERS}
 
 
-def _is_wait(line: s.Line | MoveRows) -> bool:
+def _is_wait(line: s.Entry) -> bool:
     label = line.label if isinstance(line, s.Line) else None
     return label is not None and label[:1] == "W" and label[1:].isdigit()
 

@@ -32,7 +32,7 @@ class Entry(merging.Entry):
     part: Literal["comment", "label", "statement", "table"]
     at: int
     row: int
-    line: s.Line | MoveRows
+    line: s.Entry
 
     @property
     def place(self) -> tuple[int, int]:
