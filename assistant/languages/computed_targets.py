@@ -130,8 +130,10 @@ def _shift(
     """
     match value:
         case e.Apply("relative", (base, x, y, z, *turns)):
-            computed = {a: v for a, v in zip(AXES, (x, y, z), strict=True) if _number(v) is None}
-            known = [_number(v) for v in turns]
+            computed = {
+                a: v for a, v in zip(AXES, (x, y, z), strict=True) if e.plain_number(v) is None
+            }
+            known = [e.plain_number(v) for v in turns]
             if None in known:
                 return None
             angles = [n or 0.0 for n in (*known, 0.0, 0.0, 0.0)[:3]]
@@ -139,7 +141,7 @@ def _shift(
             along = in_move and _is_zero(x) and _is_zero(y) and not any(angles)
             if along or (not computed and not about_several):
                 return None
-            position = tuple(_number(v) or 0.0 for v in (x, y, z))
+            position = tuple(e.plain_number(v) or 0.0 for v in (x, y, z))
             turn = rotations.from_euler(np.array(angles), "XYZ")
             moved = Target(Pose.of(np.array(position), turn), Configuration())
             return base, e.TargetValue(moved), computed
@@ -151,21 +153,21 @@ def _parts(value: e.Expression) -> tuple[e.Expression, dict[str, e.Expression], 
     match value:
         case e.Apply(function, (base, x, y, z)) if function.lower() == "offset":
             shift = {a: v for a, v in zip(AXES, (x, y, z), strict=True) if not _is_zero(v)}
-            if all(_number(v) is not None for v in (x, y, z)):
+            if all(e.plain_number(v) is not None for v in (x, y, z)):
                 return None
             return base, shift, True
         case e.Aggregate((e.Aggregate(place), e.Aggregate(turn), e.Aggregate(arm), outer)):
-            numbers = [_number(v) for v in (*turn, *arm)]
+            numbers = [e.plain_number(v) for v in (*turn, *arm)]
             external = outer.items if isinstance(outer, e.Aggregate) else ()
-            outside = [_number(v) for v in external]
+            outside = [e.plain_number(v) for v in external]
             if (len(place), len(turn), len(arm), len(outside)) != (3, 4, 4, 6):
                 return None
             known = [n for n in numbers if n is not None]
             beyond = [n for n in outside if n is not None]
             if len(known) != 8 or len(beyond) != 6 or not any(known[:4]):
                 return None
-            whole = target([*(_number(v) or 0.0 for v in place), *known, *beyond])
-            worked = {a: v for a, v in zip(AXES, place, strict=True) if _number(v) is None}
+            whole = target([*(e.plain_number(v) or 0.0 for v in place), *known, *beyond])
+            worked = {a: v for a, v in zip(AXES, place, strict=True) if e.plain_number(v) is None}
             return e.TargetValue(whole), worked, False
     return None
 
@@ -204,13 +206,4 @@ def _components(value: e.Expression) -> tuple[e.Expression, ...] | None:
 
 
 def _is_zero(value: e.Expression) -> bool:
-    return _number(value) == 0
-
-
-def _number(value: e.Expression) -> float | None:
-    match value:
-        case e.Number(number):
-            return float(number)
-        case e.Unary("-", e.Number(number)):
-            return -float(number)
-    return None
+    return e.plain_number(value) == 0

@@ -59,6 +59,21 @@ class Number:
     value: float | int
 
 
+def number_of(value: float) -> Number:
+    """A number, without a point where it is whole."""
+    return Number(int(value) if float(value).is_integer() else value)
+
+
+def plain_number(value: Expression) -> float | None:
+    """The number that is written out, with or without a sign; None for anything else."""
+    match value:
+        case Number(number):
+            return float(number)
+        case Unary("-", Number(number)):
+            return -float(number)
+    return None
+
+
 @dataclass(frozen=True, slots=True)
 class Truth:
     value: bool

@@ -60,6 +60,21 @@ def counted_on(procedure: Procedure, start: int) -> Procedure:
     return replace(procedure, body=body, span=procedure.span and procedure.span.moved(start))
 
 
+def renamed(procedure: Procedure, names: Mapping[str, str]) -> Procedure:
+    """A procedure with other names for some, its own and in calls. names: by lower-case name."""
+
+    def named(part: Any) -> Any:
+        match part:
+            case p.Call(name) if name.lower() in names:
+                return replace(part, procedure=names[name.lower()])
+            case e.Apply(name) if name.lower() in names:
+                return replace(part, function=names[name.lower()])
+        return part
+
+    name = names.get(procedure.name.lower(), procedure.name)
+    return replace(procedure, name=name, body=rewrite(procedure.body, named))
+
+
 def map_expressions(node: T, change: Callable[[e.Expression], e.Expression]) -> T:
     """A statement or expression with `change` made of every expression in it, inner ones first.
 

@@ -338,14 +338,5 @@ COUNTABLE: Final = ("number", "integer")
 
 def ascends(first: e.Expression, last: e.Expression) -> bool | None:
     """Whether the bounds of a loop go upwards; None if they are not plain numbers."""
-    bounds = [_plain_number(x) for x in (first, last)]
+    bounds = [e.plain_number(x) for x in (first, last)]
     return None if bounds[0] is None or bounds[1] is None else bounds[0] <= bounds[1]
-
-
-def _plain_number(x: e.Expression) -> float | None:
-    match x:
-        case e.Number(value):
-            return value
-        case e.Unary("-", e.Number(value)):
-            return -value
-    return None

@@ -303,7 +303,7 @@ class Expressions:
 
     def moved(self, function: str, arguments: tuple[e.Expression, ...]) -> s.Expression:
         """`P+(x,y,z,0,0,0)` in the frame, `P*(x,y,z,a,b,c)` in the tool."""
-        numbers = [plain_number(a) for a in arguments[1:]]
+        numbers = [e.plain_number(a) for a in arguments[1:]]
         shift = [n for n in numbers if n is not None]
         if len(shift) != len(numbers) or len(shift) < 3 or len(shift) > 6:
             raise Unsayable(
@@ -356,16 +356,6 @@ def _milliseconds(seconds: float) -> float | int | None:
     if not 0 <= value < 1e12 or value / MILLISECONDS != seconds:
         return None
     return int(value) if float(value).is_integer() else value
-
-
-def plain_number(value: e.Expression) -> float | None:
-    """The number of a literal, with or without a sign."""
-    match value:
-        case e.Number(value=number):
-            return float(number)
-        case e.Unary(operator="-", operand=e.Number(value=number)):
-            return -float(number)
-    return None
 
 
 def position_constant(target: Target, robot: Robot | None) -> s.Constant:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from assistant.languages.melfa_basic import rules
-from assistant.languages.melfa_basic.lower.expressions import Unsayable, plain_number
+from assistant.languages.melfa_basic.lower.expressions import Unsayable
 from assistant.languages.melfa_basic.lower.settings import changes
 from assistant.languages.melfa_basic.tables.words import ARC_START
 from assistant.languages.melfa_basic.tree import syntax as s
@@ -92,7 +92,7 @@ def _destination(w: Writer, value: e.Expression, frame: str) -> tuple[s.Expressi
     """The arguments of a move; a distance along the tool has a form of its own."""
     match value:
         case e.Apply(function="relative", arguments=(base, x, y, z)) if (
-            plain_number(x) == 0 and plain_number(y) == 0
+            e.plain_number(x) == 0 and e.plain_number(y) == 0
         ):
             return _placed(w, w.expressions.target(base), frame), w.expressions.of(z)
     return (_placed(w, w.expressions.target(value), frame),)

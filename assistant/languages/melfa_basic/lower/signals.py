@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from assistant.languages.melfa_basic.lower.expressions import Unsayable, numeric, plain_number
+from assistant.languages.melfa_basic.lower.expressions import Unsayable, numeric
 from assistant.languages.melfa_basic.tables.statements import ROWS
 from assistant.languages.melfa_basic.tables.vocabulary import timers
 from assistant.languages.melfa_basic.tables.vocabulary.timers import MOST_TIMERS
@@ -87,7 +87,7 @@ def _limited(w: Writer, condition: s.Expression, timeout: e.Expression) -> None:
 
 
 def _milliseconds(w: Writer, seconds: e.Expression) -> s.Expression:
-    number = plain_number(seconds)
+    number = e.plain_number(seconds)
     if number is not None and number < 0:
         raise Unsayable(f"a time limit of {number:g} seconds", "give a positive one")
     if number is not None:

@@ -8,7 +8,7 @@ variables of the program. RAPID itself keeps all of them.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Final
 
@@ -188,14 +188,10 @@ def _shown(node: p.Statement) -> str:
 
 def _waiting(node: p.Statement, call: s.ProcedureCall) -> Iterator[p.Statement]:
     """What is left of a wait for the robot to stand still: the time to wait there."""
-    plain = replace(call, arguments=tuple(_positional(call.arguments)))
-    waiting = instruction(plain, Meaning())
+    plain = tuple(one for one in call.arguments if not isinstance(one, s.Option))
+    waiting = instruction(replace(call, arguments=plain), Meaning())
     if waiting is not None:
         yield replace(waiting, span=node.span)
-
-
-def _positional(arguments: Iterable[s.Argument]) -> Iterator[s.Argument]:
-    return (one for one in arguments if not isinstance(one, s.Option))
 
 
 # ------------------------------------------------------------------------------------- moves
@@ -224,15 +220,16 @@ def _with_plain_moves(program: Program, findings: Findings) -> Program:
 
 def _near(call: s.ProcedureCall) -> s.ProcedureCall | None:
     r"""A move without its `\Inpos`, None if it has none that is known."""
-    rest = []
-    for argument in call.arguments:
-        match argument:
-            case s.Option(option, value) if option.lower() == "inpos":
-                if not isinstance(value, s.NameRef) or value.name.lower() not in NEAR:
-                    return None
-            case _:
-                rest.append(argument)
-    return replace(call, arguments=tuple(rest)) if len(rest) < len(call.arguments) else None
+    found = [one for one in call.arguments if _is_stop_point(one)]
+    rest = tuple(one for one in call.arguments if one not in found)
+    return replace(call, arguments=rest) if found else None
+
+
+def _is_stop_point(argument: s.Argument) -> bool:
+    match argument:
+        case s.Option(option, s.NameRef(name)):
+            return option.lower() == "inpos" and name.lower() in NEAR
+    return False
 
 
 # ------------------------------------------------------------------------------------ tables
@@ -259,28 +256,15 @@ class _Tables:
     def plain(self, call: s.ProcedureCall) -> s.ProcedureCall:
         """With the rows that are named by a number as data of their own."""
 
-        def change(value: s.Expression | None) -> s.Expression | None:
-            match value:
+        def change(part: Any) -> Any:
+            match part:
                 case s.Element(s.NameRef(table), (index,)) if table.lower() in self.rows:
                     place = None if isinstance(index, s.Whole) else literal_number(index)
                     if isinstance(place, int) and 0 < place <= len(self.rows[table.lower()]):
                         return s.NameRef(self.name(table, place))
-            return value
+            return part
 
-        return replace(call, arguments=tuple(_changed(call.arguments, change)))
-
-
-def _changed(
-    arguments: Iterable[s.Argument], change: Callable[[s.Expression | None], s.Expression | None]
-) -> Iterator[s.Argument]:
-    for argument in arguments:
-        match argument:
-            case s.Positional(value) if (new := change(value)) is not None and new is not value:
-                yield replace(argument, value=new)
-            case s.Option(_, value) if (new := change(value)) is not value:
-                yield replace(argument, value=new)
-            case _:
-                yield argument
+        return rewrite(call, change, ())
 
 
 def _with_rows(program: Program) -> Program:

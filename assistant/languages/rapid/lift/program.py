@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import chain
 from typing import Any, TypeVar
@@ -34,7 +34,7 @@ from assistant.program.program import (
     Variable,
     identifier,
 )
-from assistant.program.rewriting import counted_on, rewrite
+from assistant.program.rewriting import counted_on, renamed
 from assistant.program.text import starts_of
 
 T = TypeVar("T")
@@ -138,7 +138,7 @@ class _Lift:
             ]
             if hidden := self._hidden(module):
                 mine = self.procedures[before[0] :]
-                self.procedures[before[0] :] = [_renamed(q, hidden) for q in mine]
+                self.procedures[before[0] :] = [renamed(q, hidden) for q in mine]
         entry = header.entry or ("main" if "main" in self.own else "")
         found = (q.name for q in self.procedures if q.name.lower() == entry.lower())
         targets = self.paths.targets()  # first: those without orientation become variables
@@ -254,21 +254,6 @@ class _Lift:
 def _routines(module: s.Module) -> dict[str, s.Routine]:
     """Those of a module by lower-case name."""
     return {item.name.lower(): item for item in module.items if isinstance(item, s.Routine)}
-
-
-def _renamed(procedure: Procedure, names: Mapping[str, str]) -> Procedure:
-    """With other names for some procedures, its own and in calls. names: by lower-case name."""
-
-    def named(part: Any) -> Any:
-        match part:
-            case p.Call(name) if name.lower() in names:
-                return replace(part, procedure=names[name.lower()])
-            case e.Apply(name) if name.lower() in names:
-                return replace(part, function=names[name.lower()])
-        return part
-
-    name = names.get(procedure.name.lower(), procedure.name)
-    return replace(procedure, name=name, body=rewrite(procedure.body, named))
 
 
 def _declaration(item: s.Item) -> Declaration:

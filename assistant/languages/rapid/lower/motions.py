@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
@@ -28,11 +27,9 @@ from assistant.languages.rapid.tree.runs import (
 from assistant.languages.runs.columns import Entries
 from assistant.languages.runs.names import Names
 from assistant.program import expressions as e
-from assistant.program import statements as p
 from assistant.program.geometry import BASE
 from assistant.program.motion import Blend, Speed
 from assistant.program.path import Kind, Path
-from assistant.program.program import Program
 from assistant.robots.configurations import to_confdata
 
 _SHORTEST: Final = 8
@@ -64,22 +61,6 @@ def motion_names(
         names.get("tools", tool),
         "" if frame.lower() == BASE else names.get("frames", frame),
     )
-
-
-def motions(program: Program) -> Iterator[tuple[Speed | e.Name, Blend | e.Name]]:
-    """Every speed and blend that a move states, each table entry of a path once."""
-    for statement in program.statements():
-        if isinstance(statement, p.MoveStatement):
-            yield statement.motion.speed, statement.motion.blend
-        elif isinstance(statement, p.Follow):
-            path = statement.path
-            used = (
-                [path.speeds[i] for i in np.unique(path.speed)],
-                [path.blends[i] for i in np.unique(path.blend)],
-            )
-            most = max(len(u) for u in used)
-            for i in range(most):
-                yield used[0][min(i, len(used[0]) - 1)], used[1][min(i, len(used[1]) - 1)]
 
 
 def _targets(path: Path, stem: str) -> TargetRun:

@@ -9,6 +9,7 @@ from typing import Final, TypeVar
 from assistant.languages.melfa_basic.lift.structure.blocks import Code
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
 from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS, Unliftable
+from assistant.languages.melfa_basic.lift.values.timers import seconds_of
 from assistant.languages.melfa_basic.tree import jumping
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.timers import timer_of
@@ -89,8 +90,7 @@ def _timed(lines: Sequence[object], lift: Expressions) -> p.Statement | None:
 def _seconds(milliseconds: s.Expression, lift: Expressions) -> e.Expression:
     match milliseconds:
         case s.Number(value=value):
-            seconds = value / 1000
-            return e.Number(int(seconds) if seconds == int(seconds) else seconds)
+            return seconds_of(value)
         case s.Binary("*", left, s.Number(1000)):
             return lift.plain(left)
     raise Unliftable

@@ -91,5 +91,4 @@ def timed(
 
 
 def seconds_of(milliseconds: float) -> e.Number:
-    seconds = milliseconds / MILLISECONDS
-    return e.Number(int(seconds) if seconds.is_integer() else seconds)
+    return e.number_of(milliseconds / MILLISECONDS)

@@ -65,7 +65,7 @@ def _here(context: Context, value: e.Here) -> e.Here:
 
 def _seconds(milliseconds: float) -> e.Number:
     seconds = milliseconds / MILLISECONDS
-    return e.Number(int(seconds) if seconds.is_integer() else seconds)
+    return e.number_of(seconds)
 
 
 def _text(context: Context, text: str) -> e.Text:
