@@ -23,7 +23,7 @@ from assistant.robots import programming
 PACKAGE = FilePath(__file__).parent.parent / "assistant"
 VENDORS = ("languages/", "virtual/", "controllers/")
 """Rooms that may know vendors; what robots know of them is data, no Python."""
-SHARED = re.compile(r"languages/(?:recovery/)?\w+\.py")
+SHARED = re.compile(r"languages/(?:(?:checks|recovery|runs)/)?\w+\.py")
 """What all languages share knows none of them."""
 
 COMMON: Final = frozenset(

@@ -241,7 +241,7 @@ def _lines(segment: Segment, indent: str, text: str, style: Style) -> list[Line]
     spacing = style.spacing(segment)
     broken = False
     for at, word in enumerate(segment.words):
-        if word.kind == "break":
+        if word.kind == "newline":
             broken = True
             continue
         comment = word.kind == "comment"
@@ -267,7 +267,7 @@ def _lines(segment: Segment, indent: str, text: str, style: Style) -> list[Line]
 
 def _bracket(code: str, following: Sequence[Word]) -> _Bracket:
     """The one that opens behind some code; what follows on its line is what others align with."""
-    if following and following[0].kind in ("break", "comment"):
+    if following and following[0].kind in ("newline", "comment"):
         indent = len(code) - len(code.lstrip())
         return _Bracket(indent + INDENT, indent)
     return _Bracket(len(code) + 1, len(code))

@@ -45,7 +45,7 @@ class Cutter:
         while at < len(read):
             item = read[at]
             match item.kind:
-                case "break":
+                case "newline":
                     at, breaks = at + 1, breaks + 1
                     continue
                 case "comment" | "rows" | "header":
@@ -63,7 +63,7 @@ class Cutter:
         for item in inside:
             if item.kind in ("key", "hole") and item.text.lower() not in self.scopes:
                 return item.text.lower()
-            if item.kind not in ("key", "break", "comment"):
+            if item.kind not in ("key", "newline", "comment"):
                 break
         return ""
 
@@ -134,6 +134,6 @@ class Cutter:
                 rest = Word("rows", item.text[length:], item.start + length)
                 read[at : at + 1] = [*first, *([rest] if rest.text else [])]
                 continue
-            if item.kind not in ("break", "comment"):
+            if item.kind not in ("newline", "comment"):
                 yield at
             at += 1

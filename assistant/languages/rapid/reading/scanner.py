@@ -55,14 +55,14 @@ _KINDS: Final = {
     "TABLE": "table",
 }
 _HOLE: Final = re.compile(r"<\w+>")
-_BREAK: Final = re.compile(r"(?P<break>\r*\n|\r)|(?P<mark>\ufeff)")
+_BREAK: Final = re.compile(r"(?P<newline>\r*\n|\r)|(?P<mark>\ufeff)")
 
 
 def words(text: str, start: int = 0, end: int | None = None) -> Iterator[Word]:
     """The words between two offsets: comments and line ends are some as well, blanks are none.
 
     kind: `word`, `key` (a reserved word), `number`, `string`, `hole`, `mark`, `comment`, `header`
-    or `break` (a line end).
+    or `newline` (a line end).
     """
     kinds = _kinds()
     for match in scanner().finditer(text, start, len(text) if end is None else end):

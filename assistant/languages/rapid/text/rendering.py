@@ -54,7 +54,7 @@ class Layout(changed_runs.Layout):
 
     def words(self, text: str, start: int, end: int) -> Iterator[Word]:
         for word in words(text, start, end):
-            if word.kind not in ("comment", "break"):
+            if word.kind not in ("comment", "newline"):
                 if word.text != "," or not _OPTION.match(text, word.end, end):
                     yield word
 
