@@ -18,6 +18,7 @@ from assistant.languages.melfa_basic.tree.targets import (
     steps_of,
     with_steps,
 )
+from assistant.languages.runs.names import rows_of
 from assistant.program.diagnostics import Diagnostic, Refused, Rule
 
 Steps = NDArray[np.int64]
@@ -125,12 +126,9 @@ def _jumped_to(items: Sequence[s.Item], old: Steps, known: Steps) -> list[tuple[
     named = steps_named(items)
     if not named or not len(known):
         return []
-    numbers = old[known]
-    order = np.argsort(numbers, kind="stable")
     wanted = np.array(sorted(named), dtype=np.int64)
-    places = order[np.minimum(np.searchsorted(numbers, wanted, sorter=order), len(order) - 1)]
-    there = numbers[places] == wanted
-    return [(int(n), int(known[p])) for n, p in zip(wanted[there], places[there], strict=True)]
+    places = rows_of(old[known], wanted)
+    return [(n, int(known[p])) for n, p in zip(wanted.tolist(), places, strict=True) if p >= 0]
 
 
 def _lost(file: s.File, item: s.Item, places: dict[int, int]) -> list[Diagnostic]:

@@ -15,20 +15,19 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from typing import Final
 
+from assistant.languages import changed_lines
+from assistant.languages.changed_lines import Parts, parts_of
 from assistant.languages.laying_out import TAB, Line, aligned
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
 from assistant.languages.melfa_basic.text.layout.levels import is_comment, levels
 from assistant.languages.melfa_basic.text.layout.printing import decimals, exact, item_text
-from assistant.languages.melfa_basic.text.layout.tokens import COMMENTS, code, tokens
+from assistant.languages.melfa_basic.text.layout.tokens import code, tokens
 from assistant.languages.melfa_basic.text.printer import INDENT, constant
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import divided, opened
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
 from assistant.program.text import dominant_newline
-
-_STEP: Final = re.compile(r"[ \t]*([0-9]*)[ \t]?")
 
 
 def lay_out(file: s.File) -> str:
@@ -51,6 +50,11 @@ def _before(items: Sequence[s.Item]) -> list[s.Line | None]:
         elif isinstance(item, s.Line) and not is_comment(item):
             code = item
     return found
+
+
+def _indent(parts: Parts) -> str:
+    """The blanks in front of the code, but for the one behind a step number."""
+    return parts.indent[1:] if parts.number else parts.indent
 
 
 class _Pages:
@@ -101,14 +105,8 @@ class _Pages:
 
     def _column(self, item: s.Item) -> int:
         """The column at which the text behind the step number begins."""
-        text = self._source(item)
-        start = self._behind_step(text)
-        return len(text[start:].expandtabs(TAB)) - len(text[start:].expandtabs(TAB).lstrip())
-
-    @staticmethod
-    def _behind_step(text: str) -> int:
-        found = _STEP.match(text)
-        return found.end() if found and found[1] else 0
+        assert isinstance(item, s.Line)
+        return len(_indent(self._parts(item)).expandtabs(TAB))
 
     # Lines
 
@@ -116,26 +114,20 @@ class _Pages:
         assert item.span is not None
         return self._text[item.span.start : item.span.end].rstrip("\r\n")
 
+    def _parts(self, item: s.Line) -> Parts:
+        return parts_of(self._source(item), changed_lines.Line(item.number, None, item.comment))
+
     def _line(self, item: s.Line, level: int) -> Line:
-        text = self._source(item)
-        start = self._behind_step(text)
-        listed = tokens(text[start:].strip(" \t\f"))
-        words = [t for t in listed if t.kind not in COMMENTS]
+        parts = self._parts(item)
+        body = code(tokens(parts.code), self._dialect.upper) or parts.comment
         step = "" if item.number is None else str(item.number)
-        body = code(words, self._dialect.upper)
-        comment = item.comment or ""
-        if not words:
-            body, comment = comment, ""
         lead = f"{step} " if step and body else step
-        indented = " " * (INDENT * level) + body
+        indented, before = " " * (INDENT * level) + body, _indent(parts)
+        if not self._dialect.blocks:  # comments stand under each other as a whole
+            lead, indented, before = "", lead + indented, parts.margin + parts.number + parts.indent
         line = Line(indented, lead=lead)
-        if not self._dialect.blocks:
-            line.lead, line.code = "", lead + indented  # comments stand under each other as a whole
-        if comment:
-            offset = len(text) - len(text.rstrip()) + len(comment)
-            line.put_behind(
-                comment, text[start if self._dialect.blocks else 0 : len(text) - offset]
-            )
+        if parts.code and parts.comment:
+            line.put_behind(parts.comment, before + parts.code + parts.gap)
         return line
 
     def _aligned(self, lines: Sequence[Line]) -> Iterator[str]:

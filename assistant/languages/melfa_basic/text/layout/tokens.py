@@ -16,7 +16,6 @@ _MARKS: Final = frozenset(("NAME", "FN_NAME", "SUFFIX", "REM", "HASH"))
 """Kinds of tokens that may begin like a keyword and are none; all other words are keywords."""
 _TIGHT: Final = frozenset(("POSITION", "EMPTY", "LABEL"))
 """Kinds of tokens that lose the blanks within them."""
-COMMENTS: Final = frozenset(("COMMENT", "REM"))
 _OPERATORS: Final = frozenset(
     ("EQUALS", "SIGN", "TIMES", "BACKSLASH", "SHIFT", "COMPARISON", "CIRCUMFLEX")
 )
