@@ -91,7 +91,7 @@ def test_blanks_and_case_of_words_do_not_matter(tree, random) -> None:
     text = RAPID.render(replace(tree, origin=None))
     spoilt = ""
     for token, space in spaced(text):
-        more = token.kind not in ("break", "comment") and random.random() < 0.2
+        more = token.kind not in ("newline", "comment") and random.random() < 0.2
         spoilt += other_case(token, random) + " " * (space + more)
     assert blind(laid_out(spoilt)) == blind(laid_out(text))
 
