@@ -69,6 +69,7 @@ class Compiled:
     files: bytes by file name, empty if anything forbids writing them. program: the
     pseudo-program as the language says it. source: the one that it was made of. found: every
     finding, the worst of them may be errors; those of the source have its spans alone.
+    wanting: errors that follow from these, see `Adapted`.
     """
 
     program: Program
@@ -78,6 +79,7 @@ class Compiled:
     places: Places
     files: dict[str, bytes] = field(default_factory=dict)
     found: tuple[Diagnostic, ...] = ()
+    wanting: tuple[Diagnostic, ...] = ()
 
     @property
     def findings(self) -> tuple[Diagnostic, ...]:
@@ -176,7 +178,7 @@ def compile_program(
     program = adapted.program
     compiled = Compiled(program, target.name, Proof(None), source, places)
     if has_errors(findings):
-        return replace(compiled, found=tuple(findings))
+        return replace(compiled, found=tuple(findings), wanting=adapted.wanting)
     units = dict.fromkeys([None, *(p.unit for p in program.procedures)])
     files = {
         target.file_name(program, unit): target.encode(target.built(adapted, arm, unit))

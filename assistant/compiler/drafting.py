@@ -6,7 +6,7 @@ declarations that cannot be said become comments at the head.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any, Final, TypeAlias
@@ -62,12 +62,17 @@ def draft(
     later: list[Diagnostic] = []
     declared = _declared_names(program)
     for _ in range(MOST_ROUNDS):
-        spans, names = _unsayable(compiled)
+        spans, names = _unsayable(compiled, compiled.found)
         shorter = _without(program, spans - out, names, places)
         if shorter == program:
             break
         out |= spans
         program = shorter
+        if wanting := _wanting(compiled, program, declared, out):
+            later += (_for_want(finding, declared) for finding in wanting)
+            spans, names = _unsayable(compiled, wanting)
+            program = _without(program, spans - out, names, places)
+            out |= spans
         compiled = compile_program(program, places, target, arms, most_targets)
         missing = declared - _declared_names(program)
         errors = (f for f in compiled.found if f.severity is Severity.ERROR and f.line is None)
@@ -93,12 +98,32 @@ def _for_want(finding: Diagnostic, missing: Collection[str]) -> Diagnostic:
     return LEFT_OUT(name=name, span=finding.span, about=finding.about)
 
 
-def _unsayable(compiled: Compiled) -> tuple[set[Span], set[tuple[str, str]]]:
+def _wanting(
+    compiled: Compiled, program: Program, declared: set[str], out: Collection[Span]
+) -> tuple[Diagnostic, ...]:
+    """Errors about what a draft still has that lacks a declaration now.
+
+    declared: names in lower case that the whole program declares. out: spans of statements that
+    are stops by now.
+    """
+    missing = declared - _declared_names(program)
+    there = {statement.span for statement in program.statements()}.difference(out)
+    return tuple(
+        finding
+        for finding in compiled.wanting
+        if (finding.missing or "").lower() in missing
+        and (finding.span in there or isinstance(finding.about, Declared))
+    )
+
+
+def _unsayable(
+    compiled: Compiled, found: Iterable[Diagnostic]
+) -> tuple[set[Span], set[tuple[str, str]]]:
     """Spans of statements and `Names` of declarations that errors are about."""
     trace = Trace(compiled.program, compiled.proof.lifted)
     spans: set[Span] = set()
     names: set[tuple[str, str]] = set()
-    for finding in compiled.found:
+    for finding in found:
         if finding.severity is Severity.ERROR:
             span, declared = trace.source(finding), _declared(finding)
             if declared is not None and (span is None or finding in compiled.proof.findings):

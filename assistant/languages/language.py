@@ -109,12 +109,14 @@ ARITHMETIC: Final[Mapping[str, Choice]] = MappingProxyType(
 class Adapted:
     """A program as one language will say it, with a finding for everything that changed.
 
-    trees: of its units, where they were built to see whether that can be done.
+    trees: of its units, where they were built to see whether that can be done. wanting: errors
+    that follow from others alone: of names whose declarations cannot be said.
     """
 
     program: Program
     findings: tuple[Diagnostic, ...] = ()
     trees: Mapping[str | None, Any] = field(default_factory=dict)
+    wanting: tuple[Diagnostic, ...] = ()
 
 
 Frames = Literal["base", "product"]

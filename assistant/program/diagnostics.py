@@ -198,16 +198,17 @@ class Findings(list[Diagnostic]):
             self._span = before
 
     def append(self, finding: Diagnostic) -> None:
-        super().append(self._placed(finding))
+        super().append(self.placed(finding))
 
     def extend(self, findings: Iterable[Diagnostic]) -> None:
-        super().extend(map(self._placed, findings))
+        super().extend(map(self.placed, findings))
 
     def __iadd__(self, findings: Iterable[Diagnostic]) -> Self:  # type: ignore[override, misc]
         self.extend(findings)
         return self
 
-    def _placed(self, finding: Diagnostic) -> Diagnostic:
+    def placed(self, finding: Diagnostic) -> Diagnostic:
+        """The finding at the part of the source at hand, without being added."""
         if self._span is None:
             return finding
         return replace(

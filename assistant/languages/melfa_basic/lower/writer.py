@@ -37,7 +37,7 @@ class Writer:
     write: how each kind of statement is written. functions: whether procedures are `Function`
     blocks. items: code lines without step numbers. paths: first position number and path of
     each `Follow`. used: names that the unit's code refers to. shared: the program's constants
-    that a unit needs a copy of. findings: what cannot be said.
+    that a unit needs a copy of. findings: what cannot be said. wanting: see `Adapted`.
     """
 
     def __init__(
@@ -54,7 +54,7 @@ class Writer:
         self.functions = False
         self.items: list[s.Item] = []
         self.paths: list[tuple[int, Path]] = []
-        self.findings = Findings()
+        self.findings, self.wanting = Findings(), list[Diagnostic]()
         self.state = Settings()
         self.previous: tuple[str, str, str] | None = None
         """Position variable, tool and frame of the move before, if that is known."""
@@ -111,8 +111,10 @@ class Writer:
                     "declare one for each value that it has, and name these in the moves",
                     about,
                 )
-            elif name.what.lower() not in self.elsewhere:
-                self.report(rules.UNDECLARED(name=name.what, about=about))
+            else:
+                finding = rules.UNDECLARED(name=name.what, about=about)
+                known = name.what.lower() in self.elsewhere
+                (self.wanting if known else self.findings).append(self.findings.placed(finding))
         except Unsayable as unsayable:
             self.cannot(unsayable.what, unsayable.cure, about)
 

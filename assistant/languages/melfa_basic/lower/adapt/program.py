@@ -78,12 +78,13 @@ def adapt(
         findings.append(rules.NO_ENTRY(name=adapted.name))
     findings += _shared(adapted)
     findings += _long(adapted, dialect)
-    trees = _written(context, adapted)
+    trees, wanting = _written(context, adapted)
     if context.unstated:
         findings.append(rules.NO_CONFIGURATION(count=context.unstated))
     if context.named:
         findings.append(rules.NAMED(count=context.named))
-    return Adapted(adapted, tuple(findings), {} if has_errors(findings) else trees)
+    trees = {} if has_errors(findings) else trees
+    return Adapted(adapted, tuple(findings), trees, tuple(wanting))
 
 
 FIRST: Final[tuple[Pass, ...]] = (
@@ -130,9 +131,15 @@ def _long(program: Program, dialect: Dialect) -> Iterator[Diagnostic]:
             yield rules.LONG_NAME(name=name, most=dialect.longest, about=about, span=variable.span)
 
 
-def _written(context: Context, program: Program) -> dict[str | None, s.File]:
-    """The units that can be written; what is found as they are is added to the findings."""
+def _written(
+    context: Context, program: Program
+) -> tuple[dict[str | None, s.File], list[Diagnostic]]:
+    """The units that can be written; what is found as they are is added to the findings.
+
+    With them what is wanting, see `Adapted`.
+    """
     trees: dict[str | None, s.File] = {}
+    wanting: list[Diagnostic] = []
     findings = context.findings
     names = naming(program, context.dialect, context.products)
     check_names(program, names, context.findings)
@@ -145,6 +152,7 @@ def _written(context: Context, program: Program) -> dict[str | None, s.File]:
         writing = UnitLines(program, context.robot, unit, context.dialect, names)
         code = writing.code()
         findings += writing.findings
+        wanting += writing.writer.wanting
         findings += _too_long(code, context.dialect, writing.writer.spans)
         if (count := steps_in(code)) > LAST_STEP:
             name, most = names.units[unit], LAST_STEP
@@ -152,7 +160,7 @@ def _written(context: Context, program: Program) -> dict[str | None, s.File]:
             findings.append(rules.TOO_MANY_STEPS(name=name, count=count, most=most, about=about))
         if not has_errors(findings):
             trees[unit] = writing.tree(code)
-    return trees
+    return trees, wanting
 
 
 def _too_long(
