@@ -8,11 +8,11 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.languages.runs.names import Names
+from assistant.languages.runs.names import Index, Names
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.arrays import Truths
-from assistant.program.path import Kind
+from assistant.program.arrays import Floats, Ints, Rows, Truths
+from assistant.program.path import Kind, Path
 
 SETTINGS: Final = ("speed", "blend", "tool", "frame")
 """Columns of a path that are rows of a table, whose name has an `s` behind it."""
@@ -45,6 +45,44 @@ def setting_columns(
         columns[name] = np.array(rows, dtype=np.int32)[index]
         columns[name + "s"] = tuple(table)
     return columns
+
+
+def setting_codes(path: Path) -> Ints:
+    """(n,) a number for the settings of each row: rows with the same settings have the same."""
+    code = np.zeros(len(path), dtype=np.int64)
+    for name in SETTINGS:
+        code = code * len(getattr(path, name + "s")) + getattr(path, name)
+    return code
+
+
+class NamedTargets:
+    """Declared targets by name: how often they are named, and which of them are in paths.
+
+    uses: (n,) of each. taken: (n,) whether it is in a path.
+    """
+
+    def __init__(self, names: Names) -> None:
+        self.names = names
+        self.uses = np.zeros(len(names), dtype=np.int64)
+        self.taken = np.zeros(len(names), dtype=bool)
+        self._index = Index(names)
+
+    def count(self, names: Names) -> None:
+        """Names that something mentions."""
+        rows = self._index.rows(names)
+        np.add.at(self.uses, rows[rows >= 0], 1)
+
+    def alone(self, names: Names) -> tuple[Rows, Truths]:
+        """The row of each name, -1 for none, and whether it is declared and named once only."""
+        rows = self._index.rows(names)
+        return rows, (rows >= 0) & (np.append(self.uses, 0)[rows] == 1)
+
+
+def values_at(rows: Rows, values: Floats) -> Floats:
+    """Rows of values (n, width), not copied where they follow each other."""
+    if np.array_equal(rows, np.arange(rows[0], rows[0] + len(rows))):
+        return values[rows[0] : rows[0] + len(rows)]
+    return values[rows]
 
 
 class PathRows:

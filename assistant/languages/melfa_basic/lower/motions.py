@@ -16,6 +16,7 @@ from assistant.languages.melfa_basic.tables.words import ARC_START
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MOV, MVR, MVS, MoveRows
 from assistant.languages.melfa_basic.tree.line_tables import rows_as_lines
+from assistant.languages.runs.paths import setting_codes
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import BASE
@@ -153,8 +154,8 @@ def _lines(w: Writer, rows: MoveRows, frame: str) -> Iterator[s.Line]:
 
 def segments(path: Path) -> Iterator[tuple[int, int]]:
     """Ranges of rows under the same settings; an arc's two rows are never apart."""
-    columns = np.column_stack([path.speed, path.blend, path.tool, path.frame])
-    differs = (columns[1:] != columns[:-1]).any(axis=1) & (path.kinds[1:] != Kind.END)
+    codes = setting_codes(path)
+    differs = (codes[1:] != codes[:-1]) & (path.kinds[1:] != Kind.END)
     edges = [0, *(np.flatnonzero(differs) + 1).tolist(), len(path)]
     yield from itertools.pairwise(edges)
 

@@ -16,8 +16,14 @@ from assistant.languages.rapid.tree.runs import CIRCULAR, PARTS, MoveRun, Target
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.languages.records import target
 from assistant.languages.runs.columns import joined
-from assistant.languages.runs.names import Index, Names
-from assistant.languages.runs.paths import PathRows, Stretch, setting_columns
+from assistant.languages.runs.names import Names
+from assistant.languages.runs.paths import (
+    NamedTargets,
+    PathRows,
+    Stretch,
+    setting_columns,
+    values_at,
+)
 from assistant.program import expressions as e
 from assistant.program import rotations
 from assistant.program import statements as p
@@ -46,19 +52,14 @@ class PathLift:
         self.data, self.original = data, original
         runs = [i.run for m in modules for i in m.items if isinstance(i, s.TargetRunNode)]
         self.table = joined([TargetRun(Names.none(0), np.empty((0, PARTS[-1][1]))), *runs])
-        self.uses = np.zeros(len(self.table), dtype=np.int64)
-        self.gone = np.zeros(len(self.table), dtype=bool)
-        self._index = Index(self.table.names)
+        self.known = NamedTargets(self.table.names)
         self._taken = {i.name for m in modules for i in m.items if isinstance(i, _NAMED)}
         for node in nodes(tuple(modules)) if runs else ():
             if isinstance(node, s.NameRef):
-                self._count(self._index.row(node.name))
+                self.known.count(Names.of([node.name] if node.name.isascii() else []))
             elif isinstance(node, s.MoveRunNode):
-                for column in (node.run.names, node.run.vias):
-                    self._count(self._index.rows(column))
-
-    def _count(self, rows: Rows) -> None:
-        np.add.at(self.uses, rows[rows >= 0], 1)
+                self.known.count(node.run.names)
+                self.known.count(node.run.vias)
 
     def statements(self, node: s.MoveRunNode, motion: Motions) -> Iterator[p.Statement]:
         run, index = node.run, node.run.motions.index
@@ -72,9 +73,7 @@ class PathLift:
                 yield p.Move(word, _written(values), motions[row], span=node.span)
             return
         rows = PathRows(run.names, run.vias, run.kinds == CIRCULAR, _PLAIN[run.kinds])
-        places = self._index.rows(rows.names)
-        alone = np.zeros(len(places), dtype=bool)
-        alone[places >= 0] = self.uses[places[places >= 0]] == 1
+        places, alone = self.known.alone(rows.names)
         for part in rows.stretches(alone):
             path = self._path(rows, part, places, index, motions) if part.numbered else None
             if path is not None:
@@ -96,12 +95,10 @@ class PathLift:
         stem = rows.names.stems[rows.names.stem[part.start]].decode("ascii")
         if not stem.endswith("_") or len(stem) < 2:
             return None
-        values = self.table.values[at[0] : at[0] + len(at)]
-        if not np.array_equal(at, np.arange(at[0], at[0] + len(at))):
-            values = self.table.values[at]
+        values = values_at(at, self.table.values)
         if not _turned(values):
             return None
-        self.gone[at] = True
+        self.known.taken[at] = True
         name = self.original(stem[:-1])
         return _path(name, values, rows.kinds[taken], index[rows.moves[taken]], motions)
 
@@ -114,7 +111,7 @@ class PathLift:
     def targets(self) -> dict[str, Target]:
         """The targets that are in no path."""
         left = dict(self.data.targets)
-        for row in np.flatnonzero(~self.gone):
+        for row in np.flatnonzero(~self.known.taken):
             name = self.original(self.table.names.name(int(row)))
             values = [float(v) for v in self.table.values[row]]
             if any(values[3:7]):

@@ -26,6 +26,7 @@ from assistant.languages.rapid.tree.runs import (
 )
 from assistant.languages.runs.columns import Entries
 from assistant.languages.runs.names import Names
+from assistant.languages.runs.paths import setting_codes
 from assistant.program import expressions as e
 from assistant.program.geometry import BASE
 from assistant.program.motion import Blend, Speed
@@ -83,20 +84,13 @@ def _names(path: Path, stem: str) -> Names:
 def _moves(path: Path, stem: str, names: Naming) -> MoveRun:
     via = path.kinds == Kind.VIA
     ends = np.flatnonzero(~via)
-    sizes = (len(path.blends), len(path.tools), len(path.frames))
-    code = path.speed[ends].astype(np.int64)
-    for column, size in zip((path.blend, path.tool, path.frame), sizes, strict=True):
-        code = code * size + column[ends]
-    different, index = np.unique(code, return_inverse=True)
+    _, first, index = np.unique(setting_codes(path)[ends], return_index=True, return_inverse=True)
     table: dict[MotionNames, int] = {}
     rows = []
-    for value in different:
-        rest, frame = divmod(int(value), sizes[2])
-        rest, tool = divmod(rest, sizes[1])
-        speed, blend = divmod(rest, sizes[0])
-        motion = motion_names(
-            names, path.speeds[speed], path.blends[blend], path.tools[tool], path.frames[frame]
-        )
+    for row in ends[first].tolist():
+        speed, blend = path.speeds[path.speed[row]], path.blends[path.blend[row]]
+        tool, frame = path.tools[path.tool[row]], path.frames[path.frame[row]]
+        motion = motion_names(names, speed, blend, tool, frame)
         rows.append(table.setdefault(motion, len(table)))
     kinds = np.array([0, 1, 0, 2], dtype=np.uint8)[path.kinds[ends]]
     whole, arcs = _names(path, stem), kinds == CIRCULAR
