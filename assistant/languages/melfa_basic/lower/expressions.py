@@ -11,14 +11,13 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from assistant.languages.melfa_basic.lower.names import Names
-from assistant.languages.melfa_basic.tables import poses
+from assistant.languages.melfa_basic.tables import operators, poses
 from assistant.languages.melfa_basic.tables.dialects import Dialect
 from assistant.languages.melfa_basic.tables.functions import (
     ANALOG,
     BITS,
     FIRST_REGISTER,
     OF_ANGLE,
-    OPERATORS,
     PLAIN,
     TEXTS,
     TO_ANGLE,
@@ -141,7 +140,7 @@ class Expressions:
                 sides = self.of(left), self.of(right)
                 if operator in e.RELATIONS and any(map(_is_position, sides)):
                     raise Unsayable("a comparison of positions", "compare their components")
-                return s.Binary(OPERATORS.get(operator, operator), *sides)
+                return s.Binary(operators.WRITTEN[operator], *sides)
             case e.Apply(function=function, arguments=arguments):
                 return self.apply(function.lower(), arguments)
             case e.Verbatim(language=language, text=text, reason=reason):

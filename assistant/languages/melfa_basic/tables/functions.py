@@ -1,4 +1,4 @@
-"""Functions and operators of the pseudo-program under the names that MELFA-BASIC has for them."""
+"""Functions of the pseudo-program under the names that MELFA-BASIC has for them."""
 
 from __future__ import annotations
 
@@ -16,8 +16,6 @@ BITS: Final = {"bitand": "AND", "bitor": "OR", "bitxor": "XOR"}
 """Functions of bits, which are operators."""
 OF_ANGLE: Final = {"sin": "Sin", "cos": "Cos", "tan": "Tan"}
 TO_ANGLE: Final = {"atan": "Atn", "atan2": "Atn2", "asin": "ASin", "acos": "ACos"}
-
-OPERATORS: Final = {"div": "\\", "mod": "MOD", "and": "AND", "or": "OR", "xor": "XOR", "@": "*"}
 
 ANALOG: Final = ("M_DIn", "M_DOut")
 """Registers of the network that an analog signal stands in: input, output."""

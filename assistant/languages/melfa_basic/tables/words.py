@@ -16,15 +16,6 @@ def spelled(word: str) -> str:
 RESERVED: Final = frozenset(statements()) | frozenset(functions())
 """Words that no variable or label may be called, in upper case."""
 
-PRECEDENCE: Final = {
-    "XOR": 1, "OR": 2, "AND": 3, "NOT": 4,
-    "=": 5, "<>": 5, "><": 5, "<": 5, "<=": 5, "=<": 5, ">": 5, ">=": 5, "=>": 5,
-    "<<": 6, ">>": 6, "+": 7, "-": 7, "MOD": 8, "\\": 9, "*": 10, "/": 10,
-}  # fmt: skip
-"""Higher binds tighter (CR1D detailed specifications, order of operations)."""
-SIGN_PRECEDENCE: Final = 11
-POWER_PRECEDENCE: Final = 12
-
 ARC_START: Final = "PSTART"
 """Holds the present position for an arc whose start is no known position."""
 

@@ -6,11 +6,7 @@ import math
 from functools import cache
 from typing import Any, Final
 
-from assistant.languages.melfa_basic.tables.words import (
-    POWER_PRECEDENCE,
-    PRECEDENCE,
-    SIGN_PRECEDENCE,
-)
+from assistant.languages.melfa_basic.tables.operators import NOT, POWER, PRECEDENCE, SIGN
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.templates import Templates
 from assistant.program.text import one_line
@@ -82,11 +78,9 @@ def _binding(node: s.Expression) -> float:
     """How tightly the outermost operator of an expression binds."""
     match node:
         case s.Unary(operator="NOT"):
-            return PRECEDENCE["NOT"]
+            return NOT
         case s.Unary():
-            return SIGN_PRECEDENCE
-        case s.Binary(operator="^"):
-            return POWER_PRECEDENCE
+            return SIGN
         case s.Binary(operator=operator):
             return PRECEDENCE[operator]
     return _TIGHTEST
@@ -121,7 +115,7 @@ def _exponent(to: Templates, node: s.Expression) -> str:
     """What stands behind `^`, which may have a sign of its own; powers count from the left."""
     if isinstance(node, s.Unary) and node.operator in SIGNS:
         return node.operator + _apart(_exponent(to, node.operand))
-    return _operand(to, node, POWER_PRECEDENCE + 1)
+    return _operand(to, node, POWER + 1)
 
 
 # Rows

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from typing import Final
 
+from assistant.languages.melfa_basic.tables.operators import READ
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 
-_OPERATORS: Final = {
-    "\\": "div", "MOD": "mod", "AND": "and", "OR": "or", "XOR": "xor", "><": "<>", "=<": "<=",
-    "=>": ">=",
-}  # fmt: skip
 _TRUTHS: Final = (*e.RELATIONS, *e.LOGICAL)
 WHOLE: Final = ("div", "mod")
 """Operators that round their operands first."""
 
 
 def operator_name(written: str) -> str:
-    return _OPERATORS.get(written, written)
+    return READ.get(written, written)
 
 
 def is_comparison(node: s.Expression) -> bool:
