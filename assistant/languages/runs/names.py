@@ -128,10 +128,12 @@ class Index:
         """The row of each name, -1 if it is none."""
         found = np.full(len(names), -1, dtype=np.intp)
         for at, stem in enumerate(names.stems):
+            if stem.lower() not in self._slices:
+                continue
             mine = np.flatnonzero(names.stem == at) if len(names.stems) > 1 else slice(None)
             wanted = names.number[mine]
             hits = np.full(len(wanted), -1, dtype=np.intp)
-            for place in self._slices.get(stem.lower(), ()):
+            for place in self._slices[stem.lower()]:
                 rows = sorted_rows(self._numbers[place], wanted)
                 hits[rows >= 0] = self._order[place.start + rows[rows >= 0]]
             found[mine] = hits

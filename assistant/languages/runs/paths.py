@@ -75,7 +75,10 @@ class NamedTargets:
     def alone(self, names: Names) -> tuple[Rows, Truths]:
         """The row of each name, -1 for none, and whether it is declared and named once only."""
         rows = self._index.rows(names)
-        return rows, (rows >= 0) & (np.append(self.uses, 0)[rows] == 1)
+        known = rows >= 0
+        alone = known.copy()
+        alone[known] = self.uses[rows[known]] == 1
+        return rows, alone
 
 
 def values_at(rows: Rows, values: Floats) -> Floats:
@@ -95,8 +98,10 @@ class PathRows:
     def __init__(self, ends: Names, vias: Names, arcs: Truths, plain: NDArray[np.integer]) -> None:
         self.moves = np.repeat(np.arange(len(ends)), 1 + arcs)
         self.kinds = path_kinds(arcs, plain)
-        through = self.kinds == Kind.VIA
-        self.names = Names.joined([ends, vias]).rows(self.moves + len(ends) * through)
+        self.names = ends
+        if arcs.any():
+            through = self.kinds == Kind.VIA
+            self.names = Names.joined([ends, vias]).rows(self.moves + len(ends) * through)
 
     def stretches(self, alone: Truths) -> Iterator[Stretch]:
         """Parts whose names have consecutive numbers from 1, and what is between them.
