@@ -117,6 +117,22 @@ def with_array_parameters(job: Legalising) -> Program:
     return replace(program, procedures=tuple(procedures))
 
 
+def nested(
+    size: tuple[int, ...], value: Callable[[tuple[int, ...]], e.Expression | None]
+) -> e.Expression | None:
+    """The elements of an array by their indices, None if one of them has no value."""
+
+    def inside(rest: tuple[int, ...], at: tuple[int, ...]) -> e.Expression | None:
+        if not rest:
+            return value(at)
+        inner = [inside(rest[1:], (*at, k)) for k in range(1, rest[0] + 1)]
+        if any(v is None for v in inner):
+            return None
+        return e.Aggregate(tuple(v for v in inner if v is not None))
+
+    return inside(size, ())
+
+
 def _with(procedure: Procedure, variables: dict[str, Variable]) -> Procedure:
     return replace(procedure, variables=variables)
 

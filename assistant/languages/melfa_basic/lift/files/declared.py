@@ -22,6 +22,7 @@ from assistant.languages.melfa_basic.tree.positions import (
 )
 from assistant.program import expressions as e
 from assistant.program.geometry import Frame, JointTarget, Target, Tool
+from assistant.program.passes.arrays import nested
 from assistant.program.program import Variable, identifier
 
 
@@ -124,7 +125,7 @@ def elements(file: Holding, symbols: Symbols) -> None:
     for key, (written, given) in file.positions.plain.items():
         size = symbols.scope.sizes.get(key)
         if not file.own and size is not None:
-            _keep(written, _nested(size, _others_empty(given)), symbols)
+            _keep(written, nested(size, _others_empty(given)), symbols)
 
 
 def _others_empty(given: Plain) -> Callable[[tuple[int, ...]], e.Expression]:
@@ -139,22 +140,6 @@ def _keep(written: str, values: e.Expression | None, symbols: Symbols) -> None:
     symbols.variables[name] = Variable(known.type, values, known.size, "persistent")
 
 
-def _nested(
-    size: tuple[int, ...], value: Callable[[tuple[int, ...]], e.Expression | None]
-) -> e.Expression | None:
-    """The elements of an array, None if one of them has no value."""
-
-    def inside(rest: tuple[int, ...], at: tuple[int, ...]) -> e.Expression | None:
-        if not rest:
-            return value(at)
-        inner = [inside(rest[1:], (*at, k)) for k in range(1, rest[0] + 1)]
-        if any(v is None for v in inner):
-            return None
-        return e.Aggregate(tuple(v for v in inner if v is not None))
-
-    return inside(size, ())
-
-
 def _all_elements(size: tuple[int, ...], found: Elements, symbols: Symbols) -> e.Expression | None:
     placed = all(constant.flags is not None for constant in found.values())
 
@@ -166,7 +151,7 @@ def _all_elements(size: tuple[int, ...], found: Elements, symbols: Symbols) -> e
             return e.JointValue(joints_of(constant, symbols.robot))
         return e.TargetValue(target_of(constant, symbols.robot))
 
-    return _nested(size, value)
+    return nested(size, value)
 
 
 class Declared:

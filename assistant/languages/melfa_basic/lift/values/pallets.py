@@ -9,7 +9,7 @@ becomes an array of 12 targets and a move to one of its elements.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -19,7 +19,7 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import target_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.arrays import Floats
+from assistant.program.constructions import grid as points_of_grid
 from assistant.program.geometry import Target
 from assistant.program.program import Variable
 from assistant.program.rewriting import records
@@ -76,7 +76,7 @@ def grid(node: s.DefOther, symbols: Symbols) -> tuple[Target, ...] | None:
         return None
     places = np.array([[float(v or 0) for v in corner.values[:3]] for corner in known])
     made = []
-    for point in _points(places, columns, rows, direction == ZIGZAG):
+    for point in points_of_grid(places, columns, rows, direction == ZIGZAG):
         values = (*(float(v) for v in point), *known[0].values[3:])
         made.append(target_of(s.Constant(values, known[0].flags), symbols.robot))
     return tuple(made)
@@ -100,19 +100,6 @@ def _alike(corners: Sequence[s.Constant]) -> bool:
     return first.flags is not None and all(
         (c.values[3:], c.flags) == (first.values[3:], first.flags) for c in corners
     )
-
-
-def _points(corners: Floats, columns: int, rows: int, zigzag: bool) -> Iterator[Floats]:
-    start, along, across = corners[:3]
-    diagonal = corners[3] if len(corners) > 3 else along + across - start
-    for row in range(rows):
-        down = row / (rows - 1) if rows > 1 else 0.0
-        order = range(columns)
-        for column in reversed(order) if zigzag and row % 2 else order:
-            right = column / (columns - 1) if columns > 1 else 0.0
-            near = (1 - right) * start + right * along
-            far = (1 - right) * across + right * diagonal
-            yield (1 - down) * near + down * far
 
 
 def define(node: s.DefOther, symbols: Symbols) -> list[p.Statement]:
