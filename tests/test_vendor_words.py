@@ -23,7 +23,7 @@ from assistant.robots import programming
 PACKAGE = FilePath(__file__).parent.parent / "assistant"
 VENDORS = ("languages/", "virtual/", "controllers/")
 """Rooms that may know vendors; what robots know of them is data, no Python."""
-SHARED = re.compile(r"languages/(?:(?:checks|recovery|runs)/)?\w+\.py")
+SHARED = re.compile(r"languages/(?:(?:checks|recovery|runs|texts)/)?\w+\.py")
 """What all languages share knows none of them."""
 
 COMMON: Final = frozenset(
@@ -45,7 +45,7 @@ EXCEPTIONS: Final = {
     ("cli/options.py", "melfa"): "help: whose frames the option is about",
     ("languages/__init__.py", "melfa"): "the table of languages",
     ("languages/__init__.py", "rapid"): "the table of languages",
-    ("languages/printed_blocks.py", "str"): "a type of Python",
+    ("languages/texts/printed_blocks.py", "str"): "a type of Python",
     ("program/geometry.py", "tool0"): "the flange's own name in a pseudo-program",
     ("program/pseudo/findings.py", "tool0"): "the flange's own name in a pseudo-program",
     ("report/robots.py", "confdata"): "tells people what the maker calls it",

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from assistant import languages
 from assistant.languages.rapid.reading.scanner import words
-from assistant.languages.words import Word
+from assistant.languages.texts.words import Word
 from assistant.program.diagnostics import has_errors
 from tests.languages.rapid.modules import files
 

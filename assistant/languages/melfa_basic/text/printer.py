@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from assistant.languages.melfa_basic.tables.operators import NOT, POWER, PRECEDENCE, SIGN
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.templates import Templates
+from assistant.languages.texts.templates import Templates
 from assistant.program.text import one_line
 
 INDENT: Final = 4

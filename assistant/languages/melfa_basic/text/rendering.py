@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from assistant.languages.alignment import same
-from assistant.languages.changed_lines import Indentation, changed_line, partners, parts_of
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.languages.melfa_basic.text.layout.levels import levels
 from assistant.languages.melfa_basic.text.layout.printing import decimals, item_text, print_items
@@ -15,6 +13,8 @@ from assistant.languages.melfa_basic.text.printer import INDENT
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
 from assistant.languages.melfa_basic.tree.line_tables import as_rows
+from assistant.languages.texts.alignment import same
+from assistant.languages.texts.changed_lines import Indentation, changed_line, partners, parts_of
 from assistant.program.text import dominant_newline
 
 

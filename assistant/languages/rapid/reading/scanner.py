@@ -9,7 +9,7 @@ from typing import Final
 
 from assistant.languages.rapid.reading.grammar import grammar
 from assistant.languages.scanning import Words, pattern
-from assistant.languages.words import Word
+from assistant.languages.texts.words import Word
 
 SILENT: Final = frozenset({"NOTE", "COMMENT", "BLANK"})
 """Terminals that stand between words."""

@@ -12,8 +12,8 @@ from dataclasses import replace
 from difflib import SequenceMatcher
 from typing import Any
 
-from assistant.languages import merging
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.texts import merging
 
 Key = tuple[str, str]
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any, Final
 
-from assistant.languages.printed_blocks import Block
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.runs import moves_text, targets_text
-from assistant.languages.templates import BlockPrinter, Templates, joined
+from assistant.languages.texts.printed_blocks import Block
+from assistant.languages.texts.templates import BlockPrinter, Templates, joined
 from assistant.program.diagnostics import Refused
 from assistant.program.text import LINE_ENDS, one_line
 

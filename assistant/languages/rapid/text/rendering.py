@@ -1,4 +1,4 @@
-"""Text of a changed RAPID file: what `assistant.languages.lossless` has to know of the language."""
+"""Text of a changed RAPID file: what `texts.lossless` has to know of the language."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, Final
 
-from assistant.languages import changed_runs, lossless
-from assistant.languages.lossless import Block, Extent, Sketch
 from assistant.languages.rapid.reading.scanner import words
 from assistant.languages.rapid.text.printer import INDENT, PRINTER
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import plain_move, target_values
-from assistant.languages.words import Word
+from assistant.languages.texts import changed_runs, lossless
+from assistant.languages.texts.lossless import Block, Extent, Sketch
+from assistant.languages.texts.words import Word
 
 _OPTION: Final = re.compile(r"(?:[ \t\f\r\n]|![^\r\n]*)*\\")
 """A comma may stand in front of an optional argument."""

@@ -7,10 +7,10 @@ from collections.abc import Callable
 from functools import partial
 from typing import Final, TypeVar
 
-from assistant.languages import kept_texts
-from assistant.languages.kept_texts import KeptTexts
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.texts import kept_texts
+from assistant.languages.texts.kept_texts import KeptTexts
 from assistant.program.diagnostics import Refused
 
 T = TypeVar("T")

@@ -16,9 +16,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 
-from assistant.languages import changed_lines
-from assistant.languages.changed_lines import Parts, parts_of
-from assistant.languages.laying_out import TAB, Line, aligned
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
 from assistant.languages.melfa_basic.text.layout.levels import is_comment, levels
 from assistant.languages.melfa_basic.text.layout.printing import decimals, exact, item_text
@@ -27,6 +24,9 @@ from assistant.languages.melfa_basic.text.printer import INDENT, constant
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import divided, opened
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
+from assistant.languages.texts import changed_lines
+from assistant.languages.texts.changed_lines import Parts, parts_of
+from assistant.languages.texts.laying_out import TAB, Line, aligned
 from assistant.program.text import dominant_newline
 
 

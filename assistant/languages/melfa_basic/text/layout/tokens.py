@@ -9,7 +9,7 @@ from typing import Final
 
 from assistant.languages.melfa_basic.reading.line import lexemes
 from assistant.languages.melfa_basic.tables.words import spelled
-from assistant.languages.words import Word
+from assistant.languages.texts.words import Word
 
 _BLANKS: Final = re.compile(r"[ \t\f]+")
 _MARKS: Final = frozenset(("NAME", "FN_NAME", "SUFFIX", "REM", "HASH"))

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from assistant.languages import changed_lines
 from assistant.languages.melfa_basic.reading.parser import statement as read
 from assistant.languages.melfa_basic.text.layout.tokens import tokens
 from assistant.languages.melfa_basic.text.printer import line as printed
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.words import Word
+from assistant.languages.texts import changed_lines
+from assistant.languages.texts.words import Word
 
 
 def of_line(item: s.Line) -> changed_lines.Line:

@@ -8,13 +8,13 @@ from typing import Final, Literal
 
 import numpy as np
 
-from assistant.languages import merging
 from assistant.languages.melfa_basic.tables.vocabulary import commands
 from assistant.languages.melfa_basic.text.merging.names import in_upper_case
 from assistant.languages.melfa_basic.text.printer import statement as printed
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.line_tables import rows_as_lines
+from assistant.languages.texts import merging
 
 MOST_ROWS: Final = 1 << 10
 """Rows of a table that are compared one by one; a longer one is the same or it is not."""

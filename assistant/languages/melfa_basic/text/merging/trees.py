@@ -13,7 +13,6 @@ from itertools import product
 
 import numpy as np
 
-from assistant.languages import merging
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP
 from assistant.languages.melfa_basic.text.merging.data import merged_data
 from assistant.languages.melfa_basic.text.merging.entries import Entry, entries
@@ -21,6 +20,7 @@ from assistant.languages.melfa_basic.text.merging.names import named_as
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.targets import retargeted
+from assistant.languages.texts import merging
 
 HEADER_END = "' robot-assistant: end"
 HEADER = "' robot-assistant: melfa-basic"

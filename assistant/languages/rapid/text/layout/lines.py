@@ -23,10 +23,10 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.languages import laying_out
 from assistant.languages.rapid.text.layout.segments import CUTTER
 from assistant.languages.rapid.text.layout.spacing import Spacing
-from assistant.languages.words import Word
+from assistant.languages.texts import laying_out
+from assistant.languages.texts.words import Word
 
 
 def lay_out(text: str) -> str:

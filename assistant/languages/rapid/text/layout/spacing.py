@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from typing import Final, Literal
 
-from assistant.languages import laying_out
-from assistant.languages.laying_out import Segment
-from assistant.languages.words import Word
+from assistant.languages.texts import laying_out
+from assistant.languages.texts.laying_out import Segment
+from assistant.languages.texts.words import Word
 
 Role = Literal["operand", "key", "name", "close", "open", "sign", "late", "mark"]
 """name: of an instruction that is called. late: the `%` around a name that is worked out."""

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from assistant.languages.rapid.reading.scanner import words
-from assistant.languages.words import Word
+from assistant.languages.texts.words import Word
 
 FEWEST_ROWS: Final = 8
 MOST_ROWS: Final = 1 << 16

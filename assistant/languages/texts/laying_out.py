@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import Final, Literal
 
-from assistant.languages.words import Word
+from assistant.languages.texts.words import Word
 from assistant.program.text import dominant_newline
 
 INDENT: Final = 4

@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
 from typing import Any, Final
 
-from assistant.languages.alignment import aligned
-from assistant.languages.words import Word
+from assistant.languages.texts.alignment import aligned
+from assistant.languages.texts.words import Word
 from assistant.program.text import one_line
 
 _PARTS: Final = re.compile(r"([ \t]*)([0-9]*)([ \t\f]*)")

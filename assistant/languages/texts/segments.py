@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
-from assistant.languages.laying_out import Form, Segment
-from assistant.languages.words import Word
+from assistant.languages.texts.laying_out import Form, Segment
+from assistant.languages.texts.words import Word
 
 
 @dataclass(frozen=True, slots=True)

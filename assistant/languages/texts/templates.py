@@ -18,7 +18,7 @@ from functools import partial
 from operator import attrgetter
 from typing import Any, Final
 
-from assistant.languages.printed_blocks import Block
+from assistant.languages.texts.printed_blocks import Block
 
 Said = str | list[str | Block]
 """What a node says: a text, or texts with the blocks between them."""

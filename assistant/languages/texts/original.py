@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from assistant.languages.printed_blocks import (
+from assistant.languages.texts.printed_blocks import (
     Block,
     Extent,
     Layout,
@@ -13,7 +13,7 @@ from assistant.languages.printed_blocks import (
     same_word,
     spelling,
 )
-from assistant.languages.words import Word
+from assistant.languages.texts.words import Word
 from assistant.program.text import SourceText
 
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from difflib import SequenceMatcher
 from typing import Any, Final, NamedTuple
 
-from assistant.languages.alignment import same
-from assistant.languages.words import Word
+from assistant.languages.texts.alignment import same
+from assistant.languages.texts.words import Word
 
 MOST_WORDS: Final = 1 << 14
 """Words of one node that are compared; a longer one that changed is printed as a whole."""

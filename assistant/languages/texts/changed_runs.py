@@ -9,8 +9,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from assistant.languages import printed_blocks
-from assistant.languages.printed_blocks import Extent, Spread
+from assistant.languages.texts import printed_blocks
+from assistant.languages.texts.printed_blocks import Extent, Spread
 from assistant.program.arrays import Rows
 from assistant.program.text import lines_of
 

@@ -14,9 +14,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any, Final
 
-from assistant.languages.alignment import aligned, common_ends, same
-from assistant.languages.original import Original
-from assistant.languages.printed_blocks import (
+from assistant.languages.texts.alignment import aligned, common_ends, same
+from assistant.languages.texts.original import Original
+from assistant.languages.texts.printed_blocks import (
     MOST_WORDS,
     Block,
     Extent,
