@@ -74,6 +74,7 @@ from assistant.program.statements import (
     Gripper,
     If,
     Label,
+    Measure,
     Message,
     Motion,
     Move,
@@ -88,6 +89,7 @@ from assistant.program.statements import (
     Statement,
     Stop,
     Switch,
+    Trigger,
     Wait,
     WaitSignal,
     WaitUntil,
@@ -340,6 +342,11 @@ def _simple() -> st.SearchStrategy[Statement]:
     value = expressions(4)
     maybe = st.none() | value
     several = st.lists(value, max_size=3).map(tuple)
+    measure = st.sampled_from(get_args(Measure))
+    small = st.integers(0, 9).map(Number) | names().map(Name)
+    perhaps = st.none() | small
+    trigger = st.builds(Trigger, names(), small, small, measure, perhaps, perhaps)
+    triggers = st.just(()) | trigger.map(lambda one: (one,)) | st.tuples(trigger, trigger)
     field = names()
     place = st.one_of(
         names().map(Name),
@@ -347,9 +354,9 @@ def _simple() -> st.SearchStrategy[Statement]:
         st.builds(Index, names().map(Name), several),
     )
     return st.one_of(
-        st.builds(Move, st.sampled_from(["joint", "linear"]), value, motions()),
-        st.builds(MoveCircular, value, value, motions()),
-        st.builds(MoveJoints, value, motions()),
+        st.builds(Move, st.sampled_from(["joint", "linear"]), value, motions(), triggers),
+        st.builds(MoveCircular, value, value, motions(), triggers),
+        st.builds(MoveJoints, value, motions(), triggers),
         st.builds(Follow, paths()),
         st.builds(Wait, value),
         st.builds(WaitSignal, names(), value, maybe),

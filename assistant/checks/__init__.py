@@ -7,13 +7,18 @@ from typing import TYPE_CHECKING, Final
 
 from assistant.checks.arcs import arcs
 from assistant.checks.magnitudes import magnitudes
+from assistant.checks.outputs import outputs
 from assistant.program.diagnostics import Diagnostic, fold
 from assistant.program.program import Program
 
 if TYPE_CHECKING:
     from assistant.robots import Journey
 
-RULES: Final[tuple[Callable[[Program], Iterator[Diagnostic]], ...]] = (arcs, magnitudes)
+RULES: Final[tuple[Callable[[Program], Iterator[Diagnostic]], ...]] = (
+    arcs,
+    magnitudes,
+    outputs,
+)
 
 
 def check(program: Program) -> tuple[Diagnostic, ...]:

@@ -32,6 +32,27 @@ class Motion:
     frame: str = BASE
 
 
+Measure = Literal["start", "end", "time", "share"]
+"""What says where on its way a move sets an output: mm behind the start, mm before the end, seconds
+before the end, or percent of the way that are done."""
+
+
+@dataclass(frozen=True, slots=True)
+class Trigger:
+    """Sets an output at a place on the way of a move.
+
+    amount: of what `measure` says. ahead: seconds by which it is set earlier than there, for
+    equipment that takes that long; less than 0 for later. pulse: see `SetSignal`.
+    """
+
+    signal: str
+    value: Expression
+    amount: Expression
+    measure: Measure
+    pulse: Expression | None = None
+    ahead: Expression | None = None
+
+
 @dataclass(frozen=True, slots=True)
 class Move(Spanned):
     """To a Cartesian target: `joint` interpolated or `linear`."""
@@ -39,6 +60,7 @@ class Move(Spanned):
     kind: Literal["joint", "linear"]
     target: Expression
     motion: Motion
+    triggers: tuple[Trigger, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +70,7 @@ class MoveCircular(Spanned):
     via: Expression
     target: Expression
     motion: Motion
+    triggers: tuple[Trigger, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +79,7 @@ class MoveJoints(Spanned):
 
     target: Expression
     motion: Motion
+    triggers: tuple[Trigger, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -313,3 +337,17 @@ TRAITS: Final[Mapping[type, Trait]] = {
 def trait(statement: Statement) -> Trait:
     """What a statement does, which whoever walks through a program has to answer."""
     return TRAITS[type(statement)]
+
+
+def outputs(statement: Statement) -> tuple[SetSignal | Trigger, ...]:
+    """What sets outputs of a statement, without the bodies that it holds."""
+    match statement:
+        case SetSignal():
+            return (statement,)
+        case (
+            Move(triggers=triggers)
+            | MoveCircular(triggers=triggers)
+            | MoveJoints(triggers=triggers)
+        ):
+            return triggers
+    return ()

@@ -10,7 +10,7 @@ import numpy as np
 
 from assistant.program import rotations
 from assistant.program.geometry import Pose
-from assistant.virtual.events import Event, Moved, Run, Said, Stopped, Switched, Waited
+from assistant.virtual.events import Event, Moved, OnWay, Run, Said, Stopped, Switched, Waited
 
 POSITION: Final = 0.02
 """mm. MELFA-BASIC has two decimals of a millimetre, so that a place is off by 0.009 at most, and
@@ -76,12 +76,12 @@ def _doings(run: Run, signals: Bits) -> Iterator[Event]:
         match event:
             case Said() | Waited(seconds=0.0):
                 continue
-            case Switched(signal, value):
+            case Switched(signal, value, at):
                 for bit, on in _bits(signal, value, signals):
                     # A byte is written with what its other bits have, which are 0 at first.
                     before = None if bit in named or not bit.isdecimal() else 0.0
                     if state.get(bit, before) != on:
-                        yield Switched(bit, on)
+                        yield Switched(bit, on, at)
                     state[bit] = on
             case _:
                 yield event
@@ -101,9 +101,24 @@ def _unlike(one: Event, two: Event) -> str | None:
     match one, two:
         case Moved(), Moved():
             return _other_motion(one, two)
+        case Switched(), Switched():
+            if (one.signal, one.value) != (two.signal, two.value):
+                return "another event"
+            return None if _same_place(one.at, two.at) else "another place on the way"
         case Waited(), Waited():
             return None if abs(one.seconds - two.seconds) <= TIME else "another delay"
     return None if one == two else "another event"
+
+
+def _same_place(one: OnWay | None, two: OnWay | None) -> bool:
+    if one is None or two is None:
+        return one is two
+    near = TIME if one.measure == "time" else POSITION
+    return (
+        one.measure == two.measure
+        and abs(one.amount - two.amount) <= near
+        and abs(one.ahead - two.ahead) <= TIME
+    )
 
 
 def _other_motion(one: Moved, two: Moved) -> str | None:
@@ -146,8 +161,9 @@ def _said(event: Event) -> str:
             where = event.joints if event.flange is None else event.flange.position
             stated = "" if where is None else ", ".join(f"{v:.2f}" for v in where)
             return f"{event.kind} to ({stated}) at {event.speed} blend {event.blend}"
-        case Switched(signal, value):
-            return f"signal {signal} = {value:g}"
+        case Switched(signal, value, at):
+            place = "" if at is None else f" at {at.amount:g} of {at.measure}, {at.ahead:g} s ahead"
+            return f"signal {signal} = {value:g}{place}"
         case Waited(seconds):
             return f"{seconds:g} s"
         case Stopped(end):

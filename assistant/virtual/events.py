@@ -33,11 +33,28 @@ class Moved:
 
 
 @dataclass(frozen=True, slots=True)
+class OnWay:
+    """Where on the way of the motion before it something happens.
+
+    amount: mm before the end of the way or behind its start, seconds before its end, or percent of
+    it that is done. ahead: seconds earlier than there.
+    """
+
+    measure: Literal["start", "end", "time", "share"]
+    amount: float
+    ahead: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
 class Switched:
-    """A signal that was set. signal: its name or number, as the language says it, lower case."""
+    """A signal that was set. signal: its name or number, as the language says it, lower case.
+
+    at: None for where the robot is when the program gets there.
+    """
 
     signal: str
     value: float
+    at: OnWay | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -257,6 +257,19 @@ LOOP_CHANGED = Rule(
     "controller works its end and step out once",
     "count in a variable of its own up to a value that stays, or write While",
 )  # fmt: skip
+PULSE_UNLIKE = Rule(
+    "MB253", W, "`{name}` may be on when its pulse begins: `Dly` leaves it as it was, the other "
+    "language off",
+    "set it to 0 before the pulse if it shall be off behind it",
+)  # fmt: skip
+PLACE_UNLIKE = Rule(
+    "MB238", W, "`{name}` is set on the way of {what}, which controllers may count differently",
+    "see on the robot where it is set, or measure it on a straight move, before its corner",
+)  # fmt: skip
+BEHIND = Rule(
+    "MB239", I, "`{name}`, which is set at the very end of a move, is set behind the move",
+    "none is needed: the robot stops there",
+)  # fmt: skip
 NO_CORNER = Rule(
     "MB235", W, "a corner of 0 mm is written as a stop at the target",
     "write `Cnt 0`, or give both distances",

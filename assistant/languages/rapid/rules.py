@@ -131,3 +131,15 @@ COUNTER: Final = Rule(
     "use another name for the loop, or copy the value to a declared variable inside it",
 )
 LEFT_OUT: Final = Rule("RA311", WARNING, "`{what}` is left out: {loss}", "{cure}")
+PULSE_UNLIKE: Final = Rule(
+    "RA313",
+    WARNING,
+    "`{name}` may be on when its pulse begins: PulseDO leaves it off, the other language as it was",
+    "set it to 0 before the pulse if it shall be off behind it",
+)
+PLACE_UNLIKE: Final = Rule(
+    "RA312",
+    WARNING,
+    "`{name}` is set on the way of {what}, which controllers may count differently",
+    "see on the robot where it is set, or measure it on a straight move, before its corner",
+)

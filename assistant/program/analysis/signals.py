@@ -26,11 +26,10 @@ def with_used(
 def uses(statements: Iterable[p.Statement]) -> Iterator[tuple[str, Signal]]:
     """The signals that statements set and wait for, digital as far as one can see."""
     for statement in statements:
-        match statement:
-            case p.SetSignal(name):
-                yield name, Signal("digital", "output")
-            case p.WaitSignal(name):
-                yield name, Signal("digital", "input")
+        for one in p.outputs(statement):
+            yield one.signal, Signal("digital", "output")
+        if isinstance(statement, p.WaitSignal):
+            yield statement.signal, Signal("digital", "input")
 
 
 def read_by_another_name(program: Program) -> Iterator[tuple[p.Statement, str, str]]:
@@ -45,7 +44,7 @@ def read_by_another_name(program: Program) -> Iterator[tuple[p.Statement, str, s
         if signal.number is not None and signal.direction == "output" and signal.kind != "analog"
     }
     statements = tuple(program.statements())
-    written = {one.signal.lower(): one.signal for one in statements if isinstance(one, p.SetSignal)}
+    written = {x.signal.lower(): x.signal for one in statements for x in p.outputs(one)}
     written = {key: name for key, name in written.items() if key in outputs}
     for statement in statements:
         names = [r.name for r in records(head(statement)) if isinstance(r, e.Name)]

@@ -229,7 +229,7 @@ def _acts(procedure: Procedure, inputs: frozenset[str]) -> frozenset[str]:
     names: set[str] = set()
     for record in records(procedure.body):
         match record:
-            case p.SetSignal(signal):
+            case p.SetSignal(signal) | p.Trigger(signal):
                 names.add(signal.lower())
             case p.Opaque():
                 names |= {POSITION, TIME, *inputs, *effect_of(record).names}

@@ -11,6 +11,7 @@ from assistant.program.diagnostics import Findings, Rule
 from assistant.program.motion import Blend, Speed
 from assistant.program.passes.watching import passed
 from assistant.program.program import Program, Variable
+from assistant.program.statements import Measure
 from assistant.program.subjects import Subject
 
 
@@ -149,6 +150,21 @@ class Procedures:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Outputs:
+    """How a language sets outputs on the ways of moves, and for a time.
+
+    measures: what it measures places by. known: whether that is what the pseudo-program means by
+    them on every way. unlike: tells of one (name) on the way of a move (what) that others may count
+    otherwise. pulse: of one (name) that may be on when a pulse begins.
+    """
+
+    measures: frozenset[Measure]
+    known: bool
+    unlike: Rule
+    pulse: Rule
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Capabilities:
     """What a language can say of what programs ask for, and the rules that tell of the rest.
 
@@ -172,6 +188,7 @@ class Capabilities:
     variables: Variables | None = None
     loops: Loops | None = None
     switches: Switches | None = None
+    outputs: Outputs | None = None
     comments: Comments = Comments()
     five_axes: FiveAxes | None = None
 

@@ -78,10 +78,10 @@ class _Gatherer:
         match statement:
             case p.Follow(path):
                 return path.name.lower(), 1, len(path)
-            case p.Move(_, e.Name(name)):
+            case p.Move(_, e.Name(name), triggers=()):
                 row = self.row(name)
                 return None if row is None else (row[0], row[1], row[1])
-            case p.MoveCircular(e.Name(via), e.Name(end)):
+            case p.MoveCircular(e.Name(via), e.Name(end), triggers=()):
                 one, two = self.row(via), self.row(end)
                 if one is not None and two is not None and (one[0], one[1] + 1) == two:
                     return one[0], one[1], two[1]

@@ -51,7 +51,7 @@ def _spelled(value: Any, spelling: Spelling, unit: str | None) -> Any:
                 return replace(node, function=function.lower())
             case e.Apply(function) if called := spelling.procedure(function):
                 return replace(node, function=called.name)
-            case p.SetSignal(name) | p.WaitSignal(name):
+            case p.SetSignal(name) | p.WaitSignal(name) | p.Trigger(name):
                 return replace(node, signal=spelling.name(name))
             case p.For(name):
                 return replace(node, variable=spelling.name(name))

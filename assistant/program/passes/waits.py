@@ -13,14 +13,14 @@ from assistant.program.passes.rewording import Rewording
 
 
 def set_signal(r: Rewording, node: p.SetSignal) -> Iterator[p.Statement]:
-    _fit(r, node.signal, node.value)
+    fit(r, node.signal, node.value)
     yield node
 
 
 def wait_signal(r: Rewording, node: p.WaitSignal) -> Iterator[p.Statement]:
     """One for another value than a number is a wait for a condition."""
     if isinstance(node.value, e.Number):
-        _fit(r, node.signal, node.value)
+        fit(r, node.signal, node.value)
         yield node
     else:
         condition = e.Binary("=", e.Name(node.signal), node.value)
@@ -31,7 +31,7 @@ def wait_until(r: Rewording, node: p.WaitUntil) -> Iterator[p.Statement]:
     """One for a signal and a number is a wait for the signal."""
     match node.condition:
         case e.Binary("=", e.Name(name), e.Number() as value) if r.spelling.signal(name):
-            _fit(r, name, value)
+            fit(r, name, value)
             yield p.WaitSignal(name, value, node.timeout, span=node.span)
         case e.Name(name) if r.spelling.signal(name):
             yield p.WaitSignal(name, e.Number(1), node.timeout, span=node.span)
@@ -39,7 +39,7 @@ def wait_until(r: Rewording, node: p.WaitUntil) -> Iterator[p.Statement]:
             yield node
 
 
-def _fit(r: Rewording, name: str, value: e.Expression) -> None:
+def fit(r: Rewording, name: str, value: e.Expression) -> None:
     """An error where a digital signal or a group is to have what its bits cannot hold."""
     signal, rule = r.spelling.signal(name), r.job.can.no_fit
     if signal is None or signal.kind == "analog" or not isinstance(value, e.Number):

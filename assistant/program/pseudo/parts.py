@@ -15,7 +15,7 @@ from assistant.program.program import Parameter, Procedure, Signal, Variable
 from assistant.program.pseudo.declarations import parameter_text, signal_text, variable_text
 from assistant.program.pseudo.expressions import expression_text
 from assistant.program.pseudo.printer import block_text, procedure_text
-from assistant.program.pseudo.statements import motion_text, statement_text
+from assistant.program.pseudo.statements import motion_text, statement_text, trigger_text
 from assistant.program.pseudo.values import (
     blend_text,
     configuration_text,
@@ -27,7 +27,7 @@ from assistant.program.pseudo.values import (
     tool_text,
 )
 from assistant.program.pseudo.words import number_text
-from assistant.program.statements import Branch, Case, Motion, Statement
+from assistant.program.statements import Branch, Case, Motion, Statement, Trigger
 
 
 def part_text(part: object) -> str:
@@ -84,5 +84,6 @@ _PRINTERS: Final[dict[type, Callable[[Any], str]]] = {
     Speed: speed_text,
     Target: target_text,
     Tool: tool_text,
+    Trigger: trigger_text,
     Variable: variable_text,
 }

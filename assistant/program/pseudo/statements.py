@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from keyword import iskeyword
 from typing import Any, Final, NamedTuple
 
@@ -36,6 +36,7 @@ from assistant.program.statements import (
     Goto,
     Gripper,
     Label,
+    Measure,
     Message,
     Motion,
     Move,
@@ -48,6 +49,7 @@ from assistant.program.statements import (
     StartTimer,
     Statement,
     Stop,
+    Trigger,
     Wait,
     WaitSignal,
     WaitUntil,
@@ -74,6 +76,36 @@ def read_motion(tree: object) -> Motion:
     )
 
 
+_MEASURES: Final[Mapping[Measure, str]] = {
+    "start": "mm from start",
+    "end": "mm before end",
+    "time": "s before end",
+    "share": "%",
+}
+
+
+def trigger_text(trigger: Trigger) -> str:
+    pulse, ahead = _SLOTS["pulse"].text(trigger.pulse), _SLOTS["ahead"].text(trigger.ahead)
+    place = f"{expression_text(trigger.amount)} {_MEASURES[trigger.measure]}"
+    return f"set {name_text(trigger.signal)} = {_value(trigger.value)}{pulse} at {place}{ahead}"
+
+
+def _read_triggers(tree: Node) -> tuple[Trigger, ...]:
+    return tuple(map(_read_trigger, tree.children))
+
+
+def _read_trigger(tree: Any) -> Trigger:
+    signal, value, pulse, amount, measure, ahead = tree.children
+    return Trigger(
+        read_name(signal),
+        read_expression(value),
+        read_expression(amount),
+        measure.data,
+        _SLOTS["pulse"].read(pulse),
+        _SLOTS["ahead"].read(ahead),
+    )
+
+
 def _value(value: Expression) -> str:
     """What stands behind a `=`; a comparison for equality in brackets, for the eye."""
     equality = isinstance(value, Binary) and value.operator == "="
@@ -86,6 +118,12 @@ def _optional(before: str = " ", after: str = "") -> _Slot:
         lambda value: "" if value is None else f"{before}{expression_text(value)}{after}",
         lambda tree: None if tree is None else read_expression(tree),
     )
+
+
+def _wrapped(before: str, after: str) -> _Slot:
+    """One that has a rule of its own."""
+    plain = _optional(before, after)
+    return _Slot(plain.text, lambda tree: plain.read(tree and tree.children[0]))
 
 
 def _arguments(arguments: tuple[Expression, ...]) -> str:
@@ -108,9 +146,10 @@ _SLOTS: Final[dict[str, _Slot]] = {
     "motion": _Slot(motion_text, read_motion),
     "optional": _optional(),
     "pulse": _optional(" pulse ", " s"),
-    "timeout": _Slot(
-        lambda value: "" if value is None else f" timeout {expression_text(value)} s",
-        lambda tree: None if tree is None else read_expression(tree.children[0]),
+    "timeout": _wrapped(" timeout ", " s"),
+    "ahead": _wrapped(" ahead ", " s"),
+    "triggers": _Slot(
+        lambda triggers: "".join(f" {trigger_text(one)}" for one in triggers), _read_triggers
     ),
     "unit": _Slot(
         lambda name: "" if name is None else f" unit {name_text(name)}",
@@ -153,9 +192,9 @@ class _Form:
 
 
 _FORMS: Final = (
-    _Form(Move, "move {kind:word} {target} {motion:motion}"),
-    _Form(MoveCircular, "move circular via {via} to {target} {motion:motion}"),
-    _Form(MoveJoints, "move absolute {target} {motion:motion}"),
+    _Form(Move, "move {kind:word} {target} {motion:motion}{triggers:triggers}"),
+    _Form(MoveCircular, "move circular via {via} to {target} {motion:motion}{triggers:triggers}"),
+    _Form(MoveJoints, "move absolute {target} {motion:motion}{triggers:triggers}"),
     _Form(Wait, "wait {seconds} s"),
     _Form(WaitSignal, "wait for {signal:name} = {value:side}{timeout:timeout}"),
     _Form(WaitUntil, "wait until {condition}{timeout:timeout}"),

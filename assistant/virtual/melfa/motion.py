@@ -11,11 +11,12 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.arrays import Floats
 from assistant.program.geometry import Pose, Vector
 from assistant.virtual.events import Moved
-from assistant.virtual.melfa import expressions, poses
+from assistant.virtual.melfa import appended, expressions, poses
 from assistant.virtual.melfa.arm import OPTIMUM
 from assistant.virtual.melfa.circles import circle_about, circle_through
 from assistant.virtual.melfa.stops import Failed, Unknown
-from assistant.virtual.melfa.values import Bare, Joints, Position, Value, holds, position
+from assistant.virtual.melfa.values import Bare, Joints, Position, Value, position
+from assistant.virtual.on_way import told
 
 if TYPE_CHECKING:
     from assistant.virtual.melfa.machine import Machine
@@ -29,21 +30,18 @@ def move(m: Machine, node: s.Motion) -> None:
     kind = KINDS.get(node.keyword.upper())
     if kind is None:
         raise Unknown(f"the motion {node.keyword}")
-    if node.append is not None:
-        _begin(m, node.append)
+    if node.append is None:
+        kind(m, node)
+        return
+    before, events = m.world.arm.flange, m.world.events
+    changes = appended.begin(m, node.append)
+    first = len(events)
     kind(m, node)
-
-
-def _begin(m: Machine, append: s.Append) -> None:
-    """`Wth` and `WthIf` act as the motion starts; inputs are the same until it ends."""
-    from assistant.virtual.melfa.statements import execute
-
-    if append.condition is not None:
-        if not holds(expressions.value(m, append.condition)):
-            return
-    if not isinstance(append.statement, s.Assign):
-        raise Unknown("where a motion is when it is broken off")
-    execute(m, append.statement)
+    if len(events) != first + 1:
+        raise Unknown("which of two motions something is appended to")
+    moved = events[first]
+    assert isinstance(moved, Moved)
+    events += told(moved, before, changes)
 
 
 # ------------------------------------------------------------------------ straight and by joints

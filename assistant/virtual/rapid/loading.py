@@ -25,6 +25,8 @@ READS: Final = frozenset(
     ("waitdi", "waitgi", "waitai", "testdi", "dinput", "ginput", "ainput", "ginputdnum")
 )
 """The same of an input."""
+SET_UP: Final = frozenset(("triggio", "triggequip"))
+"""Instructions whose options name an output that motions set on their way."""
 CORNER: Final = {"movejdo": 4, "moveldo": 4, "movecdo": 5}
 """Motions that set an output, and which argument it is."""
 
@@ -79,6 +81,11 @@ def signals(files: Iterable[s.File]) -> tuple[frozenset[str], frozenset[str]]:
             continue
         name = node.name.lower()
         given = [a.value for a in node.arguments if isinstance(a, s.Positional)]
+        if name in SET_UP:
+            on_way = (a.value for a in node.arguments if isinstance(a, s.Option))
+            named = {one.name.lower() for one in on_way if isinstance(one, s.NameRef)}
+            outputs |= named
+            known |= named
         place = CORNER.get(name, 0)
         if name in SETS | READS | CORNER.keys() and len(given) > place:
             signal = given[place]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from assistant.virtual.events import Event, Switched
+from assistant.virtual.events import Event, OnWay, Switched
 
 Inputs = Mapping[str, float] | Callable[[str], float]
 """What each input reads, by name in lower case. A table leaves out those that are 0."""
@@ -34,6 +34,7 @@ class Signals:
             return float(self.inputs(name))
         return float(self.inputs.get(name, 0.0))
 
-    def set(self, name: str, value: float) -> None:
+    def set(self, name: str, value: float, at: OnWay | None = None) -> None:
+        """at: see `Switched`."""
         self.state[name] = value
-        self.events.append(Switched(name, value))
+        self.events.append(Switched(name, value, at))

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from assistant.virtual.events import Switched
+
 
 @dataclass(slots=True, eq=False)
 class Record:
@@ -31,7 +33,14 @@ class Clock:
     since: float | None = None
 
 
-Value = float | bool | str | Record | Array | Clock
+@dataclass(slots=True, eq=False)
+class Trigger:
+    """What a motion sets where on its way. change: None as long as nothing set it up."""
+
+    change: Switched | None = None
+
+
+Value = float | bool | str | Record | Array | Clock | Trigger
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,6 +121,8 @@ def is_like(value: Value, shape: Shape) -> bool:
             return type == shape.type
         case Clock():
             return shape.type == "clock"
+        case Trigger():
+            return shape.type == "triggdata"
     return False
 
 
@@ -142,6 +153,8 @@ def kind_of(value: Value) -> str:
             return type
         case Array():
             return "array"
+        case Trigger():
+            return "triggdata"
     return "clock"
 
 

@@ -57,7 +57,7 @@ def calls(program: Program) -> list[str]:
     return [node.procedure for node in program.statements() if isinstance(node, p.Call)]
 
 
-PART = "*PART\nMvs P1 Wth M_Out(3)=1\nReturn\n"
+PART = "*PART\nMvs P1 WthIf M_In(3)=1,M_Out(3)=1\nReturn\n"
 
 
 def test_forms_that_stay_the_same_text_are_one() -> None:
@@ -68,9 +68,9 @@ def test_forms_that_stay_the_same_text_are_one() -> None:
 
 
 def test_what_a_text_does_not_depend_on_is_no_text() -> None:
-    program = lifted("JOvrd 5\nSpd 9\nMvs P1 Wth M_Out(3)=1\nMov P2+(0,0,1)\nEnd\n")
+    program = lifted("JOvrd 5\nSpd 9\nMvs P1 WthIf M_In(3)=1,M_Out(3)=1\nMov P2+(0,0,1)\nEnd\n")
     kept = [node.text for node in program.statements() if isinstance(node, p.Opaque)]
-    assert kept == ["Spd 9", "Mvs P1 Wth M_Out(3)=1"]
+    assert kept == ["Spd 9", "Mvs P1 WthIf M_In(3)=1,M_Out(3)=1"]
 
 
 def test_a_second_form_has_a_name_of_its_own() -> None:

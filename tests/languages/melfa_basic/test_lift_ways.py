@@ -256,7 +256,9 @@ def test_a_move_tells_which_settings_meet() -> None:
     ("line", "word"),
     [
         ("Def Act 1,M_In(1)=1 GoTo *L", "interrupt"),
-        ("Mvs P1 Wth M_Out(1)=1", "Wth"),
+        ("Mvs P1 WthIf M_In(1)=1,M_Out(1)=1", "Wth"),
+        ("Mvs P1 Wth M1=1", "Wth"),
+        ("Mvs P1 Wth Hlt", "Wth"),
         ("XRun 2", "beside"),
         ("Cmp Tool,1", "soft"),
         ("NVClose", "camera"),

@@ -116,3 +116,9 @@ AMONG_STEPS: Final = Rule(
     "`{name}` is given a value by a line without step number between steps",
     "write a step number if it is a statement, else move it behind the last step",
 )
+MANY_PULSES: Final = Rule(
+    "MB621",
+    ERROR,
+    "more than {most} pulses of outputs begin here at a time",
+    "let some end first, with `Dly` between, or set those outputs and set them back",
+)

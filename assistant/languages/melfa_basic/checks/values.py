@@ -241,9 +241,11 @@ CIRCULAR: Final = frozenset({"SIN", "COS", "TAN"})
 def waits(look: Look) -> Found:
     """Times that are shorter than a controller waits."""
     least = look.dialect.shortest_wait
-    for line, command in look.all(s.Command):
-        value = literal(command.arguments[0]) if command.arguments else None
-        if command.keyword == "Dly" and value is not None and 0 < value < least:
+    stated = [(x, c.arguments[:1]) for x, c in look.all(s.Command) if c.keyword == "Dly"]
+    stated += [(x, (assign.delay,)) for x, assign in look.all(s.Assign)]
+    for line, arguments in stated:
+        value = literal(arguments[0]) if arguments else None
+        if value is not None and 0 < value < least:
             title = look.dialect.title
             yield look.at(
                 rules.SHORT_WAIT, line, f"{value:g}", value=f"{value:g}", least=least, title=title

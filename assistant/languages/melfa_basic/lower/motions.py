@@ -12,6 +12,7 @@ import numpy as np
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lower.expressions import Unsayable
 from assistant.languages.melfa_basic.lower.settings import changes
+from assistant.languages.melfa_basic.lower.triggers import appended
 from assistant.languages.melfa_basic.tables.words import ARC_START
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MOV, MVR, MVS, MoveRows
@@ -31,14 +32,15 @@ if TYPE_CHECKING:
 def move(w: Writer, node: p.Move) -> None:
     target = _destination(w, node.target, node.motion.frame)
     _setting(w, node.motion)
-    w.add(s.Motion("Mov" if node.kind == "joint" else "Mvs", target))
+    append = appended(w, node.triggers)
+    w.add(s.Motion("Mov" if node.kind == "joint" else "Mvs", target, append=append))
     _remember(w, target, node.motion)
 
 
 def move_joints(w: Writer, node: p.MoveJoints) -> None:
     target = w.expressions.target(node.target)
     _setting(w, node.motion)
-    w.add(s.Motion("Mov", (target,)))
+    w.add(s.Motion("Mov", (target,), append=appended(w, node.triggers)))
     w.previous = None
 
 
@@ -47,7 +49,8 @@ def move_circular(w: Writer, node: p.MoveCircular) -> None:
     via, target = w.expressions.target(node.via), w.expressions.target(node.target)
     _setting(w, node.motion)
     start = _arc_start(w, node.motion.tool, frame)
-    w.add(s.Motion("Mvr", (start, _placed(w, via, frame), _placed(w, target, frame))))
+    points = start, _placed(w, via, frame), _placed(w, target, frame)
+    w.add(s.Motion("Mvr", points, append=appended(w, node.triggers)))
     _remember(w, (target,), node.motion)
 
 

@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Final
 
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP, Dialect
+from assistant.languages.melfa_basic.tables.triggers import PLACES
 from assistant.languages.melfa_basic.tables.variables import is_external
 from assistant.program.passes.legalising import (
     Arrays,
     Capabilities,
     Comments,
     FiveAxes,
+    Outputs,
     Procedures,
     Switches,
     Units,
@@ -42,6 +44,12 @@ VARIABLES: Final = Variables(
     external=is_external, persistent=rules.PERSISTENT, carried=rules.CARRIED
 )
 COMMENTS: Final = Comments(most_bytes=100, message=rules.MESSAGE)
+OUTPUTS: Final = Outputs(
+    measures=frozenset(measure for measure, _ in PLACES.values()),
+    known=False,
+    unlike=rules.PLACE_UNLIKE,
+    pulse=rules.PULSE_UNLIKE,
+)
 FIVE_AXES: Final = FiveAxes(
     unreachable=rules.UNREACHABLE, over_the_back=rules.OVER_THE_BACK, to_base=rules.TO_BASE
 )
@@ -63,6 +71,7 @@ def capabilities(
         arrays=ARRAYS,
         variables=VARIABLES,
         switches=Switches(nested=dialect.nested_select),
+        outputs=OUTPUTS,
         comments=COMMENTS,
         five_axes=FIVE_AXES if robot is not None and robot.five_axis else None,
     )

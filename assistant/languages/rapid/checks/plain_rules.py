@@ -176,3 +176,15 @@ NO_CFX: Final = Rule(
     "cfx of `{name}` is {cfx}; arms of six axes count it from 0 to 7{more}",
     "state it as the robot shows it",
 )
+NEVER_SET_UP: Final = Rule(
+    "RA465",
+    WARNING,
+    "a move is given the triggdata `{name}`, which nothing sets up",
+    "set it up before the move, with TriggIO or TriggEquip",
+)
+LONG_TIME: Final = Rule(
+    "RA466",
+    WARNING,
+    "a time before the end of a move is longer than {most:g} s",
+    "give at most {most:g} s, or a distance in mm",
+)

@@ -28,7 +28,10 @@ WAITS: Final = frozenset(
     ("waituntil", *(f"wait{kind}" for kind in ("di", "do", "gi", "go", "ai", "ao")))
 )
 KEEPS: Final = frozenset(
-    ("tpwrite", "tperase", "incr", "decr", "add", "clear", "clkstart", "clkreset", "clkstop")
+    (
+        *("tpwrite", "tperase", "incr", "decr", "add", "clear", "clkstart", "clkreset", "clkstop"),
+        *("triggio", "triggequip"),
+    )
 )
 """Instructions that take no time: a move goes on through them."""
 

@@ -9,6 +9,7 @@ PASSES: Final = (
     "expressions",
     "data",  # declared tools, work objects, speeds, zones, targets, variables
     "instructions",  # calls that the pseudo-program has a statement for
+    "triggers",  # outputs that moves set on their way
     "paths",  # runs of targets and of moves through them
     "statements",
     "ways",  # what kept texts do to what holds along the ways

@@ -203,6 +203,14 @@ def _message(m: Meaning, given: Given, options: Options) -> p.Statement | None:
     return p.Message(tuple(parts))
 
 
+REASONS: Final[Mapping[str, e.Reason]] = {
+    "pulsedo": e.Reason(
+        r"without \High the pulse is the other value than that which the signal has",
+        r"write `\High`, or set the signal, wait and set it back",
+    ),
+}
+"""Why calls of instructions stay as their text, by lower-case name."""
+
 FORMS: Final[Mapping[str, Form]] = {
     "movej": Form(4, _move("joint"), ("wobj", "tload")),
     "movel": Form(4, _move("linear"), ("wobj", "tload")),

@@ -13,6 +13,7 @@ from assistant.languages.rapid.lift.paths import PathLift
 from assistant.languages.rapid.lift.places import with_places
 from assistant.languages.rapid.lift.statements import StatementLift, handler, opaque
 from assistant.languages.rapid.lift.timers import clocks
+from assistant.languages.rapid.lift.triggers import triggers
 from assistant.languages.rapid.tables.words import PREDEFINED_VALUES, VALUE_OF_TYPE
 from assistant.languages.rapid.text import effects, verbatim
 from assistant.languages.rapid.text.header import Header, opening
@@ -78,7 +79,11 @@ class _Lift:
             self.clocks,
             frozenset(self._plain(self._alone())),
         )
-        self.statements = StatementLift(self.meaning, self.paths, self.own)
+        items = tuple(item for m in modules for item in m.items)
+        lifted = [i for i in items if isinstance(i, s.Routine) and not self.stays(i)]
+        self.triggers = triggers(items, lifted, self.meaning, self.own.__contains__)
+        self.statements = StatementLift(self.meaning, self.paths, self.own, self.triggers)
+        self.left_out = self.clocks | self.triggers.names
         self.procedures: list[Procedure] = []
         self.declarations: list[Declaration] = []
         self.comments: list[str] = []
@@ -191,7 +196,7 @@ class _Lift:
                         self.declarations.append(lifted)
                 case s.TargetRunNode():
                     pass
-                case s.Data() if self.data.holds(item) or item.name.lower() in self.clocks:
+                case s.Data() if self.data.holds(item) or item.name.lower() in self.left_out:
                     pass
                 case _:
                     self.declarations.append(_declaration(item))
@@ -206,19 +211,15 @@ class _Lift:
 
         notes: the comments above it.
         """
-        parameters = self.parameters(node)
-        result = VALUE_OF_TYPE.get(node.type.lower()) if node.kind == "FUNC" else None
-        if (
-            parameters is None
-            or node.kind == "TRAP"
-            or (node.kind == "FUNC" and result is None)
-            or any(isinstance(inner, s.TargetRunNode) for inner in node.body)
-        ):
+        if self.stays(node):
             return _declaration(node)
+        parameters = self.parameters(node)
+        assert parameters is not None
+        result = VALUE_OF_TYPE.get(node.type.lower()) if node.kind == "FUNC" else None
         variables: dict[str, Variable] = {}
         foreign: list[p.Opaque] = []
         for inner in node.body:
-            if isinstance(inner, s.Data):
+            if isinstance(inner, s.Data) and inner.name.lower() not in self.triggers.names:
                 variable = self.data.variable(inner)
                 if variable is None:
                     foreign.append(opaque(inner))
@@ -234,6 +235,15 @@ class _Lift:
         name = self.original(node.name)
         return Procedure(
             name, body, parameters, variables, result, unit, node.local, span=node.span
+        )
+
+    def stays(self, node: s.Routine) -> bool:
+        """Whether a routine is kept as its text."""
+        return (
+            self.parameters(node) is None
+            or node.kind == "TRAP"
+            or (node.kind == "FUNC" and VALUE_OF_TYPE.get(node.type.lower()) is None)
+            or any(isinstance(inner, s.TargetRunNode) for inner in node.body)
         )
 
     def parameters(self, node: s.Routine) -> tuple[Parameter, ...] | None:

@@ -15,6 +15,7 @@ from assistant.languages.rapid.tables.motions import (
     zone_name,
     zone_values,
 )
+from assistant.languages.rapid.tables.triggers import TYPE as TRIGGER
 from assistant.languages.rapid.tables.words import (
     LEAST_CENTRE,
     LEAST_MASS,
@@ -84,6 +85,8 @@ def _data(program: Program, names: Naming) -> Iterator[s.Data]:
         yield variable_node(names.get("values", name), variable, expressions)
     for name in timers(program):
         yield s.Data("", "VAR", CLOCK, names.get("timers", name))
+    for name in names.triggers.values():
+        yield s.Data("", "VAR", TRIGGER, name)
     for name, target in program.targets.items():
         short = names.get("values", name)
         yield s.Data("", "CONST", "robtarget", short, (), bracketed(RECORDS.values(target)))

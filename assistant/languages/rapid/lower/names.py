@@ -16,7 +16,7 @@ from assistant.languages.rapid.text import verbatim
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.passes.names import Names
 from assistant.program.program import Procedure, Program, identifier, walk
-from assistant.program.statements import Follow, For, Label
+from assistant.program.statements import Follow, For, Label, MoveStatement, Trigger
 from assistant.program.timers import timers
 
 _ROW: Final = re.compile(r"(.+)_([1-9][0-9]*)")
@@ -42,6 +42,7 @@ class Naming:
     """RAPID's name of everything in a program.
 
     of: by kind and lower-case original. rows: stem of the targets of a Follow, by its id.
+    triggers: the variable of each output that moves set on their way.
     inner, counters, labels: by procedure and lower-case original, its parameters and variables,
     the variables of its loops, its labels.
     changed: (kind, short, original).
@@ -49,6 +50,7 @@ class Naming:
 
     of: dict[str, dict[str, str]] = field(default_factory=lambda: {k: {} for k in KINDS})
     rows: dict[int, str] = field(default_factory=dict)
+    triggers: dict[Trigger, str] = field(default_factory=dict)
     inner: dict[str, dict[str, str]] = field(default_factory=dict)
     counters: dict[str, dict[str, str]] = field(default_factory=dict)
     labels: dict[str, dict[str, str]] = field(default_factory=dict)
@@ -109,6 +111,12 @@ class Naming:
         if short != name:
             self.take(short)
         self._note(short, name)
+
+    def declare_trigger(self, trigger: Trigger) -> None:
+        if trigger not in self.triggers:
+            wanted = f"at_{self.get('signals', trigger.signal)}"
+            self.triggers[trigger] = name = self._space.free(wanted)
+            self.take(name)
 
     def declare_rows(self, follow: Follow) -> None:
         count = len(follow.path)
@@ -187,6 +195,9 @@ def _named(program: Program) -> Naming:
         for statement in walk(procedure.body):
             if isinstance(statement, Follow):
                 names.declare_rows(statement)
+            elif isinstance(statement, MoveStatement):
+                for trigger in statement.triggers:
+                    names.declare_trigger(trigger)
     return names
 
 

@@ -11,10 +11,11 @@ from assistant.languages.rapid import rules
 from assistant.languages.rapid.lower.expressions import Expressions, refuse
 from assistant.languages.rapid.lower.motions import motion_names, path_moves
 from assistant.languages.rapid.lower.names import Naming, spelt
+from assistant.languages.rapid.lower.triggers import set_up, with_triggers
 from assistant.languages.rapid.tables.hands import signal_of
 from assistant.languages.rapid.tables.operators import OR, SUM, TERM
 from assistant.languages.rapid.tables.statements import ROWS
-from assistant.languages.rapid.tables.words import LOADED_FROM
+from assistant.languages.rapid.tables.words import LOADED_FROM, LONGEST_PULSE, SHORTEST_PULSE
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import arguments
@@ -26,6 +27,8 @@ from assistant.program.diagnostics import Findings, Refused
 from assistant.program.passes.counted_loops import ascends
 from assistant.program.passes.messages import parts
 from assistant.program.program import Procedure, Program, Signal
+
+Lowered = Iterator[s.StatementNode]
 
 
 class Body:
@@ -77,12 +80,23 @@ class Body:
             return spelt(self._inner, name)
         return self.names.value(name)
 
-    def move(self, word: str, points: list[e.Expression], m: p.Motion) -> s.ProcedureCall:
+    def move(self, word: str, points: list[e.Expression], x: p.MoveStatement) -> Lowered:
+        m = x.motion
         names = motion_names(self.names, m.speed, m.blend, m.tool, m.frame)
         given = [self.lower(point) for point in points]
         given += [s.NameRef(n) for n in (names.speed, names.zone, names.tool)]
         frame = {"WObj": s.NameRef(names.frame)} if names.frame else {}
-        return self.call(word, *given, **frame)
+        move = self.call(word, *given, **frame)
+        if not x.triggers:
+            yield move
+            return
+        yield from with_triggers(move, x.triggers, self.names.triggers, self.set_up)
+
+    def set_up(self, x: p.Trigger, variable: s.NameRef) -> s.ProcedureCall:
+        signal = self.signals.get(x.signal.lower())
+        kind = signal.kind if signal else "digital"
+        named = s.NameRef(self.names.get("signals", x.signal))
+        return set_up(x, variable, named, kind, self.lower)
 
     def call(self, word: str, *given: s.Expression, **options: s.Expression) -> s.ProcedureCall:
         arguments: list[s.Argument] = [s.Positional(g) for g in given]
@@ -96,19 +110,16 @@ class Body:
         return s.NameRef(self.names.get("signals", name)) if fits else None
 
 
-Lowered = Iterator[s.StatementNode]
-
-
 def _move(b: Body, x: p.Move) -> Lowered:
-    yield b.move("MoveJ" if x.kind == "joint" else "MoveL", [x.target], x.motion)
+    yield from b.move("MoveJ" if x.kind == "joint" else "MoveL", [x.target], x)
 
 
 def _circular(b: Body, x: p.MoveCircular) -> Lowered:
-    yield b.move("MoveC", [x.via, x.target], x.motion)
+    yield from b.move("MoveC", [x.via, x.target], x)
 
 
 def _joints(b: Body, x: p.MoveJoints) -> Lowered:
-    yield b.move("MoveAbsJ", [x.target], x.motion)
+    yield from b.move("MoveAbsJ", [x.target], x)
 
 
 def _follow(b: Body, x: p.Follow) -> Lowered:
@@ -130,13 +141,25 @@ def _start_timer(b: Body, x: p.StartTimer) -> Lowered:
 
 
 def _set_signal(b: Body, x: p.SetSignal) -> Lowered:
-    if x.pulse is not None and x.value != e.Number(1):
+    if x.pulse is not None:
+        _check_pulse(b, x, x.pulse)
+    yield from _plain(b, x)
+
+
+def _check_pulse(b: Body, x: p.SetSignal, seconds: e.Expression) -> None:
+    signal = b.signals.get(x.signal.lower())
+    if x.value != e.Number(1) or (signal is not None and signal.kind != "digital"):
         raise refuse(
             rules.NO_MEANING,
-            what=f"a pulse of `{x.signal}` to anything but 1",
+            what=f"a pulse of `{x.signal}` to anything but 1 of one bit",
             cure="set the signal, wait and set it back",
         )
-    yield from _plain(b, x)
+    if isinstance(seconds, e.Number) and not SHORTEST_PULSE <= seconds.value <= LONGEST_PULSE:
+        raise refuse(
+            rules.NO_MEANING,
+            what=f"a pulse of `{x.signal}` that is not {SHORTEST_PULSE} to {LONGEST_PULSE} s",
+            cure="give a time in that range",
+        )
 
 
 def _call(b: Body, x: p.Call) -> Lowered:

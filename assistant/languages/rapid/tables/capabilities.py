@@ -7,8 +7,16 @@ from typing import Final
 
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.tables.motions import corner_of, zone_name
+from assistant.languages.rapid.tables.triggers import MEASURES
 from assistant.languages.rapid.tables.words import MOST_TARGETS
-from assistant.program.passes.legalising import Capabilities, Comments, Corners, Loops, Units
+from assistant.program.passes.legalising import (
+    Capabilities,
+    Comments,
+    Corners,
+    Loops,
+    Outputs,
+    Units,
+)
 
 UNITS: Final = Units(
     most=MOST_TARGETS,
@@ -29,6 +37,14 @@ LOOPS: Final = Loops(
 )
 
 
+OUTPUTS: Final = Outputs(
+    measures=frozenset(MEASURES.values()),
+    known=True,
+    unlike=rules.PLACE_UNLIKE,
+    pulse=rules.PULSE_UNLIKE,
+)
+
+
 def capabilities(most_targets: int | None = None) -> Capabilities:
     """most_targets: of one module, None for MOST_TARGETS."""
     return Capabilities(
@@ -36,6 +52,7 @@ def capabilities(most_targets: int | None = None) -> Capabilities:
         cannot_say=rules.NO_MEANING,
         changed=rules.CHANGED,
         loops=LOOPS,
+        outputs=OUTPUTS,
         comments=Comments(ascii=True),
         units=replace(UNITS, most=most_targets) if most_targets else UNITS,
     )

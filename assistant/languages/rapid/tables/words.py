@@ -37,6 +37,9 @@ LEAST_ACCELERATION: Final = 20
 """AccSet takes 20 to 100 percent."""
 SPEED_CAP: Final = 5000
 """mm/s; second argument of VelSet at program start."""
+SHORTEST_PULSE: Final = 0.001
+LONGEST_PULSE: Final = 2000
+"""Seconds of `\\PLength`; without it a pulse lasts 0.2 (RAPID reference manual, PulseDO)."""
 UNUSED: Final = 9e9
 LOADED_FROM: Final = "HOME:/"
 """Where a unit that is loaded for a call stands on the controller."""

@@ -5,11 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Final
 
+from assistant.languages.rapid.tree import syntax as s
 from assistant.program.geometry import IDENTITY
+from assistant.virtual.events import Moved, OnWay, Switched
+from assistant.virtual.on_way import told
 from assistant.virtual.rapid import motion
+from assistant.virtual.rapid.ends import Fault, NotSimulated
+from assistant.virtual.rapid.expressions import place, signal
 from assistant.virtual.rapid.given import Given, takes
-from assistant.virtual.rapid.machine import Function
+from assistant.virtual.rapid.machine import Function, Machine
 from assistant.virtual.rapid.poses import pose_of
+from assistant.virtual.rapid.values import Trigger
 
 
 def _and_set(move: Callable[[Given], None], value: int) -> Callable[[Given], None]:
@@ -18,6 +24,55 @@ def _and_set(move: Callable[[Given], None], value: int) -> Callable[[Given], Non
     def does(given: Given) -> None:
         move(given)
         given.machine.signals.set(given.signal(value - 1), given.number(value))
+
+    return does
+
+
+def _on_way(move: Callable[[Given], None], place: int) -> Callable[[Given], None]:
+    """A motion that sets outputs on its way; place: the argument that is the first trigger."""
+
+    def does(given: Given) -> None:
+        machine = given.machine
+        first = given.required.pop(place)
+        taken = [first, *(given.options.pop(n) for n in MORE.split() if n in given.options)]
+        changes = [_change(machine, one) for one in taken]
+        before = machine.arm.flange
+        move(given)
+        moved = machine.events[-1]
+        assert isinstance(moved, Moved)
+        for change in told(moved, before, changes):
+            machine.signals.set(change.signal, change.value, change.at)
+
+    return does
+
+
+def _change(machine: Machine, node: s.Expression | None) -> Switched:
+    trigger = None if node is None else place(machine, node).get()
+    if not isinstance(trigger, Trigger):
+        raise Fault("what is no triggdata is given to a motion")
+    if trigger.change is None:
+        raise Fault("a motion is given triggdata that nothing set up")
+    return trigger.change
+
+
+def _set_up(delay: bool) -> Callable[[Given], None]:
+    """TriggIO, and with a delay of what the output switches TriggEquip."""
+
+    def does(given: Given) -> None:
+        trigger = given.place(0).get()
+        if not isinstance(trigger, Trigger):
+            raise Fault("what is no triggdata is set up as one")
+        outputs = [name for name in OUTPUTS if name in given.options]
+        if len(outputs) != 1:
+            raise NotSimulated("a trigger that sets no output")
+        node = given.options[outputs[0]]
+        assert node is not None
+        signal_ = signal(given.machine, node)
+        value = given.number(3 if delay else 2)
+        measure = next((m for m in ("start", "time") if given.has(m)), "end")
+        at = OnWay(measure, given.number(1), given.number(2) if delay else 0.0)  # type: ignore[arg-type]
+        digital = outputs[0] == "dop"
+        trigger.change = Switched(signal_, float(value != 0.0) if digital else value, at)
 
     return does
 
@@ -43,6 +98,9 @@ def _nothing(given: Given) -> None:
     """What changes how the arm moves, and not where, or only what a person sees."""
 
 
+MORE: Final = "t2 t3 t4 t5 t6 t7 t8"
+OUTPUTS: Final = ("dop", "gop", "aop")
+ON_WAY: Final = f"{motion.OPTIONS} {MORE}"
 ANY: Final = "on off wrist lockaxis4 finepointramp tunevalue"
 
 TABLE: Final[Mapping[str, Function]] = dict(
@@ -54,6 +112,11 @@ TABLE: Final[Mapping[str, Function]] = dict(
         takes("MoveJDO", 6, _and_set(motion.joint, 5), motion.OPTIONS),
         takes("MoveLDO", 6, _and_set(motion.linear, 5), motion.OPTIONS),
         takes("MoveCDO", 7, _and_set(motion.circular, 6), motion.OPTIONS),
+        takes("TriggJ", 5, _on_way(motion.joint, 2), ON_WAY),
+        takes("TriggL", 5, _on_way(motion.linear, 2), ON_WAY),
+        takes("TriggC", 6, _on_way(motion.circular, 3), ON_WAY),
+        takes("TriggIO", 3, _set_up(delay=False), "start time dop gop aop"),
+        takes("TriggEquip", 4, _set_up(delay=True), "start dop gop aop"),
         takes("VelSet", 2, _velocity),
         takes("PDispSet", 1, _displace),
         takes("PDispOff", 0, _displace_no_more),

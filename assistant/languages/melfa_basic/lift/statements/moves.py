@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from assistant.languages.melfa_basic.lift.settings.framed_targets import unframed
 from assistant.languages.melfa_basic.lift.settings.held import BLEND, FRAME, TOOL
 from assistant.languages.melfa_basic.lift.statements.arcs import via_of
@@ -12,6 +14,7 @@ from assistant.languages.melfa_basic.lift.statements.paths import (
     sayable,
     speed_of,
 )
+from assistant.languages.melfa_basic.lift.statements.triggers import triggers
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
 from assistant.languages.melfa_basic.lift.values.reasons import TYPE, WAYS
 from assistant.languages.melfa_basic.lift.values.symbols import Unliftable
@@ -36,9 +39,18 @@ class Moves:
         self.expressions, self.runs = expressions, runs
 
     def move(self, node: s.Motion, values: Values) -> list[p.Statement]:
+        set_on_way = triggers(node.append, self.expressions, self.runs)
+        made = self.plain(replace(node, append=None), values)
+        if not set_on_way:
+            return made
+        match made:
+            case [p.Move() | p.MoveCircular() | p.MoveJoints() as move]:
+                return [replace(move, triggers=set_on_way)]
+        raise Unliftable  # it goes to the start of an arc before
+
+    def plain(self, node: s.Motion, values: Values) -> list[p.Statement]:
+        """A move without what is appended to it."""
         node, values = unframed(node, values, self.expressions.m.header)
-        if node.append:
-            raise Unliftable
         if node.type and node.type != USUAL.get(node.keyword):
             raise Unliftable(TYPE)
         if not sayable(values, node.keyword == "Mov"):

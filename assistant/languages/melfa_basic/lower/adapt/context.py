@@ -47,6 +47,7 @@ class Context:
         self.products = products
         self.unstated = 0
         self.named = 0
+        self.constants: dict[str, e.Number] = {}
 
     def speed(self, speed: Speed | e.Name, joint_move: bool) -> Speed | e.Name:
         """The speed by value, with its percentage for joint moves only."""

@@ -35,6 +35,7 @@ from assistant.program.passes.first_values import with_first_values
 from assistant.program.passes.legalising import Legalising, Pass, legalised, pure
 from assistant.program.passes.outputs import with_checked_outputs
 from assistant.program.passes.parameters import with_sayable_procedures
+from assistant.program.passes.places import with_measured_places
 from assistant.program.passes.procedures import (
     with_entry_first,
     with_fresh_variables,
@@ -98,11 +99,12 @@ FIRST: Final[tuple[Pass, ...]] = (
     pure(with_settled_loops),
     without_recursion,
     with_sayable_procedures,
+    with_measured_places,
     pure(with_computed_targets),
     in_base,
     pure(with_declared_names),
 )
-"""Variables, arrays, loops, procedures and targets as the dialects have them, in this order."""
+"""Variables, arrays, loops, procedures, places and targets as the dialects have them, in order."""
 
 LAST: Final[tuple[Pass, ...]] = (
     split,

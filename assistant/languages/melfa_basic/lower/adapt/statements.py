@@ -9,15 +9,17 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from assistant.languages.melfa_basic.lower.adapt.data import plain_variables
 from assistant.languages.melfa_basic.lower.adapt.expressions import plain_expression
 from assistant.languages.melfa_basic.lower.adapt.paths import plain_path
+from assistant.languages.melfa_basic.lower.adapt.triggers import with_plain_triggers
 from assistant.languages.melfa_basic.lower.statements import opaque_line
 from assistant.languages.melfa_basic.text import printer
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.passes.comments import as_comment, plain_comment
 from assistant.program.passes.endings import end_for_good
+from assistant.program.passes.places import constants
 from assistant.program.passes.rewording import Changes, Rewording
 from assistant.program.passes.switches import plain_switch
-from assistant.program.passes.waits import set_signal, wait_signal, wait_until
+from assistant.program.passes.waits import fit, set_signal, wait_signal, wait_until
 from assistant.program.program import Procedure
 
 if TYPE_CHECKING:
@@ -28,6 +30,7 @@ def plain_procedure(context: Context, procedure: Procedure) -> Procedure:
     """The procedure with its statements in plain form."""
     plain = _Plain(context)
     plain.spelling.enter(procedure)
+    context.constants = constants(context.program, procedure)
     body = plain.body(procedure.body)
     while body and body[-1] == p.Return():
         body = body[:-1]
@@ -51,7 +54,13 @@ class _Plain(Rewording):
 
     def move(self, node: Any) -> Iterator[p.Statement]:
         joint = isinstance(node, p.MoveJoints) or getattr(node, "kind", "") == "joint"
-        yield replace(node, motion=self.context.motion(node.motion, joint))
+        motion = self.context.motion(node.motion, joint)
+        if not node.triggers:
+            yield replace(node, motion=motion)
+            return
+        for one in node.triggers:
+            fit(self, one.signal, one.value)
+        yield from with_plain_triggers(self.context, replace(node, motion=motion))
 
     def follow(self, node: p.Follow) -> Iterator[p.Statement]:
         if len(node.path):

@@ -32,6 +32,7 @@ from assistant.program.passes.comments import lines
 from assistant.program.passes.counted_loops import counted_loops
 from assistant.program.passes.legalising import Legalising, Pass, legalised, pure
 from assistant.program.passes.paths import with_paths
+from assistant.program.passes.places import with_measured_places
 from assistant.program.passes.splitting import split
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import map_bodies
@@ -103,6 +104,7 @@ def sayable(job: Legalising) -> Program:
 
 
 PASSES: Final[tuple[Pass, ...]] = (
+    with_measured_places,
     sayable,
     pure(with_places),
     counted_loops,

@@ -87,7 +87,8 @@ Changed = list[p.Statement]
 
 
 def _motion(a: StatementAdapter, x: Any) -> Changed:
-    return [replace(x, motion=a.motions.motion(x.motion))]
+    triggers = tuple(replace(one, value=_bit(one.value)) for one in x.triggers)
+    return [replace(x, motion=a.motions.motion(x.motion), triggers=triggers)]
 
 
 def _follow(a: StatementAdapter, x: p.Follow) -> Changed:

@@ -1,0 +1,48 @@
+"""Outputs that are to be set on the way of a move, at a place that the way does not reach."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Final
+
+from assistant.program.analysis.lengths import lengths
+from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from assistant.program.expressions import Number
+from assistant.program.program import Program
+from assistant.program.statements import Measure, MoveStatement
+
+BEYOND = Rule(
+    "CK111",
+    Severity.WARNING,
+    "`{name}` is set {amount:g} mm {where} of a way of {length:.2f} mm",
+    "give a distance within the way, or set it before the move",
+)
+OUTSIDE = Rule(
+    "CK112",
+    Severity.ERROR,
+    "`{name}` is set at {amount:g} {unit} of the way of a move, which no way has",
+    "write {most}",
+)
+ENDS: Final[Mapping[Measure, str]] = {"start": "behind the start", "end": "before the end"}
+UNITS: Final[Mapping[Measure, str]] = {"start": "mm", "end": "mm", "time": "s", "share": "%"}
+
+
+def outputs(program: Program) -> Iterator[Diagnostic]:
+    """Places before the start, and behind the end of straight moves of known length."""
+    moves = [x for x in program.statements() if isinstance(x, MoveStatement) and x.triggers]
+    known = lengths(program) if moves else {}
+    for move in moves:
+        for one in move.triggers:
+            if isinstance(one.amount, Number):
+                amount, length = float(one.amount.value), known.get(id(move))
+                if amount < 0 or (one.measure == "share" and amount > 100):
+                    unit = UNITS[one.measure]
+                    most = "0 to 100 %" if one.measure == "share" else f"0 {unit} or more"
+                    yield OUTSIDE(
+                        name=one.signal, amount=amount, unit=unit, most=most, span=move.span
+                    )
+                elif length is not None and one.measure in ENDS and amount > length:
+                    where = ENDS[one.measure]
+                    yield BEYOND(
+                        name=one.signal, amount=amount, where=where, length=length, span=move.span
+                    )

@@ -1,0 +1,46 @@
+"""Outputs that moves set on their way: `Wth`, and `WthIf` with what is left or done of the way."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from assistant.languages.melfa_basic.lift.statements.data import assign
+from assistant.languages.melfa_basic.lift.statements.paths import Runs
+from assistant.languages.melfa_basic.lift.values.expressions import Expressions
+from assistant.languages.melfa_basic.lift.values.symbols import Unliftable
+from assistant.languages.melfa_basic.tables.triggers import PLACES
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.program import expressions as e
+from assistant.program import statements as p
+
+_PLACES: Final = {name.upper(): place for name, place in PLACES.items()}
+_TURNED: Final = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "=<": ">=", "=>": "<="}
+
+
+def triggers(append: s.Append | None, lift: Expressions, runs: Runs) -> tuple[p.Trigger, ...]:
+    """What a move sets on its way; raises Unliftable for anything but a number given to outputs."""
+    if append is None:
+        return ()
+    if not isinstance(append.statement, s.Assign):
+        raise Unliftable
+    measure, amount = _place(append.condition, lift)
+    match assign(append.statement, lift, runs):
+        case [p.SetSignal(signal, e.Number() as value, (None | e.Number()) as pulse)] if (
+            pulse is None or append.condition is None
+        ):
+            return (p.Trigger(signal, value, amount, measure, pulse),)
+    raise Unliftable
+
+
+def _place(condition: s.Expression | None, lift: Expressions) -> tuple[p.Measure, e.Number]:
+    match condition:
+        case None:
+            return "start", e.Number(0)
+        case s.Binary(operator, left, s.Variable() as place) if operator in _TURNED:
+            return _place(s.Binary(_TURNED[operator], place, left), lift)
+        case s.Binary(operator, s.Variable(arguments=None, component="") as place, bound):
+            measure, reached = _PLACES.get(place.key, (None, ""))
+            amount = lift.of(bound)
+            if measure is not None and operator[:1] == reached[:1] and isinstance(amount, e.Number):
+                return measure, amount
+    raise Unliftable

@@ -1,0 +1,71 @@
+"""Outputs that moves set on their way, as what is appended to a motion."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Final
+
+from assistant.languages.melfa_basic.lower.expressions import Unsayable
+from assistant.languages.melfa_basic.tables.triggers import PLACES
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.passes.places import ZERO
+
+if TYPE_CHECKING:
+    from assistant.languages.melfa_basic.lower.writer import Writer
+
+WORDS: Final = {measure: name for name, (measure, _) in PLACES.items()}
+"""The status variable of each measure that has one."""
+
+
+def appended(w: Writer, triggers: tuple[p.Trigger, ...]) -> s.Append | None:
+    """`Wth` or `WthIf` for what a move sets on its way, None if that is nothing."""
+    if not triggers:
+        return None
+    if len(triggers) > 1:
+        names = " and ".join(f"`{one.signal}`" for one in triggers)
+        raise Unsayable(
+            f"that {names} are set on the way of one move, which has one `Wth`",
+            "divide the move, or set all but one before or behind it",
+        )
+    (one,) = triggers
+    for what, cure in _unsayable(one):
+        raise Unsayable(what, cure)
+    pulse = None if one.pulse is None else w.expressions.of(one.pulse)
+    value = w.expressions.of(one.value)
+    assignment = s.Assign(*w.expressions.output(one.signal, value), pulse)
+    if is_at_start(one):
+        return s.Append(assignment)
+    name = WORDS[one.measure]
+    place, operator = s.Variable(w.expressions.word(name)), PLACES[name][1]
+    return s.Append(assignment, s.Binary(operator, place, w.expressions.of(one.amount)))
+
+
+def _unsayable(x: p.Trigger) -> Iterator[tuple[str, str]]:
+    """What `Wth` and `WthIf` have no form for, and what to do instead."""
+    name = f"`{x.signal}`"
+    if x.ahead is not None:
+        yield f"a delay of what {name} sets on the way", "give the place where it is to be set"
+    if x.measure == "time":
+        yield f"that {name} is set a time before the end of a move", "give mm before the end"
+    numbers = (x.value, x.amount, x.pulse or ZERO)
+    if not all(isinstance(number, e.Number) for number in numbers):
+        yield f"what {name} is set to, or where, by more than numbers", "write numbers"
+    if x.measure == "start" and not is_at_start(x):
+        yield (
+            f"that {name} is set mm behind the start of a way of unknown length",
+            "give mm before the end, or let a move to a known target stand before it",
+        )
+    if x.measure in WORDS and x.pulse is not None:
+        yield f"a pulse of {name} at a place of the way", "set it there, and back elsewhere"
+    if x.measure == "end" and x.amount == ZERO:
+        yield (
+            f"that {name} is set at the very end of a move that does not stop",
+            "end the move with `fine`, or set it some mm before",
+        )
+
+
+def is_at_start(one: p.Trigger) -> bool:
+    """Whether it is set as the move begins."""
+    return one.measure == "start" and one.amount == ZERO and one.ahead is None

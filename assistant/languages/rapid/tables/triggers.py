@@ -1,0 +1,61 @@
+r"""The instructions that say what moves do on their way, and where their arguments stand.
+
+Source: RAPID reference manual, TriggIO, TriggEquip, TriggL, TriggJ, TriggC (argument lists as in
+`signatures.txt`). A distance is in mm before the end of the move, or from its start with `\Start`;
+with `\Time` it is in seconds before the end, at most 0.5. A positive EquipLag sets the output that
+many seconds before the tool is there, a negative one behind it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from assistant.program.statements import Measure
+
+TYPE: Final = "triggdata"
+MOST_TRIGGERS: Final = 8
+"""Of one move: Trigg_1 and `\\T2` to `\\T8`."""
+LONGEST_TIME: Final = 0.5
+"""Seconds of `\\Time`."""
+OUTPUTS: Final[Mapping[str, str]] = {"dop": "digital", "gop": "group", "aop": "analog"}
+"""Kinds of signals by the option that names one."""
+MEASURES: Final[Mapping[str, Measure]] = {"": "end", "start": "start", "time": "time"}
+"""What a distance is, by the option that stands with it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Setup:
+    """An instruction that sets a triggdata up: its name, and how its arguments are understood.
+
+    count: of its positional ones: the variable, the distance, a delay if there is one, the value.
+    """
+
+    word: str
+    count: int
+    measures: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """A move with triggdata. plain: the same without. place: of its first triggdata, from 0."""
+
+    word: str
+    plain: str
+    place: int
+
+
+PLACED: Final = Setup("TriggIO", 3, ("", "start", "time"))
+EQUIPPED: Final = Setup("TriggEquip", 4, ("", "start"))
+SETUPS: Final[Mapping[str, Setup]] = {x.word.lower(): x for x in (PLACED, EQUIPPED)}
+MOVES: Final[Mapping[str, Move]] = {
+    x.word.lower(): x
+    for x in (
+        Move("TriggJ", "MoveJ", 2),
+        Move("TriggL", "MoveL", 2),
+        Move("TriggC", "MoveC", 3),
+    )
+}
+MORE: Final = tuple(f"t{number}" for number in range(2, MOST_TRIGGERS + 1))
+"""Options with the further triggdata of a move, in lower case."""

@@ -1,0 +1,145 @@
+"""Outputs on the ways of moves, at places that a language measures, and pulses of outputs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Set
+from dataclasses import replace
+from typing import Final
+
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.analysis.lengths import lengths
+from assistant.program.analysis.pulses import doubtful_pulses
+from assistant.program.motion import Blend
+from assistant.program.passes.legalising import Legalising, Outputs
+from assistant.program.passes.motions import meant
+from assistant.program.program import Procedure, Program
+from assistant.program.rewriting import Body, map_bodies
+
+DECIMALS: Final = 3
+"""Of mm that are worked out."""
+SHORTEST: Final = 0.01
+"""mm of a way whose parts are told in mm; a move that turns the tool alone has none."""
+ZERO: Final = e.Number(0)
+
+
+def with_measured_places(job: Legalising) -> Program:
+    """The program with places measured otherwise where it is known to be the same.
+
+    Either end of a way can be told as mm from it, and the rest of a straight move whose length is
+    known. Other places stay as they are; a finding tells of those that may be counted otherwise.
+    """
+    program, can = job.program, job.can.outputs
+    if can is None:
+        return program
+    _find_pulses(job, can)
+    measures = can.measures
+    if not any(isinstance(x, p.MoveStatement) and x.triggers for x in program.statements()):
+        return program
+    known = lengths(program)
+    _find_unlike(job, can)
+
+    def body(numbers: Mapping[str, e.Number], statements: Body) -> Body:
+        return tuple(one(numbers, x) for x in statements)
+
+    def one(numbers: Mapping[str, e.Number], node: p.Statement) -> p.Statement:
+        if not isinstance(node, p.MoveStatement) or not node.triggers:
+            inner: p.Statement = map_bodies(node, lambda held: body(numbers, held))
+            return inner
+        length = known.get(id(node))
+        triggers = tuple(_measured(x, measures, numbers, length) for x in node.triggers)
+        return replace(node, triggers=triggers)
+
+    procedures = ((q, constants(program, q)) for q in program.procedures)
+    return replace(
+        program, procedures=tuple(replace(q, body=body(known, q.body)) for q, known in procedures)
+    )
+
+
+def constants(program: Program, procedure: Procedure) -> dict[str, e.Number]:
+    """Numbers of the constants that a procedure sees, by lower-case name."""
+    hidden = {parameter.name.lower() for parameter in procedure.parameters}
+    found: dict[str, e.Number] = {}
+    for table in (program.variables, procedure.variables):
+        for name, variable in table.items():
+            found.pop(name.lower(), None)
+            if variable.storage == "constant" and isinstance(variable.initial, e.Number):
+                found[name.lower()] = variable.initial
+    return {name: value for name, value in found.items() if name not in hidden}
+
+
+def plain(value: e.Expression, numbers: Mapping[str, e.Number]) -> e.Expression:
+    """The number that a constant stands for, anything else as it is. numbers: see `constants`."""
+    return numbers.get(value.name.lower(), value) if isinstance(value, e.Name) else value
+
+
+def _measured(
+    x: p.Trigger,
+    measures: Set[p.Measure],
+    numbers: Mapping[str, e.Number],
+    length: float | None,
+) -> p.Trigger:
+    amount = plain(x.amount, numbers)
+    if not isinstance(amount, e.Number):
+        return x
+    if x.measure == "share" and amount.value in (0, 100):
+        return replace(x, measure="start" if amount.value == 0 else "end", amount=ZERO)
+    if x.measure == "time" and amount.value == 0:
+        return replace(x, measure="end", amount=ZERO)
+    if x.measure in measures or x.measure == "time" or length is None or length < SHORTEST:
+        return x
+    if amount == ZERO and x.measure == "start":
+        return x
+    done = amount.value if x.measure == "start" else length * amount.value / 100.0
+    if not 0.0 <= done <= length:
+        return x
+    return replace(x, measure="end", amount=e.Number(round(length - done, DECIMALS)))
+
+
+# -------------------------------------------------------------------- what may be another place
+
+
+def _is_foreign(job: Legalising) -> bool:
+    origin = job.program.origin
+    return origin is not None and origin.language not in job.can.kin
+
+
+def _find_pulses(job: Legalising, can: Outputs) -> None:
+    """Pulses of another language's that may begin with the output on."""
+    for pulse in doubtful_pulses(job.program) if _is_foreign(job) else ():
+        with job.findings.at(pulse.span):
+            job.findings.append(can.pulse(name=pulse.signal))
+
+
+def _find_unlike(job: Legalising, can: Outputs) -> None:
+    """Places that are told by what languages may count otherwise."""
+    if not (_is_foreign(job) or (job.program.origin is None and not can.known)):
+        return
+    blends = job.program.blends
+    for move in job.program.statements():
+        if not isinstance(move, p.MoveStatement) or not move.triggers:
+            continue
+        blend = meant(move.motion.blend, blends)
+        with job.findings.at(move.span):
+            for one in move.triggers:
+                what = _unlike(move, one, blend)
+                if what is not None:
+                    job.findings.append(can.unlike(name=one.signal, what=what))
+
+
+def _unlike(move: p.MoveStatement, x: p.Trigger, blend: Blend | e.Name) -> str | None:
+    """Why a place may not be counted alike, None if it is on a straight line before a corner."""
+    stops = isinstance(blend, Blend) and blend.fine
+    number = x.amount.value if isinstance(x.amount, e.Number) else None
+    if x.measure == "time" or (x.measure == "start" and number == 0):
+        return None
+    if stops and ((x.measure == "end" and number == 0) or (x.measure == "share" and number == 100)):
+        return None
+    if not isinstance(move, p.Move) or move.kind == "joint":
+        return "an arc" if isinstance(move, p.MoveCircular) else "a joint move"
+    radius = blend.radius if isinstance(blend, Blend) else None
+    if stops or (
+        radius is not None and x.measure == "end" and number is not None and number > radius
+    ):
+        return None
+    return "a move with a rounded corner"

@@ -1,0 +1,63 @@
+"""`Wth` and `WthIf`: what is set while a motion runs, and where on its way."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final, Literal
+
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.walk import nodes
+from assistant.virtual.events import OnWay, Switched
+from assistant.virtual.melfa import expressions
+from assistant.virtual.melfa.stops import Unknown
+from assistant.virtual.melfa.values import holds
+
+if TYPE_CHECKING:
+    from assistant.virtual.melfa.machine import Machine
+
+PLACES: Final[Mapping[str, tuple[Literal["end", "share"], str]]] = {
+    "M_RDST": ("end", "<"),
+    "M_RATIO": ("share", ">"),
+}
+"""What tells how far a motion is, and how it is compared with a place that is reached later."""
+START: Final = OnWay("start", 0.0)
+_MIRRORED: Final = {"<": ">", ">": "<"}
+
+
+def begin(m: Machine, append: s.Append) -> list[Switched]:
+    """What is set on the way of the motion that begins; inputs are the same until it ends."""
+    from assistant.virtual.melfa.statements import execute
+
+    condition, events = append.condition, m.world.events
+    if not isinstance(append.statement, s.Assign):
+        raise Unknown("where a motion is when it is broken off")
+    place = START
+    if condition is not None and _asks_place(condition):
+        place = _reached(m, condition)
+    elif condition is not None and not holds(expressions.value(m, condition)):
+        return []
+    first = len(events)
+    execute(m, append.statement)
+    made, events[first:] = events[first:], []
+    return [replace(event, at=place) for event in made if isinstance(event, Switched)]
+
+
+def _asks_place(condition: s.Expression) -> bool:
+    return any(isinstance(x, s.Variable) and x.key in PLACES for x in nodes(condition))
+
+
+def _reached(m: Machine, condition: s.Expression) -> OnWay:
+    """Where on the way a condition comes to hold; raises Unknown for all but plain comparisons."""
+    if isinstance(condition, s.Binary) and "<>" not in condition.operator:
+        compared = condition.operator[:1]
+        sides = (
+            (condition.left, compared, condition.right),
+            (condition.right, _MIRRORED.get(compared, ""), condition.left),
+        )
+        for place, way, bound in sides:
+            if isinstance(place, s.Variable) and place.key in PLACES and not place.arguments:
+                measure, reached = PLACES[place.key]
+                if way == reached and not _asks_place(bound):
+                    return OnWay(measure, expressions.plain(m, bound, "a place on the way"))
+    raise Unknown("where on its way a motion meets a condition")

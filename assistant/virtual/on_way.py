@@ -1,0 +1,48 @@
+"""What is set on the way of a motion, told alike for every language and in the order of the way."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+
+from assistant.program.geometry import Pose
+from assistant.virtual.events import Moved, OnWay, Switched
+
+
+def told(move: Moved, before: Pose | None, changes: Iterable[Switched]) -> list[Switched]:
+    """What is set on the way of a motion. before: the flange where it began, None if unknown.
+
+    On a straight way every place but its start is told in mm before its end. What is set where
+    the robot comes to stand is told as if the program had set it then.
+    """
+    length = None
+    if move.kind == "linear" and before is not None and move.flange is not None:
+        ends = (before @ move.tool).position, (move.flange @ move.tool).position
+        length = math.dist(*ends)
+    found = [replace(x, at=None if x.at is None else _place(x.at, move, length)) for x in changes]
+    return sorted(found, key=_along)
+
+
+def _place(at: OnWay, move: Moved, length: float | None) -> OnWay | None:
+    if at.measure == "share" and at.amount in (0.0, 100.0):
+        at = replace(at, measure="start" if at.amount == 0.0 else "end", amount=0.0)
+    if at.amount == 0.0 and at.measure in ("end", "time"):
+        at = replace(at, measure="end")
+        return None if move.blend == 0.0 and at.ahead == 0.0 else at
+    if not length or at.amount == 0.0 or at.measure not in ("start", "share"):
+        return at
+    done = at.amount if at.measure == "start" else length * at.amount / 100.0
+    return replace(at, measure="end", amount=length - done)
+
+
+def _along(change: Switched) -> tuple[int, float]:
+    """Larger further along, where the way tells it; what is set at its end stands last."""
+    match change.at:
+        case None:
+            return 3, 0.0
+        case OnWay("start", amount):
+            return 0, amount
+        case OnWay("end", amount):
+            return 2, -amount
+    return 1, 0.0

@@ -1,0 +1,82 @@
+"""Pulses of outputs from one language into the other."""
+
+from __future__ import annotations
+
+import pytest
+
+import assistant
+from assistant.compiler.loading import load_text
+from assistant.program.diagnostics import Severity
+from assistant.program.text import SourceText
+
+SIGNALS = "".join(f"! signal: do{n} digital output {n}\n" for n in range(1, 6))
+
+
+def from_rapid(body: str, to: str) -> assistant.Translation:
+    text = (
+        f"MODULE m\n! program: m\n! entry: main\n{SIGNALS}PROC main()\n{body}\nENDPROC\nENDMODULE\n"
+    )
+    return assistant.translate(load_text(SourceText(text), language="rapid"), to=to)
+
+
+def from_melfa(body: str) -> assistant.Translation:
+    loaded = load_text(SourceText(f"{body}\nEnd\n"), language="melfa-basic-5")
+    return assistant.translate(loaded, to="rapid")
+
+
+def written(found: assistant.Translation) -> str:
+    (data,) = found.files.values()
+    return data.decode()
+
+
+@pytest.mark.parametrize(
+    ("pulse", "line"),
+    [
+        (r"PulseDO\High,do1;", "M_Out(1)=1 Dly 0.2"),
+        (r"PulseDO\High\PLength:=1.5,do2;", "M_Out(2)=1 Dly 1.5"),
+        (r"PulseDO\High\PLength:=2,do3;", "M_Out(3)=1 Dly 2"),
+    ],
+)
+def test_a_pulse_of_rapid(pulse: str, line: str) -> None:
+    found = from_rapid(pulse, "melfa-basic-5")
+    assert found.ok and line in written(found)
+
+
+def test_a_pulse_of_melfa_basic() -> None:
+    found = from_melfa("M_Out(7)=1 Dly 0.5")
+    assert found.ok and r"PulseDO\High\PLength:=0.5,do_7;" in written(found)
+
+
+@pytest.mark.parametrize(
+    "line", ["M_Out(7)=0 Dly 0.5", "M_Out(7)=1 Dly 3000", "M_Out(7)=1 Dly 0", "M_Outb(8)=1 Dly 1"]
+)
+def test_a_pulse_that_rapid_has_not(line: str) -> None:
+    errors = [f.code for f in from_melfa(line).findings if f.severity is Severity.ERROR]
+    assert errors == ["RA305"]
+
+
+def test_a_pulse_to_the_other_value_stays_and_says_why() -> None:
+    found = from_rapid("PulseDO do1;", "melfa-basic-5")
+    (error,) = (f for f in found.findings if f.severity is Severity.ERROR)
+    assert "the other value" in error.message and "High" in error.cure
+
+
+def test_four_pulses_run_at_a_time() -> None:
+    pulses = [rf"PulseDO\High,do{n};" for n in range(1, 6)]
+    assert from_rapid("\n".join(pulses[:4]), "melfa-basic-5").ok
+    five = from_rapid("\n".join(pulses), "melfa-basic-5")
+    assert not five.ok and any("4 pulses" in f.message for f in five.findings)
+    apart = [*pulses[:4], "WaitTime 1;", pulses[4]]
+    assert from_rapid("\n".join(apart), "melfa-basic-5").ok
+
+
+@pytest.mark.parametrize(
+    ("before", "told"), [("SetDO do1,1;", True), ("SetDO do1,0;", False), ("SetDO do2,1;", False)]
+)
+def test_what_may_be_on_before_is_told(before: str, told: bool) -> None:
+    found = from_rapid(before + "\nPulseDO\\High,do1;", "melfa-basic-5")
+    assert ("MB253" in [f.code for f in found.findings]) is told
+    number = 1 if "do1" in before else 2
+    value = int(before.endswith("1;"))
+    back = from_melfa(f"M_Out({number})={value}\nM_Out(1)=1 Dly 0.5")
+    assert ("RA313" in [f.code for f in back.findings]) is told

@@ -1,0 +1,180 @@
+"""Outputs that moves set on their way: what is read of them, written and found."""
+
+from __future__ import annotations
+
+import pytest
+
+from assistant import languages
+from assistant.compiler.loading import load_text
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.program import Program
+from assistant.program.pseudo.statements import statement_text
+from assistant.program.text import SourceText
+from tests.languages.rapid.test_rules import found
+
+UNUSED = "[9E9,9E9,9E9,9E9,9E9,9E9]"
+HEAD = f"""MODULE m
+CONST robtarget p1:=[[400,0,400],[0,0,1,0],[0,0,0,0],{UNUSED}];
+CONST robtarget p2:=[[400,100,400],[0,0,1,0],[0,0,0,0],{UNUSED}];
+CONST num nFar:=30;
+VAR num n;
+VAR triggdata a;
+VAR triggdata b;
+"""
+
+
+def module(body: str, more: str = "") -> str:
+    return f"{HEAD}PROC main()\n{body}\nENDPROC\n{more}\nENDMODULE\n"
+
+
+def lifted(body: str, more: str = "") -> Program:
+    return load_text(SourceText(module(body, more)), language="rapid").program
+
+
+def on_way(program: Program) -> list[str]:
+    """What moves set, as the text form says it."""
+    lines = (statement_text(x) or "" for x in program.statements() if p.outputs(x))
+    return [line.partition(" set ")[2] for line in lines]
+
+
+def kept(program: Program) -> list[str]:
+    return [x.text.partition(" ")[0] for x in program.statements() if isinstance(x, p.Opaque)]
+
+
+L = "TriggL p2,v100,a,fine,tool0;"
+
+
+@pytest.mark.parametrize(
+    ("setup", "said"),
+    [
+        ("TriggIO a,20\\DOp:=do1,1;", "do1 = 1 at 20 mm before end"),
+        ("TriggIO a,20\\Start\\DOp:=do1,0;", "do1 = 0 at 20 mm from start"),
+        ("TriggIO a,0.2\\Time\\DOp:=do1,1;", "do1 = 1 at 0.2 s before end"),
+        ("TriggIO a,nFar\\GOp:=go1,5;", "go1 = 5 at nFar mm before end"),
+        ("TriggIO a,5\\AOp:=ao1,2.5;", "ao1 = 2.5 at 5 mm before end"),
+        ("TriggEquip a,20,0.1\\DOp:=do1,1;", "do1 = 1 at 20 mm before end ahead 0.1 s"),
+        ("TriggEquip a,20\\Start,-0.1\\DOp:=do1,1;", "do1 = 1 at 20 mm from start ahead -0.1 s"),
+        ("TriggIO a,n\\DOp:=do1,n;", "do1 = n at n mm before end"),
+    ],
+)
+def test_what_is_set_up_is_said_by_the_move(setup: str, said: str) -> None:
+    program = lifted(f"{setup}\n{L}")
+    assert on_way(program) == [said]
+    assert kept(program) == [] and program.declarations == ()
+
+
+def test_kinds_of_signals_are_known() -> None:
+    program = lifted(
+        "TriggIO a,1\\GOp:=g,5;\nTriggIO b,1\\AOp:=an,5;\nTriggJ p2,v100,a\\T2:=b,fine,tool0;"
+    )
+    assert {n: s.kind for n, s in program.signals.items()} == {"g": "group", "an": "analog"}
+
+
+STAYS = {
+    "an interrupt": "TriggInt a,5,i;\n" + L,
+    "a copy": "TriggIO a,5\\DOp:=do1,1;\nTriggDataCopy a,b;\n" + L,
+    "a port of a process": "TriggIO a,5\\ProcID:=1,1;\n" + L,
+    "a delay of the output": "TriggIO a,5\\DOp:=do1,1\\DODelay:=1;\n" + L,
+    "two ways to it": "IF n=1 THEN\nTriggIO a,5\\DOp:=do1,1;\nELSE\nTriggIO a,6\\DOp:=do1,1;\n"
+    "ENDIF\n" + L,
+    "a number that changes": "TriggIO a,n\\DOp:=do1,1;\nn:=n+1;\n" + L,
+    "a label between": "TriggIO a,5\\DOp:=do1,1;\nx:\n" + L + "\nTriggIO a,6\\DOp:=do1,1;\n"
+    "IF n=1 GOTO x;",
+    "a turn of a loop": "TriggIO a,5\\DOp:=do1,1;\nWHILE n<3 DO\n" + L + "\n"
+    "TriggIO a,6\\DOp:=do1,1;\nENDWHILE",
+    "a routine that sets it up": "TriggIO a,5\\DOp:=do1,1;\nother;\n" + L,
+    "another option of the move": "TriggIO a,5\\DOp:=do1,1;\nTriggL p2,v100\\T:=3,a,fine,tool0;",
+}
+OTHER = "PROC other()\nTriggIO a,7\\DOp:=do1,1;\nENDPROC"
+
+
+@pytest.mark.parametrize("case", STAYS)
+def test_what_is_not_certain_stays_and_says_why(case: str) -> None:
+    program = lifted(STAYS[case], OTHER if "other" in STAYS[case] else "")
+    moves = [x for x in program.statements() if isinstance(x, p.Opaque) and "Trigg" in x.text]
+    assert moves and on_way(program) == []
+    takes = [x for x in moves if x.text.startswith("TriggL")]
+    assert takes and all(x.reason is not None for x in takes)
+    assert any("triggdata a" in d.text for d in program.declarations)
+
+
+def test_one_that_stays_keeps_those_beside_it() -> None:
+    program = lifted(
+        "TriggIO a,5\\DOp:=do1,1;\nTriggInt b,5,i;\nTriggL p2,v100,a\\T2:=b,fine,tool0;\n"
+        "TriggL p1,v100,a,fine,tool0;"
+    )
+    assert on_way(program) == []
+    assert kept(program) == ["TriggIO", "TriggInt", "TriggL", "TriggL"]
+
+
+def test_what_is_set_up_once_holds_everywhere() -> None:
+    program = lifted(f"init;\nFOR i FROM 1 TO 3 DO\n{L}\nENDFOR", OTHER.replace("other", "init"))
+    assert on_way(program) == ["do1 = 1 at 7 mm before end"]
+
+
+def test_a_variable_of_a_routine_of_its_own() -> None:
+    program = lifted(f"VAR triggdata c;\nTriggIO c,5\\DOp:=do1,1;\n{L.replace(',a,', ',c,')}")
+    assert on_way(program) == ["do1 = 1 at 5 mm before end"]
+
+
+def test_moves_with_outputs_are_no_rows_of_a_path() -> None:
+    targets = "".join(
+        f"CONST robtarget s_{i}:=[[400,{i},400],[0,0,1,0],[0,0,0,0],{UNUSED}];\n" for i in (1, 2, 3)
+    )
+    program = load_text(
+        SourceText(
+            f"MODULE m\n{targets}VAR triggdata a;\nPROC main()\nTriggIO a,5\\DOp:=do1,1;\n"
+            "MoveL s_1,v100,fine,tool0;\nTriggL s_2,v100,a,fine,tool0;\n"
+            "MoveL s_3,v100,fine,tool0;\nENDPROC\nENDMODULE\n"
+        ),
+        language="rapid",
+    ).program
+    assert on_way(program) == ["do1 = 1 at 5 mm before end"]
+    assert not [x for x in program.statements() if isinstance(x, p.Follow)]
+
+
+def trigger(number: int, **changed: object) -> p.Trigger:
+    given = {"amount": e.Number(number), "measure": "end", **changed}
+    return p.Trigger(f"do{number}", e.Number(1), **given)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("triggers", "what"),
+    [
+        ([trigger(1, pulse=e.Number(1))], "a pulse of `do1`"),
+        ([trigger(1, measure="share")], "a share of a way"),
+        ([trigger(1, measure="time")], "more than 0.5 s"),
+        (
+            [trigger(3, amount=e.Number(0.1), measure="time", ahead=e.Number(1))],
+            "a delay of what `do3`",
+        ),
+        ([trigger(n) for n in range(9)], "more than 8 outputs"),
+    ],
+)
+def test_what_rapid_cannot_say(triggers: list[p.Trigger], what: str) -> None:
+    program = lifted("MoveJ p1,v100,fine,tool0;")
+    (body,) = (q.body for q in program.procedures)
+    assert isinstance(body[0], p.Move)
+    moved = p.Move("joint", body[0].target, body[0].motion, tuple(triggers))
+    changed = Program("m", (type(program.procedures[0])("main", (moved,)),), "main",
+                      targets=program.targets)  # fmt: skip
+    findings = languages.get("rapid").adapt(changed, None).findings
+    assert any(f.code == "RA305" and what in f.message for f in findings)
+
+
+RULES = {
+    "nothing sets it up": ("", L, [("RA465", 9)]),
+    "it is set up": ("", f"TriggIO a,5\\DOp:=do1,1;{L}", []),
+    "another instruction sets it up": ("", f"TriggInt a,5,i;{L}", []),
+    "another routine sets it up": (OTHER, L, []),
+    "a parameter": (f"PROC q(VAR triggdata c)\n{L.replace(',a,', ',c,')}\nENDPROC", "", []),
+    "too long a time": ("", f"TriggIO a,0.6\\Time\\DOp:=do1,1;{L}", [("RA466", 9)]),
+}
+
+
+@pytest.mark.parametrize("case", RULES)
+def test_rules(case: str) -> None:
+    more, body, expected = RULES[case]
+    codes = [(code, line) for code, line in found(module(body, more)) if code in ("RA465", "RA466")]
+    assert codes == expected
