@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from assistant.program.path import Kind
-from assistant.robots.timing import Duration, MoveTimes, Simulation
+from assistant.robots.timing import Duration, MoveTimes, OutputTime, Simulation
 
 SLOWEST: Final = 10
 """Motion statements that are shown to people."""
@@ -71,6 +71,10 @@ def lines(simulation: Simulation) -> Iterator[str]:
         yield ""
         head = ("slowest moves", "to", "kind", "mm", "deg", "seconds", "bound by")
         yield from _table([head, *map(_row, slowest)], "<<<>>><")
+    if simulation.outputs:
+        yield ""
+        outputs = [("outputs on the way", "set", "seconds"), *map(_set, simulation.outputs)]
+        yield from _table(outputs, "<<>")
     if simulation.unknown:
         yield ""
         yield "not known, or only assumed:"
@@ -88,6 +92,11 @@ def _row(one: Statement) -> tuple[str, ...]:
         f"{one.seconds:.2f}",
         one.bound,
     )
+
+
+def _set(one: OutputTime) -> tuple[str, ...]:
+    where = f"{one.procedure} move {one.number}"
+    return where, _short(f"{one.signal} = {one.value}"), f"{one.seconds:.2f}"
 
 
 def _short(text: str, most: int = 40) -> str:
@@ -129,6 +138,16 @@ def record(simulation: Simulation) -> dict[str, Any]:
                 "bound_by": one.bound,
             }
             for one in statements(simulation)
+        ],
+        "outputs": [
+            {
+                "procedure": one.procedure,
+                "number": one.number,
+                "signal": one.signal,
+                "value": one.value,
+                "seconds": one.seconds,
+            }
+            for one in simulation.outputs
         ],
         "unknown": [
             {"procedure": one.procedure, "what": one.what, "times": one.times}

@@ -12,6 +12,7 @@ from assistant.program.diagnostics import Refused, has_errors
 from assistant.program.program import Program
 from assistant.robots.solved_program import Journey
 from assistant.robots.timing.drive import TIME_TO_SPEED, Drive, drive_of
+from assistant.robots.timing.on_way import OutputTime
 from assistant.robots.timing.samples import Samples
 from assistant.robots.timing.simulation import NO_PERIOD, MoveTimes, Simulation, Unknown
 from assistant.robots.timing.walking import Walker
@@ -22,6 +23,7 @@ __all__ = [
     "Drive",
     "Duration",
     "MoveTimes",
+    "OutputTime",
     "Samples",
     "Simulation",
     "Unknown",
@@ -67,6 +69,7 @@ def simulate(
         duration=Duration(done.least, done.most),
         procedures={name: walker.procedures[name] for name in order},
         moves=walker.ledger.move_times(order),
+        outputs=walker.ledger.output_times(order),
         unknown=walker.ledger.unknown(),
         labels=walker.pieces.labels,
         trace=done.trace,

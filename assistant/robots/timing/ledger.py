@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program.arrays import Floats
+from assistant.robots.timing.on_way import OutputTime, output_times
 from assistant.robots.timing.pieces import Piece
 from assistant.robots.timing.plan import Plan
 from assistant.robots.timing.simulation import MoveTimes, Unknown
@@ -30,12 +31,13 @@ class _Entry:
 class Ledger:
     """Takes down the moves as they are timed, each as it took the longest, and notes.
 
-    entries: by procedure and number of the motion statement. notes: procedure and what is not
-    known there → how often it was met.
+    entries, outputs: by procedure and number of the motion statement. notes: procedure and what is
+    not known there → how often it was met.
     """
 
     def __init__(self) -> None:
         self.entries: dict[tuple[str, int], _Entry] = {}
+        self.outputs: dict[tuple[str, int], tuple[OutputTime, ...]] = {}
         self.notes: dict[tuple[str, str], int] = {}
 
     def note(self, procedure: str, what: str) -> None:
@@ -54,6 +56,8 @@ class Ledger:
             before = self.entries.get((piece.procedure, piece.number))
             if before is not None and before.total >= total:
                 continue
+            times = output_times(plan, rows, piece.triggers, piece.procedure, piece.number)
+            self.outputs[piece.procedure, piece.number] = tuple(times) if piece.triggers else ()
             left = len(piece.moves) - (last - first)
             self.entries[piece.procedure, piece.number] = _Entry(
                 piece.moves.kinds[left:],
@@ -87,6 +91,12 @@ class Ledger:
             seconds=column("seconds", np.float64),  # type: ignore[arg-type]
             binds=column("binds", np.uint8),  # type: ignore[arg-type]
         )
+
+    def output_times(self, procedures: Sequence[str]) -> tuple[OutputTime, ...]:
+        """All that moves set on their way, in order of text."""
+        place = {name: index for index, name in enumerate(procedures)}
+        keys = sorted(self.outputs, key=lambda key: (place[key[0]], key[1]))
+        return tuple(one for key in keys for one in self.outputs[key])
 
     def unknown(self) -> tuple[Unknown, ...]:
         return tuple(Unknown(where, what, times) for (where, what), times in self.notes.items())

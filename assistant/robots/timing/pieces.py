@@ -12,7 +12,15 @@ from assistant.program.geometry import BASE, FLANGE, Frame, Tool
 from assistant.program.path import UNSTATED, Kind, configuration_row
 from assistant.program.program import Procedure, walk
 from assistant.program.pseudo.expressions import expression_text
-from assistant.program.statements import Follow, Motion, Move, MoveCircular, MoveJoints, Moving
+from assistant.program.statements import (
+    Follow,
+    Motion,
+    Move,
+    MoveCircular,
+    MoveJoints,
+    Moving,
+    Trigger,
+)
 from assistant.robots.configurations import BACK
 from assistant.robots.motion.run import Pace
 from assistant.robots.solved_program import Journey, Leg
@@ -27,13 +35,14 @@ class Piece:
     """One motion statement, ready to be timed.
 
     number: of the motion statement in its procedure, counted from 1. key: the same for pieces
-    that are alike in everything.
+    that are alike in everything. triggers: what it sets on its way.
     """
 
     procedure: str
     number: int
     moves: Moves
     key: tuple[object, ...]
+    triggers: tuple[Trigger, ...] = ()
 
 
 class Pieces:
@@ -95,7 +104,8 @@ class Pieces:
                 if leg.stretch is None
                 else _of_stretch(leg, self.tables, settings)
             )
-        return Piece(procedure, number, self.made[key], key)
+        triggers = () if isinstance(statement, Follow) else statement.triggers
+        return Piece(procedure, number, self.made[key], key, triggers)
 
     def _to_joints(self, statement: Moving, joints: Floats, settings: Settings) -> Moves:
         """Moves to joints (m, a), whatever they are the joints of."""

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Refused, Rule, Severity
 from assistant.robots.robot import Robot
+from assistant.robots.timing.on_way import OutputTime
 from assistant.robots.timing.profile import FIRST_AXIS, WORDS
 from assistant.robots.timing.samples import Samples, samples_of
 from assistant.robots.timing.way import Duration, Trace
@@ -80,6 +81,7 @@ class Simulation:
     """How long a program takes on a robot.
 
     duration: of the entry. procedures: name → how long a call takes, over all calls.
+    outputs: what moves set on their way, in order of text.
     labels: procedure and number of each of its motion statements → what it moves to.
     trace: of the way through the entry that takes the longest. start: (a,) joints where it
     begins. wanted_period: see `period`.
@@ -89,6 +91,7 @@ class Simulation:
     duration: Duration
     procedures: Mapping[str, Duration]
     moves: MoveTimes
+    outputs: tuple[OutputTime, ...]
     unknown: tuple[Unknown, ...]
     labels: Mapping[tuple[str, int], str]
     trace: Trace | None

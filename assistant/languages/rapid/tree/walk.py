@@ -7,6 +7,7 @@ from typing import Any, Final
 
 from assistant.languages.language import Part
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.triggers import set_up
 from assistant.languages.walking import Walk
 from assistant.program.diagnostics import Span
 
@@ -16,7 +17,7 @@ inside: Final = _WALK.inside
 
 
 def data(file: s.File) -> Iterator[Part]:
-    """The data of modules and routines that have a place in the text."""
+    """The data of modules and routines that have a place in the text, and what sets some up."""
     for module in file.modules:
         for item in module.items:
             owner = item.name if isinstance(item, s.Routine) else ""
@@ -26,6 +27,8 @@ def data(file: s.File) -> Iterator[Part]:
                         yield Part(span, node.name, owner=owner)
                     case s.TargetRunNode(span=Span() as span):
                         yield Part(span, count=len(node.run))
+            for body in lists(item) if isinstance(item, s.Routine) else ():
+                yield from (Part(x.span) for x in body if x.span is not None and set_up(x))
 
 
 def blocks(statement: Any) -> tuple[tuple[s.StatementNode, ...], ...]:
