@@ -15,6 +15,8 @@ CLOSING: Final[Mapping[str, Kind]] = {
 }  # fmt: skip
 """Word → the kind of block that it closes."""
 _MIDDLE: Final[Mapping[str, Kind]] = {"Else": "If", "Default": "Select"}
+_WORDS: Final = (s.Command, s.If, s.ElseIf, s.For, s.Next, s.Select, s.Case, s.Function)
+"""What may be a word of a block, or bound them; most lines are something else."""
 
 
 def opened(statement: s.Statement | None) -> Kind | None:
@@ -139,6 +141,9 @@ def blocks_of(code: Sequence[object], places: Iterable[int]) -> Blocks:
     inner: Block | None = None
     for at in places:
         statement = statement_of(code[at])
+        if not isinstance(statement, _WORDS):
+            found.around[at] = inner
+            continue
         if isinstance(statement, s.Function) or statement == s.Command("FEnd"):
             inner = None
         if kind := opened(statement):

@@ -9,7 +9,7 @@ from typing import Final
 
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import Block, Blocks, statement_of
-from assistant.languages.melfa_basic.tree.targets import exits_of, labels_of
+from assistant.languages.melfa_basic.tree.targets import ON, exits_of, labels_of
 from assistant.program.analysis.dataflow import reachable
 
 EXIT: Final = -1
@@ -74,6 +74,9 @@ class _Maker:
             yield from self.behind_word(at, block)
             return
         exits = exits_of(statement_of(self.code[at]))
+        if exits is ON:
+            yield self.on(at)
+            return
         for table, targets in (self.graph.jumps, exits.jumps), (self.graph.calls, exits.calls):
             for place in self.places(targets):
                 table.setdefault(at, []).append(place)

@@ -43,7 +43,8 @@ class Exits:
         return (*self.jumps, *self.calls, *(target for target, _ in self.handlers))
 
 
-_ON: Final = Exits()
+ON: Final = Exits()
+"""Of most statements: to the next line."""
 _WORDS: Final = {
     "Break": Exits(on=False, breaks=True),
     "Return": Exits(on=False, returns=True),
@@ -77,14 +78,15 @@ def exits_of(statement: s.Statement | s.Target | None) -> Exits:
                 one.on or two.on, one.breaks or two.breaks, one.returns or two.returns,
             )  # fmt: skip
         case s.Command(keyword=keyword):
-            return _WORDS.get(keyword, _ON)
-    return _ON
+            return _WORDS.get(keyword, ON)
+    return ON
 
 
 def targets_in(items: Iterable[object]) -> Iterator[s.Target]:
     """Every jump target of some lines."""
     for item in items:
-        yield from exits_of(statement_of(item)).targets
+        if (exits := exits_of(statement_of(item))) is not ON:
+            yield from exits.targets
 
 
 def labels_named(items: Iterable[object]) -> Iterator[str]:

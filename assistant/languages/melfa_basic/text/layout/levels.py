@@ -10,6 +10,7 @@ from assistant.languages.melfa_basic.tree.blocks import Block, blocks_of, divide
 
 _DEEPER: Final = {"Select": 2}
 """Levels that a block's inside is deeper, if not one: `Case` stands one level in."""
+_FEND: Final = s.Command("FEnd")
 
 
 def levels(items: Sequence[s.Item]) -> list[int]:
@@ -20,24 +21,27 @@ def levels(items: Sequence[s.Item]) -> list[int]:
     selects = False
     for at, item in enumerate(items):
         statement = statement_of(item)
-        if isinstance(statement, s.Function) or statement == s.Command("FEnd"):
+        bounds = isinstance(statement, s.Function) or statement == _FEND
+        if bounds:
             function = 0
-        level = function + _inside(blocks.around[at], at)
-        if isinstance(statement, s.Function):
+        block = blocks.around[at]
+        level = function if block is None else function + _inside(block, at)
+        if bounds and statement != _FEND:
             function = 1
-        if divided(statement):
-            level = max(level - 1, 0)
-        elif is_comment(item):
+        if is_comment(item):
             level -= selects  # before the first `Case` it is that one's
-        if isinstance(item, s.Line) and not is_comment(item):
+        elif isinstance(item, s.Line):
             selects = isinstance(statement, s.Select)
+            level = max(level - 1, 0) if divided(statement) else level
         made.append(level)
     return made
 
 
-def _inside(block: Block | None, at: int) -> int:
-    chain = block.chain if block is not None else ()
-    return sum(_DEEPER.get(b.kind, 1) for b in chain if b.crossed is None or at < b.crossed)
+def _inside(block: Block, at: int) -> int:
+    """How much deeper a line is for the blocks that it stands in."""
+    return sum(
+        _DEEPER.get(one.kind, 1) for one in block.chain if one.crossed is None or at < one.crossed
+    )
 
 
 def is_comment(item: s.Item) -> bool:
