@@ -17,11 +17,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import MISSING, dataclass, field, fields
+from dataclasses import dataclass, field, fields
 from typing import Any, Final, Generic, TypeVar
 
 from assistant.program.expressions import Apply, Name, Number
-from assistant.program.rewriting import rewrite
+from assistant.program.rewriting import records, rewrite
 
 N = TypeVar("N")
 
@@ -57,12 +57,31 @@ class Slot:
 
 @dataclass(frozen=True, slots=True)
 class Pattern:
-    """options: None for a mere switch, which must be there. leading: see `Called`."""
+    """options: None for a mere switch, which must be there. leading: see `Called`.
+
+    key, known: the word, and the options by name, in lower case.
+    """
 
     word: str
     given: tuple[Slot | Pattern | Number, ...]
     options: Mapping[str, Slot | None]
     leading: bool = False
+    key: str = field(init=False)
+    known: Mapping[str, Slot | None] = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "key", self.word.lower())
+        known = {name.lower(): slot for name, slot in self.options.items()}
+        object.__setattr__(self, "known", known)
+
+    def has(self, options: Mapping[str, object]) -> bool:
+        """Whether options, by name in lower case, are of the pattern, with a value or without."""
+        for name, slot in self.known.items():
+            if (slot is None and name not in options) or (
+                name in options and (slot is None) != (options[name] is None)
+            ):
+                return False
+        return options.keys() <= self.known.keys()
 
 
 Read = Callable[[N, Slot], Any]
@@ -85,25 +104,19 @@ class Reading(Generic[N]):
 
     def fields(self, pattern: Pattern, called: Called[N]) -> dict[str, Any] | None:
         """What stands in the slots of a pattern, None if that is not what is called."""
+        given, missing = called.given, pattern.given[len(called.given) :]
+        if called.word.lower() != pattern.key or len(given) > len(pattern.given):
+            return None
         options = {name.lower(): node for name, node in called.options.items()}
-        known = {name.lower(): part for name, part in pattern.options.items()}
-        if called.word.lower() != pattern.word.lower() or len(called.given) > len(pattern.given):
+        if (options or pattern.known) and not pattern.has(options):
             return None
-        if any((known.get(name) is None) != (node is None) for name, node in options.items()):
-            return None
-        if any(part is None and name not in options for name, part in known.items()):
-            return None
-        if not options.keys() <= known.keys():
-            return None
-        missing = pattern.given[len(called.given) :]
         if not all(isinstance(part, Slot) and part.may_miss for part in missing):
             return None
-        given = (*called.given, *[None] * len(missing))
         found: dict[str, Any] = {}
-        for part, node in zip(pattern.given, given, strict=True):
+        for part, node in zip(pattern.given, (*given, *[None] * len(missing)), strict=True):
             if not self._take(part, node, found):
                 return None
-        for name, slot in known.items():
+        for name, slot in pattern.known.items():
             if slot is not None and not self._take(slot, options.get(name), found):
                 return None
         return found
@@ -174,29 +187,31 @@ class Row:
         self.pattern = pattern(text)
         self.record, self.fixed = record, fixed
         self.key: object = record
-        self._own = {f.name: f for f in fields(record) if f.compare}
+        self._defaults = {f.name: f.default for f in fields(record) if f.compare}
+        named = {slot.name for slot in slots(self.pattern)}
+        self._unsaid = tuple(name for name in self._defaults if name not in named)
+        self._fills = any(isinstance(part, Name) for x in fixed.values() for part in records(x))
 
     def said(self, found: Mapping[str, Any]) -> Any:
         """The record with what was found in the slots."""
-        own = {name: value for name, value in found.items() if name in self._own}
+        own = {name: value for name, value in found.items() if name in self._defaults}
         return self.record(**own, **self._filled(found))
 
     def slots(self, record: Any) -> dict[str, Any] | None:
         """What the slots say of a record, None if the row does not say it."""
-        given = {name: getattr(record, name) for name in self._own}
+        given = {name: getattr(record, name) for name in self._defaults}
         fixed = self._filled(given)
-        named = {slot.name for slot in slots(self.pattern)}
-        for name, value in given.items():
-            default = self._own[name].default
-            wanted = fixed.get(name, value if name in named else default)
-            if wanted is MISSING or value != wanted:
+        for name in self._unsaid:
+            if given[name] != fixed.get(name, self._defaults[name]):
                 return None
         return given
 
-    def _filled(self, found: Mapping[str, Any]) -> dict[str, Any]:
+    def _filled(self, found: Mapping[str, Any]) -> Mapping[str, Any]:
         def fill(x: Any) -> Any:
             return found.get(x.name[1:-1], x) if isinstance(x, Name) else x
 
+        if not self._fills:
+            return self.fixed
         return {name: rewrite(value, fill) for name, value in self.fixed.items()}
 
 
