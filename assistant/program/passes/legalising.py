@@ -91,6 +91,18 @@ class Comments:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Acceleration:
+    """Of a language with one acceleration, in percent, not under the least.
+
+    cure, cure_of_least: of a change for the one reason and for either.
+    """
+
+    least: float
+    cure: str
+    cure_of_least: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Corners:
     """Of a language in which each corner has a size.
 
@@ -173,7 +185,7 @@ class Capabilities:
     kin: languages whose programs mean by their values what this one does. cannot_say: has the
     fields what and cure. changed: has those and instead; None where nobody is told. no_fit: tells
     of a number (value) that the bits (in words) of a signal (name) cannot hold, up to most. ended:
-    of an end for good.
+    of an end for good. longest_message: characters of one.
     """
 
     kin: frozenset[str]
@@ -190,6 +202,8 @@ class Capabilities:
     switches: Switches | None = None
     outputs: Outputs | None = None
     comments: Comments = Comments()
+    acceleration: Acceleration | None = None
+    longest_message: int | None = None
     five_axes: FiveAxes | None = None
 
 

@@ -13,6 +13,7 @@ from typing import Final
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.kinds import Kinds, is_value, kinds
+from assistant.program.passes.rewording import Rewording
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import map_bodies
 
@@ -63,6 +64,19 @@ def lines(parts: Iterable[e.Expression], longest: int) -> list[list[e.Expression
             rows[-1].append(piece)
             room -= length
     return rows
+
+
+def short_messages(r: Rewording, node: p.Message) -> Iterator[p.Statement]:
+    """As many messages as it takes for the characters that one of them may have."""
+    shown, most = parts(node, r.known) or (e.Text(""),), r.job.can.longest_message
+    rows = [list(shown)] if most is None else lines(shown, most)
+    if len(rows) > 1:
+        r.job.changed(
+            f"a message of more than {most} characters",
+            f"{len(rows)} messages",
+            "write a shorter one",
+        )
+    yield from (p.Message(tuple(row), span=node.span) for row in rows)
 
 
 def with_values(program: Program) -> Program:

@@ -8,8 +8,10 @@ from typing import Any, ClassVar
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.kinds import Kinds, kinds
 from assistant.program.analysis.spelling import Spelling
 from assistant.program.passes.legalising import Legalising
+from assistant.program.program import Procedure
 from assistant.program.rewriting import Body, map_bodies, map_head
 
 Changes = Mapping[type, Callable[[Any, Any], Iterable[p.Statement]]]
@@ -20,14 +22,21 @@ class Rewording:
 
     changes: by kind of a statement what is made of one, given this object and the statement. Its
     expressions are said by then; the bodies that it holds are the change's own business.
-    spelling: of names in the procedure at hand. choices: how many `switch` are around the place.
+    spelling, known: of names in the procedure at hand. choices: how many `switch` are around the
+    place.
     """
 
     changes: ClassVar[Changes] = {}
 
     def __init__(self, job: Legalising) -> None:
         self.job, self.spelling = job, Spelling(job.program)
+        self.known: Kinds = {}
         self.choices = 0
+
+    def enter(self, procedure: Procedure) -> None:
+        """What follows stands in a procedure."""
+        self.spelling.enter(procedure)
+        self.known = kinds(self.job.program, procedure)
 
     def expression(self, x: e.Expression) -> e.Expression:
         """An expression as the language says it; what is in it is said already."""

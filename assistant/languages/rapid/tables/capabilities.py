@@ -8,8 +8,9 @@ from typing import Final
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.tables.motions import corner_of, zone_name
 from assistant.languages.rapid.tables.triggers import MEASURES
-from assistant.languages.rapid.tables.words import MOST_TARGETS
+from assistant.languages.rapid.tables.words import LEAST_ACCELERATION, LONGEST_STRING, MOST_TARGETS
 from assistant.program.passes.legalising import (
+    Acceleration,
     Capabilities,
     Comments,
     Corners,
@@ -28,6 +29,11 @@ UNITS: Final = Units(
     path="{}_p",
     straight=False,
     split=rules.SPLIT,
+)
+ACCELERATION: Final = Acceleration(
+    least=LEAST_ACCELERATION,
+    cure="AccSet has one value for both",
+    cure_of_least="AccSet has one value of 20 percent or more",
 )
 CORNERS: Final = Corners(size=corner_of, name=zone_name)
 LOOPS: Final = Loops(
@@ -54,5 +60,7 @@ def capabilities(most_targets: int | None = None) -> Capabilities:
         loops=LOOPS,
         outputs=OUTPUTS,
         comments=Comments(ascii=True),
+        acceleration=ACCELERATION,
+        longest_message=LONGEST_STRING,
         units=replace(UNITS, most=most_targets) if most_targets else UNITS,
     )

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 def plain_procedure(context: Context, procedure: Procedure) -> Procedure:
     """The procedure with its statements in plain form."""
     plain = _Plain(context)
-    plain.spelling.enter(procedure)
+    plain.enter(procedure)
     context.constants = constants(context.program, procedure)
     body = plain.body(procedure.body)
     while body and body[-1] == p.Return():

@@ -70,8 +70,6 @@ def _unset(x: e.Expression) -> e.Expression:
 
 def sayable_variable(variable: Variable, name: str, job: Legalising, owner: str = "") -> Variable:
     """With a type that RAPID has. owner: procedure whose own it is, empty for the program's."""
-    if variable.type == "integer":
-        variable = replace(variable, type="number")
     if variable.storage == "constant" and variable.initial is None:
         about = Declared(name, "variables", owner)
         job.cannot(f"the constant `{name}` without a value", "give it one", about)

@@ -30,6 +30,7 @@ from assistant.program.diagnostics import Diagnostic, Findings, Refused, has_err
 from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
 from assistant.program.passes.comments import lines
 from assistant.program.passes.counted_loops import counted_loops
+from assistant.program.passes.integers import with_one_kind_of_numbers
 from assistant.program.passes.legalising import Legalising, Pass, legalised, pure
 from assistant.program.passes.paths import with_paths
 from assistant.program.passes.places import with_measured_places
@@ -105,6 +106,7 @@ def sayable(job: Legalising) -> Program:
 
 PASSES: Final[tuple[Pass, ...]] = (
     with_measured_places,
+    pure(with_one_kind_of_numbers),
     sayable,
     pure(with_places),
     counted_loops,

@@ -13,17 +13,17 @@ from assistant.languages.rapid.lower.adapt.expressions import (
 )
 from assistant.languages.rapid.lower.adapt.motions import Motions
 from assistant.languages.rapid.tables.hands import gripper
-from assistant.languages.rapid.tables.words import LEAST_ACCELERATION, LONGEST_STRING
 from assistant.languages.rapid.text import verbatim
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.analysis.kinds import Kinds, is_position, is_truth, kinds
+from assistant.program.analysis.kinds import is_position, is_truth
 from assistant.program.diagnostics import has_errors
 from assistant.program.geometry import Target
+from assistant.program.passes.accelerations import one_acceleration
 from assistant.program.passes.comments import plain_comment
 from assistant.program.passes.conditions import as_truth, compared, with_conditions
 from assistant.program.passes.legalising import Legalising
-from assistant.program.passes.messages import lines, parts
+from assistant.program.passes.messages import short_messages
 from assistant.program.passes.plain_expressions import floor
 from assistant.program.passes.points import move_at
 from assistant.program.passes.rewording import Rewording
@@ -40,14 +40,13 @@ class StatementAdapter(Rewording):
         self.program, self.motions = job.program, motions
         self.signals = {n.lower(): g for n, g in job.program.signals.items()}
         self.targets: dict[str, Target] = {}
-        self.known: Kinds = {}
 
     def procedure(self, procedure: Procedure) -> Procedure:
         with self.job.findings.at(procedure.span):
             return self._procedure(procedure)
 
     def _procedure(self, procedure: Procedure) -> Procedure:
-        self.known = kinds(self.program, procedure)
+        self.enter(procedure)
         variables = {
             n: sayable_variable(v, n, self.job, procedure.name)
             for n, v in procedure.variables.items()
@@ -57,17 +56,7 @@ class StatementAdapter(Rewording):
                 self.job.cannot(f"the persistent `{name}` inside a procedure", "declare it outside")
             if variable.local:
                 variables[name] = replace(variable, local=False)
-        parameters = tuple(
-            replace(q, type="number") if q.type == "integer" else q for q in procedure.parameters
-        )
-        result = "number" if procedure.result == "integer" else procedure.result
-        return replace(
-            procedure,
-            body=self.body(procedure.body),
-            variables=variables,
-            parameters=parameters,
-            result=result,
-        )
+        return replace(procedure, body=self.body(procedure.body), variables=variables)
 
     def expression(self, x: e.Expression) -> e.Expression:
         match x:
@@ -128,34 +117,6 @@ def _set_signal(_: StatementAdapter, x: p.SetSignal) -> Changed:
     return [replace(x, value=value)]
 
 
-def _acceleration(a: StatementAdapter, x: p.SetAcceleration) -> Changed:
-    one, two = x.acceleration, x.deceleration
-    if isinstance(one, e.Number) and isinstance(two, e.Number):
-        least = max(min(one.value, two.value), LEAST_ACCELERATION)
-        if (least, least) != (one.value, two.value):
-            a.job.changed(
-                f"acceleration {one.value} and deceleration {two.value} percent",
-                f"{least} percent for both",
-                "AccSet has one value of 20 percent or more",
-            )
-        value: e.Expression = e.Number(least)
-    else:
-        if one != two:
-            a.job.changed("the deceleration", "the acceleration", "AccSet has one value for both")
-        value = one
-    return [replace(x, acceleration=value, deceleration=value)]
-
-
-def _message(a: StatementAdapter, x: p.Message) -> Changed:
-    """As many messages as it takes for 80 characters each."""
-    rows = lines(parts(x, a.known) or (e.Text(""),), LONGEST_STRING)
-    if len(rows) > 1:
-        a.job.changed(
-            "a message of more than 80 characters", f"{len(rows)} messages", "write a shorter one"
-        )
-    return [p.Message(tuple(row), span=x.span) for row in rows]
-
-
 def _opaque(a: StatementAdapter, x: p.Opaque) -> Changed:
     if x.language != verbatim.LANGUAGE:
         a.job.findings.append(rules.OTHER_LANGUAGE(**verbatim.foreign(x)))
@@ -171,9 +132,9 @@ StatementAdapter.changes = {
     p.WaitSignal: _wait_signal,
     p.Assign: _assign,
     p.SetSignal: _set_signal,
-    p.SetAcceleration: _acceleration,
+    p.SetAcceleration: one_acceleration,
     p.Comment: plain_comment,
-    p.Message: _message,
+    p.Message: short_messages,
     p.Switch: plain_switch,
     p.Opaque: _opaque,
 }
