@@ -55,7 +55,7 @@ def _moves(
 ) -> Iterator[Moves[s.Node]]:
     """Follows the robot through a list of statements; after what is no move it is nowhere."""
     here: Frame | None = None
-    own = {d.type.lower() for d in look.frame(routine).values()}
+    own = {d.type.lower() for d in look.frame(routine)}
     for node in body:
         if isinstance(node, s.MoveRunNode):
             run = node.run

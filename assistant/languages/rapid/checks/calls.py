@@ -71,8 +71,7 @@ def _call(node: s.ProcedureCall | s.FunctionCall, name: str, kind: str, scope: S
 def _unknown(node: s.ProcedureCall | s.FunctionCall, name: str, kind: str, scope: Scope) -> Found:
     if not scope.types.first("routine", name):
         return
-    task = scope.look.task.shared.values()
-    own = [one.name for several in task for one in several if one.kind == kind]
+    own = [one.name for one in scope.look.task.shared if one.kind == kind]
     # An option may have routines that are not listed: none of those is taken for a slip.
     rows = signatures.rows().items()
     standard = [n for n, (line, option) in rows if line.startswith(kind) and not option]

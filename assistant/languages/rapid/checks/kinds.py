@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Final, cast
 
-from assistant.languages.rapid.checks.module_view import Declaration, Look
+from assistant.languages.checks.symbols import Declaration
+from assistant.languages.rapid.checks.module_view import Declared, Look
 from assistant.languages.rapid.tables import predefined
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tree import syntax as s
@@ -96,7 +97,7 @@ class Types:
                 return None
         return None
 
-    def find(self, name: str) -> Declaration | None:
+    def find(self, name: str) -> Declared | None:
         """The record or alias of that name, None if no module declares one."""
         found = self.look.find(name)
         return found if found is not None and found.kind in ("RECORD", "ALIAS") else None
@@ -105,7 +106,7 @@ class Types:
         """Components of a record in order, type by name; None if they are not known."""
         found = self.find(base)
         if found is not None:
-            several = not found.local and len(self.look.task.shared.get(base, ())) > 1
+            several = not found.local and len(self.look.task.shared.all(base)) > 1
             record = cast(s.Record, found.node)
             return None if several else {name: type for type, name in record.components}
         standard = predefined.types().get(base)
@@ -123,11 +124,8 @@ class Types:
 
     def known(self) -> Iterable[str]:
         """Names of types as they are declared."""
-        for task in (self.look.task.shared, self.look.task.own.get(id(self.look.module), {})):
-            for found in task.values():
-                one = found[0] if isinstance(found, list) else found
-                if one.kind in ("RECORD", "ALIAS"):
-                    yield one.name
+        for level in reversed(self.look.task.levels(self.look.module)):
+            yield from (one.name for one in level if one.kind in ("RECORD", "ALIAS"))
         for standard in predefined.types().values():
             yield standard.name
 
@@ -148,10 +146,10 @@ class Scope:
         return Scope(self.types, self.routine, self.loops | {loop.variable.lower()})
 
     @cached_property
-    def _found(self) -> dict[str, Declaration | None]:
+    def _found(self) -> dict[str, Declared | None]:
         return {}
 
-    def find(self, name: str) -> Declaration | None:
+    def find(self, name: str) -> Declared | None:
         """The declaration that a name means, None if no given module has one."""
         low = name.lower()
         if low not in self._found:
@@ -161,12 +159,12 @@ class Scope:
                 self._found[low] = self.look.find(name, self.routine)
         return self._found[low]
 
-    def doubtful(self, found: Declaration) -> bool:
+    def doubtful(self, found: Declared) -> bool:
         """Whether several modules declare the name, or another one of a mixed set does."""
         task = self.look.task
         if task.mixed and found.module is not None and found.module is not self.look.module:
             return True
-        return not found.local and len(task.shared.get(found.name.lower(), ())) > 1
+        return not found.local and len(task.shared.all(found.name)) > 1
 
     def kind(self, node: s.Expression | s.Variable | None) -> Kind | None:
         """Type of an expression, None if it is not known for sure."""

@@ -4,42 +4,28 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from functools import cached_property
 from itertools import islice, takewhile
 from typing import Any, Final, TypeVar
 
-import numpy as np
-
+from assistant.languages.checks.symbols import Declaration, Symbols, find
 from assistant.languages.checks.views import Memory, by_type
 from assistant.languages.checks.wording import as_of_more
 from assistant.languages.rapid.text.header import opening
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.runs import MOVES, TargetRun
+from assistant.languages.rapid.tree.runs import MOVES
 from assistant.languages.rapid.tree.walk import nodes
-from assistant.languages.runs.names import Names, split
 from assistant.program.arrays import Floats, Rows
 from assistant.program.diagnostics import Diagnostic, Rule, Span
 
 N = TypeVar("N", bound=s.Node)
 
 
-@dataclass(frozen=True, slots=True)
-class Declaration:
-    """One declared name.
-
-    kind: `VAR`, `PERS`, `CONST`, `PROC`, `FUNC`, `TRAP`, `RECORD` or `ALIAS`; of parameters
-    `IN`, `VAR`, `PERS` or `INOUT`; `FOR` for the variable of a loop.
-    type: of data, functions, parameters and aliases, as written; else empty.
-    node: None for a row of a long run of robtargets.
-    """
-
-    name: str
-    kind: str
-    type: str = ""
-    local: bool = False
-    node: s.Node | None = None
-    module: s.Module | None = None
+Declared = Declaration[s.Node]
+"""What declares a name: `VAR`, `PERS`, `CONST`, `PROC`, `FUNC`, `TRAP`, `RECORD` or `ALIAS`; of
+parameters `IN`, `VAR`, `PERS` or `INOUT`; `FOR` for the variable of a loop.
+"""
 
 
 class Task(Memory):
@@ -49,48 +35,28 @@ class Task(Memory):
         """common: those of the files that other tasks have as well."""
         self.files, self.common = tuple(files), tuple(common)
         self.modules = tuple(module for file in files for module in file.modules)
-        self.shared: dict[str, list[Declaration]] = {}
-        """Global declarations by lower-case name; rows of runs are in `runs`."""
-        self.own: dict[int, dict[str, Declaration]] = {}
-        """LOCAL ones by lower-case name, by the `id` of their module."""
+        self.shared: Symbols[s.Node] = Symbols()
+        """Global declarations."""
+        self.own: dict[int, Symbols[s.Node]] = {}
+        """LOCAL ones by the `id` of their module."""
         self.runs: list[tuple[s.Module, s.TargetRunNode]] = []
         for module in self.modules:
-            own = self.own.setdefault(id(module), {})
+            own = self.own.setdefault(id(module), Symbols())
             for item in module.items:
                 if isinstance(item, s.TargetRunNode):
                     self.runs.append((module, item))
-                elif (declared := declaration(item, module)) is not None:
-                    name = declared.name.lower()
-                    if declared.local:
-                        own.setdefault(name, declared)
-                    else:
-                        self.shared.setdefault(name, []).append(declared)
+                declared = declaration(item, module)
+                if declared is not None:
+                    declare(own if declared.local else self.shared, item, declared)
 
-    def find(self, name: str, module: s.Module | None = None) -> Declaration | None:
-        """What a name means at the level of a module: its own LOCAL one, else the global one."""
-        low = name.lower()
-        found = self.own.get(id(module), {}).get(low)
-        if found is None:
-            found = next(iter(self.shared.get(low, ())), None)
-        return found or self.row(name, module)
+    def levels(self, module: s.Node) -> tuple[Symbols[s.Node], Symbols[s.Node]]:
+        """What a module sees: its own LOCAL names, then the global ones."""
+        return self.own.get(id(module), self.shared), self.shared
 
-    def row(self, name: str, module: s.Module | None = None) -> Declaration | None:
+    def row(self, name: str, module: s.Module) -> Declared | None:
         """The row of a long run of robtargets that declares a name, as a module sees it."""
-        if not name.isascii():
-            return None
-        for of, item in self._by_stem.get(split(name)[0].lower(), ()):
-            local = item.scope == "LOCAL"
-            if (not local or of is module) and row_of(item.run.names, name) is not None:
-                return Declaration(name, "CONST", "robtarget", local, None, of)
-        return None
-
-    @cached_property
-    def _by_stem(self) -> dict[bytes, list[tuple[s.Module, s.TargetRunNode]]]:
-        found: dict[bytes, list[tuple[s.Module, s.TargetRunNode]]] = {}
-        for module, item in self.runs:
-            for stem in {stem.lower() for stem in item.run.names.stems}:
-                found.setdefault(stem, []).append((module, item))
-        return found
+        own, shared = self.levels(module)
+        return own.row(name) or shared.row(name)
 
     def main(self, module: s.Module) -> s.Routine | None:
         """The procedure of a module that a task may start at."""
@@ -100,7 +66,7 @@ class Task(Memory):
     def _mains(self) -> dict[int, s.Routine]:
         return {
             id(declared.module): declared.node
-            for declared in self.shared.get("main", ())
+            for declared in self.shared.all("main")
             if declared.kind == "PROC" and isinstance(declared.node, s.Routine)
         }
 
@@ -115,17 +81,15 @@ class Task(Memory):
         return len(self._mains) > 1 or len(set(names)) < len(names)
 
 
-def row_of(names: Names, name: str) -> int | None:
-    """The first row of a name in columns of names, None if it is not among them."""
-    stem, number = split(name)
-    stems = [i for i, text in enumerate(names.stems) if text.lower() == stem.lower()]
-    if not stems:
-        return None
-    rows = np.flatnonzero(np.isin(names.stem, stems) & (names.number == number))
-    return int(rows[0]) if len(rows) else None
+def declare(symbols: Symbols[s.Node], item: Any, declared: Declared) -> None:
+    """Adds what an item declares, of a long run every row."""
+    if isinstance(item, s.TargetRunNode):
+        symbols.add_rows(item.run.names, declared)
+    else:
+        symbols.add(declared)
 
 
-def declaration(item: Any, module: s.Module | None = None) -> Declaration | None:
+def declaration(item: Any, module: s.Module | None = None) -> Declared | None:
     """What an item of a module or of a routine's body declares, None if it declares nothing."""
     match item:
         case s.Data(scope, storage, type, name):
@@ -138,6 +102,8 @@ def declaration(item: Any, module: s.Module | None = None) -> Declaration | None
             return Declaration(name, "ALIAS", type, local, item, module)
         case s.ParameterNode(mode, type, name):
             return Declaration(name, mode or "IN", type, True, item, module)
+        case s.TargetRunNode(scope):
+            return Declaration("", "CONST", "robtarget", scope == "LOCAL", None, module)
     return None
 
 
@@ -148,7 +114,7 @@ def parameters(routine: s.Routine) -> Iterator[s.ParameterNode]:
                 yield one
 
 
-class Look:
+class Look(Memory):
     """One module, as a rule sees it."""
 
     def __init__(self, file: s.File, module: s.Module, task: Task) -> None:
@@ -164,39 +130,23 @@ class Look:
         header = opening(self.module)
         return bool(header.program or header.unit)
 
-    def find(self, name: str, routine: s.Routine | None = None) -> Declaration | None:
+    def find(self, name: str, routine: s.Routine | None = None) -> Declared | None:
         """What a name means in this module, inside one of its routines if that is given."""
-        if routine is not None:
-            if (inner := self.frame(routine).get(name.lower())) is not None:
-                return inner
-            for run in self._runs(routine) if name.isascii() else ():
-                if row_of(run.names, name) is not None:
-                    return Declaration(name, "CONST", "robtarget", True, None, self.module)
-        return self.task.find(name, self.module)
+        inner = () if routine is None else (self.frame(routine),)
+        return find(name, (*inner, *self.task.levels(self.module)))
 
-    def frame(self, routine: s.Routine) -> dict[str, Declaration]:
-        """Parameters and data of a routine by lower-case name."""
+    def frame(self, routine: s.Routine) -> Symbols[s.Node]:
+        """Parameters and data of a routine."""
         frame = self._frames.get(id(routine))
         if frame is None:
-            frame = self._frames[id(routine)] = {}
+            frame = self._frames[id(routine)] = Symbols()
             for item in (*parameters(routine), *routine.body):
                 if (declared := declaration(item, self.module)) is not None:
-                    frame.setdefault(declared.name.lower(), declared)
+                    declare(frame, item, replace(declared, local=True))
         return frame
 
     @cached_property
-    def _frames(self) -> dict[int, dict[str, Declaration]]:
-        return {}
-
-    def _runs(self, routine: s.Routine) -> tuple[TargetRun, ...]:
-        """Long runs of targets that a routine declares."""
-        if id(routine) not in self._local_runs:
-            runs = (item.run for item in routine.body if isinstance(item, s.TargetRunNode))
-            self._local_runs[id(routine)] = tuple(runs)
-        return self._local_runs[id(routine)]
-
-    @cached_property
-    def _local_runs(self) -> dict[int, tuple[TargetRun, ...]]:
+    def _frames(self) -> dict[int, Symbols[s.Node]]:
         return {}
 
     @cached_property
@@ -217,10 +167,10 @@ class Look:
         return takewhile(lambda other: other is not self.module, self.task.modules)
 
     def finding(
-        self, rule: Rule, node: s.Node, *, row: int | None = None, **given: Any
+        self, rule: Rule, node: s.Node | None, *, row: int | None = None, **given: Any
     ) -> Diagnostic:
         """The rule's finding at a node. row: which one, of a node that is a long run."""
-        if self.file.origin is None or node.span is None:
+        if self.file.origin is None or node is None or node.span is None:
             return rule(path=self.file.path, place=self.module.name, **given)
         source, span = self.file.origin.source, node.span
         if row is not None and isinstance(node, s.TargetRunNode | s.MoveRunNode):

@@ -9,9 +9,16 @@ from typing import Any, Final
 import numpy as np
 
 from assistant.languages.checks.name_sets import places, repeats
+from assistant.languages.checks.repeats import repeated
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.checks import plain_rules
-from assistant.languages.rapid.checks.module_view import Look, Task, declaration, parameters
+from assistant.languages.rapid.checks.module_view import (
+    Declared,
+    Look,
+    Task,
+    declaration,
+    parameters,
+)
 from assistant.languages.rapid.tables.words import LONGEST_NAME, SPEEDS, ZONES
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.runs.names import Names
@@ -46,10 +53,10 @@ def duplicates(look: Look) -> Found:
     earlier = set() if look.task.mixed else {id(other) for other in look.before}
     for item in look.module.items:
         declared = declaration(item, look.module)
-        if declared is None:
+        if declared is None or isinstance(item, s.TargetRunNode):
             continue
         name = declared.name.lower()
-        shared = look.task.shared.get(name, ()) if not declared.local else ()
+        shared = look.task.shared.all(name) if not declared.local else ()
         elsewhere = any(id(one.module) in earlier for one in shared)
         other = look.task.row(declared.name, look.module)
         here = name in own or (other is not None and other.module is look.module)
@@ -63,20 +70,18 @@ def duplicates(look: Look) -> Found:
             name = item.run.names.name(row)
             yield look.finding(rules.DUPLICATE, item, row=row, name=name)
     for routine in look.routines:
-        yield from _inner(look, chain(parameters(routine), routine.body))
+        inner = map(declaration, chain(parameters(routine), routine.body))
+        for declared in repeated([one for one in inner if one], _key):
+            yield look.finding(rules.DUPLICATE, declared.node, name=declared.name)
     for record in look.all(s.Record):
         names = [name.lower() for _, name in record.components]
-        for name in dict.fromkeys(n for at, n in enumerate(names) if n in names[:at]):
+        for name in dict.fromkeys(repeated(names, str)):
             yield look.finding(rules.DUPLICATE, record, name=name)
 
 
-def _inner(look: Look, items: Iterator[Any]) -> Found:
-    seen: set[str] = set()
-    for item in items:
-        if (declared := declaration(item)) is not None:
-            if declared.name.lower() in seen:
-                yield look.finding(rules.DUPLICATE, item, name=declared.name)
-            seen.add(declared.name.lower())
+def _key(declared: Declared) -> str | None:
+    """What a name is told apart by; nothing of rows, which have no name of their own here."""
+    return declared.name.lower() or None
 
 
 def repeated_rows(task: Task) -> list[tuple[s.Module, s.TargetRunNode, int]]:

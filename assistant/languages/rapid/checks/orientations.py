@@ -33,7 +33,7 @@ def quaternions(look: Look) -> Found:
             numbers = literal_target(argument.value) if isinstance(argument, s.Positional) else None
             if numbers is not None:
                 yield from _rows(look, argument, np.array([numbers[3:7]]), _always(str(call.name)))
-    types = Types(look)
+    types = look.once(Types)
     for node in look.all(s.Data):
         if isinstance(node.value, s.AggregateNode):
             depth = len(node.dimensions)

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Final
 
 from assistant.languages.rapid.checks import plain_rules as rules
+from assistant.languages.rapid.checks.kinds import Scope
 from assistant.languages.rapid.checks.module_view import Look
+from assistant.languages.rapid.checks.places import placed
 from assistant.languages.rapid.tables import predefined
 from assistant.languages.rapid.tables.words import MOST_DIMENSIONS
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
-from assistant.languages.rapid.tree.walk import blocks, nodes, root
+from assistant.languages.rapid.tree.walk import nodes, root
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]
@@ -29,30 +31,20 @@ WHAT: Final = {
 
 def assignments(look: Look) -> Found:
     """Constants and variables of FOR are read only."""
-    for routine in look.routines:
-        for body in (routine.body, *(h.body for h in routine.handlers)):
-            yield from _assigned(look, routine, body, frozenset())
-
-
-def _assigned(
-    look: Look, routine: s.Routine, body: Sequence[s.StatementNode], loops: frozenset[str]
-) -> Found:
-    for statement in body:
-        if isinstance(statement, s.Assignment):
-            data = root(statement.target)
-            name = "" if data is None else data.name
-            if name.lower() in loops:
-                yield look.finding(rules.ASSIGNED_LOOP, statement, name=name)
-            elif name and _kind(look, name, routine) == "CONST":
-                yield look.finding(rules.ASSIGNED_CONST, statement, name=name)
-        own = {statement.variable.lower()} if isinstance(statement, s.ForLoop) else set()
-        for block in blocks(statement):
-            yield from _assigned(look, routine, block, loops | own)
+    for node, scope in placed(look, s.Assignment):
+        data = root(node.target)
+        kind = _kind(scope, data.name) if data is not None else ""
+        if data is not None and kind == "FOR":
+            yield look.finding(rules.ASSIGNED_LOOP, node, name=data.name)
+        elif data is not None and kind == "CONST":
+            yield look.finding(rules.ASSIGNED_CONST, node, name=data.name)
 
 
 def initial_values(look: Look) -> Found:
     """Initial values of VAR and CONST are constant expressions: literals and constants."""
-    for node, routine in _data(look):
+    for node, scope in placed(look, s.Data):
+        if id(node) not in look.once(_in_place):
+            continue
         if node.value is None:
             if node.storage == "CONST":
                 yield look.finding(rules.NO_VALUE, node, name=node.name)
@@ -66,7 +58,7 @@ def initial_values(look: Look) -> Found:
             if isinstance(part, s.FunctionCall):
                 what = f"the function `{part.name}`"
             elif isinstance(part, s.NameRef):
-                kind = _kind(look, part.name, routine)
+                kind = _kind(scope, part.name)
                 if kind in WHAT:
                     what = f"`{part.name}`, {WHAT[kind]}"
             if what:
@@ -74,30 +66,18 @@ def initial_values(look: Look) -> Found:
                 break
 
 
-def _kind(look: Look, name: str, routine: s.Routine | None) -> str:
+def _kind(scope: Scope, name: str) -> str:
     """What declares a name, empty where that is not sure, as for the numbers of errors."""
-    found = look.find(name, routine)
+    found = scope.find(name)
     if found is not None:
         return found.kind
     standard = predefined.data().get(name.lower())
     return standard.storage if standard is not None and standard.type != "errnum" else ""
 
 
-def _data(look: Look) -> Iterator[tuple[s.Data, s.Routine | None]]:
-    """Every plain declaration with the routine that it stands in."""
-    for item in look.module.items:
-        if isinstance(item, s.Data):
-            yield item, None
-        elif isinstance(item, s.Routine):
-            for statement in item.body:
-                if isinstance(statement, s.Data):
-                    yield statement, item
-
-
 def places(look: Look) -> Found:
     """Storage classes and scopes where they may not stand."""
     items = {id(item) for item in look.module.items}
-    tops = {id(statement) for routine in look.routines for statement in routine.body}
     for node in look.all(s.Data):
         if id(node) in items:
             if node.scope == "TASK" and node.storage == "CONST":
@@ -105,7 +85,7 @@ def places(look: Look) -> Found:
         elif node.storage == "PERS" or node.scope:
             what = "PERS" if node.storage == "PERS" else node.scope
             yield look.finding(rules.NO_PLACE, node, what=what, where="inside a routine")
-        elif id(node) not in tops:
+        elif id(node) not in look.once(_in_place):
             yield look.finding(rules.NO_PLACE, node, what="a declaration", where="in a block")
         if node.type.lower() == "switch":
             yield look.finding(rules.NO_PLACE, node, what="a switch", where="among data")
@@ -116,6 +96,12 @@ def places(look: Look) -> Found:
                     if not group.optional:
                         where = "among required parameters"
                         yield look.finding(rules.NO_PLACE, one, what="a switch", where=where)
+
+
+def _in_place(look: Look) -> set[int]:
+    """The `id` of everything that stands in the module itself or in the body of a routine."""
+    bodies = (look.module.items, *(routine.body for routine in look.routines))
+    return {id(node) for body in bodies for node in body}
 
 
 def dimensions(look: Look) -> Found:

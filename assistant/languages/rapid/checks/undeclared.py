@@ -35,7 +35,7 @@ def names(look: Look) -> Iterator[Diagnostic]:
     signals = _signals(look.task)
     seen: set[str] = set()
     for item in look.module.items:
-        own = frozenset(look.frame(item)) if isinstance(item, s.Routine) else frozenset()
+        own = frozenset(look.frame(item).names) if isinstance(item, s.Routine) else frozenset()
         for used in _used(item, own):
             low = used.name.lower()
             if low in seen or low in PREDEFINED or low in signals or hand_of(low):
