@@ -18,6 +18,16 @@ class Memory:
             self._worked[work] = work(self)
         return cast("T", self._worked[work])
 
+    def first(self, what: str, name: str) -> bool:
+        """Whether this is the first time that this is said of a name, in any case."""
+        known = (what, name.lower()) in self._told
+        self._told.add((what, name.lower()))
+        return not known
+
+    @cached_property
+    def _told(self) -> set[tuple[str, str]]:
+        return set()
+
     @cached_property
     def _worked(self) -> dict[Callable[[Any], Any], Any]:
         return {}

@@ -38,7 +38,7 @@ def function(node: s.FunctionCall, scope: Scope) -> Found:
 
 def connected(node: s.Connect, scope: Scope) -> Found:
     yield from names_used.data(node.interrupt, scope)
-    if scope.find(node.trap) is None and scope.types.first("routine", node.trap):
+    if scope.find(node.trap) is None and scope.look.first("routine", node.trap):
         severity = names_used.doubt(scope, Severity.WARNING)
         yield scope.look.finding(rules.UNKNOWN_ROUTINE, node, name=node.trap, severity=severity)
 
@@ -69,7 +69,7 @@ def _call(node: s.ProcedureCall | s.FunctionCall, name: str, kind: str, scope: S
 
 
 def _unknown(node: s.ProcedureCall | s.FunctionCall, name: str, kind: str, scope: Scope) -> Found:
-    if not scope.types.first("routine", name):
+    if not scope.look.first("routine", name):
         return
     own = [one.name for one in scope.look.task.shared if one.kind == kind]
     # An option may have routines that are not listed: none of those is taken for a slip.

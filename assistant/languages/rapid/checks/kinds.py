@@ -6,12 +6,13 @@ data of a module that was not given.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final, cast
+from typing import Final
 
 from assistant.languages.checks.symbols import Declaration
+from assistant.languages.named_types import NamedTypes, Type
 from assistant.languages.rapid.checks.module_view import Declared, Look
 from assistant.languages.rapid.tables import predefined
 from assistant.languages.rapid.tables.signatures import signature
@@ -23,8 +24,6 @@ NUMBER: Final = "number"
 """Type of a numeric literal, which is a num or a dnum as the place wants it."""
 NUMERIC: Final = frozenset({"num", "dnum", NUMBER})
 LOGICAL: Final = frozenset({"OR", "XOR", "AND"})
-MOST_ALIASES: Final = 8
-"""Aliases behind each other that are followed; RAPID forbids two."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,75 +58,37 @@ OPERATIONS: Final[Joined] = {
 """What an operator makes of two types."""
 
 
-class Types:
+class Types(NamedTypes):
     """Types that a module sees: its own, those of its task, predefined ones."""
 
     def __init__(self, look: Look) -> None:
+        super().__init__(predefined.types())
         self.look = look
-        self._bases: dict[str, str | None] = {}
-        self.told: set[tuple[str, str]] = set()
-        """What has been said of a name once and need not be said again."""
 
-    def first(self, what: str, name: str) -> bool:
-        """Whether this is the first time that this is said of a name."""
-        key = (what, name.lower())
-        known = key in self.told
-        self.told.add(key)
-        return not known
-
-    def base(self, name: str) -> str | None:
-        """The type itself, of an alias what it stands for; None if nothing declares it."""
-        low = name.lower()
-        if low not in self._bases:
-            self._bases[low] = self._base(low)
-        return self._bases[low]
-
-    def _base(self, low: str) -> str | None:
-        for _ in range(MOST_ALIASES):
-            found = self.find(low)
-            if found is not None and found.kind == "ALIAS":
-                low = found.type.lower()
-            elif found is not None:
-                return low
-            elif (standard := predefined.types().get(low)) is not None:
-                if not standard.of:
-                    return low
-                low = standard.of
-            else:
-                return None
-        return None
-
-    def find(self, name: str) -> Declared | None:
-        """The record or alias of that name, None if no module declares one."""
+    def declared(self, name: str) -> Type | None:
         found = self.look.find(name)
-        return found if found is not None and found.kind in ("RECORD", "ALIAS") else None
-
-    def components(self, base: str) -> Mapping[str, str] | None:
-        """Components of a record in order, type by name; None if they are not known."""
-        found = self.find(base)
-        if found is not None:
-            several = not found.local and len(self.look.task.shared.all(base)) > 1
-            record = cast(s.Record, found.node)
-            return None if several else {name: type for type, name in record.components}
-        standard = predefined.types().get(base)
-        return standard.components if standard else None
+        match found.node if found is not None else None:
+            case s.Alias(local, of, name):
+                return Type(name, "ALIAS", of)
+            case s.Record(local, name, components):
+                several = not local and len(self.look.task.shared.all(name)) > 1
+                known = None if several else {inner: type for type, inner in components}
+                return Type(name, "RECORD", components=known)
+        return None
 
     def atomic(self, base: str) -> bool:
         """Whether a type surely has no components."""
-        standard = predefined.types().get(base)
-        return self.find(base) is None and standard is not None and standard.kind == "VALUE"
+        return self.kind(base) == "VALUE"
 
     def device(self, base: str) -> bool:
         """Whether the configuration of the controller may name objects of a type."""
-        standard = predefined.types().get(base)
-        return base == "" or (standard is not None and standard.kind in ("DEVICE", "OTHER"))
+        return base == "" or self.kind(base) in ("DEVICE", "OTHER")
 
-    def known(self) -> Iterable[str]:
+    def known(self) -> Iterator[str]:
         """Names of types as they are declared."""
         for level in reversed(self.look.task.levels(self.look.module)):
             yield from (one.name for one in level if one.kind in ("RECORD", "ALIAS"))
-        for standard in predefined.types().values():
-            yield standard.name
+        yield from (standard.name for standard in self.predefined.values())
 
 
 class Scope:

@@ -51,7 +51,7 @@ def data(node: s.Expression, scope: Scope) -> Found:
     low = node.name.lower()
     if low in predefined.data() or low.startswith("err_") or scope.look.compiled:
         return
-    if scope.types.first("data", low):
+    if scope.look.first("data", low):
         yield scope.look.finding(rules.UNKNOWN_DATA, node, name=node.name)
 
 
@@ -72,7 +72,7 @@ def types_of(node: s.Record, scope: Scope) -> Found:
 
 def _types(names: Iterable[str], node: s.Node, scope: Scope) -> Found:
     for name in names:
-        if scope.types.base(name) is not None or not scope.types.first("type", name):
+        if scope.types.base(name) is not None or not scope.look.first("type", name):
             continue
         near = misspelt(name, scope.types.known(), TYPE_ENDING)
         if near:

@@ -8,28 +8,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from typing import Final
 
+from assistant.languages.named_types import Type
+
 WORDS: Final = ("VALUE", "OTHER", "ALIAS", "HANDLE", "DEVICE", "RECORD")
 _LINE: Final = re.compile(r"^([A-Z]+)(?: (\w+))?: (.*)$", re.MULTILINE)
-
-
-@dataclass(frozen=True, slots=True)
-class Type:
-    """A predefined type.
-
-    kind: `VALUE`, `ALIAS`, `RECORD`, `HANDLE` (without a value), `DEVICE` (named in the
-    controller's configuration) or `OTHER`. of: what an alias stands for.
-    components: type by name of a record, in order; None if they are not known.
-    """
-
-    name: str
-    kind: str
-    of: str = ""
-    components: Mapping[str, str] | None = field(default=None, hash=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +30,11 @@ class Datum:
 
 @cache
 def types() -> Mapping[str, Type]:
-    """Every predefined type by lower-case name."""
+    """Every predefined type by lower-case name.
+
+    Its kind is `VALUE`, `ALIAS`, `RECORD`, `HANDLE` (without a value), `DEVICE` (named in the
+    controller's configuration) or `OTHER`.
+    """
     return dict(_types())
 
 
