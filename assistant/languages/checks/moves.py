@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
+from math import nan
 from typing import Final, Generic, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from assistant.languages.checks.name_sets import places
 from assistant.program.arrays import Floats, Ints, Rows, Truths
 
 N = TypeVar("N")
 
 UNKNOWN: Final = -1
 """A posture that is not known."""
+
+
+Point = tuple[float | None, ...]
+"""mm; what is None or left out is not known."""
+_NOWHERE: Final = (nan, nan, nan)
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,49 +47,6 @@ class Moves(Generic[N]):
     def __len__(self) -> int:
         return len(self.kinds)
 
-    @staticmethod
-    def of(
-        item: N,
-        kinds: ArrayLike,
-        ends: Floats,
-        *,
-        follows: bool,
-        vias: Floats | None = None,
-        starts: Floats | None = None,
-        postures: ArrayLike = UNKNOWN,
-        turning: bool = False,
-    ) -> Moves[N]:
-        """The moves of one item, each of which follows the one before. follows: of the first."""
-        n = len(ends)
-        nowhere = np.full((n, 3), np.nan)
-        return Moves(
-            (item,),
-            np.zeros(n, np.intp),
-            np.arange(n),
-            np.broadcast_to(np.asarray(kinds, np.int64), n),
-            np.concatenate([[follows], np.ones(n - 1, bool)]),
-            ends,
-            nowhere if vias is None else vias,
-            nowhere if starts is None else starts,
-            np.broadcast_to(np.asarray(postures, np.int64), n),
-            np.full(n, turning),
-        )
-
-    @staticmethod
-    def joined(parts: Sequence[Moves[N]]) -> Moves[N] | None:
-        """One behind the other, each of one item; None if there is none."""
-        if not parts:
-            return None
-        columns = {
-            column.name: np.concatenate([getattr(part, column.name) for part in parts])
-            for column in fields(Moves)[2:]
-        }
-        return Moves(
-            tuple(part.items[0] for part in parts),
-            places(parts)[0],
-            **columns,
-        )
-
     @property
     def before(self) -> Floats:
         """(n, 3) mm where the robot stands in front of each move; NaN where that is not sure."""
@@ -96,3 +57,103 @@ class Moves(Generic[N]):
         """The item of each of some moves, and the row in it."""
         for at in np.flatnonzero(chosen).tolist():
             yield self.items[self.item[at]], int(self.row[at])
+
+
+class Follower(Generic[N]):
+    """Gathers moves one behind the other, of lines and of tables."""
+
+    def __init__(self) -> None:
+        self._parts: list[Moves[N]] = []
+        self._lines: list[tuple[N, int, bool, tuple[float, ...], int, bool]] = []
+
+    def line(
+        self,
+        item: N,
+        kind: int,
+        *,
+        follows: bool,
+        end: Point = (),
+        via: Point = (),
+        start: Point = (),
+        posture: int = UNKNOWN,
+        turning: bool = False,
+    ) -> None:
+        """One move."""
+        points = (*_known(end), *_known(via), *_known(start))
+        self._lines.append((item, kind, follows, points, posture, turning))
+
+    def table(
+        self,
+        item: N,
+        kinds: Ints,
+        ends: Floats,
+        *,
+        follows: bool,
+        vias: Floats,
+        starts: Floats | None = None,
+        postures: Ints | None = None,
+        apart: Truths | None = None,
+    ) -> None:
+        """Moves that follow each other. follows: of the first. apart: (n,) in another frame than
+        the one before.
+        """
+        n = len(ends)
+        following = np.ones(n, bool) if apart is None else ~apart
+        following[0] = follows
+        self._close()
+        self._parts.append(
+            Moves(
+                (item,),
+                np.zeros(n, np.intp),
+                np.arange(n),
+                kinds,
+                following,
+                ends,
+                vias,
+                np.full((n, 3), np.nan) if starts is None else starts,
+                np.full(n, UNKNOWN) if postures is None else postures,
+                np.zeros(n, bool),
+            )
+        )
+
+    def _close(self) -> None:
+        """Turns the lines since the last table into columns."""
+        if self._lines:
+            items, kinds, follows, points, postures, turning = zip(*self._lines, strict=True)
+            n, at = len(items), np.array(points).reshape(-1, 3, 3)
+            self._parts.append(
+                Moves(
+                    items,
+                    np.arange(n),
+                    np.zeros(n, np.intp),
+                    np.array(kinds),
+                    np.array(follows),
+                    at[:, 0],
+                    at[:, 1],
+                    at[:, 2],
+                    np.array(postures),
+                    np.array(turning),
+                )
+            )
+            self._lines.clear()
+
+    def moves(self) -> Moves[N] | None:
+        """All of them; None if there is none."""
+        self._close()
+        if not self._parts:
+            return None
+        columns = {
+            column.name: np.concatenate([getattr(part, column.name) for part in self._parts])
+            for column in fields(Moves)[2:]
+        }
+        begins = np.cumsum([0, *(len(part.items) for part in self._parts[:-1])])
+        return Moves(
+            tuple(item for part in self._parts for item in part.items),
+            np.concatenate([part.item + at for part, at in zip(self._parts, begins, strict=True)]),
+            **columns,
+        )
+
+
+def _known(point: Point) -> tuple[float, ...]:
+    """Three numbers, NaN for what is not known."""
+    return tuple(nan if value is None else value for value in (*point, *_NOWHERE)[:3])

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from assistant.languages.runs.names import Index, Names
+from assistant.languages.runs.names import Names, split
 from assistant.program.arrays import Ints, Rows, Truths
 
 
@@ -23,17 +23,31 @@ class NameSet:
         self.columns: list[Names] = []
 
     def __contains__(self, name: str) -> bool:
-        return name in self.words or bool(self._index.row(name)[0] >= 0)
+        if name in self.words:
+            return True
+        stem, number = split(name) if name.isascii() and self.columns else (b"", 0)
+        columns = self._numbers.get(stem.lower(), ())
+        return any(bool((numbers == number).any()) for numbers in columns)
 
     def among(self, names: Names) -> Truths:
         """(n,) which of the names are in the set."""
-        found: Truths = self._index.rows(names) >= 0
+        found = np.zeros(len(names), dtype=bool)
+        for at, stem in enumerate(names.stems):
+            known = [np.empty(0, np.int64), *self._numbers.get(stem.lower(), ())]
+            mine = names.stem == at
+            found[mine] = np.isin(names.number[mine], np.concatenate(known))
         return found
 
     @cached_property
-    def _index(self) -> Index:
+    def _numbers(self) -> dict[bytes, list[Ints]]:
+        """Numbers of all names by their stems."""
         words = Names.of([word for word in self.words if word.isascii()])
-        return Index(Names.joined([words, *self.columns]))
+        found: dict[bytes, list[Ints]] = {}
+        for column in (words, *self.columns):
+            for at, stem in enumerate(column.stems):
+                numbers = column.number[column.stem == at]
+                found.setdefault(stem.lower(), []).append(numbers)
+        return found
 
 
 def places(columns: Sequence[Sized]) -> tuple[Rows, Rows]:

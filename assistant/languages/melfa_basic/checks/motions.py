@@ -8,7 +8,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from assistant.languages.checks.moves import Moves
+from assistant.languages.checks.moves import Follower, Moves
 from assistant.languages.checks.wording import like_it
 from assistant.languages.melfa_basic.checks import motion_rules as rules
 from assistant.languages.melfa_basic.checks.file_view import Look
@@ -34,21 +34,21 @@ def moves(look: Look) -> Moves[s.Entry] | None:
     """Worked out once for a file."""
     positions = look.once(_positions)
     changed = _changed(look)
-    found: list[Moves[s.Entry]] = []
+    found: Follower[s.Entry] = Follower()
     follows = False
     for item in look.code:
         if isinstance(item, MoveRows):
-            found.append(_of_rows(item, positions, changed, follows=follows))
+            _table(found, item, positions, changed, follows=follows)
             follows = True
             continue
         if item.label is not None:
             follows = False
         if isinstance(item.statement, s.Motion):
-            found.append(_of_line(item, item.statement, positions, changed, follows=follows))
+            _line(found, item, item.statement, positions, changed, follows=follows)
             follows = item.statement.append is None
         elif not _is_harmless(item.statement):
             follows = False
-    return Moves.joined(found)
+    return found.moves()
 
 
 def _positions(look: Look) -> Positions:
@@ -75,59 +75,60 @@ def _is_harmless(statement: s.Statement | None) -> bool:
     return isinstance(statement, KEEPS)
 
 
-def _of_rows(
-    rows: MoveRows, positions: Positions, changed: set[str], *, follows: bool
-) -> Moves[s.Entry]:
+def _table(
+    found: Follower[s.Entry],
+    rows: MoveRows,
+    positions: Positions,
+    changed: set[str],
+    *,
+    follows: bool,
+) -> None:
     stem = rows.stem.upper()
-    moved = [
-        int(n[len(stem) :]) for n in changed if n.startswith(stem) and n[len(stem) :].isdigit()
-    ]
+    digits = (name.removeprefix(stem) for name in changed if name.startswith(stem))
+    moved = [int(number) for number in digits if number.isdigit()]
 
     def known(numbers: Ints) -> tuple[Floats, Ints]:
-        values, flags, found = positions.find(stem, numbers)
-        found = found & ~np.isin(numbers, moved)
-        points = np.where(found[:, None], values[:, :3], np.nan)
-        return points, np.where(found, flags[:, 0], NO_FLAGS)
+        values, flags, there = positions.find(stem, numbers)
+        there = there & ~np.isin(numbers, moved) if moved else there
+        points = np.where(there[:, None], values[:, :3], np.nan)
+        return points, np.where(there, flags[:, 0], NO_FLAGS)
 
-    ends, flags = known(rows.end)
-    vias, starts = known(rows.via)[0], known(rows.start)[0]
-    return Moves.of(
-        rows, rows.kinds, ends, vias=vias, starts=starts, postures=flags, follows=follows
-    )
+    (ends, flags), (vias, _), (starts, _) = map(known, (rows.end, rows.via, rows.start))
+    found.table(rows, rows.kinds, ends, vias=vias, starts=starts, postures=flags, follows=follows)
 
 
-def _of_line(
-    line: s.Line, motion: s.Motion, positions: Positions, changed: set[str], *, follows: bool
-) -> Moves[s.Entry]:
+def _line(
+    found: Follower[s.Entry],
+    line: s.Line,
+    motion: s.Motion,
+    positions: Positions,
+    changed: set[str],
+    *,
+    follows: bool,
+) -> None:
     kind = KEYWORDS.index(motion.keyword) if motion.keyword in KEYWORDS else -1
     start = via = end = None
     if kind == MVR and len(motion.arguments) >= ARC_POINTS:
         start, via, end = motion.arguments[:ARC_POINTS]
     elif kind >= 0 and len(motion.arguments) == 1:
         (end,) = motion.arguments
-    constants = [_constant(one, positions, changed) for one in (end, via, start)]
-    ends, vias, starts = (_point(constant) for constant in constants)
-    flags = constants[0].flags if constants[0] is not None else None
+    at = [_constant(one, positions, changed) for one in (end, via, start)]
+    ends, vias, starts = (one.values if one is not None else () for one in at)
+    flags = at[0].flags if at[0] is not None else None
     second = literal(motion.type[1]) if motion.type else None
-    return Moves.of(
+    found.line(
         line,
         kind,
-        ends,
-        vias=vias,
-        starts=starts,
-        postures=NO_FLAGS if flags is None or flags[0] is None else flags[0],
-        turning=second in (1, 2),
         follows=follows,
+        end=ends,
+        via=vias,
+        start=starts,
+        posture=NO_FLAGS if flags is None or flags[0] is None else flags[0],
+        turning=second in (1, 2),
     )
 
 
 ARC_POINTS: Final = 3
-
-
-def _point(constant: s.Constant | None) -> Floats:
-    """(1, 3) mm, NaN where there is no value."""
-    values = (*(constant.values if constant is not None else ()), None, None, None)[:3]
-    return np.array([[np.nan if value is None else value for value in values]])
 
 
 def _constant(

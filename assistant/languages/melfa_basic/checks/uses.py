@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, Final, Literal
 
 from assistant.languages.melfa_basic.tables.vocabulary import ANY, commands, function, statements
@@ -31,58 +32,64 @@ class Use:
     role: Role
 
 
-def uses(statement: s.Statement | None) -> Iterator[Use]:
-    """The variables of a statement, function calls included, with what is done with each."""
-    match statement:
-        case None:
-            return
-        case s.If(condition, then, otherwise):
-            yield from _read(condition)
-            for branch in (then, otherwise):
-                if branch is not None and not isinstance(branch, s.Target):
-                    yield from uses(branch)
-        case s.Motion(_, arguments, type, append):
-            yield from _read((arguments, type))
-            if append is not None:
-                yield from _read(append.condition)
-                yield from uses(append.statement)
-        case s.Assign(target, value, delay):
-            yield from _written(target)
-            yield from _read((value, delay))
-        case s.For(variable, first, last, step):
-            yield Use(variable, "either")  # Next reads it
-            yield from _read(variable.arguments)
-            yield from _read((first, last, step))
-        case s.Const(_, variable, value):
-            yield from _written(variable)
-            yield from _read(value)
-        case s.Input(number, variables):
-            yield from _read(number)
-            for variable in variables:
-                yield from _written(variable)
-        case s.FPrm(variables):
-            for variable in variables:
-                yield Use(variable, "written")
-        case s.DefNames(_, variables) | s.Dim(variables):
-            for variable in variables:
-                yield Use(variable, "declared")
-        case s.Static(definition):
-            yield from uses(definition)
-        case s.DefIo(variable, _, number, mask):
-            yield Use(variable, "written")
-            yield from _read((number, mask))
+ROLES: Final[Mapping[tuple[type, str], Role]] = {
+    (s.Assign, "target"): "written",
+    (s.Const, "variable"): "written",
+    (s.DefIo, "variable"): "written",
+    (s.DefNames, "variables"): "declared",
+    (s.Dim, "variables"): "declared",
+    (s.For, "variable"): "either",  # Next reads it
+    (s.FPrm, "variables"): "written",
+    (s.Input, "variables"): "written",
+}
+"""Statement and field → what is done with the variables there; others are read."""
+
+
+def uses(node: Any, role: Role = "read") -> Iterator[Use]:
+    """The variables of a statement or of expressions, function calls included, in their order.
+
+    In the arguments of a call they may be given a value. role: where the node says nothing else.
+    """
+    left: list[tuple[Any, Role]] = [(node, role)]
+    while left:
+        node, role = left.pop()
+        kind: Any = type(node)
+        if kind is s.Variable:
+            yield Use(node, role)
+            if node.arguments and role != "declared":
+                left.append((node.arguments, "either" if _gives(node.key) else "read"))
+        elif kind is tuple:
+            left += [(inner, role) for inner in reversed(node)]
+        elif kind in _OWN:
+            yield from _own(node)
+        else:
+            left += [(getattr(node, name), own or role) for name, own in _fields(kind)]
+
+
+@cache
+def _fields(kind: type) -> tuple[tuple[str, Role | None], ...]:
+    """Fields that may hold nodes, the last one first, with what is done with what is in them."""
+    return tuple((name, ROLES.get((kind, name))) for name in inside(kind) or ())
+
+
+_OWN: Final = frozenset({s.Next, s.Append, s.Call, s.DefFunction, s.Command})
+
+
+def _own(node: Any) -> Iterator[Use]:
+    """Uses in what is not read field by field."""
+    match node:
+        case s.Append(statement, condition):
+            yield from uses((condition, statement))
+        case s.Call(function):
+            yield from uses(function.arguments, "either")
         case s.DefFunction(_, _, parameters, value):
             own = {parameter.key for parameter in parameters}
-            yield from (use for use in _read(value) if use.variable.key not in own)
-        case s.Call(function):
-            yield from _read(function.arguments, "either")
+            yield from (use for use in uses(value) if use.variable.key not in own)
         case s.Command(keyword, arguments):
-            role: Role = "either" if keyword in commands("gives") else "read"
-            yield from (u for u in _read(arguments, role) if not is_word(u.variable))
+            given = uses(arguments, "either" if keyword in commands("gives") else "read")
+            yield from (use for use in given if not is_word(use.variable))
         case s.Next():
             return  # its variables are those of the loops
-        case _:
-            yield from _read(statement)
 
 
 def is_word(variable: s.Variable) -> bool:
@@ -91,33 +98,7 @@ def is_word(variable: s.Variable) -> bool:
     return plain and variable.key in WORDS
 
 
-def _written(target: s.Variable) -> Iterator[Use]:
-    yield Use(target, "written")
-    yield from _read(target.arguments)
-
-
-def _read(node: Any, role: Role = "read") -> Iterator[Use]:
-    """The variables of expressions; in the arguments of a call they may be given a value."""
-    for inner in _outer(node):
-        yield Use(inner, role)
-        if inner.arguments:
-            yield from _read(inner.arguments, "either" if _gives(inner.key) else "read")
-
-
 def _gives(name: str) -> bool:
     """Whether a function of the language may give results in its arguments."""
     known = function(name)
     return known is not None and any(a.assigned or a.types == ANY for a in known.arguments)
-
-
-def _outer(node: Any) -> Iterator[s.Variable]:
-    """Variables that stand in no other one's arguments."""
-    left = [node]
-    while left:
-        inner = left.pop()
-        if isinstance(inner, s.Variable):
-            yield inner
-        elif isinstance(inner, tuple):
-            left += reversed(inner)
-        else:
-            left += [getattr(inner, name) for name in inside(type(inner)) or ()]

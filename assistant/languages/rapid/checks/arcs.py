@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
-from assistant.languages.checks.moves import Moves
+from assistant.languages.checks.moves import Follower, Moves, Point
 from assistant.languages.checks.wording import as_of_more
 from assistant.languages.rapid.checks import plain_rules as rules
 from assistant.languages.rapid.checks.module_view import Look
@@ -30,7 +29,6 @@ LEAST_ANGLE: Final = 1.0
 """degrees between circle point and end, seen from the start (instruction manual, MoveC)."""
 LONGEST: Final = 240.0
 """degrees that an arc should go round at most."""
-UNKNOWN: Final = (np.nan, np.nan, np.nan)
 TARGETS: Final = {"movej": 1, "movel": 1, "movec": 2}
 """Plain moves with the number of their targets."""
 
@@ -45,15 +43,16 @@ def arcs(look: Look) -> Found:
     known = _Positions(look)
     for routine in look.routines:
         for body in lists(routine):
-            moves = Moves.joined(list(_moves(look, routine, known, body)))
+            moves = _moves(look, routine, known, body)
             if moves is not None:
                 yield from _found(look, moves)
 
 
 def _moves(
     look: Look, routine: s.Routine, known: _Positions, body: Sequence[s.StatementNode]
-) -> Iterator[Moves[s.Node]]:
+) -> Moves[s.Node] | None:
     """Follows the robot through a list of statements; after what is no move it is nowhere."""
+    found: Follower[s.Node] = Follower()
     here: Frame | None = None
     own = {d.type.lower() for d in look.frame(routine)}
     for node in body:
@@ -61,12 +60,12 @@ def _moves(
             run = node.run
             frames = Entries(tuple(map(_frame, run.motions.table)), run.motions.index)
             ends = known.of(run.names) if run.values is None else run.values[:, :3]
-            moves: Moves[s.Node] = Moves.of(
-                node, run.kinds, ends, vias=known.of(run.vias), follows=here == frames[0]
-            )
-            moves.follows[1:] &= frames.rows(slice(1, None)).equal(frames.rows(slice(-1)))
+            apart = np.zeros(len(run), bool)
+            apart[1:] = ~frames.rows(slice(1, None)).equal(frames.rows(slice(-1)))
             # a name may mean another target here
-            yield replace(moves, kinds=moves.kinds * 0) if "robtarget" in own else moves
+            kinds = run.kinds.astype(np.int64) * ("robtarget" not in own)
+            vias, follows = known.of(run.vias), here == frames[0]
+            found.table(node, kinds, ends, vias=vias, follows=follows, apart=apart)
             here = frames[-1]
         elif isinstance(node, s.ProcedureCall):
             targets = _targets(node)
@@ -74,14 +73,13 @@ def _moves(
                 here = None
                 continue
             points, frame = targets
-            known_points = [known.one(point, look, routine)[None] for point in points]
+            at = [known.one(point, look, routine) for point in points]
             kind = CIRCULAR if len(points) > 1 else LINEAR
-            yield Moves.of(
-                node, kind, known_points[-1], vias=known_points[0], follows=here == frame
-            )
+            found.line(node, kind, end=at[-1], via=at[0], follows=here == frame)
             here = frame
         elif not isinstance(node, s.CommentLine | s.Assignment):
             here = None
+    return found.moves()
 
 
 def _frame(motion: MotionNames) -> Frame:
@@ -148,19 +146,18 @@ class _Positions:
             self._runs.append(TargetRun(Names.of(names), np.array(values, dtype=np.float64)))
         self._indices = [Index(run.names) for run in self._runs]
 
-    def one(self, value: s.Expression, look: Look, routine: s.Routine) -> Floats:
-        """(3,) of an expression; NaN where it is not known."""
+    def one(self, value: s.Expression, look: Look, routine: s.Routine) -> Point:
+        """Of an expression."""
         if isinstance(value, s.NameRef):
             found = look.find(value.name, routine)
             if found is None or found.kind != "CONST":
-                return np.array(UNKNOWN)
+                return ()
             if not isinstance(found.node, s.Data):
-                return np.array(self.of(Names.of([value.name]))[0])
+                return tuple(self.of(Names.of([value.name]))[0].tolist())
             if found.node.dimensions or found.node.value is None:
-                return np.array(UNKNOWN)
+                return ()
             value = found.node.value
-        numbers = literal_target(value)
-        return np.array(UNKNOWN if numbers is None else numbers[:3])
+        return tuple(literal_target(value) or ())
 
     def of(self, names: Names) -> Floats:
         """(n, 3) of names in columns; NaN where they are not known."""
