@@ -337,15 +337,19 @@ def bodies(most: int = 3) -> st.SearchStrategy[tuple[Statement, ...]]:
     return st.lists(statements(), max_size=most).map(tuple)
 
 
+def triggers_of(value: st.SearchStrategy[Expression]) -> st.SearchStrategy[Trigger]:
+    """Outputs on the way of a move, whose numbers are such expressions."""
+    perhaps = st.none() | value
+    measure = st.sampled_from(get_args(Measure))
+    return st.builds(Trigger, names(), value, value, measure, perhaps, perhaps)
+
+
 @cache
 def _simple() -> st.SearchStrategy[Statement]:
     value = expressions(4)
     maybe = st.none() | value
     several = st.lists(value, max_size=3).map(tuple)
-    measure = st.sampled_from(get_args(Measure))
-    small = st.integers(0, 9).map(Number) | names().map(Name)
-    perhaps = st.none() | small
-    trigger = st.builds(Trigger, names(), small, small, measure, perhaps, perhaps)
+    trigger = triggers_of(st.integers(0, 9).map(Number) | names().map(Name))
     triggers = st.just(()) | trigger.map(lambda one: (one,)) | st.tuples(trigger, trigger)
     field = names()
     place = st.one_of(

@@ -6,11 +6,14 @@ import re
 
 import pytest
 from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
+from assistant.program.expressions import Name
+from assistant.program.motion import Blend, Speed
 from assistant.program.path import Path
 from assistant.program.program import Procedure, Program
 from assistant.program.pseudo import parse, print_program
-from assistant.program.statements import Follow, Statement
+from assistant.program.statements import Follow, Motion, MoveJoints, Statement, Trigger
 from tests import strategies
 
 PATIENT = settings(
@@ -54,6 +57,13 @@ def test_thousands_of_programs_come_back(program: Program) -> None:
 @given(strategies.statements())
 def test_statements_come_back(statement: Statement) -> None:
     comes_back(holding(statement))
+
+
+@BRIEF
+@given(st.lists(strategies.triggers_of(strategies.expressions(3)), min_size=1, max_size=2))
+def test_outputs_on_the_way_of_a_move_come_back(triggers: list[Trigger]) -> None:
+    motion = Motion(Speed(100.0), Blend())
+    comes_back(holding(MoveJoints(Name("there"), motion, tuple(triggers))))
 
 
 @BRIEF

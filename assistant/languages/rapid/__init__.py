@@ -110,16 +110,17 @@ class Rapid(Language["File"]):
 
         return Adapted(program) if to.family == self.family else exported(program, arm)
 
-    def merge(
-        self,
-        tree: File,
-        before: File,
-        after: File,
-        program: Program,  # noqa: ARG002
-    ) -> File:
+    def merge(self, tree: File, before: File, after: File, program: Program) -> File:
+        """What sets data up for moves stands anywhere: a change that reaches it is looked at."""
         from assistant.languages.rapid.text.merging import merge
+        from assistant.program.comparison import compare
+        from assistant.program.passes.places import sets_on_way
 
-        return merge(tree, before, after)
+        merged, origin = merge(tree, before, after), program.origin
+        if not sets_on_way(program) and (origin is None or not sets_on_way(origin.lifted)):
+            return merged
+        wanted, made = (self.lift_trees((one,), None) for one in (after, merged))
+        return merged if compare(wanted, made).same else after
 
     def adapt(
         self,

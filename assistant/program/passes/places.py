@@ -34,7 +34,7 @@ def with_measured_places(job: Legalising) -> Program:
         return program
     _find_pulses(job, can)
     measures = can.measures
-    if not any(isinstance(x, p.MoveStatement) and x.triggers for x in program.statements()):
+    if not sets_on_way(program):
         return program
     known = lengths(program)
     _find_unlike(job, can)
@@ -54,6 +54,11 @@ def with_measured_places(job: Legalising) -> Program:
     return replace(
         program, procedures=tuple(replace(q, body=body(known, q.body)) for q, known in procedures)
     )
+
+
+def sets_on_way(program: Program) -> bool:
+    """Whether a move sets anything on its way."""
+    return any(isinstance(x, p.MoveStatement) and x.triggers for x in program.statements())
 
 
 def constants(program: Program, procedure: Procedure) -> dict[str, e.Number]:

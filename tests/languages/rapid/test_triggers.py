@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
 import pytest
 
 from assistant import languages
@@ -10,6 +14,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Program
 from assistant.program.pseudo.statements import statement_text
+from assistant.program.rewriting import rewrite
 from assistant.program.text import SourceText
 from tests.languages.rapid.test_rules import found
 
@@ -178,3 +183,50 @@ def test_rules(case: str) -> None:
     more, body, expected = RULES[case]
     codes = [(code, line) for code, line in found(module(body, more)) if code in ("RA465", "RA466")]
     assert codes == expected
+
+
+# -------------------------------------------------------------------- changes of a program
+
+TEXT = f"""MODULE Seam
+  CONST robtarget p1:=[[400,0,400],[0,0,1,0],[0,0,0,0],{UNUSED}];
+  VAR triggdata gunon;  ! spray
+  VAR triggdata gunoff;
+  PROC main()   ! one move
+    TriggIO gunon, 20\\DOp:=do1, 1;
+    TriggIO gunoff, 10\\DOp:=do1, 0;
+    MoveJ p1 , v500, fine,  tool0;
+    TriggL Offs(p1,0,0,50), v150, gunon \\T2:=gunoff, fine, tool0;
+    WaitTime  1;
+  ENDPROC
+ENDMODULE
+"""
+
+
+def changed(change: Callable[[Any], Any]) -> str:
+    """The text once a change was made to what it says."""
+    rapid = languages.get("rapid")
+    program = rapid.lift(rapid.parse(TEXT))
+    assert rapid.render(rapid.lower(program)) == TEXT
+    made = replace(program, procedures=rewrite(program.procedures, change))
+    return str(rapid.render(rapid.lower(made)))
+
+
+def test_another_statement_is_changed_in_place() -> None:
+    def longer(x: Any) -> Any:
+        return replace(x, seconds=e.Number(2)) if isinstance(x, p.Wait) else x
+
+    assert changed(longer) == TEXT.replace("WaitTime  1", "WaitTime  2")
+
+
+@pytest.mark.parametrize("value", [0, 1])
+def test_a_place_that_is_changed_is_the_one_that_is_said(value: int) -> None:
+    def moved(x: Any) -> Any:
+        is_it = isinstance(x, p.Trigger) and x.value == e.Number(value)
+        return replace(x, amount=e.Number(25)) if is_it else x
+
+    text = changed(moved)
+    program = load_text(SourceText(text), language="rapid").program
+    places = {1: 20, 0: 10, value: 25}
+    assert on_way(program) == [
+        f"do1 = 1 at {places[1]} mm before end set do1 = 0 at {places[0]} mm before end"
+    ]
