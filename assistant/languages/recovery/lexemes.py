@@ -26,6 +26,16 @@ class Lexeme(NamedTuple):
     first: bool = False
 
 
+class Stop(NamedTuple):
+    """A word that does not fit.
+
+    word: its type is END behind the last one. start: rule of the grammar.
+    """
+
+    word: Lexeme
+    start: str
+
+
 @dataclass(frozen=True, slots=True)
 class Scanner:
     """Finds words by one regular expression, a group a type. silent: types between words."""

@@ -10,8 +10,8 @@ from typing import Final
 
 from assistant.languages.lalr import END
 from assistant.languages.recovery.edits import Edit
-from assistant.languages.recovery.lexemes import Lexeme
-from assistant.languages.recovery.line_syntax import LineSyntax, Stop
+from assistant.languages.recovery.lexemes import Lexeme, Stop
+from assistant.languages.recovery.line_syntax import LineSyntax
 
 CLEAR, NEAR, UNCLEAR, TEXT, DELETED, CUT = 1, 2, 5, 6, 7, 9
 """Costs of a change: what is known, guessed, taken out."""

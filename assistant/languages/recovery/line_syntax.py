@@ -14,17 +14,6 @@ from assistant.languages.recovery.wording import listed
 from assistant.program.diagnostics import Rule
 
 
-@dataclass(frozen=True, slots=True)
-class Stop:
-    """A word that does not fit.
-
-    word: its type is END behind the last one. start: rule of the grammar.
-    """
-
-    word: Lexeme
-    start: str
-
-
 class Drive(Protocol):
     """Reads a line between two offsets by a rule of the grammar: what nodes make of it, or a Stop.
 

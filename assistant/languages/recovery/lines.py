@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from assistant.languages.recovery.edits import Edit
-from assistant.languages.recovery.lexemes import Lexeme
+from assistant.languages.recovery.lexemes import Lexeme, Stop
 from assistant.languages.recovery.line_candidates import candidates
-from assistant.languages.recovery.line_syntax import LineSyntax, Stop
+from assistant.languages.recovery.line_syntax import LineSyntax
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.text import SourceText
 

@@ -10,8 +10,7 @@ from assistant.languages.lalr import END, Rows, Stack, Word
 from assistant.languages.melfa_basic.reading.grammar import grammar
 from assistant.languages.melfa_basic.reading.lexer import lexer
 from assistant.languages.melfa_basic.reading.nodes import Nodes, Token
-from assistant.languages.recovery.lexemes import Lexeme
-from assistant.languages.recovery.line_syntax import Stop
+from assistant.languages.recovery.lexemes import Lexeme, Stop
 
 MOST_WORDS: Final = 256
 """Words of a line that are read: no controller takes a step of more bytes."""

@@ -10,8 +10,7 @@ from typing import Final
 from assistant.languages.melfa_basic.reading.driver import drive
 from assistant.languages.melfa_basic.reading.nodes import Nodes
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.recovery.lexemes import Lexeme
-from assistant.languages.recovery.line_syntax import Stop
+from assistant.languages.recovery.lexemes import Lexeme, Stop
 from assistant.program.diagnostics import Span
 
 BLANKS: Final = " \t\f\x1a"

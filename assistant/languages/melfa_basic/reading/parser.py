@@ -11,7 +11,7 @@ from assistant.languages.melfa_basic.reading.files import TOKENISED
 from assistant.languages.melfa_basic.reading.line import TooLarge, code_start, read_line, statement
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows, rows_at
-from assistant.languages.recovery.line_syntax import Stop
+from assistant.languages.recovery.lexemes import Stop
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.text import SourceText
 from assistant.program.without_gc import uncollected
