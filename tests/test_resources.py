@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
 from pathlib import Path
+
+import pytest
 
 MODULE = "MODULE m\n  PROC main()\n  ENDPROC\nENDMODULE\n"
 
@@ -35,6 +38,17 @@ def test_tables_are_kept_and_a_damaged_file_of_them_is_made_anew(tmp_path):
     anew = tables.read_bytes()
     assert len(anew) > 0.9 * len(whole)
     assert check(tmp_path) == first and tables.read_bytes() == anew
+
+
+@pytest.mark.parametrize("foreign", ["[]", "{}", '{"of": [1, "start: NAME", "start"]}', "\0"])
+def test_tables_of_something_else_are_made_anew(tmp_path, foreign):
+    first = check(tmp_path)
+    [tables] = kept(tmp_path)
+    right = json.loads(tables.read_bytes())
+    tables.write_text(foreign)
+    assert check(tmp_path) == first
+    assert json.loads(tables.read_bytes())["of"] == right["of"]
+    assert [file for file in tables.parent.iterdir() if file.name.startswith("rapid")] == [tables]
 
 
 def test_where_no_bytecode_is_wanted_none_is_kept(tmp_path):

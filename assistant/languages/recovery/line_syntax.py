@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Any, Final, NamedTuple, Protocol
 
 from assistant.languages.lalr import Tables
-from assistant.languages.recovery.edits import Slip
 from assistant.languages.recovery.lexemes import Lexeme
+from assistant.languages.recovery.mistakes import Slip
 from assistant.languages.recovery.wording import listed
 from assistant.program.diagnostics import Rule
 

@@ -10,7 +10,7 @@ from assistant import languages
 from assistant.languages.melfa_basic.reading.recovery.mistakes import MISTAKES, foreign
 from assistant.languages.melfa_basic.rules import SYNTAX
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.recovery.edits import Slip
+from assistant.languages.recovery.mistakes import Slip
 
 FIVE = languages.get("melfa-basic-5")
 

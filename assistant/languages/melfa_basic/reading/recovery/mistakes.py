@@ -9,7 +9,7 @@ from typing import Final
 
 from assistant.languages.melfa_basic.rules import QUOTES
 from assistant.languages.melfa_basic.tables.vocabulary import statements
-from assistant.languages.recovery.edits import Slip
+from assistant.languages.recovery.mistakes import Slip
 
 _WORDS: Final = "|".join(word for word in statements() if word.isalnum())
 
