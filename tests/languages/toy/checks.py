@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
-from assistant.program.diagnostics import Diagnostic, Rule, Span
+from assistant.languages.checks.registry import Check, Needs, findings
+from assistant.languages.checks.repeats import repeated
+from assistant.program.diagnostics import Diagnostic, Rule, Span, has_errors
 from assistant.program.geometry import BASE, FLANGE
 
 from . import tables
@@ -14,12 +16,34 @@ Wrong = tuple[Line, Rule, dict[str, Value]]
 """The line that breaks a rule, and what the rule's sentences are filled with."""
 
 
+BUILT_IN = (Line("tool", (FLANGE,)), Line("frame", (BASE,)))
+"""What need not be declared, as lines would declare it."""
+
+
 def check(file: File) -> Iterator[Diagnostic]:
-    for line, rule, fields in (*_blocks(file), *_names(file)):
+    lacks = Needs.ORDER | Needs.NAMES if has_errors(file.findings) else Needs.NOTHING
+    return findings(CHECKS, file, lacks)
+
+
+def _told(file: File, found: Iterable[Wrong]) -> Iterator[Diagnostic]:
+    for line, rule, fields in found:
         if file.source is None:
             yield rule(**fields)
         else:
             yield file.source.finding(rule, line.span or Span(0, 0), **fields)
+
+
+def blocks(file: File) -> Iterator[Diagnostic]:
+    """Each begins and ends, and stands where it may."""
+    return _told(file, _blocks(file))
+
+
+def names(file: File) -> Iterator[Diagnostic]:
+    """Each is declared, and declared once."""
+    return _told(file, _names(file))
+
+
+CHECKS = (Check(blocks, Needs.ORDER), Check(names, Needs.NAMES))
 
 
 def _blocks(file: File) -> Iterator[Wrong]:
@@ -49,13 +73,17 @@ def _blocks(file: File) -> Iterator[Wrong]:
 
 
 def _names(file: File) -> Iterator[Wrong]:
-    declared: set[tuple[str, Value]] = {("tool", FLANGE), ("frame", BASE)}
-    for line in file.lines:
-        if kind := tables.DECLARES.get(line.word):
-            if (kind, line.values[0]) in declared:
-                yield line, tables.TWICE, {"kind": kind, "name": line.values[0]}
-            declared.add((kind, line.values[0]))
+    declaring = [*BUILT_IN, *(line for line in file.lines if line.word in tables.DECLARES)]
+    for line in repeated(declaring, _declared):
+        kind, name = _declared(line)
+        yield line, tables.TWICE, {"kind": kind, "name": name}
+    declared = set(map(_declared, declaring))
     for line in file.lines:
         for kind, name in zip(tables.USES.get(line.word, ()), line.values, strict=False):
             if kind and (kind, name) not in declared:
                 yield line, tables.UNDECLARED, {"kind": kind, "name": name}
+
+
+def _declared(line: Line) -> tuple[str, Value]:
+    """The kind and the name of what a line declares."""
+    return tables.DECLARES[line.word], line.values[0]
