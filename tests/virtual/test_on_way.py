@@ -74,8 +74,7 @@ def test_melfa_does_not_guess_when_a_condition_holds(condition: str) -> None:
 
 # ------------------------------------------------------------------------- from RAPID to MELFA
 
-RAPID = """VAR triggdata gunon;
-VAR triggdata gunoff;
+RAPID = """{data}
 CONST robtarget q1:=[[354,0,300],[0,0,1,0],[0,0,0,0],{unused}];
 CONST robtarget q2:=[[{x},0,{z}],[0,0,1,0],[0,0,0,0],{unused}];
 PROC main()
@@ -89,7 +88,8 @@ def from_rapid(language: str, body: str, folder: FilePath, x: float = 354, z: fl
     process = folder / "cell.process.toml"
     process.write_text(rapid_words.process_file(), encoding="utf-8")
     tally = Tally()
-    text = RAPID.format(x=x, z=z, body=body, unused=rapid_words.UNUSED)
+    data = "".join(f"VAR triggdata {n};\n" for n in ("gunon", "gunoff") if n in body)
+    text = RAPID.format(data=data, x=x, z=z, body=body, unused=rapid_words.UNUSED)
     judge(
         tally,
         body,

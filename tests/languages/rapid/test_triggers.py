@@ -66,7 +66,8 @@ L = "TriggL p2,v100,a,fine,tool0;"
 def test_what_is_set_up_is_said_by_the_move(setup: str, said: str) -> None:
     program = lifted(f"{setup}\n{L}")
     assert on_way(program) == [said]
-    assert kept(program) == [] and program.declarations == ()
+    assert kept(program) == []
+    assert [d.text for d in program.declarations] == ["VAR triggdata b;"]  # another module's
 
 
 def test_kinds_of_signals_are_known() -> None:
@@ -111,6 +112,12 @@ def test_one_that_stays_keeps_those_beside_it() -> None:
     )
     assert on_way(program) == []
     assert kept(program) == ["TriggIO", "TriggInt", "TriggL", "TriggL"]
+
+
+def test_what_no_move_here_takes_may_be_another_module_s() -> None:
+    program = lifted("TriggIO a,5\\DOp:=do1,1;")
+    assert kept(program) == ["TriggIO"]
+    assert [d.text for d in program.declarations] == ["VAR triggdata a;", "VAR triggdata b;"]
 
 
 def test_what_is_set_up_once_holds_everywhere() -> None:

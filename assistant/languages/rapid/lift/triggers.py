@@ -205,7 +205,8 @@ class _Reading:
     ) -> set[str]:
         """Lower-case names of the variables that nothing needs once moves say what they mean."""
         named = _named(items)
-        gone = {name for name in declared if named[name] == self.meant[name] + 1}
+        used = {name for move, _ in said for name in move.names}  # others may be another module's
+        gone = {name for name in declared & used if named[name] == self.meant[name] + 1}
         gone -= {name for name, found in self.set.items() if any(x is None for _, x in found)}
         while True:
             left = {
