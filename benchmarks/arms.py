@@ -17,7 +17,7 @@ from assistant.program.motion import Blend, Speed
 from assistant.program.path import Path
 from assistant.program.program import Procedure, Program
 from assistant.program.statements import Follow
-from assistant.robots import Journey, Robot
+from assistant.robots import Robot, SolvedProgram
 from assistant.robots.timing import simulate
 from benchmarks.reading import Reading
 
@@ -105,20 +105,20 @@ def surface(n: int) -> tuple[Robot, Program]:
 def checked(given: tuple[Robot, Program]) -> None:
     """Reach, limits, branches and turns over the whole path, and every rule about the way."""
     arm, program = given
-    travelled = robots.journey(program, arm)
+    travelled = robots.solve_program(program, arm)
     if travelled.findings:
         raise SystemExit(f"findings about sound targets: {travelled.findings[:3]}")
     checks.with_robot(travelled)
 
 
-def travelled(n: int) -> Journey:
+def travelled(n: int) -> SolvedProgram:
     arm, program = surface(n)
-    return robots.journey(program, arm)
+    return robots.solve_program(program, arm)
 
 
-def timed(journey: Journey) -> None:
+def timed(solution: SolvedProgram) -> None:
     """Joints, speeds and times along the whole path."""
-    done = simulate(journey)
+    done = simulate(solution)
     if done.unknown or len(done.moves) != len(done.moves.seconds.nonzero()[0]):
         raise SystemExit("a target has no time")
 

@@ -54,10 +54,10 @@ def cycle_seconds(robot: Robot, centre: tuple[float, float], rounded: float) -> 
     body = [_move("joint", x, *corners[0], z, 0.0)]
     body += [_move("linear", x, y, up, z, rounded if up else 0.0) for y, up in places]
     program = Program("cycle", (Procedure("main", tuple(body)),), robot=robot.name)
-    journey = robots.journey(program, robot)
-    if any(finding.severity == "error" for finding in journey.findings):
+    solution = robots.solve_program(program, robot)
+    if any(finding.severity == "error" for finding in solution.findings):
         return None
-    done = simulate(journey)
+    done = simulate(solution)
     return float(done.moves.seconds[1:].sum())
 
 

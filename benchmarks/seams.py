@@ -63,7 +63,7 @@ def estimate(robot: Robot, shape: Shape, speed: float) -> float:
         blend=inner,
     )
     program = Program("seam", (Procedure("main", (Follow(path),)),))
-    done = simulate(robots.journey(program, robot), acceleration=ACCELERATION)
+    done = simulate(robots.solve_program(program, robot), acceleration=ACCELERATION)
     return float(done.moves.seconds[1:].sum())
 
 

@@ -12,7 +12,7 @@ from assistant.program.diagnostics import Diagnostic, fold
 from assistant.program.program import Program
 
 if TYPE_CHECKING:
-    from assistant.robots import Journey
+    from assistant.robots import SolvedProgram
 
 RULES: Final[tuple[Callable[[Program], Iterator[Diagnostic]], ...]] = (
     arcs,
@@ -26,12 +26,12 @@ def check(program: Program) -> tuple[Diagnostic, ...]:
     return fold(finding for rule in RULES for finding in rule(program))
 
 
-def with_robot(journey: Journey, *, cycle: float | None = None) -> tuple[Diagnostic, ...]:
+def with_robot(solution: SolvedProgram, *, cycle: float | None = None) -> tuple[Diagnostic, ...]:
     """Findings of the rules about how a robot gets through a program.
 
     cycle: seconds between two places that the controller commands; None for what is known of it.
-    What cannot be reached at all are findings of the journey itself.
+    What cannot be reached at all are findings of the solution itself.
     """
     from assistant.checks import robot_rules
 
-    return robot_rules.check(journey, cycle)
+    return robot_rules.check(solution, cycle)

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from assistant.checks.moves import Moves
-from assistant.checks.tour import Tour, figure
+from assistant.checks.views import ProgramView, figure
 from assistant.program.arrays import Floats, Rows
 from assistant.program.diagnostics import Diagnostic, Rule, Severity
 from assistant.program.path import Kind
@@ -37,19 +37,19 @@ CLOSER: Final = Rule(
 )
 
 
-def corners(tour: Tour) -> Iterator[Diagnostic]:
-    for stage in tour.stages:
-        found = _corners(stage.moves)
+def corners(view: ProgramView) -> Iterator[Diagnostic]:
+    for run_view in view.run_views:
+        found = _corners(run_view.moves)
         with np.errstate(invalid="ignore"):
             meant = np.minimum(found.radius, found.way)
             lost = (meant - found.way / 2.0) * np.sin(found.angle / 2.0) / 2.0
             closer = found.radius > found.way
         for rule, chosen in ((CUT, ~closer), (CLOSER, closer)):
             at = np.flatnonzero(chosen & (lost > LEAST))
-            for group, worst in stage.groups(found.rows[at], lost[at]):
+            for group, worst in run_view.groups(found.rows[at], lost[at]):
                 here = at[worst]
                 way = float(found.way[here])
-                yield stage.told(
+                yield run_view.told(
                     rule,
                     group,
                     int(found.rows[here]),

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.checks.tour import Tour, figure
+from assistant.checks.views import ProgramView, figure
 from assistant.program.diagnostics import Diagnostic, Rule, Severity
 from assistant.robots import Robot
 
@@ -33,24 +33,24 @@ def cycle_of(robot: Robot) -> float:
     return CYCLES.get(robot.controller, USUAL)
 
 
-def cycles(tour: Tour) -> Iterator[Diagnostic]:
-    for stage in tour.stages:
-        moves, seconds = stage.moves, stage.seconds
+def cycles(view: ProgramView) -> Iterator[Diagnostic]:
+    for run_view in view.run_views:
+        moves, seconds = run_view.moves, run_view.seconds
         if not len(moves):
             continue
         begins, ends = moves.through
         with np.errstate(invalid="ignore"):
-            dense = begins & ends & (seconds < tour.cycle) & (moves.length > 0.0)
+            dense = begins & ends & (seconds < view.cycle) & (moves.length > 0.0)
         dense &= np.isfinite(moves.tcp)
         chain = np.cumsum(~dense)  # counts up where a row of them ends
         rows = np.flatnonzero(dense & (np.bincount(chain, dense)[chain] >= LEAST_IN_A_ROW))
-        for group, worst in stage.groups(moves.rows[rows], -seconds[rows]):
+        for group, worst in run_view.groups(moves.rows[rows], -seconds[rows]):
             at = rows[worst]
-            yield stage.told(
+            yield run_view.told(
                 TOO_DENSE,
                 group,
                 int(moves.rows[at]),
                 way=figure(moves.length[at]),
                 passed=figure(1000.0 * seconds[at]),
-                cycle=figure(1000.0 * tour.cycle),
+                cycle=figure(1000.0 * view.cycle),
             )

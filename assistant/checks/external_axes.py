@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.checks.tour import Tour
+from assistant.checks.views import ProgramView
 from assistant.program.diagnostics import Diagnostic, Rule, Severity
 
 MISSING: Final = Rule(
@@ -18,16 +18,16 @@ MISSING: Final = Rule(
 )
 
 
-def external_axes(tour: Tour) -> Iterator[Diagnostic]:
-    for stage in tour.stages:
-        stated = np.isfinite(stage.moves.run.external)
+def external_axes(view: ProgramView) -> Iterator[Diagnostic]:
+    for run_view in view.run_views:
+        stated = np.isfinite(run_view.moves.run.external)
         count = stated.sum(axis=0)
         for axis in np.flatnonzero((count > 0) & (count < len(stated))):
             rows = np.flatnonzero(~stated[:, axis])
-            for group, _ in stage.groups(rows, np.zeros(len(rows))):
+            for group, _ in run_view.groups(rows, np.zeros(len(rows))):
                 yield MISSING(
-                    about=stage.moves.run.what(group),
-                    span=stage.span(int(group[0])),
+                    about=run_view.moves.run.what(group),
+                    span=run_view.span(int(group[0])),
                     axis=axis + 1,
                     others=count[axis],
                 )

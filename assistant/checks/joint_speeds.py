@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from assistant.checks.moves import Moves
-from assistant.checks.tour import Stage, Tour, figure
+from assistant.checks.views import ProgramView, RunView, figure
 from assistant.program.arrays import Floats, Truths
 from assistant.program.diagnostics import Diagnostic, Rule, Severity
 
@@ -28,21 +28,23 @@ TOO_FAST: Final = Rule(
 )
 
 
-def joint_speeds(tour: Tour) -> Iterator[Diagnostic]:
-    robot = tour.robot
-    for stage in tour.stages:
-        moves, way = stage.moves, stage.way
+def joint_speeds(view: ProgramView) -> Iterator[Diagnostic]:
+    robot = view.robot
+    for run_view in view.run_views:
+        moves, extremes = run_view.moves, run_view.extremes
         if not len(moves):
             continue
         with np.errstate(invalid="ignore", divide="ignore"):
-            ratio = way.seconds / stage.seconds
-            stated = np.isfinite(moves.tcp) & np.isfinite(stage.seconds) & (stage.seconds > 0.0)
-        stated &= ~way.crossed & (_between_stops(stage) >= SHORTEST)
+            ratio = extremes.seconds / run_view.seconds
+            stated = (
+                np.isfinite(moves.tcp) & np.isfinite(run_view.seconds) & (run_view.seconds > 0.0)
+            )
+        stated &= ~extremes.crossed & (_between_stops(run_view) >= SHORTEST)
         fast = np.flatnonzero(stated & (ratio > TOLERANCE))
-        for group, worst in stage.groups(moves.rows[fast], ratio[fast]):
+        for group, worst in run_view.groups(moves.rows[fast], ratio[fast]):
             at = int(fast[worst])
-            axis = int(way.axis[at])
-            yield stage.told(
+            axis = int(extremes.axis[at])
+            yield run_view.told(
                 TOO_FAST,
                 group,
                 int(moves.rows[at]),
@@ -50,8 +52,8 @@ def joint_speeds(tour: Tour) -> Iterator[Diagnostic]:
                 unit=robot.units[axis],
                 needed=robot.speeds[axis] * ratio[at],
                 limit=robot.speeds[axis],
-                programmed=_speed(moves, at, float(stage.seconds[at])),
-                possible=_speed(moves, at, float(way.seconds[at])),
+                programmed=_speed(moves, at, float(run_view.seconds[at])),
+                possible=_speed(moves, at, float(extremes.seconds[at])),
             )
 
 
@@ -63,10 +65,10 @@ def _speed(moves: Moves, at: int, seconds: float) -> str:
     return f"{figure(turn / seconds)} degrees/s of reorientation"
 
 
-def _between_stops(stage: Stage) -> Floats:
+def _between_stops(run_view: RunView) -> Floats:
     """(m,) seconds that the joints need from the stop before a move to the one after it."""
-    moves = stage.moves
-    needed = np.fmax(stage.seconds, stage.way.seconds)
+    moves = run_view.moves
+    needed = np.fmax(run_view.seconds, run_view.extremes.seconds)
     begins, ends = moves.through
     joined = np.append(False, ends[:-1] & begins[1:] & (moves.rows[:-1] == moves.starts[1:]))
     chain = np.cumsum(~joined) - 1

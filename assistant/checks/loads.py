@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
-from assistant.checks.tour import Tour
+from assistant.checks.views import ProgramView
 from assistant.program.diagnostics import Diagnostic, Rule, Severity
 from assistant.program.geometry import FLANGE, Tool
 from assistant.program.statements import Follow
@@ -27,10 +27,10 @@ TOO_HEAVY: Final = Rule(
 )
 
 
-def loads(tour: Tour) -> Iterator[Diagnostic]:
+def loads(view: ProgramView) -> Iterator[Diagnostic]:
     """Of tools that the program moves; what weight is not known is not told of."""
-    robot = tour.robot
-    for name, tool in _used(tour).items():
+    robot = view.robot
+    for name, tool in _used(view).items():
         if not tool.held or tool.load is None:
             continue
         mass = tool.load.mass
@@ -47,13 +47,13 @@ def loads(tour: Tour) -> Iterator[Diagnostic]:
             )
 
 
-def _used(tour: Tour) -> dict[str, Tool]:
+def _used(view: ProgramView) -> dict[str, Tool]:
     """The declared tools that moves name, in order of the declarations."""
     named: set[str] = set()
-    for legs in tour.journey.legs.values():
+    for legs in view.solution.legs.values():
         for statement in (leg.statement for leg in legs):
             if isinstance(statement, Follow):
                 named.update(map(str.lower, statement.path.tools))
             else:
                 named.add(statement.motion.tool.lower())
-    return {n: t for n, t in tour.program.tools.items() if n.lower() in named and n != FLANGE}
+    return {n: t for n, t in view.program.tools.items() if n.lower() in named and n != FLANGE}

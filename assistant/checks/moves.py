@@ -17,12 +17,12 @@ from assistant.robots import Robot
 from assistant.robots.motion.along import ToolWays, flange_along
 from assistant.robots.motion.arcs import Arcs, Circles, circles
 from assistant.robots.motion.run import Run
-from assistant.robots.solved_program import Stretch
+from assistant.robots.solved_program import SolvedRun
 
 
 @dataclass(frozen=True)
 class Moves:
-    """m linear and circular moves of a stretch, those whose start is known.
+    """m linear and circular moves of a solved run, those whose start is known.
 
     rows: (m,) row of the run that a move ends at. starts: (m,) the one that it begins at, -1 for
     where the robot stands before the run. vias: (m,) row of the via point of an arc, else -1.
@@ -31,7 +31,7 @@ class Moves:
     speeds, blends: of the run, by row of its tables; NaN for a named one that nobody declares.
     """
 
-    stretch: Stretch
+    solved_run: SolvedRun
     robot: Robot
     rows: Rows
     starts: Rows
@@ -47,7 +47,7 @@ class Moves:
 
     @property
     def run(self) -> Run:
-        return self.stretch.run
+        return self.solved_run.run
 
     @cached_property
     def arcs(self) -> Truths:
@@ -150,20 +150,20 @@ class Moves:
 
 
 def moves_of(
-    stretch: Stretch,
+    solved_run: SolvedRun,
     robot: Robot,
     speeds: Mapping[str, Speed],
     blends: Mapping[str, Blend],
 ) -> Moves:
-    """The linear and circular moves of a stretch; speeds and blends are named ones, by lower case.
+    """The linear and circular moves of a solved run; speeds, blends: named ones, by lower case.
 
     A move whose tool or frame is not that of the move before begins at no known place.
     """
-    run = stretch.run
+    run = solved_run.run
     p, q = _with_start(run, robot)
     unit = q / np.linalg.norm(q, axis=1, keepdims=True)
     before = run.before if run.joined else np.full(len(robot.axes), np.nan)
-    joints = np.concatenate([before[None], stretch.joints])
+    joints = np.concatenate([before[None], solved_run.joints])
     kinds = run.kinds
     rows = np.flatnonzero((kinds == Kind.LINEAR) | (kinds == Kind.END))
     arc = (kinds[rows] == Kind.END) & (rows > 0)
@@ -177,7 +177,7 @@ def moves_of(
     nothing = Speed(np.nan, np.nan)
     rows, starts, arc = rows[known], starts[known], arc[known]
     return Moves(
-        stretch=stretch,
+        solved_run=solved_run,
         robot=robot,
         rows=rows,
         starts=starts,

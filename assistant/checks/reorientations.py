@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.checks.tour import Tour, figure
+from assistant.checks.views import ProgramView, figure
 from assistant.program.diagnostics import Diagnostic, Rule, Severity
 from assistant.robots.programming import has
 
@@ -27,21 +27,21 @@ TURN_BINDS: Final = Rule(
 )
 
 
-def reorientations(tour: Tour) -> Iterator[Diagnostic]:
+def reorientations(view: ProgramView) -> Iterator[Diagnostic]:
     """Only of controllers that take such a speed from the program."""
-    if not has(tour.robot, "turning-speed"):
+    if not has(view.robot, "turning-speed"):
         return
-    for stage in tour.stages:
-        moves = stage.moves
+    for run_view in view.run_views:
+        moves = run_view.moves
         with np.errstate(invalid="ignore", divide="ignore"):
             alone = moves.length / moves.tcp
             turning = moves.turn / moves.rotation
         binds = (turning > SLOWER * alone) & (turning > alone + LATER)
         binds &= (moves.tcp > 0.0) & (moves.rotation > 0.0)  # others cannot be meant: CK201
         rows = np.flatnonzero(binds & (moves.length >= LEAST_LENGTH) & np.isfinite(moves.tcp))
-        for group, worst in stage.groups(moves.rows[rows], turning[rows] - alone[rows]):
+        for group, worst in run_view.groups(moves.rows[rows], turning[rows] - alone[rows]):
             at = rows[worst]
-            yield stage.told(
+            yield run_view.told(
                 TURN_BINDS,
                 group,
                 int(moves.rows[at]),

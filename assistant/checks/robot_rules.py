@@ -12,11 +12,11 @@ from assistant.checks.joint_speeds import joint_speeds
 from assistant.checks.loads import loads
 from assistant.checks.reorientations import reorientations
 from assistant.checks.singularities import singularities
-from assistant.checks.tour import Tour
+from assistant.checks.views import ProgramView
 from assistant.program.diagnostics import Diagnostic, fold
-from assistant.robots import Journey
+from assistant.robots import SolvedProgram
 
-RULES: Final[tuple[Callable[[Tour], Iterator[Diagnostic]], ...]] = (
+RULES: Final[tuple[Callable[[ProgramView], Iterator[Diagnostic]], ...]] = (
     singularities,
     joint_speeds,
     reorientations,
@@ -27,7 +27,7 @@ RULES: Final[tuple[Callable[[Tour], Iterator[Diagnostic]], ...]] = (
 )
 
 
-def check(journey: Journey, cycle: float | None = None) -> tuple[Diagnostic, ...]:
+def check(solution: SolvedProgram, cycle: float | None = None) -> tuple[Diagnostic, ...]:
     """See `assistant.checks.with_robot`."""
-    tour = Tour(journey, cycle_of(journey.robot) if cycle is None else cycle)
-    return fold(finding for rule in RULES for finding in rule(tour))
+    view = ProgramView(solution, cycle_of(solution.robot) if cycle is None else cycle)
+    return fold(finding for rule in RULES for finding in rule(view))

@@ -1,4 +1,4 @@
-"""Linear and circular moves that come near a singularity on their way.
+"""Linear and circular moves that come near a singularity on their extremes.
 
 There a joint has to turn far for a small move of the tool, so a controller slows down or stops.
 Whether a joint gets too fast at the programmed speed is told of by itself (CK311), and a move
@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.checks.tour import Tour
+from assistant.checks.views import ProgramView
 from assistant.program.diagnostics import Diagnostic, Rule, Severity
 
 WRIST_ANGLE: Final = 3.0
@@ -54,19 +54,19 @@ SHOULDER: Final = Rule(
 )
 
 
-def singularities(tour: Tour) -> Iterator[Diagnostic]:
-    for stage in tour.stages:
-        way, rows = stage.way, stage.moves.rows
-        wrist = np.where(way.crossed, np.inf, way.wrist)
-        within = np.flatnonzero(way.crossed & ~way.by_ends)
-        for group, worst in stage.groups(rows[within], -way.wrist[within]):
-            yield stage.told(THROUGH, group, int(rows[within[worst]]))
+def singularities(view: ProgramView) -> Iterator[Diagnostic]:
+    for run_view in view.run_views:
+        extremes, rows = run_view.extremes, run_view.moves.rows
+        wrist = np.where(extremes.crossed, np.inf, extremes.wrist)
+        within = np.flatnonzero(extremes.crossed & ~extremes.by_ends)
+        for group, worst in run_view.groups(rows[within], -extremes.wrist[within]):
+            yield run_view.told(THROUGH, group, int(rows[within[worst]]))
         for rule, value, least, field in (
             (WRIST, wrist, WRIST_ANGLE, "angle"),
-            (ELBOW, way.elbow, ELBOW_ANGLE, "angle"),
-            (SHOULDER, way.shoulder, SHOULDER_DISTANCE, "distance"),
+            (ELBOW, extremes.elbow, ELBOW_ANGLE, "angle"),
+            (SHOULDER, extremes.shoulder, SHOULDER_DISTANCE, "distance"),
         ):
             near = np.flatnonzero(value < least)
-            for group, worst in stage.groups(rows[near], -value[near]):
+            for group, worst in run_view.groups(rows[near], -value[near]):
                 at = near[worst]
-                yield stage.told(rule, group, int(rows[at]), **{field: value[at]})
+                yield run_view.told(rule, group, int(rows[at]), **{field: value[at]})

@@ -19,7 +19,7 @@ from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, f
 
 if TYPE_CHECKING:
     from assistant.program.program import Program
-    from assistant.robots import Journey, Robot
+    from assistant.robots import Robot, SolvedProgram
     from assistant.robots.timing import Simulation
 
 NO_ROBOT = Rule(
@@ -59,10 +59,10 @@ def run_simulate(source: str, options: Options, outputs: Sequence[str], format: 
 
     with working(f"simulating {source}"):
         wanted = _wanted(source, outputs)
-        journey, findings = _solved(source, options)
+        solution, findings = _solved(source, options)
         if has_errors(findings):
-            return _refused(source, journey.robot, findings, format)
-        done = simulate(journey, period=options.period, acceleration=options.acceleration)
+            return _refused(source, solution.robot, findings, format)
+        done = simulate(solution, period=options.period, acceleration=options.acceleration)
         files = {path: _written(path.name, done, source) for path in wanted}
         written = _put(source, files)
     if format is Format.JSON:
@@ -82,7 +82,7 @@ def run_simulate(source: str, options: Options, outputs: Sequence[str], format: 
     return 0
 
 
-def _solved(source: str, options: Options) -> tuple[Journey, list[Diagnostic]]:
+def _solved(source: str, options: Options) -> tuple[SolvedProgram, list[Diagnostic]]:
     from assistant import robots
     from assistant.compiler.arms import Arms, known_robot, robot_of, taught_on
     from assistant.compiler.crossing import for_arm
@@ -96,9 +96,9 @@ def _solved(source: str, options: Options) -> tuple[Journey, list[Diagnostic]]:
     if arm is None:
         raise Refused(NO_ROBOT(path=source), exit_status=2)
     program, changed = for_arm(program, taught_on(program, Arms(arm, written_for)), arm)
-    journey = robots.journey(replace(program, robot=arm.name), arm)
-    found = fold(f.within(source) for f in (*loaded.findings, *changed, *journey.findings))
-    return journey, list(found)
+    solution = robots.solve_program(replace(program, robot=arm.name), arm)
+    found = fold(f.within(source) for f in (*loaded.findings, *changed, *solution.findings))
+    return solution, list(found)
 
 
 def _refused(source: str, robot: Robot, findings: Sequence[Diagnostic], format: Format) -> int:

@@ -311,5 +311,5 @@ def _check_meaning(program: Program, arm: Robot | None) -> tuple[Diagnostic, ...
     if program.origin is None:  # a controller takes the numbers of its own text as they stand
         program, changed = for_arm(program, taught_on(program, Arms(arm)), arm)
         found += changed
-    journey = robots.journey(program, arm)
-    return (*found, *journey.findings, *checks.with_robot(journey))
+    solution = robots.solve_program(program, arm)
+    return (*found, *solution.findings, *checks.with_robot(solution))

@@ -165,11 +165,11 @@ def compile_program(
             findings.append(_other_maker(arm, target))
         from assistant import robots
 
-        journey = robots.journey(program, arm)
-        passed("with-configurations", journey.program)
-        program, changed = at_the_pace(journey, source, taught, target.joint_percent)
+        solution = robots.solve_program(program, arm)
+        passed("with-configurations", solution.program)
+        program, changed = at_the_pace(solution, source, taught, target.joint_percent)
         passed("at-the-pace", program)
-        findings += (*journey.findings, *with_robot(journey), *changed)
+        findings += (*solution.findings, *with_robot(solution), *changed)
     if arms.joint_speed is not None and not target.joint_percent:
         program, changed = at_a_speed(program, arms.joint_speed)
         findings += changed
@@ -207,9 +207,9 @@ def _converted(
         from assistant import robots
 
         # positions stay as they are written, so branches that would be chosen are of no interest
-        journey = robots.journey(replace(source, robot=arm.name), arm)
-        findings += (f for f in journey.findings if f.severity is not Severity.INFO)
-        findings += with_robot(journey)
+        solution = robots.solve_program(replace(source, robot=arm.name), arm)
+        findings += (f for f in solution.findings if f.severity is not Severity.INFO)
+        findings += with_robot(solution)
     compiled = Compiled(source, target.name, Proof(None), source, places)
     if has_errors(findings):
         return replace(compiled, found=tuple(findings))

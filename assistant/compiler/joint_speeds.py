@@ -15,7 +15,7 @@ from assistant.program.rewriting import head, records, rewrite
 from assistant.program.statements import Follow
 
 if TYPE_CHECKING:
-    from assistant.robots import Journey, Robot
+    from assistant.robots import Robot, SolvedProgram
     from assistant.robots.pace import Change
 
 IN_MM = Rule(
@@ -41,7 +41,7 @@ AS_STATED = Rule(
 
 
 def at_the_pace(
-    journey: Journey, source: Program, taught: Robot | None, percent: bool
+    solution: SolvedProgram, source: Program, taught: Robot | None, percent: bool
 ) -> tuple[Program, tuple[Diagnostic, ...]]:
     """A program that was solved for the arm that will run it, its joint moves not faster there.
 
@@ -51,10 +51,10 @@ def at_the_pace(
     from assistant import robots
     from assistant.robots.pace import paced
 
-    before = journey if taught is not None and taught.name == journey.robot.name else None
+    before = solution if taught is not None and taught.name == solution.robot.name else None
     if before is None and taught is not None:
-        before = robots.journey(replace(source, robot=taught.name), taught)
-    program, changes = paced(journey.program, journey, before, percent=percent)
+        before = robots.solve_program(replace(source, robot=taught.name), taught)
+    program, changes = paced(solution.program, solution, before, percent=percent)
     return program, tuple(_told(changes, IN_PERCENT if percent else IN_MM))
 
 

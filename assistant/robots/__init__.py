@@ -8,22 +8,23 @@ from assistant.lazy import offered
 
 if TYPE_CHECKING:
     from assistant.robots.catalogue import get, load, names
-    from assistant.robots.configuring import configure, journey
+    from assistant.robots.configuring import configure, solve_program
     from assistant.robots.robot import Robot
-    from assistant.robots.solved_program import Journey
+    from assistant.robots.solved_program import SolvedProgram
 
 _LAZY: Final = {
-    "Journey": ("assistant.robots.solved_program", "Journey"),
+    "SolvedProgram": ("assistant.robots.solved_program", "SolvedProgram"),
     "Robot": ("assistant.robots.robot", "Robot"),
     "configure": ("assistant.robots.configuring", "configure"),
     "get": ("assistant.robots.catalogue", "get"),
-    "journey": ("assistant.robots.configuring", "journey"),
+    "solve_program": ("assistant.robots.configuring", "solve_program"),
+    "journey": ("assistant.robots.configuring", "solve_program"),  # as it was called
     "load": ("assistant.robots.catalogue", "load"),
     "names": ("assistant.robots.catalogue", "names"),
 }
 """Public names and where they stand; many a command speaks of configurations, but of no arm."""
 
-__all__ = ["Journey", "Robot", "configure", "get", "journey", "load", "names"]
+__all__ = ["Robot", "SolvedProgram", "configure", "get", "load", "names", "solve_program"]
 
 
 __getattr__ = offered(__name__, _LAZY)

@@ -48,17 +48,17 @@ from assistant.robots.motion.run_of_moves import (
     run_of,
 )
 from assistant.robots.robot import Robot
-from assistant.robots.solved_program import Journey, Leg, Stretch
+from assistant.robots.solved_program import Leg, SolvedProgram, SolvedRun
 from assistant.robots.target_lookup import Names, Place
 
 
 def configure(program: Program, robot: Robot) -> tuple[Program, tuple[Diagnostic, ...]]:
-    """Fills in the configurations that targets and paths leave open; see `journey`."""
-    solved = journey(program, robot)
+    """Fills in the configurations that targets and paths leave open; see `solve_program`."""
+    solved = solve_program(program, robot)
     return solved.program, solved.findings
 
 
-def journey(program: Program, robot: Robot) -> Journey:
+def solve_program(program: Program, robot: Robot) -> SolvedProgram:
     """Solves every move of a program, and fills in the configurations that it leaves open.
 
     Findings tell what is out of reach, outside joint limits, or not as stated; such
@@ -80,7 +80,7 @@ def journey(program: Program, robot: Robot) -> Journey:
         return value
 
     configured = rewrite(program, visit)
-    return Journey(configured, robot, survey.legs, fold([*robot.findings, *survey.findings]))
+    return SolvedProgram(configured, robot, survey.legs, fold([*robot.findings, *survey.findings]))
 
 
 UNMOVED: Final = Motion(MAXIMUM_SPEED, FINE)
@@ -89,11 +89,11 @@ LEADING_AWAY: Final = ("calls", "jumps", "marks", "kept")
 """How a target would be reached that no move names."""
 
 
-def _leg(statement: Moving, stretch: Stretch, rows: slice) -> Leg:
-    run, joints = stretch.run, stretch.joints
+def _leg(statement: Moving, solved_run: SolvedRun, rows: slice) -> Leg:
+    run, joints = solved_run.run, solved_run.joints
     start = joints[rows.start - 1] if rows.start else run.before if run.joined else None
     known = start is not None and bool(np.isfinite(start).all())
-    return Leg(statement, stretch, rows, joints[rows], start if known else None)
+    return Leg(statement, solved_run, rows, joints[rows], start if known else None)
 
 
 class _Survey:
@@ -242,15 +242,15 @@ class _Survey:
         parts, self.parts = self.parts, []
         pending, self.pending = self.pending, []
         self.rows, self.flushes = 0, self.flushes + 1
-        stretch = self.solved(parts) if parts else None
+        solved_run = self.solved(parts) if parts else None
         for moving, first, end in pending:
             self.made.append(
                 self.unsolved(moving)
-                if stretch is None or first == end
-                else _leg(moving, stretch, slice(first, end))
+                if solved_run is None or first == end
+                else _leg(moving, solved_run, slice(first, end))
             )
 
-    def solved(self, parts: Sequence[Part]) -> Stretch:
+    def solved(self, parts: Sequence[Part]) -> SolvedRun:
         run = run_of(parts, self.before, self.joined)
         solved = solve(run, self.robot, self.cures)
         first = first_ones(parts, solved.configurations)
@@ -261,12 +261,12 @@ class _Survey:
             solved = solve(fixed, self.robot, self.cures, theirs)
         self.keep(parts, solved.configurations)
         self.findings.extend(solved.findings)
-        stretch = Stretch(run, solved.joints, solved.configurations)
+        solved_run = SolvedRun(run, solved.joints, solved.configurations)
         last = solved.joints[-1]
         self.joined = bool(np.isfinite(last).all())
         if self.joined:
             self.before = last
-        return stretch
+        return solved_run
 
     def keep(self, parts: Sequence[Part], configurations: Configurations) -> None:
         """Remembers the configurations of targets and paths."""

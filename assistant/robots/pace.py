@@ -24,7 +24,7 @@ from assistant.program.rewriting import Body, map_bodies
 from assistant.program.statements import Follow, Motion, MoveCircular, Moving
 from assistant.robots.motion.run import from_flange
 from assistant.robots.robot import Robot
-from assistant.robots.solved_program import Journey, Leg
+from assistant.robots.solved_program import Leg, SolvedProgram
 from assistant.robots.target_lookup import Names
 from assistant.robots.timing.drive import drive_of
 
@@ -47,11 +47,11 @@ class Change:
 
 
 def paced(
-    program: Program, journey: Journey, source: Journey | None, *, percent: bool
+    program: Program, solution: SolvedProgram, source: SolvedProgram | None, *, percent: bool
 ) -> tuple[Program, tuple[Change, ...]]:
     """A program whose joint moves state percents (`percent`) or mm/s, where their start is known.
 
-    journey: of the program on the arm that will run it. source: of the same statements on the
+    solution: of the program on the arm that will run it. source: of the same statements on the
     arm that it was written for, None if that is not known: then only mm/s become percents.
     A move whose time is not known keeps its speed.
     """
@@ -60,11 +60,11 @@ def paced(
     names = Names(program)
     procedures = []
     for procedure in program.procedures:
-        legs = journey.legs[procedure.name]
+        legs = solution.legs[procedure.name]
         others = (None,) * len(legs) if source is None else source.legs[procedure.name]
         names.enter(procedure)
         made = [
-            _Joints(leg, other, journey.robot, source.robot if source else None, names, speeds)
+            _Joints(leg, other, solution.robot, source.robot if source else None, names, speeds)
             .statement(percent, changes)
             for leg, other in zip(legs, others, strict=True)
         ]  # fmt: skip

@@ -17,7 +17,7 @@ from assistant.robots.robot import Robot
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Stretch:
+class SolvedRun:
     """A run, solved.
 
     joints: (n, a) deg, NaN where there are none. configurations: (n, 6).
@@ -32,20 +32,20 @@ class Stretch:
 class Leg:
     """What one motion statement moves through.
 
-    stretch: the run that it is part of, with these of its rows; None for a move to joints, and
+    solved_run: the run that it is part of, with these of its rows; None for a move to joints, and
     where only running the program tells the target. joints: (m, a) deg at its targets, NaN
     where there are none. before: (a,) deg where it starts, None where that is not known.
     """
 
     statement: Moving
-    stretch: Stretch | None
+    solved_run: SolvedRun | None
     rows: slice
     joints: Floats
     before: Floats | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Journey:
+class SolvedProgram:
     """A program with its configurations filled in, solved for a robot.
 
     legs: name of a procedure → its motion statements in order of text, nested ones included.
@@ -57,7 +57,9 @@ class Journey:
     findings: tuple[Diagnostic, ...]
 
     @property
-    def stretches(self) -> tuple[Stretch, ...]:
+    def solved_runs(self) -> tuple[SolvedRun, ...]:
         """Every run once, in order of text."""
-        runs = (leg.stretch for legs in self.legs.values() for leg in legs)
-        return tuple({id(stretch): stretch for stretch in runs if stretch is not None}.values())
+        runs = (leg.solved_run for legs in self.legs.values() for leg in legs)
+        return tuple(
+            {id(solved_run): solved_run for solved_run in runs if solved_run is not None}.values()
+        )

@@ -27,9 +27,9 @@ SLOW = Speed(100.0)
 
 def found(*body: Statement, arm=ARM, cycle: float | None = None, **parts):
     program = Program("p", (Procedure("main", body),), **parts)
-    journey = robots.journey(program, arm)
-    assert not [f for f in journey.findings if f.severity == "error"], journey.findings
-    return checks.with_robot(journey, cycle=cycle)
+    solution = robots.solve_program(program, arm)
+    assert not [f for f in solution.findings if f.severity == "error"], solution.findings
+    return checks.with_robot(solution, cycle=cycle)
 
 
 def codes(*body: Statement, **parts) -> list[str]:
@@ -90,9 +90,9 @@ def test_what_the_robot_tells_of_the_wrist_is_not_told_twice():
     stated[1, 0] = UNSTATED
     path = seam(*ARM.fk(joints), configurations=stated)
     program = Program("p", (Procedure("main", (path,)),))
-    journey = robots.journey(program, ARM)
-    assert [f.code for f in journey.findings] == ["RB115"]
-    assert checks.with_robot(journey) == ()
+    solution = robots.solve_program(program, ARM)
+    assert [f.code for f in solution.findings] == ["RB115"]
+    assert checks.with_robot(solution) == ()
 
 
 def test_a_wrist_that_goes_through_and_back_between_the_ends():
@@ -330,16 +330,16 @@ def test_an_external_axis_that_some_targets_leave_out():
     assert finding.place == "seam: 2 of 6 targets (seam_3, seam_4)"
 
 
-# ------------------------------------------------- what the journey tells, and tells alone
+# ------------------------------------------------- what the solution tells, and tells alone
 
 
 def test_unknown_tools_and_frames_are_told_of_once():
     target = TargetValue(Target(Pose((400, 0, 300), DOWN)))
     move = Move("linear", target, Motion(Speed(100.0), FINE, "gripper", "table"))
     program = Program("p", (Procedure("main", (move,)),))
-    journey = robots.journey(program, ARM)
-    assert [f.code for f in journey.findings] == ["RB111", "RB111"]
-    assert checks.with_robot(journey) == ()
+    solution = robots.solve_program(program, ARM)
+    assert [f.code for f in solution.findings] == ["RB111", "RB111"]
+    assert checks.with_robot(solution) == ()
 
 
 @pytest.mark.parametrize("kinds", [[1, 1], [1, 2, 3]])
@@ -350,8 +350,8 @@ def test_stated_branches_that_differ_at_the_ends_are_told_of(kinds):
     joints = joints[: len(kinds)]
     p, q = ARM.fk(joints)
     path = seam(p, q, kinds=kinds, configurations=ARM.configuration(joints))
-    journey = robots.journey(Program("p", (Procedure("main", (path,)),)), ARM)
-    assert [f.code for f in journey.findings] == ["RB105"]
+    solution = robots.solve_program(Program("p", (Procedure("main", (path,)),)), ARM)
+    assert [f.code for f in solution.findings] == ["RB105"]
 
 
 # ------------------------------------------------------------------------ where they stand

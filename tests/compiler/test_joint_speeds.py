@@ -102,7 +102,7 @@ def test_the_override_is_a_factor_on_both_sides(tmp_path: Path) -> None:
         for path, arm in ((source, MITSUBISHI), (file, ABB)):
             language = "melfa-basic-6" if path is source else None
             program = load(path, robot=arm, language=language).program
-            done = simulate(robots.journey(program, arm))
+            done = simulate(robots.solve_program(program, arm))
             took.append(done.moves.seconds[1:])
         assert len(took[0]) == len(took[1]) == 5
         assert all(new >= old - 1e-6 for old, new in zip(*took, strict=True))

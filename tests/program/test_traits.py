@@ -65,7 +65,7 @@ AT_ONCE = ("sets", "marks", "says")
 def told(line: str) -> tuple[float, int]:
     """Seconds of a program with a line, and how many things nothing tells the time of."""
     program = parse(PROGRAM.format(line=line))
-    done = simulate(robots.journey(program, robots.get("irb1200-7-0.7")))
+    done = simulate(robots.solve_program(program, robots.get("irb1200-7-0.7")))
     return done.duration.most, len(done.unknown)
 
 

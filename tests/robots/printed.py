@@ -26,7 +26,7 @@ def printed(arm, positions, quaternions):
     return p, rotations.from_euler(np.round(rotations.to_euler(quaternions), 2)), (place, turn)
 
 
-def journey(arm, positions, quaternions, configurations, kinds=Kind.JOINT):
+def solve_program(arm, positions, quaternions, configurations, kinds=Kind.JOINT):
     path = Path.of(
         "seam",
         positions,
@@ -35,7 +35,7 @@ def journey(arm, positions, quaternions, configurations, kinds=Kind.JOINT):
         kinds=np.full(len(positions), kinds, dtype=np.uint8) if np.isscalar(kinds) else kinds,
         speeds=[Speed(100.0)],
     )
-    return robots.journey(Program("p", (Procedure("main", (Follow(path),)),)), arm)
+    return robots.solve_program(Program("p", (Procedure("main", (Follow(path),)),)), arm)
 
 
 def missed(arm, joints, positions, quaternions, rounding):

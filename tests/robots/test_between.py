@@ -21,14 +21,14 @@ ABB = robots.get("irb1200-7-0.7")
 ARC = (Kind.VIA, Kind.END)
 
 
-def journey_of(positions, kinds, **parts) -> robots.Journey:
+def journey_of(positions, kinds, **parts) -> robots.SolvedProgram:
     """Of a path, the first row of which is gone to by a joint move."""
     p = np.asarray(positions, dtype=float)
     q = np.broadcast_to(DOWN, (len(p), 4))
     path = Path.of("seam", p, q, kinds=[Kind.JOINT, *kinds], speeds=[Speed(100.0)], **parts)
     tables = {"tools": {"gun": Tool(Pose((0, 0, 60)))}, "frames": {"jig": Frame(Pose((100, 0, 0)))}}
     program = Program("p", (Procedure("main", (Follow(path),)),), **tables)
-    return robots.journey(program, ABB)
+    return robots.solve_program(program, ABB)
 
 
 def found(positions, kinds, **parts):
@@ -92,16 +92,16 @@ procedure main
   move {motion} speed 100 mm/s blend fine
 end
 """
-    findings = robots.journey(parse(text), ABB).findings
+    findings = robots.solve_program(parse(text), ABB).findings
     assert "RB113" in [finding.code for finding in findings]
     assert any(f"on the {way} to it" in finding.message for finding in findings)
 
 
 def test_an_arc_through_the_wrist_singularity_and_back_winds_nothing_up() -> None:
     rows = [[225, -150, 240], [240, -100, 240], [225, 150, 240]]
-    journey = journey_of(rows, ARC)
-    assert not [finding for finding in journey.findings if finding.severity == "error"]
-    assert np.abs(np.diff(journey.stretches[0].joints[:, 5])).max() < 90.0
+    solution = journey_of(rows, ARC)
+    assert not [finding for finding in solution.findings if finding.severity == "error"]
+    assert np.abs(np.diff(solution.solved_runs[0].joints[:, 5])).max() < 90.0
 
 
 @settings(derandomize=True)

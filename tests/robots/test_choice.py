@@ -35,9 +35,9 @@ def program(positions, quaternions=DOWN, held=None, **more) -> Program:
 
 def solved(arm: robots.Robot, *args, **more):
     """The joints of a path, its configurations, the findings."""
-    journey = robots.journey(program(*args, **more), arm)
-    (stretch,) = journey.stretches
-    return stretch.joints, stretch.configurations, journey.findings
+    solution = robots.solve_program(program(*args, **more), arm)
+    (solved_run,) = solution.solved_runs
+    return solved_run.joints, solved_run.configurations, solution.findings
 
 
 def codes(findings) -> list[str]:

@@ -10,7 +10,7 @@ from assistant.program import rotations
 from assistant.program.diagnostics import Severity
 from assistant.program.path import Kind
 from tests.robots.following import followed, turning_point
-from tests.robots.printed import journey
+from tests.robots.printed import solve_program
 
 ARMS = [robots.get(name) for name in robots.names() if robots.get(name).arm.spherical]
 STRAIGHT = 0.1
@@ -44,9 +44,9 @@ def test_a_branch_that_turns_far_but_goes_all_the_way_is_taken() -> None:
         [[0.196839, 0.487352, -0.658452, -0.538687], [0.428712, 0.542288, -0.669360, 0.272191]]
     )
     q /= np.linalg.norm(q, axis=1, keepdims=True)
-    done = journey(arm, p, q, None, kinds=Kind.LINEAR)
+    done = solve_program(arm, p, q, None, kinds=Kind.LINEAR)
     assert not errors(done)
-    joints = done.stretches[0].joints
+    joints = done.solved_runs[0].joints
     assert joints[1, 3] - joints[0, 3] == pytest.approx(-189.6, abs=0.1)
 
 
@@ -69,7 +69,7 @@ def test_an_arc_that_passes_axis_1_closely_is_followed_there() -> None:
     )
     q[1] = rotations.between(q[0], q[2], np.array(turning_point(p[0], p[1], p[2])))
     kinds = np.array([Kind.JOINT, Kind.VIA, Kind.END], dtype=np.uint8)
-    assert errors(journey(arm, p, q, None, kinds=kinds))
+    assert errors(solve_program(arm, p, q, None, kinds=kinds))
 
 
 @pytest.mark.parametrize(
@@ -107,7 +107,7 @@ def test_an_arc_that_passes_axis_1_closely_is_followed_there() -> None:
 def test_a_line_past_the_singularity_of_the_wrist_is_no_way_through_it(name, p, q) -> None:
     """Axis 5 keeps 1.3 and 0.17 degrees from straight: axis 4 has to turn by a half there."""
     kinds = np.array([Kind.JOINT, Kind.LINEAR], dtype=np.uint8)
-    assert errors(journey(robots.get(name), np.array(p), np.array(q), None, kinds=kinds))
+    assert errors(solve_program(robots.get(name), np.array(p), np.array(q), None, kinds=kinds))
 
 
 def test_ends_that_bend_the_wrist_to_opposite_sides_are_no_way_through_its_singularity() -> None:
@@ -122,7 +122,7 @@ def test_ends_that_bend_the_wrist_to_opposite_sides_are_no_way_through_its_singu
             [0.38078807, -0.68160697, 0.35504288, 0.51415653],
         ]
     )
-    done = journey(arm, p, q, None, kinds=np.array([Kind.JOINT, Kind.LINEAR], dtype=np.uint8))
+    done = solve_program(arm, p, q, None, kinds=np.array([Kind.JOINT, Kind.LINEAR], dtype=np.uint8))
     assert [f.code for f in done.findings] == ["RB113"]
 
 
@@ -142,7 +142,7 @@ def compared(arm, count: int, seed: int) -> dict[str, int]:
             turned = rotations.between(q[0], q[1], np.array(part))
             kinds = np.array([Kind.JOINT, Kind.VIA, Kind.END], dtype=np.uint8)
             rows = (np.array([p[0], via, p[1]]), np.array([q[0], turned, q[1]]), kinds)
-        done = journey(arm, rows[0], rows[1], None, kinds=rows[2])
+        done = solve_program(arm, rows[0], rows[1], None, kinds=rows[2])
         beyond, bend = followed(arm, (p[0], q[0]), (p[1], q[1]), via).T
         if errors(done):
             assert not ((beyond <= 0.0) & (bend > STRAIGHT)).any(), (p, q, via, errors(done))

@@ -33,9 +33,9 @@ def followed(arm, p, q, kinds=Kind.JOINT, configurations=None):
     p = np.asarray(p, dtype=float)
     stated = {} if configurations is None else {"configurations": configurations.astype(np.int8)}
     path = Path.of("p", p, q, kinds=np.full(len(p), kinds), speeds=[Speed(100.0)], **stated)
-    journey = robots.journey(Program("p", (Procedure("main", (Follow(path),)),)), arm)
-    (stretch,) = journey.stretches
-    return stretch.joints, stretch.configurations, journey.findings
+    solution = robots.solve_program(Program("p", (Procedure("main", (Follow(path),)),)), arm)
+    (solved_run,) = solution.solved_runs
+    return solved_run.joints, solved_run.configurations, solution.findings
 
 
 def wound(arm, rows: np.ndarray) -> list[np.ndarray]:

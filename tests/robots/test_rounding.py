@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from assistant import languages, robots
-from tests.robots.printed import journey, nearest, printed
+from tests.robots.printed import nearest, printed, solve_program
 
 ARMS = [robots.get(name) for name in robots.names()]
 KINDS = ("straight", "limits", "borders")
@@ -68,9 +68,9 @@ def test_axis_four_of_a_straight_wrist_stays_where_it_was_as_printed() -> None:
     joints[:, 4] = np.linspace(20, 0, 41)
     p, q, _ = printed(arm, *arm.fk(joints))
     for configurations in (None, arm.configuration(joints)):
-        found = journey(arm, p, q, configurations, kinds=1)
+        found = solve_program(arm, p, q, configurations, kinds=1)
         assert not found.findings
-        assert found.stretches[0].joints == pytest.approx(joints, abs=0.2)
+        assert found.solved_runs[0].joints == pytest.approx(joints, abs=0.2)
 
 
 def test_what_is_short_of_its_reach_by_rounding_is_reached() -> None:
@@ -78,9 +78,9 @@ def test_what_is_short_of_its_reach_by_rounding_is_reached() -> None:
     joints = np.tile([20.0, 30.0, -np.degrees(np.arctan2(351.0, 42.0)), 10.0, 40.0, 0.0], (30, 1))
     joints[:, [0, 3, 4, 5]] += np.linspace(0.0, 20.0, 30)[:, None]
     p, q, _ = printed(arm, *arm.fk(joints))
-    assert not journey(arm, p, q, None).findings
+    assert not solve_program(arm, p, q, None).findings
     out = np.array([[np.cos(np.radians(20.0)), np.sin(np.radians(20.0)), 0.0]])
-    (finding,) = journey(arm, p[:1] + 0.05 * out, q[:1], None).findings
+    (finding,) = solve_program(arm, p[:1] + 0.05 * out, q[:1], None).findings
     assert finding.code == "RB102"
     assert " 0.0 mm" not in finding.message
 
@@ -117,9 +117,9 @@ def taken(arm, joints: np.ndarray) -> None:
     configurations = arm.configuration(joints)
     p, q, rounding = printed(arm, *arm.fk(joints))
     assert np.isfinite(arm.joints_of(p, q, configurations)).all()
-    done = journey(arm, p, q, configurations)
+    done = solve_program(arm, p, q, configurations)
     assert not done.findings
-    found = done.stretches[0].joints
+    found = done.solved_runs[0].joints
     assert arm.inside(found).all()
     there, _ = arm.fk(found)
     assert (
@@ -165,7 +165,7 @@ def refused(arm, count: int, *, whole: bool) -> None:
     assert np.isnan(arm.joints_of(p, q, configurations)).any(axis=1).all()
     if not whole:
         return
-    findings = journey(arm, p, q, configurations).findings
+    findings = solve_program(arm, p, q, configurations).findings
     told = 0
     for finding in findings:
         assert finding.code in ("RB102", "RB103", "RB107", "RB108")

@@ -118,18 +118,18 @@ def line(robot: Robot, start, end, n: int = 60) -> Path:
     return Path.of("seam", p0 + part * (p1 - p0), np.tile(q0, (n, 1)), speeds=[Speed(50.0)])
 
 
-def journey(robot: Robot, path: Path):
-    return robots.journey(Program("p", (Procedure("main", (Follow(path),)),)), robot)
+def solve_program(robot: Robot, path: Path):
+    return robots.solve_program(Program("p", (Procedure("main", (Follow(path),)),)), robot)
 
 
 def test_a_path_is_followed_without_a_jump_and_its_configurations_stay_open() -> None:
     robot = offset_arm()
     path = line(robot, [10, -60, 90, -40, 80, 20], [40, -70, 100, -40, 80, 20])
-    done = journey(robot, path)
+    done = solve_program(robot, path)
     assert [f.code for f in done.findings] == ["RB118"]
-    (stretch,) = done.stretches
-    assert np.abs(np.diff(stretch.joints, axis=0)).max() < 5.0
-    positions, quaternions = robot.fk(stretch.joints)
+    (solved_run,) = done.solved_runs
+    assert np.abs(np.diff(solved_run.joints, axis=0)).max() < 5.0
+    positions, quaternions = robot.fk(solved_run.joints)
     assert positions == pytest.approx(path.positions, abs=1e-5)
     assert rotations.angle_between(quaternions, path.quaternions).max() < 1e-4
     out = done.program.procedures[0].body[0].path
@@ -140,7 +140,7 @@ def test_what_a_path_states_of_configurations_stays() -> None:
     robot = offset_arm()
     path = line(robot, [10, -60, 90, -40, 80, 20], [20, -60, 90, -40, 80, 20], n=5)
     stated = np.tile(np.array([1, 0, 1, 0, 0, 0], dtype=np.int8), (5, 1))
-    done = journey(robot, replace(path, configurations=stated))
+    done = solve_program(robot, replace(path, configurations=stated))
     assert [f.code for f in done.findings] == ["RB118"]
     out = done.program.procedures[0].body[0].path
     assert np.array_equal(out.configurations, stated)
@@ -153,8 +153,8 @@ def test_axes_wind_on_past_half_a_turn() -> None:
     joints[:, 5] = np.linspace(-10, 290, 61)
     positions, quaternions = robot.fk(joints)
     path = Path.of("spin", positions, quaternions, speeds=[Speed(50.0)])
-    (stretch,) = journey(robot, path).stretches
-    assert np.ptp(stretch.joints[:, 5]) == pytest.approx(300, abs=1e-3)
+    (solved_run,) = solve_program(robot, path).solved_runs
+    assert np.ptp(solved_run.joints[:, 5]) == pytest.approx(300, abs=1e-3)
 
 
 def test_what_is_out_of_reach_is_told_of() -> None:
@@ -184,7 +184,7 @@ def test_a_line_that_would_end_in_another_solution_is_told_of() -> None:
     ]
     positions, quaternions = robot.fk(ends)
     path = Path.of("far", positions, quaternions, speeds=[Speed(50.0)])
-    (finding,) = [f for f in journey(robot, path).findings if f.severity == "error"]
+    (finding,) = [f for f in solve_program(robot, path).findings if f.severity == "error"]
     assert finding.code == "RB113"
     assert "jump by" in finding.message and "far_2" in finding.message
 

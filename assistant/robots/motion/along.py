@@ -1,7 +1,7 @@
 """Poses along linear and circular moves, and the joints that they take.
 
 One geometry for all who look between targets: reach and turns (`on_the_way`), rules
-(`checks.way`), times (`timing.knots`) and pictures (`report.track`). How closely each of them
+(`checks.extremes`), times (`timing.knots`) and pictures (`report.track`). How closely each of them
 looks, and why, stands in `densities`.
 """
 

@@ -43,7 +43,7 @@ class Turns:
 
 
 class Peaks:
-    """`checks.way`: how fast the axes would have to be, and how near a singularity is.
+    """`checks.extremes`: how fast the axes would have to be, and how near a singularity is.
 
     A finding tells the worst place, which beside a singularity is short; so there are more places
     the further the axes go.
@@ -54,11 +54,11 @@ class Peaks:
     PARTS: Final = ((30.0, 24), (90.0, 64), (float("inf"), 192))
     """Up to so many degrees of an axis a move is looked at in so many parts."""
     MOST_PLACES: Final = 1_000_000
-    """Places on the ways of a stretch; longer stretches get fewer on each move."""
+    """Places on the ways of a run; longer runs get fewer on each move."""
     MOST_FOLLOWED: Final = 20_000
     """The same for an arm without a closed form, which is solved by numbers, place by place."""
     LEAST_PARTS: Final = 4
-    """Parts of a move in the longest stretches."""
+    """Parts of a move in the longest runs."""
     UNEVEN: Final = 1.5
     """How much faster than on average a joint is somewhere in a move that is looked at again."""
     MOST_PARTS: Final = 1500

@@ -259,9 +259,9 @@ def _jumps(
     return out
 
 
-def _divided(part: Floats, stretches: Rows) -> Floats:
+def _divided(part: Floats, solved_runs: Rows) -> Floats:
     """Parts (p,) of a way, and more in some of the stretches 0 to p between them and its ends."""
     whole = np.concatenate([[0.0], part, [1.0]])
-    first, last = whole[stretches, None], whole[stretches + 1, None]
+    first, last = whole[solved_runs, None], whole[solved_runs + 1, None]
     more = first + (last - first) * np.arange(1, Turns.SPLIT) / Turns.SPLIT
     return np.unique(np.concatenate([part, more.ravel()]))

@@ -10,13 +10,13 @@ from numpy.typing import ArrayLike
 
 from assistant.program.diagnostics import Refused, has_errors
 from assistant.program.program import Program
-from assistant.robots.solved_program import Journey
+from assistant.robots.solved_program import SolvedProgram
 from assistant.robots.timing.drive import TIME_TO_SPEED, Drive, drive_of
 from assistant.robots.timing.on_way import OutputTime
 from assistant.robots.timing.samples import Samples
 from assistant.robots.timing.simulation import NO_PERIOD, MoveTimes, Simulation, Unknown
+from assistant.robots.timing.state import Duration, State
 from assistant.robots.timing.walking import Walker
-from assistant.robots.timing.way import Duration, Way
 
 __all__ = [
     "TIME_TO_SPEED",
@@ -33,7 +33,7 @@ __all__ = [
 
 
 def simulate(
-    journey: Journey,
+    solution: SolvedProgram,
     *,
     period: float | None = None,
     acceleration: float | None = None,
@@ -46,23 +46,23 @@ def simulate(
     acceleration: mm/s² of the tool on lines and arcs at most; None if only the axes bound it.
     start: (a,) joints where the program begins, None for home. drive: speeds and accelerations
     of the axes, None for those of the robot.
-    Raises Refused if the journey has errors: what cannot be reached has no time.
+    Raises Refused if the solution has errors: what cannot be reached has no time.
     """
-    if has_errors(journey.findings):
-        raise Refused(*journey.findings)
+    if has_errors(solution.findings):
+        raise Refused(*solution.findings)
     for what, value in (("period", period), ("acceleration", acceleration)):
         if value is not None and not 0.0 < value < np.inf:
             raise Refused(NO_PERIOD(what=what, value=value), exit_status=2)
-    robot, program = journey.robot, journey.program
+    robot, program = solution.robot, solution.program
     begin = np.array(robot.home if start is None else start, dtype=np.float64)
-    walker = Walker(journey, drive or drive_of(robot, acceleration, _load(program)))
+    walker = Walker(solution, drive or drive_of(robot, acceleration, _load(program)))
     place = tuple(begin.tolist())
-    first = Way(places=(place,), known=walker.begin())
+    first = State(places=(place,), known=walker.begin())
     entry = program.procedure(program.entry) if program.entry else None
     done = first if entry is None else walker.procedure(entry, first, {})
     for procedure in program.procedures:
         if procedure.name not in walker.procedures:
-            walker.procedure(procedure, Way(), {})
+            walker.procedure(procedure, State(), {})
     order = [procedure.name for procedure in program.procedures]
     return Simulation(
         robot=robot,
@@ -72,7 +72,7 @@ def simulate(
         outputs=walker.ledger.output_times(order),
         unknown=walker.ledger.unknown(),
         labels=walker.pieces.labels,
-        trace=done.trace,
+        history=done.history,
         start=begin,
         wanted_period=period,
     )

@@ -23,11 +23,11 @@ from assistant.program.statements import (
 )
 from assistant.robots.configurations import BACK
 from assistant.robots.motion.run import Pace
-from assistant.robots.solved_program import Journey, Leg
+from assistant.robots.solved_program import Leg, SolvedProgram
 from assistant.robots.target_lookup import Names, Place
 from assistant.robots.timing.rows import Mount, Moves, Settings, moves_of, placed
+from assistant.robots.timing.state import Joints
 from assistant.robots.timing.values import Values
-from assistant.robots.timing.way import Joints
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,16 +46,16 @@ class Piece:
 
 
 class Pieces:
-    """The motion statements of a journey.
+    """The motion statements of a solved program.
 
     numbers: id of a statement → its number in its procedure and its leg. labels: procedure and
     number → what it moves to. external: ids of the statements that move external axes. bare:
     of moves to joints with a tool or frame that is not known, timed for the flange in the base.
     """
 
-    def __init__(self, journey: Journey, names: Names, values: Values) -> None:
-        self.journey, self.names, self.values = journey, names, values
-        program = journey.program
+    def __init__(self, solution: SolvedProgram, names: Names, values: Values) -> None:
+        self.solution, self.names, self.values = solution, names, values
+        program = solution.program
         self.tables = (
             {name.lower(): speed for name, speed in program.speeds.items()},
             {name.lower(): blend for name, blend in program.blends.items()},
@@ -65,7 +65,7 @@ class Pieces:
         self.external: set[int] = set()
         self.bare: set[int] = set()
         for procedure in program.procedures:
-            self._number(procedure, journey.legs[procedure.name])
+            self._number(procedure, solution.legs[procedure.name])
         self.made: dict[tuple[object, ...], Moves] = {}
 
     def _number(self, procedure: Procedure, legs: tuple[Leg, ...]) -> None:
@@ -89,7 +89,7 @@ class Pieces:
         """
         number, leg = self.numbers[id(statement)]
         key: tuple[object, ...] = (id(statement), settings)
-        if leg.stretch is None and len(leg.joints) == 0:
+        if leg.solved_run is None and len(leg.joints) == 0:
             joints = self._computed(statement, near)
             if joints is None:
                 return None
@@ -101,8 +101,8 @@ class Pieces:
                 return None
             self.made[key] = (
                 self._to_joints(statement, leg.joints, settings)
-                if leg.stretch is None
-                else _of_stretch(leg, self.tables, settings)
+                if leg.solved_run is None
+                else _of_run(leg, self.tables, settings)
             )
         triggers = () if isinstance(statement, Follow) else statement.triggers
         return Piece(procedure, number, self.made[key], key, triggers)
@@ -122,7 +122,7 @@ class Pieces:
         return moves_of(
             np.array(kinds, dtype=np.uint8),
             joints,
-            mount.tip(self.journey.robot, joints),
+            mount.tip(self.solution.robot, joints),
             (index, (mount,)),
             Pace(index, index, [motion.speed], [motion.blend]),
             slice(0, n),
@@ -161,7 +161,7 @@ class Pieces:
 
     def _reached(self, place: Place, mount: Mount, near: Joints | None) -> Floats | None:
         """(a,) in the branch of the target that a place comes from, turned as little as can be."""
-        robot = self.journey.robot
+        robot = self.solution.robot
         p = np.array([place.pose.position], dtype=np.float64)
         q = np.array([place.pose.quaternion], dtype=np.float64)
         no_row = np.zeros(1, dtype=np.int32)
@@ -197,16 +197,16 @@ def _empty(statement: Moving) -> bool:
 
 
 def _moves_external(leg: Leg) -> bool:
-    if leg.stretch is None:
+    if leg.solved_run is None:
         return False
-    external = leg.stretch.run.external[max(leg.rows.start - 1, 0) : leg.rows.stop]
+    external = leg.solved_run.run.external[max(leg.rows.start - 1, 0) : leg.rows.stop]
     used = np.isfinite(external).all(axis=0)
     return bool((np.ptp(external[:, used], axis=0) > 0.0).any())
 
 
-def _of_stretch(leg: Leg, tables: tuple, settings: Settings) -> Moves:  # type: ignore[type-arg]
-    assert leg.stretch is not None
-    run, rows = leg.stretch.run, leg.rows
+def _of_run(leg: Leg, tables: tuple, settings: Settings) -> Moves:  # type: ignore[type-arg]
+    assert leg.solved_run is not None
+    run, rows = leg.solved_run.run, leg.rows
     mounting = run.mounting
     p, q = run.targets(rows)
     tool, frame = mounting.tool[rows], mounting.frame[rows]

@@ -10,7 +10,7 @@ from assistant.program import rotations
 from assistant.program.arrays import Floats, Rows
 from assistant.robots.robot import Robot
 from assistant.robots.timing.plan import Moment, Plan
-from assistant.robots.timing.way import Trace
+from assistant.robots.timing.state import History
 
 Columns = dict[str, Floats]
 """The columns of `Moment` by name."""
@@ -38,13 +38,13 @@ class Samples:
 
 
 def samples_of(
-    trace: Trace | None, seconds: float, period: float, robot: Robot, start: Floats
+    history: History | None, seconds: float, period: float, robot: Robot, start: Floats
 ) -> Samples:
-    """Samples of a trace from 0 to its end, the last one before the end or at it."""
+    """Samples of a history from 0 to its end, the last one before the end or at it."""
     t = np.arange(int(seconds / period + 1e-9) + 1, dtype=np.float64) * period
     columns = _rest_at(robot, start, len(t))
-    if trace is not None:
-        _fill(columns, trace, np.arange(len(t)), t, None)
+    if history is not None:
+        _fill(columns, history, np.arange(len(t)), t, None)
     velocity = columns["velocities"]
     acceleration = np.gradient(velocity, period, axis=0) if len(t) > 1 else velocity * 0.0
     return Samples(
@@ -65,12 +65,12 @@ def _rest_at(robot: Robot, start: Floats, count: int) -> Columns:
     return {name: np.repeat(getattr(rest, name), count, axis=0) for name in Moment.__slots__}
 
 
-def _fill(columns: Columns, trace: Trace, rows: Rows, t: Floats, last: Plan | None) -> None:
-    """Fills rows (m,) with a trace at times (m,) from its start; last: the plan before it.
+def _fill(columns: Columns, history: History, rows: Rows, t: Floats, last: Plan | None) -> None:
+    """Fills rows (m,) with a history at times (m,) from its start; last: the plan before it.
 
     The rounds of a loop are filled together, so that it does not matter how many there are.
     """
-    chain = trace.chain()
+    chain = history.chain()
     index = np.searchsorted([node.start for node in chain], t, side="left") - 1
     index = np.clip(index, 0, None)
     order = np.argsort(index, kind="stable")

@@ -16,7 +16,7 @@ from assistant.robots.robot import Robot
 from assistant.robots.timing.on_way import OutputTime
 from assistant.robots.timing.profile import FIRST_AXIS, WORDS
 from assistant.robots.timing.samples import Samples, samples_of
-from assistant.robots.timing.way import Duration, Trace
+from assistant.robots.timing.state import Duration, History
 
 MOST_SAMPLES: Final = 1_000_000
 """Rows of samples that are computed; about 250 bytes each."""
@@ -83,7 +83,7 @@ class Simulation:
     duration: of the entry. procedures: name → how long a call takes, over all calls.
     outputs: what moves set on their way, in order of text.
     labels: procedure and number of each of its motion statements → what it moves to.
-    trace: of the way through the entry that takes the longest. start: (a,) joints where it
+    history: of the way through the entry that takes the longest. start: (a,) joints where it
     begins. wanted_period: see `period`.
     """
 
@@ -94,7 +94,7 @@ class Simulation:
     outputs: tuple[OutputTime, ...]
     unknown: tuple[Unknown, ...]
     labels: Mapping[tuple[str, int], str]
-    trace: Trace | None
+    history: History | None
     start: Floats
     wanted_period: float | None
 
@@ -128,7 +128,7 @@ class Simulation:
                 ),
                 exit_status=2,
             )
-        return samples_of(self.trace, self.seconds, self.period, self.robot, self.start)
+        return samples_of(self.history, self.seconds, self.period, self.robot, self.start)
 
     def bound_by(self, binds: int) -> str:
         """What a value of `MoveTimes.binds` means, in words."""

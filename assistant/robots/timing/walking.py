@@ -36,7 +36,7 @@ from assistant.program.statements import (
     While,
     trait,
 )
-from assistant.robots.solved_program import Journey
+from assistant.robots.solved_program import SolvedProgram
 from assistant.robots.target_lookup import Names
 from assistant.robots.timing.drive import Drive
 from assistant.robots.timing.kept import KeptMotion
@@ -44,9 +44,9 @@ from assistant.robots.timing.ledger import Ledger
 from assistant.robots.timing.pieces import Piece, Pieces, label_of
 from assistant.robots.timing.plan import Plan, plan_of
 from assistant.robots.timing.rows import joined
+from assistant.robots.timing.state import Duration, History, Joints, State, met
 from assistant.robots.timing.values import Known, Values, first_values, local_values, rounds
 from assistant.robots.timing.variables import mentions, root
-from assistant.robots.timing.way import Duration, Joints, Trace, Way, met
 
 MOST_STATEMENTS: Final = 50_000
 """Statements that are walked through; then each loop is walked once and multiplied. Calls, too,
@@ -57,40 +57,40 @@ STANDING: Final = ("waits", "calls", "jumps", "ends", "holds", "kept")
 
 
 class Walker:
-    """Times procedures of a journey.
+    """Times procedures of a solved program.
 
     procedures: name → how long its calls take. ledger: what else is found on the way.
     """
 
-    def __init__(self, journey: Journey, drive: Drive) -> None:
-        self.journey, self.drive = journey, drive
-        self.names = Names(journey.program)
-        self.values = Values(journey.program, self.names)
-        self.pieces = Pieces(journey, self.names, self.values)
-        self.kept_motion = KeptMotion(journey.program)
+    def __init__(self, solution: SolvedProgram, drive: Drive) -> None:
+        self.solution, self.drive = solution, drive
+        self.names = Names(solution.program)
+        self.values = Values(solution.program, self.names)
+        self.pieces = Pieces(solution, self.names, self.values)
+        self.kept_motion = KeptMotion(solution.program)
         self.ledger = Ledger()
         self.procedures: dict[str, Duration] = {}
         self.plans: dict[tuple[object, ...], Plan] = {}
         self.calls: list[str] = []
-        self.returned: list[Way] = []
+        self.returned: list[State] = []
         self.waiting: list[Piece] = []
         self.statements = self.called = 0
-        self.shared = {name.lower() for name in journey.program.variables}
+        self.shared = {name.lower() for name in solution.program.variables}
 
     def begin(self) -> Known:
         """The variables of the program as they are at a start from the top."""
-        program = self.journey.program
+        program = self.solution.program
         assigned = {root(s.target) for s in program.statements() if isinstance(s, Assign)}
         return first_values(program.variables, assigned)
 
-    def procedure(self, procedure: Procedure, way: Way, given: Known) -> Way:
-        """A call, from the way up to it; given: its arguments by parameter, where known."""
-        kept, returned, self.returned = dict(way.known), self.returned, []
+    def procedure(self, procedure: Procedure, state: State, given: Known) -> State:
+        """A call, from the state before it; given: its arguments by parameter, where known."""
+        kept, returned, self.returned = dict(state.known), self.returned, []
         self.calls.append(procedure.name)
         self.names.enter(procedure)
         own: Known = {**self.names.own, **local_values(procedure), **given}
         outer = {name: value for name, value in kept.items() if name in self.shared}
-        inside = replace(way.begun(), known={**outer, **own})
+        inside = replace(state.begun(), known={**outer, **own})
         ends = [self.body(procedure.body, inside), *self.returned]
         self.calls.pop()
         self.returned = returned
@@ -101,40 +101,40 @@ class Walker:
             min(before.least, seconds.least), max(before.most, seconds.most)
         )
         back = {n: v for n, v in done.known.items() if n in self.shared and n not in own}
-        return way.then(replace(done, known={**kept, **back}))
+        return state.then(replace(done, known={**kept, **back}))
 
-    def body(self, body: Sequence[Statement], way: Way | None) -> Way | None:
-        """From the way up to it to its end; None if that is never reached."""
+    def body(self, body: Sequence[Statement], state: State | None) -> State | None:
+        """From the state before it to its end; None if that is never reached."""
         for statement in body:
-            if way is None:
+            if state is None:
                 return None
             self.statements += 1
-            self.names.own = dict(way.known)
+            self.names.own = dict(state.known)
             if isinstance(statement, Moving):
-                way = self.moving(statement, way)
-            elif (quick := self.setting(statement, way)) is not None:
-                way = quick
+                state = self.moving(statement, state)
+            elif (quick := self.setting(statement, state)) is not None:
+                state = quick
             else:
-                way = self.acting(statement, self.flush(way))
-        return None if way is None else self.flush(way)
+                state = self.acting(statement, self.flush(state))
+        return None if state is None else self.flush(state)
 
-    def inner(self, body: Sequence[Statement], way: Way) -> Way | None:
-        """A body that is entered from a way, as a way of its own."""
+    def inner(self, body: Sequence[Statement], state: State) -> State | None:
+        """A body that is entered in a state, counted by itself."""
         mark = len(self.returned)
-        end = self.body(body, way.begun())
-        self.returned[mark:] = [way.then(one) for one in self.returned[mark:]]
+        end = self.body(body, state.begun())
+        self.returned[mark:] = [state.then(one) for one in self.returned[mark:]]
         return end
 
     # ------------------------------------------------------------------------------- moves
 
-    def moving(self, statement: Moving, way: Way) -> Way:
+    def moving(self, statement: Moving, state: State) -> State:
         """A motion statement, which waits to be timed together with those that follow it."""
         if id(statement) not in self.pieces.numbers:
-            return way  # along a path of no targets
-        near = way.places[0] if way.places else None
+            return state  # along a path of no targets
+        near = state.places[0] if state.places else None
         if self.waiting:
             near = tuple(self.waiting[-1].moves.joints[-1].tolist())
-        piece = self.pieces.piece(statement, self.calls[-1], way.settings, near)
+        piece = self.pieces.piece(statement, self.calls[-1], state.settings, near)
         number, _ = self.pieces.numbers[id(statement)]
         if id(statement) in self.pieces.external:
             self.note(f"move {number}: its external axes are not timed")
@@ -142,17 +142,17 @@ class Walker:
             self.note(f"move {number}: its tool or frame is not known; the flange is taken")
         if piece is not None:
             self.waiting.append(piece)
-            return way
+            return state
         self.note(
             f"move {number} to {label_of(statement)}: only running the program tells where that is"
         )
-        return replace(self.flush(way), places=())
+        return replace(self.flush(state), places=())
 
-    def flush(self, way: Way) -> Way:
+    def flush(self, state: State) -> State:
         """Times the moves that wait, from every place where the arm may be."""
         pieces, self.waiting = self.waiting, []
         if not pieces:
-            return way
+            return state
         moves = joined([piece.moves for piece in pieces])
         if np.isnan(moves.tcp).any():
             self.note("a speed that is not declared is taken as the most")
@@ -160,13 +160,13 @@ class Walker:
             self.note("a speed that is not above 0 takes nearly for ever")
         end = tuple(moves.joints[-1].tolist())
         skipped = 0
-        if not way.places:
+        if not state.places:
             skipped = 2 if len(moves) > 1 and moves.kinds[0] == Kind.VIA else 1
             first = pieces[0]
             self.note(f"move {first.number}: where it starts from is not known, so it is not timed")
             if skipped == len(moves):
-                return replace(way, places=(end,))
-        starts: tuple[Joints, ...] = way.places
+                return replace(state, places=(end,))
+        starts: tuple[Joints, ...] = state.places
         if not starts:
             starts = (tuple(moves.joints[skipped - 1].tolist()),)
         plans = []
@@ -174,17 +174,17 @@ class Walker:
             key = (tuple(piece.key for piece in pieces), start, skipped)
             if key not in self.plans:
                 rest = moves.rest(skipped) if skipped else moves
-                self.plans[key] = plan_of(rest, np.array(start), self.journey.robot, self.drive)
+                self.plans[key] = plan_of(rest, np.array(start), self.solution.robot, self.drive)
             self.note_guessed(pieces, self.plans[key].course.knots.guessed + skipped)
             plans.append(self.plans[key])
             self.ledger.moved(pieces, skipped, self.plans[key])
         longest = max(plans, key=lambda plan: plan.seconds)
         return replace(
-            way,
-            least=way.least + min(plan.seconds for plan in plans),
-            most=way.most + longest.seconds,
+            state,
+            least=state.least + min(plan.seconds for plan in plans),
+            most=state.most + longest.seconds,
             places=(end,),
-            trace=Trace(way.trace, longest),
+            history=History(state.history, longest),
         )
 
     def note_guessed(self, pieces: Sequence[Piece], rows: Rows) -> None:
@@ -198,163 +198,163 @@ class Walker:
 
     # ---------------------------------------------------------------------- other statements
 
-    def setting(self, statement: Statement, way: Way) -> Way | None:
+    def setting(self, statement: Statement, state: State) -> State | None:
         """What does not keep the arm from moving on; None for any other statement."""
         match statement:
             case SetOverride(percent=percent):
                 value = self.number(percent, "the override")
-                return way if value is None else way.under(override=max(value, 0.0) / 100.0)
+                return state if value is None else state.under(override=max(value, 0.0) / 100.0)
             case SetAcceleration(acceleration=up, deceleration=down):
                 rise, fall = self.values.number(up), self.values.number(down)
                 if rise is None or fall is None:
                     self.note("an acceleration that only running the program tells stays as it was")
-                    return way
-                return way.under(acceleration=rise / 100.0, deceleration=fall / 100.0)
+                    return state
+                return state.under(acceleration=rise / 100.0, deceleration=fall / 100.0)
             case Assign(target=Name(name), value=value):
-                return replace(way, known={**way.known, name.lower(): self.values.value(value)})
+                return replace(state, known={**state.known, name.lower(): self.values.value(value)})
             case Assign(target=target):
-                return way.without({root(target)})
-        return None if trait(statement) in STANDING else way
+                return state.without({root(target)})
+        return None if trait(statement) in STANDING else state
 
-    def acting(self, statement: Statement, way: Way) -> Way | None:
+    def acting(self, statement: Statement, state: State) -> State | None:
         """What the arm stands still for; None if nothing behind it is reached."""
-        self.names.own = dict(way.known)
+        self.names.own = dict(state.known)
         match statement:
             case Wait(seconds=seconds):
                 value = self.number(seconds, "a wait")
-                return way if value is None else way.waited(value)
+                return state if value is None else state.waited(value)
             case WaitSignal(signal=signal, value=value_):
                 self.note(f"the wait for {signal} = {expression_text(value_)}")
             case WaitUntil(condition=condition):
                 self.note(f"the wait until {expression_text(condition)}")
             case Call():
-                return self.call(statement, way)
+                return self.call(statement, state)
             case If() | Switch():
-                return self.branches(statement, way)
+                return self.branches(statement, state)
             case For():
-                return self.counted(statement, way)
+                return self.counted(statement, state)
             case While():
-                return self.loop(statement, way)
+                return self.loop(statement, state)
             case Return() | Stop(end=True):
-                self.returned.append(way)
+                self.returned.append(state)
                 return None
             case Stop():
                 self.note("a stop, until somebody starts the program again")
             case Goto(label=label):
                 self.note(f"the jump to {label} is not followed")
             case Opaque():
-                return self.kept(statement, way)
-        return way
+                return self.kept(statement, state)
+        return state
 
-    def kept(self, statement: Opaque, way: Way) -> Way:
+    def kept(self, statement: Opaque, state: State) -> State:
         """Vendor text: where it leads to, and for how long, only its own controller knows."""
         text, effect = statement.text, effect_of(statement)
         line = text.strip().splitlines()[0] if text.strip() else text
-        way = way.without(set(effect.names))
+        state = state.without(set(effect.names))
         if not self.kept_motion.possible(effect):
             self.note(f"`{line}` is taken as neither time nor motion")
-            return way
+            return state
         if effect.moves and effect != unknown(text):
             self.note(f"`{line}` is a motion whose time is not known")
         else:
             self.note(f"`{line}` may move the arm, in a time that is not known")
-        return replace(way, places=())
+        return replace(state, places=())
 
-    def call(self, statement: Call, way: Way) -> Way:
-        procedure = self.journey.program.procedure(statement.procedure)
+    def call(self, statement: Call, state: State) -> State:
+        procedure = self.solution.program.procedure(statement.procedure)
         if procedure is None:
             self.note(f"`{statement.procedure}` is not there")
-            return replace(way, places=())
+            return replace(state, places=())
         if procedure.name in self.calls:
             self.note(f"`{procedure.name}` calls itself; that is not followed")
-            return replace(way, places=())
+            return replace(state, places=())
         self.called += 1
         if self.called > MOST_STATEMENTS:
             self.note("there are too many calls; the last of them are not followed")
-            return replace(way, places=())
+            return replace(state, places=())
         given = self.values.given(procedure, statement.arguments)
         changed = {
             root(argument)
             for parameter, argument in zip(procedure.parameters, statement.arguments, strict=False)
             if parameter.mode == "inout"
         }
-        return self.procedure(procedure, way, given).without(changed)
+        return self.procedure(procedure, state, given).without(changed)
 
-    def branches(self, statement: If | Switch, way: Way) -> Way | None:
+    def branches(self, statement: If | Switch, state: State) -> State | None:
         """Every way that may be taken, and where they meet."""
-        taken: list[Way | None] = []
+        taken: list[State | None] = []
         if isinstance(statement, If):
             for branch in statement.branches:
-                self.names.own = dict(way.known)
+                self.names.own = dict(state.known)
                 holds = self.values.truth(branch.condition)
                 if holds is not False:
-                    taken.append(self.inner(branch.body, way))
+                    taken.append(self.inner(branch.body, state))
                 if holds:
                     break
             else:
-                taken.append(self.inner(statement.otherwise, way))
+                taken.append(self.inner(statement.otherwise, state))
         else:
             inner = (*(case.body for case in statement.cases), statement.otherwise)
-            taken += [self.inner(body, way) for body in inner]
+            taken += [self.inner(body, state) for body in inner]
         done = met([one for one in taken if one is not None])
-        return None if done is None else way.then(done)
+        return None if done is None else state.then(done)
 
-    def counted(self, statement: For, way: Way) -> Way | None:
+    def counted(self, statement: For, state: State) -> State | None:
         """As many rounds as the text tells, else one; alike ones are walked once."""
         first, last = self.values.number(statement.first), self.values.number(statement.last)
         step = None if statement.step is None else self.values.number(statement.step)
         name = statement.variable.lower()
         if first is None or last is None or (statement.step is not None and step is None):
             self.note(f"how often the loop over {statement.variable} goes round; once is counted")
-            return self.once(statement, way.without({name}))
+            return self.once(statement, state.without({name}))
         count = rounds(first, last, step)
         by = step if step is not None else (1.0 if last >= first else -1.0)
         alike = not self.reads(statement, name)
         done = 0
         while done < count:
-            known: Known = {**way.known, name: Number(first + done * by)}
-            start = replace(way, known=known)
+            known: Known = {**state.known, name: Number(first + done * by)}
+            start = replace(state, known=known)
             end = self.inner(statement.body, start)
             if end is None:
                 return None
             done += 1
             again = count - done if done < count and self.repeats(start, end, alike) else 0
             done += again
-            way = way.then(end, 1 + again)
-        return way.without({name})
+            state = state.then(end, 1 + again)
+        return state.without({name})
 
-    def loop(self, statement: While, way: Way) -> Way | None:
+    def loop(self, statement: While, state: State) -> State | None:
         """Rounds until the condition fails, as long as it is known to hold; else one."""
         holds = self.values.truth(statement.condition)
         constant = not any(isinstance(part, Name) for part in records(statement.condition))
         if holds and constant:
             self.note("the loop runs for ever; one round is counted")
-            end = self.once(statement, way)
+            end = self.once(statement, state)
             if end is not None:
                 self.returned.append(end)
             return None
         while holds and self.statements < MOST_STATEMENTS:
-            end = self.inner(statement.body, way)
+            end = self.inner(statement.body, state)
             if end is None:
                 return None
-            if way.same_state(end):
+            if state.same_state(end):
                 break
-            way = way.then(end)
-            self.names.own = dict(way.known)
+            state = state.then(end)
+            self.names.own = dict(state.known)
             holds = self.values.truth(statement.condition)
         if holds is False:
-            return way
+            return state
         text = expression_text(statement.condition)
         self.note(f"how often the loop while {text} goes round; once is counted")
-        return self.once(statement, way)
+        return self.once(statement, state)
 
-    def once(self, statement: For | While, way: Way) -> Way | None:
+    def once(self, statement: For | While, state: State) -> State | None:
         """A round of a loop whose rounds are not known, and what is not known after it."""
         assigned = {root(s.target) for s in walk(statement.body) if isinstance(s, Assign)}
-        end = self.inner(statement.body, way.without(assigned))
-        return None if end is None else way.then(end).without(assigned)
+        end = self.inner(statement.body, state.without(assigned))
+        return None if end is None else state.then(end).without(assigned)
 
-    def repeats(self, start: Way, end: Way, alike: bool) -> bool:
+    def repeats(self, start: State, end: State, alike: bool) -> bool:
         """Whether the rounds to come are as this one; also when there have been too many.
 
         alike: the count of the loop makes no difference to its rounds.

@@ -39,7 +39,7 @@ def along(
         blend=np.array([0, 0] + [1] * (len(points) - 1)),
     )
     program = Program("p", (Procedure("main", (Follow(path),)),))
-    return simulate(robots.journey(program, ARM), **options)  # type: ignore[arg-type]
+    return simulate(robots.solve_program(program, ARM), **options)  # type: ignore[arg-type]
 
 
 def seconds(simulation: Simulation) -> float:
@@ -149,9 +149,9 @@ procedure main
 end
 """
     journeys = (
-        robots.journey(parse(text.replace("ZONE", zone)), ARM) for zone in ("fine", "80 mm")
+        robots.solve_program(parse(text.replace("ZONE", zone)), ARM) for zone in ("fine", "80 mm")
     )
-    stopped, rounded = (simulate(journey, period=0.0005) for journey in journeys)
+    stopped, rounded = (simulate(solution, period=0.0005) for solution in journeys)
     assert rounded.seconds < stopped.seconds - 0.01
     velocity = np.abs(rounded.samples.joint_velocity)
     both = (velocity[:, 0] > 1.0) & (velocity[:, 2] > 1.0)
@@ -180,7 +180,7 @@ procedure main
   move linear target [400, 0, 200] [0, 0, 1, 0] speed 300 mm/s blend fine tool long
 end
 """
-    done = simulate(robots.journey(parse(text), ARM), period=0.0005)
+    done = simulate(robots.solve_program(parse(text), ARM), period=0.0005)
     limits = drive_of(ARM, load=None).accelerations
     change = np.diff(done.samples.joints, n=2, axis=0) / 0.0005**2
     assert (np.abs(change) <= limits * 1.001).all()

@@ -24,7 +24,7 @@ STRAIGHT = "move linear b speed 100 mm/s blend fine"
 
 def timed(move: str) -> Simulation:
     program = parse(PROGRAM.format(move=move))
-    return simulate(robots.journey(program, robots.get("irb1200-7-0.7")))
+    return simulate(robots.solve_program(program, robots.get("irb1200-7-0.7")))
 
 
 @pytest.mark.parametrize(

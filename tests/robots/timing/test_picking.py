@@ -57,7 +57,7 @@ def seconds(*tools):
     body = tuple(Move("joint", TargetValue(Target(pose)), motion) for pose in ends)
     named = dict(zip(("hand", "other"), tools, strict=False))
     program = Program("p", (Procedure("main", body),), entry="main", tools=named)
-    return simulate(robots.journey(program, robot)).seconds
+    return simulate(robots.solve_program(program, robot)).seconds
 
 
 def test_the_heaviest_tool_of_a_program_counts():

@@ -40,7 +40,7 @@ BACK = "  move linear a speed 50 mm/s blend fine\n"
 
 def done(body: str, rest: str = "") -> Simulation:
     program = parse(HEAD + body + "end\n" + rest)
-    return simulate(robots.journey(program, ARM), drive=LOOSE)
+    return simulate(robots.solve_program(program, ARM), drive=LOOSE)
 
 
 def seconds(body: str, rest: str = "") -> float:
@@ -108,7 +108,7 @@ def test_arrays_components_and_functions_that_compute() -> None:
         "variable q position\n\nprocedure main\n"
     )
     text = HEAD.replace("procedure main\n", arrays) + body + "end\n" + rest
-    simulation = simulate(robots.journey(parse(text), ARM), drive=LOOSE)
+    simulation = simulate(robots.solve_program(parse(text), ARM), drive=LOOSE)
     assert simulation.unknown == ()
     assert simulation.seconds == near(2 * (0.1 + 0.2 + 0.3 + 0.3))
 
@@ -117,10 +117,10 @@ def test_a_taught_place_counts_unless_the_program_sets_it() -> None:
     taught = "persistent p position = target [400, 100, 400] [0, 0, 1, 0]\n\nprocedure main\n"
     text = HEAD.replace("procedure main\n", taught) + THERE
     text += "  move linear p speed 100 mm/s blend fine\n"
-    simulation = simulate(robots.journey(parse(text + "end\n"), ARM), drive=LOOSE)
+    simulation = simulate(robots.solve_program(parse(text + "end\n"), ARM), drive=LOOSE)
     assert (simulation.seconds, simulation.unknown) == (near(2), ())
     text += "  p = offset(p, total, 0, 0)\nend\n"
-    simulation = simulate(robots.journey(parse(text), ARM), drive=LOOSE)
+    simulation = simulate(robots.solve_program(parse(text), ARM), drive=LOOSE)
     assert [one.what[:6] for one in simulation.unknown] == ["move 2"]
 
 
@@ -137,7 +137,7 @@ def test_external_axes_are_told_of() -> None:
 def test_a_move_to_joints_with_a_tool_that_is_not_declared() -> None:
     text = HEAD.replace("variable n", "joints up [0, 0, 0, 0, 30, 0]\n\nvariable n") + THERE
     text += "  move absolute up speed 100 mm/s blend fine tool elsewhere\nend\n"
-    simulation = simulate(robots.journey(parse(text), ARM))
+    simulation = simulate(robots.solve_program(parse(text), ARM))
     what = "move 2: its tool or frame is not known; the flange is taken"
     assert [one.what for one in simulation.unknown] == [what]
     assert simulation.moves.seconds[-1] > 1
@@ -251,7 +251,7 @@ def test_a_motion_that_is_kept_as_its_text_leads_nobody_knows_where(
         ),
     )
     program = with_effects(program, languages.effect)
-    simulation = simulate(robots.journey(program, ARM), drive=LOOSE)
+    simulation = simulate(robots.solve_program(program, ARM), drive=LOOSE)
     told = [str(one) for one in simulation.unknown if one.procedure == "main"]
     assert told[0] == f"main: `{text}` {what}"
     assert len(told) == (1 if what == NEITHER else 2)  # the move behind a motion as well
@@ -271,7 +271,7 @@ def test_routines_in_kept_text_that_call_each_other_may_both_move() -> None:
         ),
     )
     program = with_effects(program, languages.effect)
-    simulation = simulate(robots.journey(program, ARM), drive=LOOSE)
+    simulation = simulate(robots.solve_program(program, ARM), drive=LOOSE)
     told = [one.what for one in simulation.unknown if one.procedure == "main"]
     assert told == [f"`{name}\\fast;` {PERHAPS}" for name in ("ping", "pong")]
 
@@ -331,7 +331,7 @@ def test_times_fit_together_whatever_the_program_does(body: str, inner: str) -> 
     assert 0.0 <= simulation.duration.least <= simulation.duration.most + 1e-9
     for one in simulation.procedures.values():
         assert 0.0 <= one.least <= one.most + 1e-9
-    spent = 0.0 if simulation.trace is None else simulation.trace.seconds
+    spent = 0.0 if simulation.history is None else simulation.history.seconds
     assert spent == pytest.approx(simulation.seconds)
     assert simulation.samples.t[-1] == pytest.approx(simulation.seconds, abs=simulation.period)
     assert (simulation.moves.seconds >= 0.0).all()

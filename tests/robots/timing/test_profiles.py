@@ -42,7 +42,7 @@ procedure main
 
 def run(*moves: str, **options: object) -> Simulation:
     text = HEAD + "".join(f"  {move}\n" for move in moves) + "end\n"
-    return simulate(robots.journey(parse(text), ARM), **options)  # type: ignore[arg-type]
+    return simulate(robots.solve_program(parse(text), ARM), **options)  # type: ignore[arg-type]
 
 
 def last(simulation: Simulation) -> float:
@@ -169,7 +169,7 @@ def test_another_tool_does_not_make_a_way() -> None:
         "  move joint o speed maximum blend fine tool long\n"
         "  move linear target [400, 0, 500] [0, 0, 1, 0] speed 100 mm/s blend fine\nend\n"
     )
-    done = simulate(robots.journey(parse(text), ARM))
+    done = simulate(robots.solve_program(parse(text), ARM))
     assert len(done.moves) == 2
     assert done.moves.length[-1] == pytest.approx(0.0, abs=1e-6)
     assert last(done) == pytest.approx(0.0, abs=1e-6)
@@ -193,7 +193,7 @@ POINTS = st.lists(
 def along(points: list[tuple[float, float, float]], speed: float, blend: Blend) -> Simulation:
     path = Path.of("way", points, [DOWN] * len(points), speeds=[Speed(speed)], blends=[blend])
     program = Program("p", (Procedure("main", (Follow(path),)),))
-    return simulate(robots.journey(program, ARM))
+    return simulate(robots.solve_program(program, ARM))
 
 
 @settings(max_examples=40, deadline=None)
@@ -239,7 +239,7 @@ def test_a_chain_of_links_takes_as_long_as_its_closed_form() -> None:
     )
     program = Program("p", (Procedure("main", (Follow(path),)),))
     one, other = (
-        simulate(robots.journey(program, arm)) for arm in (known, replace(known, arm=chain))
+        simulate(robots.solve_program(program, arm)) for arm in (known, replace(known, arm=chain))
     )
     assert other.unknown == one.unknown == ()
     assert other.moves.seconds == pytest.approx(one.moves.seconds, rel=1e-4, abs=1e-9)
@@ -253,7 +253,7 @@ def test_an_arc_within_reach_is_gone_along_by_the_arm_too() -> None:
     kinds = [Kind.JOINT, Kind.LINEAR, Kind.VIA, Kind.END, Kind.LINEAR, Kind.LINEAR]
     path = Path.of("way", way, [DOWN] * 6, kinds=kinds, speeds=[Speed(100.0)])
     program = Program("p", (Procedure("main", (Follow(path),)),))
-    done = simulate(robots.journey(program, ARM))
+    done = simulate(robots.solve_program(program, ARM))
     assert done.unknown == ()
     tip, _ = ARM.fk(done.samples.joints)
     assert tip == pytest.approx(done.samples.position, abs=0.1)
@@ -270,7 +270,7 @@ def test_a_computed_way_out_of_reach_is_told_of_and_spoils_no_other() -> None:
         "  move linear places[1] speed 100 mm/s blend fine\n"
         "  move linear places[2] speed 100 mm/s blend fine\nend\n"
     )
-    done = simulate(robots.journey(parse(text), ARM))
+    done = simulate(robots.solve_program(parse(text), ARM))
     assert [one.what.partition(":")[0] for one in done.unknown] == ["move 2"]
     assert "one branch" in done.unknown[0].what
     tip, _ = ARM.fk(done.samples.joints)

@@ -31,7 +31,7 @@ end
 
 
 def done(**options: float) -> Simulation:
-    return simulate(robots.journey(parse(TEXT), ARM), **options)
+    return simulate(robots.solve_program(parse(TEXT), ARM), **options)
 
 
 def test_the_samples_reach_from_the_start_to_the_end() -> None:
@@ -89,7 +89,7 @@ def test_a_period_that_gives_too_many_samples_is_refused() -> None:
 
 
 def test_a_long_program_gets_a_period_that_fits() -> None:
-    result = simulate(robots.journey(parse(TEXT.replace("wait 0.5 s", "wait 30000 s")), ARM))
+    result = simulate(robots.solve_program(parse(TEXT.replace("wait 0.5 s", "wait 30000 s")), ARM))
     assert result.period == pytest.approx(0.05)
     assert len(result.samples) <= 1_000_000
 
@@ -103,7 +103,7 @@ INNER = f"    for j from 1 to 2\n{ROUND}    end\n    wait 0.3 s\n"
 
 def looping(body: str) -> Simulation:
     start = TEXT[: TEXT.index("  wait 0.5 s")]
-    return simulate(robots.journey(parse(f"{start}{body}end\n"), ARM), period=0.007)
+    return simulate(robots.solve_program(parse(f"{start}{body}end\n"), ARM), period=0.007)
 
 
 def test_the_samples_of_a_loop_are_those_of_its_rounds_one_after_the_other() -> None:
@@ -117,7 +117,7 @@ def test_the_samples_of_a_loop_are_those_of_its_rounds_one_after_the_other() -> 
 def test_a_loop_without_end_has_samples_of_its_rounds() -> None:
     start = TEXT[: TEXT.index("  wait 0.5 s")]
     loop = f"  for i from 1 to 1000000000\n{INNER}  end\n"
-    samples = simulate(robots.journey(parse(f"{start}{loop}end\n"), ARM)).samples
+    samples = simulate(robots.solve_program(parse(f"{start}{loop}end\n"), ARM)).samples
     assert 100_000 < len(samples) <= 1_000_000
     x, y, z = samples.position[1:].T
     assert np.allclose(x, 400) and np.allclose(y, -150, atol=0.1)

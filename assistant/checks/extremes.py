@@ -26,7 +26,7 @@ BENT: Final = float(np.sin(np.radians(IN_LINE)))
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class Extremes:
     """Of m moves, each (m,); infinite where an arm has no such thing.
 
     wrist: least angle of axis 5 on the way, degrees. elbow: least angle between the upper arm
@@ -45,28 +45,28 @@ class Way:
     axis: Rows
 
 
-def way_of(moves: Moves) -> Way:
+def extremes_of(moves: Moves) -> Extremes:
     m = len(moves)
     far = np.full(m, np.inf)
     never = np.zeros(m, dtype=bool)
     nothing = np.zeros(m, dtype=np.intp)
-    way = Way(far, far.copy(), far.copy(), never, never.copy(), np.zeros(m), nothing)
+    extremes = Extremes(far, far.copy(), far.copy(), never, never.copy(), np.zeros(m), nothing)
     uneven = [np.empty(0, np.intp)]
-    for at, joints in _pieces(moves, way):
-        uneven.append(at[_look(moves.robot, way, at, joints)])
+    for at, joints in _pieces(moves, extremes):
+        uneven.append(at[_look(moves.robot, extremes, at, joints)])
     again = np.concatenate(uneven)
     parts = min(Peaks.MOST_PARTS, _most_places(moves.robot) // max(len(again), 1))
     if parts > Peaks.PARTS[-1][1]:
-        _forget(way, again)
-        way.crossed[again] = way.by_ends[again]
+        _forget(extremes, again)
+        extremes.crossed[again] = extremes.by_ends[again]
         for at, joints in _sampled(moves, again, parts):
-            _look(moves.robot, way, at, joints)
+            _look(moves.robot, extremes, at, joints)
             if moves.robot.arm.named:
-                _peak(moves, way, at, joints)
-    return way
+                _peak(moves, extremes, at, joints)
+    return extremes
 
 
-def _peak(moves: Moves, way: Way, at: Rows, joints: Floats) -> None:
+def _peak(moves: Moves, extremes: Extremes, at: Rows, joints: Floats) -> None:
     """Looks closer where some moves (k,) need the most time, as their joints (k, p, a) show.
 
     Between the places beside the fastest step, then again beside the fastest one there.
@@ -88,9 +88,9 @@ def _peak(moves: Moves, way: Way, at: Rows, joints: Floats) -> None:
         needed = _steps(robot, joints).max(axis=1) * Peaks.CLOSER_PARTS / width[:, None]
         axis = needed.argmax(axis=1)
         seconds = np.where(reached, needed[np.arange(len(at)), axis], 0.0)
-        before = way.seconds[at]
+        before = extremes.seconds[at]
         more = seconds > before
-        way.axis[at[more]], way.seconds[at[more]] = axis[more], seconds[more]
+        extremes.axis[at[more]], extremes.seconds[at[more]] = axis[more], seconds[more]
         on = seconds > Peaks.FASTER * before
         at, branches, joints = at[on], branches[on], joints[on]
         begin, width = begin[on], width[on]
@@ -109,7 +109,7 @@ def _steps(robot: Robot, joints: Floats) -> Floats:
     return np.asarray(step / robot.speeds)
 
 
-def _pieces(moves: Moves, way: Way) -> Iterator[tuple[Rows, Floats]]:
+def _pieces(moves: Moves, extremes: Extremes) -> Iterator[tuple[Rows, Floats]]:
     """Moves (k,) with their joints (k, parts + 1, a) deg from the start to the end."""
     wide = np.zeros(len(moves))
     for start in range(0, len(moves), CHUNK):
@@ -123,10 +123,10 @@ def _pieces(moves: Moves, way: Way) -> Iterator[tuple[Rows, Floats]]:
             step = np.where(bent & np.isfinite(off), np.maximum(step, off), step)
         wide[at] = step
         yield at, ends
-    _crossed_at_targets(moves, way)
-    way.by_ends[:] = way.crossed
-    wanted = np.flatnonzero((wide > Peaks.STRAIGHT) & ~way.crossed)
-    _forget(way, wanted)  # ends so far apart tell nothing of the way
+    _crossed_at_targets(moves, extremes)
+    extremes.by_ends[:] = extremes.crossed
+    wanted = np.flatnonzero((wide > Peaks.STRAIGHT) & ~extremes.crossed)
+    _forget(extremes, wanted)  # ends so far apart tell nothing of the way
     if moves.robot.arm.named:
         wanted = wanted[_same_branch(moves, wanted)]
     counts = np.array([parts for _, parts in Peaks.PARTS])
@@ -143,7 +143,7 @@ def _most_places(robot: Robot) -> int:
     return Peaks.MOST_PLACES if robot.arm.named else Peaks.MOST_FOLLOWED
 
 
-def _crossed_at_targets(moves: Moves, way: Way) -> None:
+def _crossed_at_targets(moves: Moves, extremes: Extremes) -> None:
     """Adds the moves to and from a target in line at which the wrist bends to the other side."""
     if not moves.robot.arm.spherical or len(moves) < 2:
         return
@@ -157,14 +157,14 @@ def _crossed_at_targets(moves: Moves, way: Way) -> None:
         four = np.radians(moves.joints[place, 3])
         bends.append(np.sin(five[place]) * np.stack([np.cos(four), np.sin(four)]))
     through = in_line[(bends[0] * bends[1]).sum(axis=0) < 0.0]
-    way.crossed[through] = way.crossed[through + 1] = True
+    extremes.crossed[through] = extremes.crossed[through + 1] = True
 
 
-def _forget(way: Way, moves: Rows) -> None:
+def _forget(extremes: Extremes, moves: Rows) -> None:
     """What the ends of moves have shown."""
-    for least in (way.wrist, way.elbow, way.shoulder):
+    for least in (extremes.wrist, extremes.elbow, extremes.shoulder):
         least[moves] = np.inf
-    way.seconds[moves] = 0.0
+    extremes.seconds[moves] = 0.0
 
 
 def _same_branch(moves: Moves, rows: Rows) -> Truths:
@@ -196,7 +196,7 @@ def _sampled(moves: Moves, rows: Rows, parts: int) -> Iterator[tuple[Rows, Float
             yield at[inside], joints[inside]
 
 
-def _look(robot: Robot, way: Way, at: Rows, joints: Floats) -> Truths:
+def _look(robot: Robot, extremes: Extremes, at: Rows, joints: Floats) -> Truths:
     """Takes down what some of the moves come to; which of them are uneven (k,).
 
     joints: (k, parts + 1, a) deg.
@@ -213,9 +213,9 @@ def _look(robot: Robot, way: Way, at: Rows, joints: Floats) -> Truths:
         )
         nearest = _past_nothing(bend)
         opposite = np.einsum("kpi,kpi->kp", bend[:, :-1], bend[:, 1:]) < 0.0
-        way.crossed[at] |= (opposite & (nearest < THROUGH)).any(axis=1)
+        extremes.crossed[at] |= (opposite & (nearest < THROUGH)).any(axis=1)
         least = np.degrees(np.arcsin(np.minimum(nearest, 1.0))).min(axis=1)
-        way.wrist[at] = np.minimum(way.wrist[at], least)
+        extremes.wrist[at] = np.minimum(extremes.wrist[at], least)
         small = np.abs(sine).reshape(k, places) < BENT
         step[..., [3, 5]] = np.where(
             (small[:, :-1] | small[:, 1:])[..., None], 0.0, step[..., [3, 5]]
@@ -227,29 +227,29 @@ def _look(robot: Robot, way: Way, at: Rows, joints: Floats) -> Truths:
         stretched = (first * last < 0.0) & (np.abs(last - first) < np.pi)
         least = np.where(stretched.any(axis=1), 0.0, np.inf)
         least = np.minimum(least, np.degrees(np.abs(angle)).min(axis=1))
-        way.elbow[at] = np.minimum(way.elbow[at], least)
+        extremes.elbow[at] = np.minimum(extremes.elbow[at], least)
     ahead = robot.arm.wrist(chain)
     if ahead is not None:
         wrist = ahead[:, None] * np.stack([np.cos(chain[:, 0]), np.sin(chain[:, 0])], axis=1)
         least = _past_nothing(wrist.reshape(k, places, 2)).min(axis=1)
-        way.shoulder[at] = np.minimum(way.shoulder[at], least)
+        extremes.shoulder[at] = np.minimum(extremes.shoulder[at], least)
     needed = step.max(axis=1) * (places - 1) / robot.speeds
     axis = needed.argmax(axis=1)
     seconds = needed[np.arange(k), axis]
-    more = seconds > way.seconds[at]
-    way.axis[at[more]] = axis[more]
-    way.seconds[at[more]] = seconds[more]
+    more = seconds > extremes.seconds[at]
+    extremes.axis[at[more]] = axis[more]
+    extremes.seconds[at[more]] = seconds[more]
     mean = (step.sum(axis=1) / robot.speeds)[np.arange(k), axis]
     return np.asarray((seconds > Peaks.UNEVEN * mean) & (places > 2))
 
 
 def _past_nothing(points: Floats) -> Floats:
     """How near the straight lines between points (k, p, 2) come to the origin: (k, p - 1)."""
-    first, way = points[:, :-1], np.diff(points, axis=1)
-    squared = np.einsum("kpi,kpi->kp", way, way)
-    part = -np.einsum("kpi,kpi->kp", first, way) / np.where(squared > 0.0, squared, 1.0)
+    first, extremes = points[:, :-1], np.diff(points, axis=1)
+    squared = np.einsum("kpi,kpi->kp", extremes, extremes)
+    part = -np.einsum("kpi,kpi->kp", first, extremes) / np.where(squared > 0.0, squared, 1.0)
     part = np.clip(part, 0.0, 1.0)[..., None]
-    return np.asarray(np.linalg.norm(first + part * way, axis=2))
+    return np.asarray(np.linalg.norm(first + part * extremes, axis=2))
 
 
 def _within_a_turn(radians: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""A journey as rules see it: its linear and circular moves in columns, and where they stand."""
+"""A solved program as rules see it: its linear and circular moves, and where they stand."""
 
 from __future__ import annotations
 
@@ -9,62 +9,66 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.checks.extremes import Extremes, extremes_of
 from assistant.checks.moves import Moves, moves_of
-from assistant.checks.way import Way, way_of
 from assistant.program.arrays import Floats, Rows
 from assistant.program.diagnostics import Diagnostic, Rule, Span
 from assistant.program.expressions import Number
 from assistant.program.program import Program, walk
 from assistant.program.statements import Moving, SetOverride
-from assistant.robots import Journey, Robot
-from assistant.robots.solved_program import Leg, Stretch
+from assistant.robots import Robot, SolvedProgram
+from assistant.robots.solved_program import Leg, SolvedRun
 
 NEIGHBOURS: Final = 2
 """Rows that are at most so far apart are told of together; the points of an arc are two apart."""
 MOST_GROUPS: Final = 5
-"""Groups of neighbours in a stretch from which on they are told of together as well."""
+"""Groups of neighbours in a run from which on they are told of together as well."""
 
 
 @dataclass(frozen=True)
-class Tour:
+class ProgramView:
     """What rules look at.
 
     cycle: seconds between two places that the controller commands.
     """
 
-    journey: Journey
+    solution: SolvedProgram
     cycle: float
 
     @property
     def program(self) -> Program:
-        return self.journey.program
+        return self.solution.program
 
     @property
     def robot(self) -> Robot:
-        return self.journey.robot
+        return self.solution.robot
 
     @cached_property
-    def stages(self) -> tuple[Stage, ...]:
-        """The stretches of the journey in order of text, each with its legs."""
+    def run_views(self) -> tuple[RunView, ...]:
+        """The runs of the program in order of text, each with its legs."""
         legs: dict[int, list[Leg]] = {}
-        for several in self.journey.legs.values():
+        for several in self.solution.legs.values():
             for leg in several:
-                if leg.stretch is not None:
-                    legs.setdefault(id(leg.stretch), []).append(leg)
-        shares = _overrides(self.journey)
-        stretches = self.journey.stretches
-        return tuple(self._stage(stretch, legs[id(stretch)], shares) for stretch in stretches)
+                if leg.solved_run is not None:
+                    legs.setdefault(id(leg.solved_run), []).append(leg)
+        shares = _overrides(self.solution)
+        solved_runs = self.solution.solved_runs
+        return tuple(
+            self._view(solved_run, legs[id(solved_run)], shares) for solved_run in solved_runs
+        )
 
-    def _stage(self, stretch: Stretch, legs: Sequence[Leg], shares: dict[int, float]) -> Stage:
+    def _view(
+        self, solved_run: SolvedRun, legs: Sequence[Leg], shares: dict[int, float]
+    ) -> RunView:
         speeds = {name.lower(): speed for name, speed in self.program.speeds.items()}
         blends = {name.lower(): blend for name, blend in self.program.blends.items()}
-        moves = moves_of(stretch, self.robot, speeds, blends)
-        return Stage(moves, tuple(sorted(legs, key=lambda leg: leg.rows.start)), shares)
+        moves = moves_of(solved_run, self.robot, speeds, blends)
+        return RunView(moves, tuple(sorted(legs, key=lambda leg: leg.rows.start)), shares)
 
 
 @dataclass(frozen=True)
-class Stage:
-    """A stretch: its moves, its legs in order of rows, and the override that counts for each.
+class RunView:
+    """A solved run: its moves, its legs in order of rows, and the override that counts for each.
 
     shares: id of a leg → what share of the programmed speed it is run with.
     """
@@ -74,8 +78,8 @@ class Stage:
     shares: dict[int, float]
 
     @cached_property
-    def way(self) -> Way:
-        return way_of(self.moves)
+    def extremes(self) -> Extremes:
+        return extremes_of(self.moves)
 
     @cached_property
     def seconds(self) -> Floats:
@@ -116,19 +120,19 @@ class Stage:
         return self.legs[int(self.leg_of(np.array([row]))[0])].statement.span
 
 
-def _overrides(journey: Journey) -> dict[int, float]:
+def _overrides(solution: SolvedProgram) -> dict[int, float]:
     """Id of a leg → the override above it, as a share of the programmed speed.
 
     A procedure begins with the largest one that the program states, the first one with 1. One
     that only running the program tells counts as 1.
     """
-    program = journey.program
+    program = solution.program
     stated = [_share(s) for s in program.statements() if isinstance(s, SetOverride)]
     shares: dict[int, float] = {}
     for procedure in program.procedures if stated else ():
         first = program.entry is not None and procedure.name.lower() == program.entry.lower()
         share = 1.0 if first else max(stated)
-        legs = iter(journey.legs.get(procedure.name, ()))
+        legs = iter(solution.legs.get(procedure.name, ()))
         for statement in walk(procedure.body):
             if isinstance(statement, SetOverride):
                 share = _share(statement)

@@ -11,8 +11,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from assistant import robots
+from assistant.checks.extremes import extremes_of
 from assistant.checks.moves import moves_of
-from assistant.checks.way import way_of
 from assistant.program.motion import Speed
 from assistant.program.path import UNSTATED, Path
 from assistant.program.program import Procedure, Program
@@ -37,13 +37,13 @@ def journey_between(arm, *joints, kinds):
     stated = arm.configuration(joints)
     stated[1:, 0] = UNSTATED
     path = Path.of("way", p, q, kinds=kinds, speeds=[Speed(100.0)], configurations=stated)
-    return robots.journey(Program("p", (Procedure("main", (Follow(path),)),)), arm)
+    return robots.solve_program(Program("p", (Procedure("main", (Follow(path),)),)), arm)
 
 
 def moves_between(arm, *joints, kinds):
-    journey = journey_between(arm, *joints, kinds=kinds)
-    assume(not [f for f in journey.findings if f.severity == "error" or f.code == "RB115"])
-    return moves_of(journey.stretches[0], arm, {}, {})
+    solution = journey_between(arm, *joints, kinds=kinds)
+    assume(not [f for f in solution.findings if f.severity == "error" or f.code == "RB115"])
+    return moves_of(solution.solved_runs[0], arm, {}, {})
 
 
 def looked_at_finely(arm, moves):
@@ -88,19 +88,19 @@ def test_the_way_is_that_of_a_fine_look(name, kinds, seed):
     joints += [np.clip(joints[0] + rng.normal(0.0, 15.0, len(low)), low, high) for _ in kinds[1:]]
     moves = moves_between(arm, *joints, kinds=kinds)
     fine = looked_at_finely(arm, moves)
-    way = way_of(moves)
-    assume(not way.crossed[0])
+    extremes = extremes_of(moves)
+    assume(not extremes.crossed[0])
     step = np.abs(arm.wound(np.diff(fine, axis=0)))
     if arm.arm.spherical:
         bend = np.degrees(np.arcsin(np.abs(np.sin(np.radians(fine[:, 4]))))).min()
-        if min(bend, way.wrist[0]) < NEAR:
-            assert way.wrist[0] == pytest.approx(bend, abs=0.2)
+        if min(bend, extremes.wrist[0]) < NEAR:
+            assert extremes.wrist[0] == pytest.approx(bend, abs=0.2)
         assume(bend > IN_LINE)
     assume(step.max() < EVEN)
     seconds = least_seconds(arm, moves, fine)
-    assert way.seconds[0] <= 1.01 * seconds
+    assert extremes.seconds[0] <= 1.01 * seconds
     if seconds > SHORT:
-        assert way.seconds[0] >= 0.9 * seconds
+        assert extremes.seconds[0] >= 0.9 * seconds
 
 
 @pytest.mark.parametrize("how", ["recognised", "followed"])
@@ -115,8 +115,8 @@ def test_an_arm_of_links_goes_the_same_way(how, kinds):
     chain = Serial.of_links(known.arm.links(), np.radians(known.limits + known.zero[:, None]))
     own = replace(known, arm=recognised(chain) if how == "recognised" else chain)
     journeys = [journey_between(arm, *joints, kinds=kinds) for arm in (known, own)]
-    assert {f.code for journey in journeys for f in journey.findings} <= {"RB118"}
-    wanted, found = (way_of(moves_of(j.stretches[0], j.robot, {}, {})) for j in journeys)
+    assert {f.code for solution in journeys for f in solution.findings} <= {"RB118"}
+    wanted, found = (extremes_of(moves_of(j.solved_runs[0], j.robot, {}, {})) for j in journeys)
     assert wanted.seconds[0] > 0.05
     assert found.seconds == pytest.approx(wanted.seconds, rel=1e-3)
     assert found.axis.tolist() == wanted.axis.tolist()

@@ -1,4 +1,4 @@
-"""Ways through a program: how long each takes, where it leads, and what was done on it."""
+"""States of a program as it runs: how long it took, where the arm is, and what was done."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ class Duration:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Trace:
-    """What was done, the last thing first: a plan, seconds of waiting, or another trace as
+class History:
+    """What was done, the last thing first: a plan, seconds of waiting, or another history as
     often as its count says.
 
     start: seconds of all before it. seconds: of all with it. last: the last plan of all.
     """
 
-    before: Trace | None
-    done: Plan | float | tuple[Trace, int]
+    before: History | None
+    done: Plan | float | tuple[History, int]
     start: float = field(init=False)
     seconds: float = field(init=False)
     last: Plan | None = field(init=False)
@@ -52,10 +52,10 @@ class Trace:
         object.__setattr__(self, "seconds", start + took)
         object.__setattr__(self, "last", last)
 
-    def chain(self) -> list[Trace]:
+    def chain(self) -> list[History]:
         """What was done, the first thing first."""
         nodes = []
-        node: Trace | None = self
+        node: History | None = self
         while node is not None:
             nodes.append(node)
             node = node.before
@@ -63,11 +63,11 @@ class Trace:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Way:
-    """One way, or several that met again.
+class State:
+    """Where a program is after one way through it, or after several that met again.
 
     places: joints where the arm may be; none if that is not known. known: values of variables
-    in lower case, None for one that is not known. trace: of the way that takes the longest.
+    in lower case, None for one that is not known. history: of the way that takes the longest.
     """
 
     least: float = 0.0
@@ -75,41 +75,41 @@ class Way:
     places: tuple[Joints, ...] = ()
     settings: Settings = field(default_factory=Settings)
     known: Mapping[str, Expression | None] = field(default_factory=dict)
-    trace: Trace | None = None
+    history: History | None = None
 
-    def waited(self, seconds: float) -> Way:
+    def waited(self, seconds: float) -> State:
         if seconds <= 0.0:
             return self
-        trace = Trace(self.trace, seconds)
-        return replace(self, least=self.least + seconds, most=self.most + seconds, trace=trace)
+        history = History(self.history, seconds)
+        return replace(self, least=self.least + seconds, most=self.most + seconds, history=history)
 
-    def under(self, **settings: float) -> Way:
-        """The way with other settings from here on."""
+    def under(self, **settings: float) -> State:
+        """The state with other settings from here on."""
         return replace(self, settings=replace(self.settings, **settings))
 
-    def without(self, names: set[str]) -> Way:
-        """The way with the values of some variables, in lower case, not known."""
+    def without(self, names: set[str]) -> State:
+        """The state with the values of some variables, in lower case, not known."""
         changed = {name: None for name in names if self.known.get(name) is not None}
         return replace(self, known={**self.known, **changed}) if changed else self
 
-    def begun(self) -> Way:
-        """A way of its own that starts where this one is."""
-        return replace(self, least=0.0, most=0.0, trace=None)
+    def begun(self) -> State:
+        """A state from which a way of its own begins."""
+        return replace(self, least=0.0, most=0.0, history=None)
 
-    def then(self, other: Way, times: int = 1) -> Way:
-        """On from here, so often, by a way that has begun here."""
-        trace = self.trace
-        if other.trace is not None and times > 0:
-            trace = Trace(trace, (other.trace, times))
+    def then(self, other: State, times: int = 1) -> State:
+        """On from here, so often, by what has begun here."""
+        history = self.history
+        if other.history is not None and times > 0:
+            history = History(history, (other.history, times))
         return replace(
             other,
             least=self.least + times * other.least,
             most=self.most + times * other.most,
-            trace=trace,
+            history=history,
         )
 
-    def same_state(self, other: Way) -> bool:
-        """Whether the arm, the settings and the variables are as on another way."""
+    def same_state(self, other: State) -> bool:
+        """Whether the arm, the settings and the variables are as in another state."""
         return (
             self.places == other.places
             and self.settings == other.settings
@@ -117,19 +117,19 @@ class Way:
         )
 
 
-def met(ways: Sequence[Way]) -> Way | None:
-    """The ways where they meet again; None if there are none."""
-    if len(ways) < 2:
-        return ways[0] if ways else None
-    longest = max(ways, key=lambda way: way.most)
-    places = tuple(dict.fromkeys(place for way in ways for place in way.places))
-    if len(places) > MOST_PLACES or not all(way.places for way in ways):
+def met(states: Sequence[State]) -> State | None:
+    """The state where ways meet again; None if there are none."""
+    if len(states) < 2:
+        return states[0] if states else None
+    longest = max(states, key=lambda state: state.most)
+    places = tuple(dict.fromkeys(place for state in states for place in state.places))
+    if len(places) > MOST_PLACES or not all(state.places for state in states):
         places = ()
-    names = {name for way in ways for name in way.known}
+    names = {name for state in states for name in state.known}
     known = {
         name: longest.known.get(name)
-        if all(way.known.get(name) == longest.known.get(name) for way in ways)
+        if all(state.known.get(name) == longest.known.get(name) for state in states)
         else None
         for name in names
     }
-    return replace(longest, least=min(way.least for way in ways), places=places, known=known)
+    return replace(longest, least=min(state.least for state in states), places=places, known=known)
