@@ -123,6 +123,8 @@ class SourceText:
         What stands between such a character and an end of its line may be blank: then it does
         not matter where the line ends.
         """
+        if not self._may_end_inside():
+            return
         at, pattern = 0, _INSIDE[self._line_end]
         while (found := pattern.search(self.text, at)) is not None:
             begin = self.text.rfind(self._line_end, 0, found.start()) + 1
@@ -134,6 +136,12 @@ class SourceText:
                 name = LINE_ENDS[inside[0]]
                 yield self.finding(LINE_END_INSIDE, Span(*inside.span()), character=name)
             at = end + 1
+
+    def _may_end_inside(self) -> bool:
+        """Whether there is any character that could; nearly no text has one, and most are long."""
+        if any(one in self.text for one in LINE_ENDS if one != "\r"):
+            return True
+        return self._line_end == "\n" and self.text.count("\r") != self.text.count("\r\n")
 
 
 def lines_of(text: str) -> list[str]:
