@@ -20,6 +20,8 @@ AXES: Final = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
 
 DUST: Final = 1e-14
 """Quaternion parts below this are rounding: they stand for 1e-12 degrees."""
+NOTHING: Final = 1e-9
+"""Quaternion parts up to this do not tell on which side of the sphere it is."""
 
 
 def canonical(quaternions: ArrayLike) -> Floats:
@@ -28,11 +30,16 @@ def canonical(quaternions: ArrayLike) -> Floats:
     Parts below `DUST` become 0: a half turn about x is (0, 1, 0, 0), whatever rounding left.
     """
     q = np.asarray(quaternions, dtype=np.float64)
-    q = q / np.linalg.norm(q, axis=-1, keepdims=True)
-    q = np.where(np.abs(q) < DUST, 0.0, q)
-    significant = np.abs(q) > 1e-9
-    first = np.take_along_axis(q, significant.argmax(axis=-1)[..., None], axis=-1)
-    return np.asarray(np.where(first < 0, -q, q) + 0.0)
+    q = q / np.sqrt(np.einsum("...i,...i->...", q, q))[..., None]
+    size = np.abs(q)
+    q[size < DUST] = 0.0
+    first = q[..., 0]
+    if not (size[..., 0] > NOTHING).all():
+        at = (size > NOTHING).argmax(axis=-1)
+        first = np.take_along_axis(q, at[..., None], axis=-1)[..., 0]
+    q *= np.where(first < 0.0, -1.0, 1.0)[..., None]
+    q += 0.0  # no negative zero
+    return np.asarray(q)
 
 
 def unflipped(quaternions: Floats) -> Floats:

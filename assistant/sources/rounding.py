@@ -30,11 +30,9 @@ def radii(positions: Points, kinds: NDArray[np.uint8], whole: Truths, tolerance:
     if n < 3:
         return found
     step = np.diff(positions, axis=0)
-    way = np.linalg.norm(step, axis=1)
+    way = np.sqrt(np.einsum("ij,ij->i", step, step))
     inner = np.where(whole, way, 0.0)
-    leaving = arriving = np.divide(
-        step, way[:, None], out=np.zeros_like(step), where=way[:, None] > 0.0
-    )
+    leaving = arriving = step / np.where(way > 0.0, way, 1.0)[:, None]
     bend = np.full(n - 1, np.inf)
     via = np.flatnonzero(kinds[:-1] == Kind.VIA)
     via = via[via > 0]
@@ -44,7 +42,7 @@ def radii(positions: Points, kinds: NDArray[np.uint8], whole: Truths, tolerance:
         leaving[via - 1], bend[via - 1] = _tangent(start, middle, end)
         back, bend[via] = _tangent(end, middle, start)
         arriving[via] = -back
-    cosine = (arriving[:-1] * leaving[1:]).sum(axis=1)
+    cosine = np.einsum("ij,ij->i", arriving[:-1], leaving[1:])
     half = np.sqrt(np.clip((1.0 - cosine) / 2.0, 0.0, 1.0))  # sin(turn / 2)
     with np.errstate(divide="ignore"):
         most = np.minimum(tolerance / half, np.minimum(inner[:-1], inner[1:]) / 2.0)

@@ -19,7 +19,7 @@ from assistant.program.path import Kind, Path
 from assistant.program.program import MANGLED, Procedure, Program, Signal, identifier
 from assistant.program.statements import Follow, Motion, Move, Statement
 from assistant.sources.process import Process
-from assistant.sources.rounding import radii
+from assistant.sources.rounding import SIZES, radii
 from assistant.sources.tables.headers import shown
 
 ERROR: Final = Severity.ERROR
@@ -114,7 +114,10 @@ class Motions:
         whole = (np.diff(self.tool) == 0) & (np.diff(self.frame) == 0)
         stated = np.array([blend is not None for blend in self.blends])[self.blend]
         sizes = np.where(stated, 0.0, radii(positions, kinds, whole, tolerance))
-        table, rows = np.unique(sizes, return_inverse=True)
+        every = np.append(0.0, SIZES)
+        rows = np.searchsorted(every, sizes)
+        used = np.bincount(rows, minlength=len(every)) > 0
+        table, rows = every[used], (np.cumsum(used) - 1)[rows]
         blends = [blend or FINE for blend in self.blends]
         index = np.where(stated, self.blend, rows + len(blends)).astype(np.int32)
         blends += [Blend(size) if size > 0 else FINE for size in table.tolist()]
