@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import pytest
 from hypothesis import example, given, settings
@@ -13,7 +14,7 @@ from assistant.compiler.proof import prove
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.comparison import Tolerance, compare
-from assistant.program.diagnostics import Refused
+from assistant.program.diagnostics import Refused, Span
 from assistant.program.geometry import Configuration, Frame, Pose, Target, Tool
 from assistant.program.motion import FINE, FULL_BLEND, Speed
 from assistant.program.path import Path
@@ -29,6 +30,23 @@ from tests.languages.laws.subjects import (
     programs,
     written,
 )
+
+
+@dataclass(frozen=True, slots=True)
+class Polish:
+    """A statement that no language has heard of."""
+
+    seconds: e.Expression
+    span: Span | None = None
+
+
+@every_language
+def test_a_statement_without_a_row_is_refused(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(p, "TRAITS", {**p.TRAITS, Polish: "sets"})
+    program = Program("m", (Procedure("main", (Polish(e.Number(1.0)),)),), "main")
+    with pytest.raises(Refused) as refused:
+        languages.get(name).lower(program)
+    assert errors(refused.value.findings)
 
 
 def proven(name: str, program: Program) -> Program:

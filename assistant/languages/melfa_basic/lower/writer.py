@@ -159,7 +159,9 @@ class Writer:
         """Writes a statement; one that reads the position, under the tool and frame it names."""
         if not isinstance(statement, p.MoveStatement):  # which hold under their own, see `places`
             self.stand(head(statement))
-        self.write[type(statement)](self, statement)
+        if (write := self.write.get(type(statement))) is None:
+            raise Unsayable(f"a {type(statement).__name__} statement", "say it in other statements")
+        write(self, statement)
         if any(map(self._is_call, records(head(statement)))):
             self.forget()
 

@@ -59,7 +59,10 @@ class Body:
         for statement in body:
             with self.findings.at(statement.span):
                 try:
-                    yield from STATEMENTS[type(statement)](self, statement)
+                    if (lower := STATEMENTS.get(type(statement))) is None:
+                        what = f"a {type(statement).__name__} statement"
+                        raise refuse(rules.NO_MEANING, what=what, cure="say it in other statements")
+                    yield from lower(self, statement)
                 except Refused as refused:
                     self.findings += refused.findings
 
