@@ -8,7 +8,8 @@ from typing import Final
 from assistant.program.analysis.lengths import lengths
 from assistant.program.diagnostics import Diagnostic, Rule, Severity
 from assistant.program.expressions import Number
-from assistant.program.program import Program
+from assistant.program.passes.places import constants, plain, sets_on_way
+from assistant.program.program import Program, walk
 from assistant.program.statements import Measure, MoveStatement
 
 BEYOND = Rule(
@@ -29,12 +30,16 @@ UNITS: Final[Mapping[Measure, str]] = {"start": "mm", "end": "mm", "time": "s", 
 
 def outputs(program: Program) -> Iterator[Diagnostic]:
     """Places before the start, and behind the end of straight moves of known length."""
-    moves = [x for x in program.statements() if isinstance(x, MoveStatement) and x.triggers]
-    known = lengths(program) if moves else {}
-    for move in moves:
-        for one in move.triggers:
-            if isinstance(one.amount, Number):
-                amount, length = float(one.amount.value), known.get(id(move))
+    if not sets_on_way(program):
+        return
+    known = lengths(program)
+    for procedure in program.procedures:
+        numbers = constants(program, procedure)
+        moves = [x for x in walk(procedure.body) if isinstance(x, MoveStatement)]
+        for move, one in [(x, one) for x in moves for one in x.triggers]:
+            stated = plain(one.amount, numbers)
+            if isinstance(stated, Number):
+                amount, length = float(stated.value), known.get(id(move))
                 if amount < 0 or (one.measure == "share" and amount > 100):
                     unit = UNITS[one.measure]
                     most = "0 to 100 %" if one.measure == "share" else f"0 {unit} or more"

@@ -175,18 +175,40 @@ class _Writer(Values):
         rng = self.rng
         word = "Mov" if self.arms and rng.random() < 0.4 else "Mvs"
         if self.arms and rng.random() < 0.1:
-            self.add(f"Mov {rng.choice(('JA', 'JB'))}")
+            self.add(f"Mov {rng.choice(('JA', 'JB'))}{self.on_way()}")
             return
         target = self.place()
         if rng.random() < 0.2:
             target += f",{rng.choice((-20, -35, 10))}"
-        self.add(f"{word} {target}")
+        self.add(f"{word} {target}{self.on_way()}")
+
+    def on_way(self) -> str:
+        """What a motion may set on its way; a share of it is only told where its length is."""
+        rng = self.rng
+        if "on way" not in self.rare or rng.random() < 0.5:
+            return ""
+        output = rng.choice((f"M_Out({rng.randrange(1, 8)})=1", "M_Out(3)=0", "M_Outb(16)=9"))
+        left, done = rng.choice((0, 5, 20, 37.5)), rng.choice((0, 30, 80, 100))
+        place = rng.choice(
+            (
+                *("", "", f"M_RDst<={left}", f"M_RDst<{left}", f"{left}>=M_RDst"),
+                *(f"M_RDst=<{left}", "M_RDst<M1", "M1<M2", "M_In(1)=1"),
+                f"M_Ratio>={done if rng.random() < 0.2 else 100 * rng.randrange(2)}",
+            )
+            if rng.random() < 0.1
+            else ("", f"M_RDst<={left}", f"{left}>=M_RDst", "M_Ratio>=0", "M_Ratio>=100")
+        )
+        return f" WthIf {place},{output}" if place else f" Wth {output}"
 
     def arc(self, depth: int) -> None:
         rng = self.rng
         if rng.random() < 0.3:
             self.add("Mvs P1")
-            self.add(rng.choice(("Mvr P1,P2,P3", "Mvr P1,P2,P3", "Mvr2 P1,P3,P2", "Mvr3 P1,P3,P6")))
+            arcs = ("Mvr P1,P2,P3", "Mvr P1,P2,P3", "Mvr2 P1,P3,P2", "Mvr3 P1,P3,P6")
+            self.add(rng.choice(arcs) + self.on_way())
+            if "on way" in self.rare:
+                share = f"M_Ratio>={rng.choice((30, 75, 80.5))}"
+                self.add(f"Mvs P1 WthIf {share},M_Out({rng.randrange(1, 8)})={rng.randrange(2)}")
 
     def tool(self, depth: int) -> None:
         if self.settles(depth):

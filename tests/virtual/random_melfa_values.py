@@ -36,8 +36,9 @@ PS2=(+0.00,+0.00,-25.00,+0.00,+10.00,+0.00)(0,0)
 JOINTS: Final = """JA=(+10.00,+5.00,+85.00,+10.00,+80.00,-15.00)
 JB=(-20.00,+15.00,+80.00,+0.00,+75.00,+30.00)
 """
-RARE: Final = ("bits", "floor", "positions", "settings", "truths")
-"""Operators on bits, Int, sums and halves of positions, settings in branches, numbers as truths."""
+RARE: Final = ("bits", "floor", "on way", "positions", "settings", "truths")
+"""Operators on bits, Int, outputs on the way of moves, sums and halves of positions, settings in
+branches, numbers as truths."""
 
 
 @dataclass

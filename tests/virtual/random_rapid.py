@@ -6,6 +6,7 @@ shows nowhere, and whole numbers are kept apart from those that arithmetic round
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from random import Random
 from typing import Final
@@ -36,6 +37,7 @@ FEATURES: Final = {
     "tables": 0.06,
     "arcs": 0.3,
     "registers": 0.1,
+    "triggers": 0.2,
 }
 """How likely each feature is that a program may use: each program leaves most others in peace."""
 
@@ -58,6 +60,9 @@ def program(seed: int) -> Drawn:
     bodies = []
     for place, routine in enumerate(routines):
         bodies.append(Body(rng, scope.inside(routine), routines[place + 1 :]).text(routine))
+    taken = set(re.findall(r"Trigg[JL] .*", "\n".join(bodies)))
+    named = [n for n in w.TRIGGERS if any(re.search(rf"\b{n}\b", line) for line in taken)]
+    lines += [f"VAR triggdata {name};" for name in named]
     text = "\n".join(["MODULE Cell", *lines, *bodies, "ENDMODULE", ""])
     return Drawn(text, _scenarios(rng))
 

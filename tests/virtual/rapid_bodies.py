@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from random import Random
 from typing import Final
@@ -166,10 +167,50 @@ class Body:
             depth, f"MoveC Offs({start},{x},{y},0),Offs({start},{2 * x},0,0),v100,fine,{tool};"
         )
 
+    def trigger(self, depth: int) -> None:
+        """What sets triggdata up, and mostly a move that takes it."""
+        rng, names = self.rng, self.rng.sample(w.TRIGGERS, self.rng.choice([1, 1, 1, 2]))
+        for name in names:
+            self._set_up(depth, name)
+        if rng.random() < 0.15:
+            self.statement(depth)
+        if rng.random() < 0.9:
+            taken = names[0] + "".join(f"\\T{n}:={x}" for n, x in enumerate(names[1:], 2))
+            self.move(depth, rng.choice(["MoveL", "MoveL", "MoveJ"]))
+            word, rest = self.lines.pop().strip().split(" ", 1)
+            speed = next(iter(re.findall(r",v\d+,", rest)))
+            before, _, behind = rest.rpartition(speed)
+            self.say(depth, f"{word.replace('Move', 'Trigg')} {before}{speed}{taken},{behind}")
+
+    def _set_up(self, depth: int, name: str) -> None:
+        rng = self.rng
+        place = rng.choice(["0", "0\\Start", "0\\Start", "0\\Start", "5", "20", "37.5"])
+        if rng.random() < 0.08:
+            place = rng.choice(
+                [
+                    "20\\Start",
+                    "0.2\\Time",
+                    "0\\Time",
+                    self.terms.pick("real") or "2",
+                    self.terms.whole(2),
+                ]
+            )
+        output = f"\\DOp:={rng.choice(list(w.OUTPUTS))},{rng.choice('01')}"
+        if self.scope.has("groups") and rng.random() < 0.4:
+            output = f"\\GOp:=goSlot,{rng.randint(0, 15)}"
+        if "Time" not in place and rng.random() < 0.3:
+            self.say(depth, f"TriggEquip {name},{place},0{output};")
+        else:
+            self.say(depth, f"TriggIO {name},{place}{output};")
+
     def output(self, depth: int) -> None:
         rng, name = self.rng, self.rng.choice(list(w.OUTPUTS))
         value = rng.choice(["0", "1", "high", "low"])
         self.say(depth, rng.choice([f"SetDO {name},{value};", f"Set {name};", f"Reset {name};"]))
+
+    def pulse(self, depth: int) -> None:
+        length = self.rng.choice(["", "\\PLength:=0.5", "\\PLength:=2"])
+        self.say(depth, f"PulseDO\\High{length},{self.rng.choice(list(w.OUTPUTS))};")
 
     def group(self, depth: int) -> None:
         name = self.rng.choice(list(w.GROUP_OUTPUTS))
@@ -326,6 +367,8 @@ STATEMENTS: Final[Sequence[tuple[Draw, int, str, bool]]] = (
     (Body.move, 14, "", False),
     (Body.arc, 2, "arcs", False),
     (Body.output, 6, "signals", False),
+    (Body.pulse, 1, "signals", False),
+    (Body.trigger, 8, "triggers", False),
     (Body.group, 3, "groups", False),
     (Body.wait, 3, "waits", False),
     (Body.setting, 2, "settings", False),

@@ -20,6 +20,7 @@ TARGETS: Final = ("p10", "p20", "p30", "pHome", "pPick", "pPlace", "pApproach", 
 CHANGING: Final = ("pt", "pCurrent", "pTemp", "pStart")
 TARGET_ARRAYS: Final = ("pSlots", "pRack")
 PARAMETERS: Final = ("q", "nValue", "a", "nTimes", "size", "res")
+TRIGGERS: Final = ("trGun", "onSeam", "gunOff")
 LOOPS: Final = ("i", "j", "row", "col")
 
 OUTPUTS: Final = {"doGrip": 4, "doVacuum": 5, "do1": 6, "doDone": 10}

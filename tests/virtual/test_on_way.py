@@ -75,12 +75,19 @@ def test_melfa_does_not_guess_when_a_condition_holds(condition: str) -> None:
 # ------------------------------------------------------------------------- from RAPID to MELFA
 
 RAPID = """{data}
+CONST num five:=5;
+CONST num before:=-20;
 CONST robtarget q1:=[[354,0,300],[0,0,1,0],[0,0,0,0],{unused}];
 CONST robtarget q2:=[[{x},0,{z}],[0,0,1,0],[0,0,0,0],{unused}];
 PROC main()
   MoveL q1,v100,fine,tGripper;
 {body}
-ENDPROC"""
+ENDPROC
+FUNC num fPlain()
+  RETURN 5;
+ENDFUNC
+{more}"""
+SETS_UP = "FUNC num fSetsUp()\nTriggIO gunon,50\\DOp:=do1,1;\nRETURN 5;\nENDFUNC"
 
 
 def from_rapid(language: str, body: str, folder: FilePath, x: float = 354, z: float = 400) -> Tally:
@@ -89,7 +96,8 @@ def from_rapid(language: str, body: str, folder: FilePath, x: float = 354, z: fl
     process.write_text(rapid_words.process_file(), encoding="utf-8")
     tally = Tally()
     data = "".join(f"VAR triggdata {n};\n" for n in ("gunon", "gunoff") if n in body)
-    text = RAPID.format(data=data, x=x, z=z, body=body, unused=rapid_words.UNUSED)
+    more = SETS_UP if "fSetsUp" in body else ""
+    text = RAPID.format(data=data, x=x, z=z, body=body, more=more, unused=rapid_words.UNUSED)
     judge(
         tally,
         body,
@@ -116,6 +124,10 @@ SAID = {
     "set up once": "TriggIO gunon,20\\DOp:=do1,1;\nTriggIO gunoff,10\\DOp:=do1,0;\n"
     "TriggL q2,v100,gunon,fine,tGripper;\nTriggL q1,v100,gunoff,fine,tGripper;\n"
     "TriggL q2,v100,gunon,fine,tGripper;",
+    "by a constant": "TriggIO gunon,five\\DOp:=do1,1;\nTriggL q2,v100,gunon,fine,tGripper;",
+    "by a move that calls a function": "TriggIO gunon,20\\DOp:=do1,1;\n"
+    "TriggL Offs(q2,0,0,fPlain()),v100,gunon,fine,tGripper;\nTriggIO gunon,9\\DOp:=do1,0;\n"
+    "TriggL Offs(q1,0,0,fPlain()),v100,gunon,fine,tGripper;",
     "set up anew": "FOR i FROM 1 TO 2 DO\nTriggIO gunon,20\\DOp:=do1,1;\n"
     "TriggL q2,v100,gunon,fine,tGripper;\nTriggIO gunon,5\\DOp:=do1,0;\n"
     "TriggL q1,v100,gunon,fine,tGripper;\nENDFOR",
@@ -141,8 +153,20 @@ REFUSED = {
         "a port of a process": "TriggIO gunon,9\\ProcID:=2,1;\nTriggL q2,v100,gunon,fine,tGripper;",
         "more than the start is set": "TriggIO gunon,9\\DOp:=do1,1\\DODelay:=1;\n"
         "TriggL q2,v100,gunon,fine,tGripper;",
+        "a worked out place that is to be worked out once": "TriggIO gunon,fPlain()\\DOp:=do1,1;\n"
+        "TriggL q2,v100,gunon,fine,tGripper;",
+        "what a function sets up": "TriggIO gunon,20\\DOp:=do1,1;\n"
+        "TriggL Offs(q2,0,0,fSetsUp()),v100,gunon,fine,tGripper;",
         "what was set up last": "IF di1=1 THEN\nTriggIO gunon,20\\DOp:=do1,1;\nELSE\n"
         "TriggIO gunon,5\\DOp:=do1,1;\nENDIF\nTriggL q2,v100,gunon,fine,tGripper;",
+    },
+    "MB240": {
+        "a constant for one bit": "TriggIO gunon,20\\DOp:=do1,five;\n"
+        "TriggL q2,v100,gunon,fine,tGripper;",
+    },
+    "CK112": {
+        "a constant before the start": "TriggIO gunon,before\\DOp:=do1,1;\n"
+        "TriggL q2,v100,gunon,fine,tGripper;",
     },
 }
 

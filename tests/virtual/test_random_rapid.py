@@ -27,6 +27,7 @@ SAID = {
     "returns": r"RETURN",
     "waits": r"Wait(DI|Until|Time)",
     "groups": r"SetGO",
+    "triggers": r"Trigg[JL] .*,v\d+,\w+(\\T2:=\w+)?,",
     "tables": r"tTable\{\d\}",
     "arcs": r"MoveC",
     "settings": r"ConfL|GripLoad",

@@ -7,12 +7,12 @@ them, the move says itself what it sets where; the variables and what sets them 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 from assistant.languages.rapid.lift.instructions import Meaning, instruction
-from assistant.languages.rapid.tables.standard import INSTRUCTIONS
+from assistant.languages.rapid.tables.standard import FUNCTIONS, INSTRUCTIONS
 from assistant.languages.rapid.tables.triggers import MEASURES, MORE, MOVES, OUTPUTS, SETUPS, TYPE
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import called
@@ -20,12 +20,14 @@ from assistant.languages.rapid.tree.triggers import set_up, taken
 from assistant.languages.rapid.tree.walk import blocks, nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.dataflow import reachable
 from assistant.program.program import Signal
 
 SPECIAL: Final = e.Reason(
     "what happens on the way of the move is not only that one output is given a number there",
     r"set an output by TriggIO or TriggEquip with \DOp, \GOp or \AOp and no more options",
 )
+_STANDARD: Final = INSTRUCTIONS | FUNCTIONS
 UNCERTAIN: Final = e.Reason(
     "which output the move sets where depends on how the program came here",
     "set the triggdata up with plain numbers, in the statements before the move",
@@ -93,8 +95,10 @@ def triggers(
     """items: of all modules. routines: those that are lifted. own: whether a lower-case name is
     that of a routine of the user's.
     """
-    declared = _declared(items)
-    reading = _Reading(meaning, own)
+    setting_up = _setting_up(items, own)
+    hidden = any(map(own, (*SETUPS, *MOVES))) or _is_set_up_aside(items, setting_up)
+    declared = frozenset() if hidden else _declared(items)
+    reading = _Reading(meaning, own, setting_up)
     if declared:
         for routine in routines:
             reading.body(routine.body, {})
@@ -104,11 +108,15 @@ def triggers(
 class _Reading:
     """The bodies of routines.
 
-    set: what instructions set each variable to. meant: mentions of each that are understood.
+    own, setting_up: whether a lower-case name is that of a routine of the user's, and of one that
+    may set triggdata up. set: what instructions set each variable to. meant: mentions of each that
+    are understood.
     """
 
-    def __init__(self, meaning: Meaning, own: Callable[[str], bool]) -> None:
-        self.meaning, self.own = meaning, own
+    def __init__(
+        self, meaning: Meaning, own: Callable[[str], bool], setting_up: frozenset[str]
+    ) -> None:
+        self.meaning, self.own, self.setting_up = meaning, own, setting_up
         self.set: dict[str, list[tuple[s.ProcedureCall, Setting | None]]] = {}
         self.taking: list[_Taking] = []
         self.meant: Counter[str] = Counter()
@@ -121,9 +129,11 @@ class _Reading:
         return state
 
     def statement(self, node: s.StatementNode, state: State) -> State:
+        if isinstance(node, s.CommentLine):
+            return state
+        if any(map(self.leads_astray, nodes((node,)))):
+            state = {}
         match node:
-            case s.CommentLine():
-                return state
             case s.ProcedureCall(str(name)) if name.lower() in SETUPS:
                 return self.setup(node, state)
             case s.ProcedureCall(str(name)) if name.lower() in MOVES:
@@ -131,8 +141,6 @@ class _Reading:
                 self.meant.update(names)
                 settings = tuple(state.get(one) for one in names)
                 self.taking.append(_Taking(node, names, settings))
-        if any(map(self.leads_astray, nodes((node,)))):
-            state = {}
         inner = blocks(node)
         changed = {set_up(one) for one in nodes(inner)}
         state = {n: x for n, x in state.items() if self.is_fixed(x) and n not in changed}
@@ -146,20 +154,20 @@ class _Reading:
         if not name:
             return state
         made = setting(node, self.meaning)
+        if any(isinstance(x, s.FunctionCall) and self.own(x.name.lower()) for x in nodes((node,))):
+            made = None  # it is to be called once, and here
         self.meant[name] += 1
         self.set.setdefault(name, []).append((node, made))
         return {**state, name: made}
 
     def leads_astray(self, node: s.Node) -> bool:
-        """Whether other statements of the program may run there."""
-        match node:
-            case s.LabelMark():
-                return True
-            case s.ProcedureCall(str(name)):
-                return name.lower() not in INSTRUCTIONS or self.own(name.lower())
-            case s.FunctionCall(name):
-                return self.own(name.lower())
-        return isinstance(node, s.ProcedureCall)
+        """Whether statements that set triggdata up may run there, or the way here is not known."""
+        if isinstance(node, s.LabelMark):
+            return True
+        name = _called(node)
+        return name is not None and (
+            name in self.setting_up if self.own(name) else name not in _STANDARD
+        )
 
     def is_fixed(self, one: Setting | None) -> bool:
         """Whether it is made of numbers that are the same everywhere."""
@@ -221,6 +229,40 @@ class _Reading:
 
 
 Said = tuple[_Taking, p.Statement | e.Reason]
+
+
+def _called(node: s.Node) -> str | None:
+    """The lower-case name of the routine that a node calls, empty if it is worked out."""
+    match node:
+        case s.ProcedureCall(name):
+            return name.lower() if isinstance(name, str) else ""
+        case s.FunctionCall(name):
+            return name.lower()
+    return None
+
+
+def _setting_up(items: Sequence[s.Item], own: Callable[[str], bool]) -> frozenset[str]:
+    """Lower-case names of routines that may set triggdata up, also by routines that they call."""
+    callers: dict[str, set[str]] = {}
+    direct: set[str] = set()
+    for item in items:
+        if isinstance(item, s.Routine):
+            for node in nodes((item,)):
+                name = _called(node)
+                if set_up(node) or (name is not None and not own(name) and name not in _STANDARD):
+                    direct.add(item.name.lower())
+                elif name is not None:
+                    callers.setdefault(name, set()).add(item.name.lower())
+    return frozenset(reachable(direct, lambda name: callers.get(name, ())))
+
+
+def _is_set_up_aside(items: Sequence[s.Item], setting_up: Set[str]) -> bool:
+    """Whether an interrupt or what handles errors, which may run anywhere, may set triggdata up."""
+    aside: list[s.Node] = []
+    for item in items:
+        if isinstance(item, s.Routine):
+            aside += (item,) if item.kind == "TRAP" else item.handlers
+    return any(set_up(node) or _called(node) in setting_up for node in nodes(tuple(aside)))
 
 
 def _declared(items: Sequence[s.Item]) -> frozenset[str]:

@@ -105,16 +105,25 @@ def _signal(node: s.Assign, lift: Expressions) -> p.SetSignal:
     pulse = None if node.delay is None else lift.of(node.delay)
     value = lift.of(node.value)
     if not lift.m.own:
-        value = _low_bits(value, lift.m.signals[name.name])
+        value = _held(value, lift.m.signals[name.name])
     return p.SetSignal(name.name, value, pulse)
 
 
-def _low_bits(value: e.Expression, signal: Signal) -> e.Expression:
-    """What a group of outputs takes of a constant: its low bits."""
-    match value:
-        case e.Number(value=number) if signal.kind == "group" and float(number).is_integer():
-            return e.Number(int(number) & ((1 << signal.bits) - 1))
-    return value
+def _held(value: e.Expression, signal: Signal) -> e.Expression:
+    """What outputs take of a constant: the nearest whole number, and a group its low bits.
+
+    Raises Unliftable where no manual tells what they take: of a half, and a bit of other numbers.
+    """
+    if not isinstance(value, e.Number) or signal.kind == "analog":
+        return value
+    if float(value.value) % 1 == 0.5:
+        raise Unliftable
+    number = round(value.value)
+    if signal.kind == "group":
+        return e.Number(number & ((1 << signal.bits) - 1))
+    if number not in (0, 1):
+        raise Unliftable
+    return e.Number(number)
 
 
 def _masked(node: s.Assign, lift: Expressions) -> p.SetSignal | None:

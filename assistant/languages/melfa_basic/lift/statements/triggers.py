@@ -36,11 +36,15 @@ def _place(condition: s.Expression | None, lift: Expressions) -> tuple[p.Measure
     match condition:
         case None:
             return "start", e.Number(0)
-        case s.Binary(operator, left, s.Variable() as place) if operator in _TURNED:
-            return _place(s.Binary(_TURNED[operator], place, left), lift)
+        case s.Binary(operator, left, place) if _is_place(place) and not _is_place(left):
+            return _place(s.Binary(_TURNED.get(operator, ""), place, left), lift)
         case s.Binary(operator, s.Variable(arguments=None, component="") as place, bound):
             measure, reached = _PLACES.get(place.key, (None, ""))
             amount = lift.of(bound)
             if measure is not None and operator[:1] == reached[:1] and isinstance(amount, e.Number):
                 return measure, amount
     raise Unliftable
+
+
+def _is_place(x: s.Expression) -> bool:
+    return isinstance(x, s.Variable) and x.key in _PLACES

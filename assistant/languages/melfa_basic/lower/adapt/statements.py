@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from assistant.languages.melfa_basic.lower.adapt.data import plain_variables
 from assistant.languages.melfa_basic.lower.adapt.expressions import plain_expression
 from assistant.languages.melfa_basic.lower.adapt.paths import plain_path
-from assistant.languages.melfa_basic.lower.adapt.triggers import with_plain_triggers
+from assistant.languages.melfa_basic.lower.adapt.triggers import plain_trigger, with_triggers
 from assistant.languages.melfa_basic.lower.statements import opaque_line
 from assistant.languages.melfa_basic.text import printer
 from assistant.program import expressions as e
@@ -58,9 +58,10 @@ class _Plain(Rewording):
         if not node.triggers:
             yield replace(node, motion=motion)
             return
-        for one in node.triggers:
+        triggers = tuple(plain_trigger(self.context, one) for one in node.triggers)
+        for one in triggers:
             fit(self, one.signal, one.value)
-        yield from with_plain_triggers(self.context, replace(node, motion=motion))
+        yield from with_triggers(self.context, replace(node, motion=motion, triggers=triggers))
 
     def follow(self, node: p.Follow) -> Iterator[p.Statement]:
         if len(node.path):

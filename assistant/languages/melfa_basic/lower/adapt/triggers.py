@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from assistant.languages.melfa_basic.lower.adapt.context import Context
 
 
-def with_plain_triggers(context: Context, move: p.MoveStatement) -> Iterator[p.Statement]:
+def with_triggers(context: Context, move: p.MoveStatement) -> Iterator[p.Statement]:
     """The move; behind it what it sets at its very end, if it stops there."""
-    triggers = [_plain(context, one) for one in move.triggers]
+    triggers = move.triggers
     stops = isinstance(move.motion.blend, Blend) and move.motion.blend.fine
     behind = [one for one in triggers if stops and one.ahead is None and _is_at_end(one)]
     kept = tuple(one for one in triggers if one not in behind)
@@ -28,7 +28,7 @@ def with_plain_triggers(context: Context, move: p.MoveStatement) -> Iterator[p.S
         yield p.SetSignal(one.signal, one.value, one.pulse, span=move.span)
 
 
-def _plain(context: Context, x: p.Trigger) -> p.Trigger:
+def plain_trigger(context: Context, x: p.Trigger) -> p.Trigger:
     """With numbers for constants, and no delay of no time."""
     numbers = context.constants
     value = e.Number(int(x.value.value)) if isinstance(x.value, e.Truth) else x.value
