@@ -90,6 +90,8 @@ STAYS = {
     "a turn of a loop": "TriggIO a,5\\DOp:=do1,1;\nWHILE n<3 DO\n" + L + "\n"
     "TriggIO a,6\\DOp:=do1,1;\nENDWHILE",
     "a routine that sets it up": "TriggIO a,5\\DOp:=do1,1;\nother;\n" + L,
+    "a routine of another module": "TriggIO a,5\\DOp:=do1,1;\nfar;\n" + L,
+    "what handles errors": "TriggIO a,5\\DOp:=do1,1;\n" + L + "\nERROR\nother;\nTRYNEXT;",
     "another option of the move": "TriggIO a,5\\DOp:=do1,1;\nTriggL p2,v100\\T:=3,a,fine,tool0;",
 }
 OTHER = "PROC other()\nTriggIO a,7\\DOp:=do1,1;\nENDPROC"
@@ -123,6 +125,14 @@ def test_what_no_move_here_takes_may_be_another_module_s() -> None:
 def test_what_is_set_up_once_holds_everywhere() -> None:
     program = lifted(f"init;\nFOR i FROM 1 TO 3 DO\n{L}\nENDFOR", OTHER.replace("other", "init"))
     assert on_way(program) == ["do1 = 1 at 7 mm before end"]
+
+
+def test_a_call_of_what_sets_nothing_up_changes_nothing() -> None:
+    program = lifted(
+        f"TriggIO a,5\\DOp:=do1,1;\nplain;\n{L}\nTriggIO a,6\\DOp:=do1,0;\n{L}",
+        "PROC plain()\nMoveJ p1,v100,fine,tool0;\nENDPROC",
+    )
+    assert on_way(program) == ["do1 = 1 at 5 mm before end", "do1 = 0 at 6 mm before end"]
 
 
 def test_a_variable_of_a_routine_of_its_own() -> None:
@@ -173,6 +183,30 @@ def test_what_rapid_cannot_say(triggers: list[p.Trigger], what: str) -> None:
                       targets=program.targets)  # fmt: skip
     findings = languages.get("rapid").adapt(changed, None).findings
     assert any(f.code == "RA305" and what in f.message for f in findings)
+
+
+PSEUDO = """program example
+signal gun digital output 1
+signal at_gun digital output 2
+target far [400, 0, 400] [0, 0, 1, 0] front up noflip 0 0 0
+variable at_gun_2 number = 5
+procedure main
+  variable at_gun_3 number = 7
+  path at_gun speed 100 mm/s blend fine
+    linear [400, 0, 300] [0, 0, 1, 0] front up noflip 0 0 0
+    linear [400, 9, 300] [0, 0, 1, 0] front up noflip 0 0 0
+  end
+  for at_gun_4 from 1 to 3
+    move linear far speed 100 mm/s blend fine set gun = 1 at at_gun_4 mm before end
+  end
+  move joint far speed 100 mm/s blend fine set gun = 1 at at_gun_3 mm before end
+end
+"""
+
+
+def test_names_of_data_are_hidden_nowhere() -> None:
+    compiled = compile_program(load_text(SourceText(PSEUDO), language="pseudo").program, "rapid")
+    assert compiled.ok, compiled.findings
 
 
 RULES = {

@@ -97,7 +97,7 @@ def triggers(
     """
     setting_up = _setting_up(items, own)
     hidden = any(map(own, (*SETUPS, *MOVES))) or _is_set_up_aside(items, setting_up)
-    declared = frozenset() if hidden else _declared(items)
+    declared = frozenset() if hidden else _declared(items, _is_whole(items, own))
     reading = _Reading(meaning, own, setting_up)
     if declared:
         for routine in routines:
@@ -265,14 +265,25 @@ def _is_set_up_aside(items: Sequence[s.Item], setting_up: Set[str]) -> bool:
     return any(set_up(node) or _called(node) in setting_up for node in nodes(tuple(aside)))
 
 
-def _declared(items: Sequence[s.Item]) -> frozenset[str]:
-    """Lower-case names of the variables that are declared once, as triggdata."""
+def _is_whole(items: Sequence[s.Item], own: Callable[[str], bool]) -> bool:
+    """Whether nothing of another module is called, which might set up what it sees of this one."""
+    names = map(_called, nodes(tuple(items)))
+    return all(name is None or own(name) or name in _STANDARD for name in names)
+
+
+def _declared(items: Sequence[s.Item], whole: bool) -> frozenset[str]:
+    """Lower-case names of the variables that are declared once, as triggdata.
+
+    whole: whether others than those of modules' own count.
+    """
     found: Counter[str] = Counter()
     for item in items:
+        inside = isinstance(item, s.Routine)
         for node in item.body if isinstance(item, s.Routine) else (item,):
             if isinstance(node, s.Data) and node.type.lower() == TYPE:
                 plain = node.storage == "VAR" and node.scope != "TASK" and not node.dimensions
-                found[node.name.lower()] += 1 if plain else 2
+                seen = whole or inside or node.scope == "LOCAL"
+                found[node.name.lower()] += 1 if plain and seen else 2
     return frozenset(name for name, count in found.items() if count == 1)
 
 

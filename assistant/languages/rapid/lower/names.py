@@ -6,7 +6,7 @@ A name that does not fit gets another one; the header of the module keeps the or
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 from weakref import ReferenceType, ref
@@ -14,9 +14,18 @@ from weakref import ReferenceType, ref
 from assistant.languages.rapid.tables.words import LONGEST_NAME, PREDEFINED, RESERVED
 from assistant.languages.rapid.text import verbatim
 from assistant.program.geometry import BASE, FLANGE
+from assistant.program.kept import effect_of
 from assistant.program.passes.names import Names
 from assistant.program.program import Procedure, Program, identifier, walk
-from assistant.program.statements import Follow, For, Label, MoveStatement, Trigger
+from assistant.program.statements import (
+    Follow,
+    For,
+    Label,
+    MoveStatement,
+    Opaque,
+    Statement,
+    Trigger,
+)
 from assistant.program.timers import timers
 
 _ROW: Final = re.compile(r"(.+)_([1-9][0-9]*)")
@@ -112,11 +121,21 @@ class Naming:
             self.take(short)
         self._note(short, name)
 
-    def declare_trigger(self, trigger: Trigger) -> None:
-        if trigger not in self.triggers:
-            wanted = f"at_{self.get('signals', trigger.signal)}"
-            self.triggers[trigger] = name = self._space.free(wanted)
-            self.take(name)
+    def declare_triggers(self, statements: Sequence[Statement]) -> None:
+        """Before the rows of paths, which may have such names too."""
+        triggers = [t for x in statements if isinstance(x, MoveStatement) for t in x.triggers]
+        if not triggers:
+            return
+        hiding = {
+            n.lower() for x in statements if isinstance(x, Opaque) for n in effect_of(x).names
+        }
+        for table in (self.inner, self.counters, self.labels):
+            hiding.update(name.lower() for own in table.values() for name in own.values())
+        for trigger in triggers:
+            if trigger not in self.triggers:
+                wanted = f"at_{self.get('signals', trigger.signal)}"
+                self.triggers[trigger] = name = self._space.free(wanted, hiding)
+                self.take(name)
 
     def declare_rows(self, follow: Follow) -> None:
         count = len(follow.path)
@@ -191,13 +210,11 @@ def _named(program: Program) -> Naming:
         names.declare("modules", name)
     for procedure in program.procedures:
         names.declare_inner(procedure)
-    for procedure in program.procedures:
-        for statement in walk(procedure.body):
-            if isinstance(statement, Follow):
-                names.declare_rows(statement)
-            elif isinstance(statement, MoveStatement):
-                for trigger in statement.triggers:
-                    names.declare_trigger(trigger)
+    statements = tuple(program.statements())
+    names.declare_triggers(statements)
+    for statement in statements:
+        if isinstance(statement, Follow):
+            names.declare_rows(statement)
     return names
 
 

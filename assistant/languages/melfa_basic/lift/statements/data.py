@@ -103,9 +103,7 @@ def _signal(node: s.Assign, lift: Expressions) -> p.SetSignal:
     if not isinstance(name, e.Name):
         raise Unliftable
     pulse = None if node.delay is None else lift.of(node.delay)
-    value = lift.of(node.value)
-    if not lift.m.own:
-        value = _held(value, lift.m.signals[name.name])
+    value = _held(lift.of(node.value), lift.m.signals[name.name])
     return p.SetSignal(name.name, value, pulse)
 
 
