@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+import assistant
 from assistant import languages
 from assistant.compiler.loading import load_text
 from assistant.program import expressions as e
@@ -192,9 +193,9 @@ target far [400, 0, 400] [0, 0, 1, 0] front up noflip 0 0 0
 variable at_gun_2 number = 5
 procedure main
   variable at_gun_3 number = 7
-  path at_gun speed 100 mm/s blend fine
-    linear [400, 0, 300] [0, 0, 1, 0] front up noflip 0 0 0
-    linear [400, 9, 300] [0, 0, 1, 0] front up noflip 0 0 0
+  follow at_gun
+    linear [400, 0, 300] [0, 0, 1, 0] speed 100 mm/s blend fine tool tool0 frame base
+    linear [400, 9, 300] [0, 0, 1, 0]
   end
   for at_gun_4 from 1 to 3
     move linear far speed 100 mm/s blend fine set gun = 1 at at_gun_4 mm before end
@@ -205,7 +206,7 @@ end
 
 
 def test_names_of_data_are_hidden_nowhere() -> None:
-    compiled = compile_program(load_text(SourceText(PSEUDO), language="pseudo").program, "rapid")
+    compiled = assistant.compile(load_text(SourceText(PSEUDO)), language="rapid")
     assert compiled.ok, compiled.findings
 
 

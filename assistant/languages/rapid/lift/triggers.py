@@ -7,7 +7,7 @@ them, the move says itself what it sets where; the variables and what sets them 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence, Set
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
@@ -95,13 +95,15 @@ def triggers(
     """items: of all modules. routines: those that are lifted. own: whether a lower-case name is
     that of a routine of the user's.
     """
+    data = [(node, inside) for node, inside in _data(items) if node.type.lower() == TYPE]
+    if not data:
+        return Triggers()
     setting_up = _setting_up(items, own)
     hidden = any(map(own, (*SETUPS, *MOVES))) or _is_set_up_aside(items, setting_up)
-    declared = frozenset() if hidden else _declared(items, _is_whole(items, own))
+    declared = frozenset() if hidden else _declared(data, _is_whole(items, own))
     reading = _Reading(meaning, own, setting_up)
-    if declared:
-        for routine in routines:
-            reading.body(routine.body, {})
+    for routine in routines:
+        reading.body(routine.body, {})
     return reading.settled(items, declared)
 
 
@@ -196,7 +198,8 @@ class _Reading:
             elif gone.issuperset(move.names):
                 made.said[id(move.node)] = what
             else:
-                made.reasons[id(move.node)] = SPECIAL
+                seen = declared.issuperset(move.names)
+                made.reasons[id(move.node)] = SPECIAL if seen else UNCERTAIN
         return made
 
     def single(self) -> dict[str, Setting]:
@@ -271,19 +274,25 @@ def _is_whole(items: Sequence[s.Item], own: Callable[[str], bool]) -> bool:
     return all(name is None or own(name) or name in _STANDARD for name in names)
 
 
-def _declared(items: Sequence[s.Item], whole: bool) -> frozenset[str]:
-    """Lower-case names of the variables that are declared once, as triggdata.
-
-    whole: whether others than those of modules' own count.
-    """
-    found: Counter[str] = Counter()
+def _data(items: Sequence[s.Item]) -> Iterator[tuple[s.Data, bool]]:
+    """Declarations, and whether each is in a routine."""
     for item in items:
         inside = isinstance(item, s.Routine)
         for node in item.body if isinstance(item, s.Routine) else (item,):
-            if isinstance(node, s.Data) and node.type.lower() == TYPE:
-                plain = node.storage == "VAR" and node.scope != "TASK" and not node.dimensions
-                seen = whole or inside or node.scope == "LOCAL"
-                found[node.name.lower()] += 1 if plain and seen else 2
+            if isinstance(node, s.Data):
+                yield node, inside
+
+
+def _declared(data: Sequence[tuple[s.Data, bool]], whole: bool) -> frozenset[str]:
+    """Lower-case names of the variables that are declared once.
+
+    whole: whether others than those of routines and modules alone count.
+    """
+    found: Counter[str] = Counter()
+    for node, inside in data:
+        plain = node.storage == "VAR" and node.scope != "TASK" and not node.dimensions
+        seen = whole or inside or node.scope == "LOCAL"
+        found[node.name.lower()] += 1 if plain and seen else 2
     return frozenset(name for name, count in found.items() if count == 1)
 
 
