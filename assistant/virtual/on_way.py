@@ -9,6 +9,9 @@ from dataclasses import replace
 from assistant.program.geometry import Pose
 from assistant.virtual.events import Moved, OnWay, Switched
 
+NO_WAY = 1e-3
+"""mm, or seconds, before the end that are none."""
+
 
 def told(move: Moved, before: Pose | None, changes: Iterable[Switched]) -> list[Switched]:
     """What is set on the way of a motion. before: the flange where it began, None if unknown.
@@ -27,13 +30,13 @@ def told(move: Moved, before: Pose | None, changes: Iterable[Switched]) -> list[
 def _place(at: OnWay, move: Moved, length: float | None) -> OnWay | None:
     if at.measure == "share" and at.amount in (0.0, 100.0):
         at = replace(at, measure="start" if at.amount == 0.0 else "end", amount=0.0)
-    if at.amount == 0.0 and at.measure in ("end", "time"):
-        at = replace(at, measure="end")
+    if length and at.amount != 0.0 and at.measure in ("start", "share"):
+        done = at.amount if at.measure == "start" else length * at.amount / 100.0
+        at = replace(at, measure="end", amount=length - done)
+    if at.measure in ("end", "time") and abs(at.amount) < NO_WAY:
+        at = replace(at, measure="end", amount=0.0)
         return None if move.blend == 0.0 and at.ahead == 0.0 else at
-    if not length or at.amount == 0.0 or at.measure not in ("start", "share"):
-        return at
-    done = at.amount if at.measure == "start" else length * at.amount / 100.0
-    return replace(at, measure="end", amount=length - done)
+    return at
 
 
 def _along(change: Switched) -> tuple[int, float]:

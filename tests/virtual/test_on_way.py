@@ -116,6 +116,8 @@ SAID = {
     "at the start": "TriggIO gunon,0\\Start\\DOp:=do1,1;\nTriggL q2,v100,gunon,fine,tGripper;",
     "before the end": "TriggIO gunon,20\\DOp:=do1,1;\nTriggL q2,v100,gunon,fine,tGripper;",
     "behind the start": "TriggIO gunon,20\\Start\\DOp:=do1,1;\nTriggL q2,v100,gunon,fine,tGripper;",
+    "at the end, told from the start": "TriggIO gunon,100\\Start\\DOp:=do1,1;\n"
+    "TriggL q2,v100,gunon,fine,tGripper;",
     "by an equipment without delay": "TriggEquip gunon,20,0\\GOp:=goSlot,3;\n"
     "TriggL q2,v100,gunon,z10,tGripper;",
     "at the end": "TriggIO gunon,0\\DOp:=do1,high;\nTriggJ q2,v100,gunon,fine,tGripper;",

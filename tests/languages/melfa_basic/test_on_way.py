@@ -82,6 +82,21 @@ def test_what_is_changed_is_what_is_said(kind: type) -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("define", "value", "said"),
+    [
+        ("Bit,5", "0.4", ["0 at 0 mm from start"]),
+        ("Byte,8", "300", ["44 at 0 mm from start"]),
+        ("Bit,5", "2", []),
+    ],
+)
+def test_what_a_named_output_takes(define: str, value: str, said: list[str]) -> None:
+    text = TEXT.format(append=f"Wth PORT={value}").replace(
+        "10 Spd", f"5 Def Io PORT={define}\n10 Spd"
+    )
+    assert [one.partition(" = ")[2] for one in on_way(text)] == said
+
+
 def test_a_row_of_a_table_has_no_outputs() -> None:
     lines = "".join(f"Mvs P{n}{' Wth M_Out(5)=1' if n == 2 else ''}\n" for n in (1, 2, 3))
     places = "".join(f"P{n}=(+500.00,+{n}0.00,+400.00,+180,+0,+180)(7,0)\n" for n in (1, 2, 3))

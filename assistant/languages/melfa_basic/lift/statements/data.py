@@ -32,7 +32,7 @@ def assign(node: s.Assign, lift: Expressions, runs: Runs) -> list[p.Statement]:
     if target.key in lift.m.io and not lift.m.is_shadowed(target.key):
         name = lift.m.io_signal(target, "output")
         pulse = None if node.delay is None else lift.of(node.delay)
-        return [p.SetSignal(name, lift.of(node.value), pulse)]
+        return [p.SetSignal(name, _held(lift.of(node.value), lift.m.signals[name]), pulse)]
     if lift.m.timers.get(timer_of(target) or 0) and node.value == s.Number(0) and not node.delay:
         return [p.StartTimer(lift.m.timers[timer_of(target) or 0])]
     if node.delay is not None:
