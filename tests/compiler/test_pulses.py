@@ -61,6 +61,21 @@ def test_a_pulse_to_the_other_value_stays_and_says_why() -> None:
     assert "the other value" in error.message and "High" in error.cure
 
 
+@pytest.mark.parametrize(
+    "line",
+    [
+        "set grip = 1 pulse 0.5 s",
+        "move linear a speed 100 mm/s blend fine set grip = 1 pulse 0.5 s at 0 mm from start",
+    ],
+)
+def test_a_pulse_of_bits_beside_others_is_no_pulse(line: str) -> None:
+    text = "program m\nsignal grip group output 8 bits 4\n"
+    text += f"target a [400, 0, 400] [0, 0, 1, 0]\nprocedure main\n{line}\nend\n"
+    compiled = assistant.compile(load_text(SourceText(text)), language="melfa-basic-5")
+    errors = [f.code for f in compiled.findings if f.severity is Severity.ERROR]
+    assert errors == ["MB209"]
+
+
 def test_four_pulses_run_at_a_time() -> None:
     pulses = [rf"PulseDO\High,do{n};" for n in range(1, 6)]
     assert from_rapid("\n".join(pulses[:4]), "melfa-basic-5").ok

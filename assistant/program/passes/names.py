@@ -18,6 +18,7 @@ FIELDS: Final[dict[type, tuple[str, ...]]] = {
     Procedure: ("name",),
     p.Motion: ("tool", "frame"),
     p.SetSignal: ("signal",),
+    p.Trigger: ("signal",),
     p.WaitSignal: ("signal",),
     p.Call: ("procedure",),
     e.Name: ("name",),

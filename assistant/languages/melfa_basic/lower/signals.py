@@ -10,6 +10,7 @@ from assistant.languages.melfa_basic.tables.vocabulary import timers
 from assistant.languages.melfa_basic.tables.vocabulary.timers import MOST_TIMERS
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.timers import timer
+from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.languages.patterns import Write, Writing
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -101,5 +102,17 @@ def start_timer(w: Writer, node: p.StartTimer) -> None:
 
 def set_signal(w: Writer, node: p.SetSignal) -> None:
     pulse = None if node.pulse is None else w.expressions.of(node.pulse)
-    value = w.expressions.of(node.value)
-    w.add(s.Assign(*w.expressions.output(node.signal, value), pulse))
+    w.add(assigned(w, node, pulse))
+
+
+def assigned(
+    w: Writer, one: p.SetSignal | p.Trigger, pulse: s.Expression | None = None
+) -> s.Assign:
+    """What gives an output its value."""
+    target, value = w.expressions.output(one.signal, w.expressions.of(one.value))
+    if pulse is not None and any(x == target for x in nodes(value)):
+        raise Unsayable(
+            f"a pulse of `{one.signal}`, a group beside other bits of its byte",
+            "set it, wait and set it back",
+        )
+    return s.Assign(target, value, pulse)

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Final
 
 from assistant.languages.melfa_basic.lower.expressions import Unsayable
+from assistant.languages.melfa_basic.lower.signals import assigned
 from assistant.languages.melfa_basic.tables.triggers import PLACES
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
@@ -33,8 +34,7 @@ def appended(w: Writer, triggers: tuple[p.Trigger, ...]) -> s.Append | None:
     for what, cure in _unsayable(one):
         raise Unsayable(what, cure)
     pulse = None if one.pulse is None else w.expressions.of(one.pulse)
-    value = w.expressions.of(one.value)
-    assignment = s.Assign(*w.expressions.output(one.signal, value), pulse)
+    assignment = assigned(w, one, pulse)
     if is_at_start(one):
         return s.Append(assignment)
     name = WORDS[one.measure]
