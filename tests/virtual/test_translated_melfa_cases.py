@@ -44,6 +44,12 @@ If M_Inb(8) Xor 1 Then M_Out(2)=1
 M2=(M1 And 6)\\2+1
 Dly M2
 End""",
+    "numbers that outputs round": """M1=0.4
+M_Out(1)=M1
+M_Out(2)=M1+0.3
+M_Outb(16)=M1*3+4.6
+M_Outb(24)=M_Inb(8)/3
+End""",
     "whole numbers below": """For M1=-2 To 2 Step 0.25
 M2=Int(M1)
 Dly M2+3

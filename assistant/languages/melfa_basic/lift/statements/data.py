@@ -32,7 +32,7 @@ def assign(node: s.Assign, lift: Expressions, runs: Runs) -> list[p.Statement]:
     if target.key in lift.m.io and not lift.m.is_shadowed(target.key):
         name = lift.m.io_signal(target, "output")
         pulse = None if node.delay is None else lift.of(node.delay)
-        return [p.SetSignal(name, _held(lift.of(node.value), lift.m.signals[name]), pulse)]
+        return [p.SetSignal(name, _held(node.value, lift.m.signals[name], lift), pulse)]
     if lift.m.timers.get(timer_of(target) or 0) and node.value == s.Number(0) and not node.delay:
         return [p.StartTimer(lift.m.timers[timer_of(target) or 0])]
     if node.delay is not None:
@@ -103,17 +103,20 @@ def _signal(node: s.Assign, lift: Expressions) -> p.SetSignal:
     if not isinstance(name, e.Name):
         raise Unliftable
     pulse = None if node.delay is None else lift.of(node.delay)
-    value = _held(lift.of(node.value), lift.m.signals[name.name])
-    return p.SetSignal(name.name, value, pulse)
+    return p.SetSignal(name.name, _held(node.value, lift.m.signals[name.name], lift), pulse)
 
 
-def _held(value: e.Expression, signal: Signal) -> e.Expression:
-    """What outputs take of a constant: the nearest whole number, and a group its low bits.
+def _held(given: s.Expression, signal: Signal, lift: Expressions) -> e.Expression:
+    """What outputs take of a value: the nearest whole number, and a group the low bits of it.
 
     Raises Unliftable where no manual tells what they take: of a half, and a bit of other numbers.
     """
-    if not isinstance(value, e.Number) or signal.kind == "analog":
+    value = lift.of(given)
+    if signal.kind == "analog":
         return value
+    if not isinstance(value, e.Number):
+        plain = isinstance(value, e.Verbatim) or lift.type_of(given) != "number"
+        return value if plain else lift.rounded(given)
     if float(value.value) % 1 == 0.5:
         raise Unliftable
     number = round(value.value)
@@ -144,7 +147,7 @@ def _masked(node: s.Assign, lift: Expressions) -> p.SetSignal | None:
                 case _:
                     return None
             name = lift.m.signal_at(kind, direction, bits, round(number))
-            return p.SetSignal(name, lift.of(value))
+            return p.SetSignal(name, _held(value, lift.m.signals[name], lift))
     return None
 
 
