@@ -10,7 +10,7 @@ import numpy as np
 
 from assistant.program.arcs import ArcMeasures
 from assistant.program.arrays import Floats, Rows
-from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from assistant.program.diagnostics import Diagnostic, Rule, error, info
 from assistant.program.expressions import Expression, Name, TargetValue
 from assistant.program.path import Kind, Path
 from assistant.program.program import Program, bodies
@@ -30,27 +30,23 @@ LEAST_ANGLE: Final = 1.0
 MOST_ANGLE: Final = 240.0
 """degrees that an arc should go round at most (RAPID manual, MoveC)."""
 
-TOO_CLOSE = Rule(
+TOO_CLOSE = error(
     "CK101",
-    Severity.ERROR,
     "two points of an arc are the same or less than 0.1 mm apart",
     "move them apart, use a linear move, or split a full circle into two arcs",
 )
-STRAIGHT = Rule(
+STRAIGHT = error(
     "CK102",
-    Severity.ERROR,
     "the three points of an arc lie on one line",
     "use a linear move, or put the via point beside the line",
 )
-NEARLY_STRAIGHT = Rule(
+NEARLY_STRAIGHT = info(
     "CK103",
-    Severity.INFO,
     "an arc is nearly straight: seen from its start, its points are {angle:.2f} degrees apart",
     "use a linear move; RAPID asks for 1 degree at least",
 )
-NEARLY_ROUND = Rule(
+NEARLY_ROUND = info(
     "CK104",
-    Severity.INFO,
     "an arc goes round {angle:.0f} degrees",
     "split it: up to 240 degrees its three points tell the circle well",
 )

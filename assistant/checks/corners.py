@@ -11,7 +11,7 @@ import numpy as np
 from assistant.checks.moves import Moves
 from assistant.checks.views import ProgramView, figure
 from assistant.program.arrays import Floats, Rows
-from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from assistant.program.diagnostics import Diagnostic, info
 from assistant.program.path import Kind
 
 TURN: Final = 0.1
@@ -21,16 +21,14 @@ LEAST: Final = 0.1
 the path turns by a passes the target at r / 2 · sin(a / 2), as a parabola does. One that is larger
 than the way counts as long as that: on a dense path it just says not to stop."""
 
-CUT: Final = Rule(
+CUT: Final = info(
     "CK321",
-    Severity.INFO,
     "the corner of {radius:g} mm is more than half of the {way} mm to the next or the last "
     "target, so a controller rounds it by {half} mm at most{worst}",
     "state a smaller corner, or put the targets further apart",
 )
-CLOSER: Final = Rule(
+CLOSER: Final = info(
     "CK322",
-    Severity.INFO,
     "targets lie {way} mm apart, nearer than their corner of {radius:g} mm, which a controller "
     "rounds by {half} mm at most{worst}",
     "state a smaller corner, or leave targets out",

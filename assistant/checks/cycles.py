@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from assistant.checks.views import ProgramView, figure
-from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from assistant.program.diagnostics import Diagnostic, info
 from assistant.robots import Robot
 
 CYCLES: Final = {"CR800": 0.0035, "CR1": 0.00711, "CR2B": 0.00711, "CR750": 0.00711}
@@ -19,9 +19,8 @@ USUAL: Final = 0.004
 LEAST_IN_A_ROW: Final = 10
 """So many such moves must follow each other: a few among longer ones are planned ahead."""
 
-TOO_DENSE: Final = Rule(
+TOO_DENSE: Final = info(
     "CK323",
-    Severity.INFO,
     "targets {way} mm apart are passed every {passed} ms, which is less than the "
     "{cycle} ms in which the controller commands a place{worst}",
     "leave targets out, or state a lower speed",

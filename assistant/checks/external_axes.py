@@ -8,11 +8,10 @@ from typing import Final
 import numpy as np
 
 from assistant.checks.views import ProgramView
-from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from assistant.program.diagnostics import Diagnostic, warning
 
-MISSING: Final = Rule(
+MISSING: Final = warning(
     "CK341",
-    Severity.WARNING,
     "the value of external axis {axis} is missing, which {others} targets around state",
     "state it there as well: a controller that drives the axis stops without it (40512)",
 )

@@ -10,7 +10,7 @@ import numpy as np
 from assistant.checks.moves import Moves
 from assistant.checks.views import ProgramView, RunView, figure
 from assistant.program.arrays import Floats, Truths
-from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from assistant.program.diagnostics import Diagnostic, warning
 
 TOLERANCE: Final = 1.02
 """By how much a joint may be too fast: rounding of speeds and limits in data sheets."""
@@ -19,9 +19,8 @@ SHORTEST: Final = 0.1
 of the FR robots (melfa_ros2_driver) lets an axis take about 0.05 s to get there and as much to
 stop."""
 
-TOO_FAST: Final = Rule(
+TOO_FAST: Final = warning(
     "CK311",
-    Severity.WARNING,
     "{axis} would have to move at {needed:.0f} {unit}/s, its limit is {limit:g}, to keep the "
     "programmed {programmed}{worst}",
     "the robot runs slower there or stops; {possible} is possible",

@@ -6,22 +6,20 @@ from collections.abc import Iterator
 from typing import Final
 
 from assistant.checks.views import ProgramView
-from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from assistant.program.diagnostics import Diagnostic, warning
 from assistant.program.geometry import FLANGE, Tool
 from assistant.program.statements import Follow
 from assistant.program.subjects import Declared
 from assistant.robots.programming import has
 
-NO_MASS: Final = Rule(
+NO_MASS: Final = warning(
     "CK331",
-    Severity.WARNING,
     "the tool `{name}` weighs nothing: an ABB controller stops at the first move with it "
     "(undefined load, 41439)",
     "state its mass in kg and its centre of gravity; 0.001 kg is the least that counts",
 )
-TOO_HEAVY: Final = Rule(
+TOO_HEAVY: Final = warning(
     "CK332",
-    Severity.WARNING,
     "the tool `{name}` weighs {mass:g} kg, {robot} carries {payload:g} kg",
     "look whether kg were meant, or take a lighter tool or another robot",
 )

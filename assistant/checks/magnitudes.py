@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import Any, Final
 
-from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from assistant.program.diagnostics import Diagnostic, error
 from assistant.program.motion import Blend, Speed
 from assistant.program.path import Path
 from assistant.program.program import Program
@@ -19,15 +19,11 @@ SMALLEST: Final = 0.01
 LARGEST: Final = 5_000.0
 """mm of corner radius that a program can print, and that fits into a cell."""
 
-SPEED = Rule(
-    "CK201",
-    Severity.ERROR,
-    "a speed of {value:g} mm/s cannot be meant",
-    "state speeds in mm/s, from 0.01 to 20000",
+SPEED = error(
+    "CK201", "a speed of {value:g} mm/s cannot be meant", "state speeds in mm/s, from 0.01 to 20000"
 )
-BLEND = Rule(
+BLEND = error(
     "CK202",
-    Severity.ERROR,
     "a corner radius of {value:g} mm cannot be meant",
     "state it in mm, from 0.01 to 5000, or stop at the target with `fine`",
 )

@@ -6,21 +6,19 @@ from collections.abc import Iterator, Mapping
 from typing import Final
 
 from assistant.program.analysis.lengths import lengths
-from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from assistant.program.diagnostics import Diagnostic, error, warning
 from assistant.program.expressions import Number
 from assistant.program.passes.places import constants, plain, sets_on_way
 from assistant.program.program import Program, walk
 from assistant.program.statements import Measure, MoveStatement
 
-BEYOND = Rule(
+BEYOND = warning(
     "CK111",
-    Severity.WARNING,
     "`{name}` is set {amount:g} mm {where} of a way of {length:.2f} mm",
     "give a distance within the way, or set it before the move",
 )
-OUTSIDE = Rule(
+OUTSIDE = error(
     "CK112",
-    Severity.ERROR,
     "`{name}` is set at {amount:g} {unit} of the way of a move, which no way has",
     "write {most}",
 )

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from assistant.checks.views import ProgramView, figure
-from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from assistant.program.diagnostics import Diagnostic, info
 from assistant.robots.programming import has
 
 LEAST_LENGTH: Final = 1.0
@@ -18,9 +18,8 @@ SLOWER: Final = 1.1
 LATER: Final = 0.1
 """and seconds: less is lost in accelerating."""
 
-TURN_BINDS: Final = Rule(
+TURN_BINDS: Final = info(
     "CK312",
-    Severity.INFO,
     "the tool turns by {turn:.0f} degrees on {length:.0f} mm: at {rotation:g} degrees/s of "
     "reorientation the TCP moves at {real} mm/s instead of {tcp:g}{worst}",
     "state a higher speed of reorientation, or spread the turn over a longer way",

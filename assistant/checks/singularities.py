@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from assistant.checks.views import ProgramView
-from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from assistant.program.diagnostics import Diagnostic, info, warning
 
 WRIST_ANGLE: Final = 3.0
 """degrees of axis 5: to turn the tool by 20 deg/s beside it, axis 4 needs 20 / sin 3° = 380 deg/s,
@@ -25,30 +25,26 @@ SHOULDER_DISTANCE: Final = 20.0
 """mm from axis 1: past it at 100 mm/s, axis 1 needs 100 / 20 = 5 rad/s = 290 deg/s, about what the
 axes of the catalogue can do."""
 
-WRIST: Final = Rule(
+WRIST: Final = info(
     "CK301",
-    Severity.INFO,
     "a linear or circular move takes axis 5 to {angle:.1f} degrees from the singularity of the "
     "wrist{worst}",
     "tilt the tool or the work piece so that axis 5 stays away from 0, or use a joint move",
 )
-THROUGH: Final = Rule(
+THROUGH: Final = warning(
     "CK304",
-    Severity.WARNING,
     "between its ends, a linear or circular move goes straight through the singularity of the "
     "wrist, where axes 4 and 6 would have to turn by half a turn at once{worst}",
     "move the work piece, tilt the tool a little, or use a joint move",
 )
-ELBOW: Final = Rule(
+ELBOW: Final = info(
     "CK302",
-    Severity.INFO,
     "a linear or circular move takes the elbow to {angle:.1f} degrees from the stretched "
     "arm{worst}",
     "move the work piece nearer to the robot, or use a joint move",
 )
-SHOULDER: Final = Rule(
+SHOULDER: Final = info(
     "CK303",
-    Severity.INFO,
     "a linear or circular move takes the wrist centre to {distance:.0f} mm from axis 1{worst}",
     "move the work piece away from the axis, tilt the tool, or use a joint move",
 )

@@ -9,12 +9,11 @@ import sys
 from contextvars import copy_context
 from typing import Final
 
-from assistant.program.diagnostics import Refused, Rule, Severity
+from assistant.program.diagnostics import Refused, error
 from assistant.program.failing import details_wanted, failure
 
-NOT_PRINTED = Rule(
+NOT_PRINTED = error(
     "CL901",
-    Severity.ERROR,
     "the system refuses: {reason}",
     "make room, or name another place; what was printed may be cut off",
 )

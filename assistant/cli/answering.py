@@ -10,13 +10,12 @@ from pathlib import Path
 from typing import Final
 
 from assistant.compiler.output import write_files
-from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity
+from assistant.program.diagnostics import Diagnostic, Refused, info
 from assistant.program.failing import details_wanted, failure
 from assistant.program.program import identifier
 
-SAME_FILE: Final = Rule(
+SAME_FILE: Final = info(
     "CL001",
-    Severity.INFO,
     "both `{first}` and `{second}` write `{name}`: each goes to a folder of its own",
     "rename one of the sources to have their files side by side",
 )

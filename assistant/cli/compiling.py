@@ -20,34 +20,17 @@ from assistant.cli.presentation import (
     print_json,
     say,
 )
-from assistant.program.diagnostics import (
-    Diagnostic,
-    Refused,
-    Rule,
-    Severity,
-    Unreadable,
-    has_errors,
-)
+from assistant.program.diagnostics import Diagnostic, Refused, Unreadable, error, has_errors
 
 if TYPE_CHECKING:
     from assistant.compiler import Compiled, Loaded
     from assistant.program.text import SourceText
 
-NOT_ONE_FILE = Rule(
-    "CL002",
-    Severity.ERROR,
-    "there are {count} files to print",
-    "name a folder with --output",
-)
-NO_FILE_NAME = Rule(
-    "CL003", Severity.ERROR, "`{name}` is no name of a file", "name the file to write"
-)
-TWICE = Rule("CL004", Severity.ERROR, "standard input can be read only once", "name `-` only once")
-OVER_SOURCE = Rule(
-    "CL007",
-    Severity.ERROR,
-    "`{name}` would be written over the source itself",
-    "name another folder or file",
+NOT_ONE_FILE = error("CL002", "there are {count} files to print", "name a folder with --output")
+NO_FILE_NAME = error("CL003", "`{name}` is no name of a file", "name the file to write")
+TWICE = error("CL004", "standard input can be read only once", "name `-` only once")
+OVER_SOURCE = error(
+    "CL007", "`{name}` would be written over the source itself", "name another folder or file"
 )
 STANDARD: Final = "-"
 SIDE_TABLES_ABOVE: Final = 1000

@@ -10,18 +10,15 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.cli.compiling import STANDARD, TWICE, standard_input, working
 from assistant.cli.presentation import Format, print_findings, say
-from assistant.program.diagnostics import Refused, Rule, Severity, has_errors
+from assistant.program.diagnostics import Refused, error, has_errors
 
 if TYPE_CHECKING:
     from assistant.languages import Language
     from assistant.languages.coverage import Construct
     from assistant.program.text import SourceText
 
-NO_LANGUAGE = Rule(
-    "CL006",
-    Severity.ERROR,
-    "the text does not show which robot language it is in",
-    "name it with --from",
+NO_LANGUAGE = error(
+    "CL006", "the text does not show which robot language it is in", "name it with --from"
 )
 HEADINGS: Final = ("Construct", "Supported", "Partial", "Kept verbatim")
 

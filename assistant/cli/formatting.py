@@ -11,16 +11,15 @@ from typing import TYPE_CHECKING, Final
 
 from assistant.cli.compiling import STANDARD, TWICE, working
 from assistant.cli.presentation import print_findings, say
-from assistant.program.diagnostics import Refused, Rule, Severity, has_errors
+from assistant.program.diagnostics import Refused, error, has_errors
 from assistant.program.failing import details_wanted, failure
 
 if TYPE_CHECKING:
     from assistant.compiler.formatting import Formatted
 
 
-STEPS: Final = Rule(
+STEPS: Final = error(
     "CL005",
-    Severity.ERROR,
     "`{text}` does not say how steps are numbered",
     "write the first number and the step, both from 1 on, as in --renumber 10,10",
 )

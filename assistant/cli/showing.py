@@ -9,17 +9,15 @@ from typing import TYPE_CHECKING, Final
 
 from assistant.cli.compiling import NO_FILE_NAME, SIDE_TABLES_ABOVE, load_given
 from assistant.cli.presentation import print_findings, say
-from assistant.program.diagnostics import Refused, Rule, Severity, fold
+from assistant.program.diagnostics import Refused, error, fold
 
 if TYPE_CHECKING:
     from assistant.compiler import Loaded
     from assistant.program.program import Program
 
-NO_PASS: Final = Rule(
-    "CL012", Severity.ERROR, "the program goes through no pass `{name}`", "name one of {passes}"
-)
-NO_LANGUAGE: Final = Rule(
-    "CL013", Severity.ERROR, "a pass is on the way into a language", "name it: `--to LANGUAGE`"
+NO_PASS: Final = error("CL012", "the program goes through no pass `{name}`", "name one of {passes}")
+NO_LANGUAGE: Final = error(
+    "CL013", "a pass is on the way into a language", "name it: `--to LANGUAGE`"
 )
 
 

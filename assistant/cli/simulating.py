@@ -15,22 +15,20 @@ from assistant.cli.compiling import (
     working,
 )
 from assistant.cli.presentation import Format, print_findings, print_json, say
-from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, fold, has_errors
+from assistant.program.diagnostics import Diagnostic, Refused, error, fold, has_errors
 
 if TYPE_CHECKING:
     from assistant.program.program import Program
     from assistant.robots import Robot, SolvedProgram
     from assistant.robots.timing import Simulation
 
-NO_ROBOT = Rule(
+NO_ROBOT = error(
     "CL010",
-    Severity.ERROR,
     "the program names no robot that it is for",
     "name one with --robot; `robot-assistant robots` lists them",
 )
-NO_RESULT = Rule(
+NO_RESULT = error(
     "CL011",
-    Severity.ERROR,
     "a simulation is not written as `{name}`",
     "end the name in .csv, .npz, .png or .svg, or name a folder",
 )

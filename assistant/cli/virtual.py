@@ -10,15 +10,14 @@ from typing import TYPE_CHECKING
 
 from assistant.cli.presentation import say
 from assistant.controllers.credentials import PASSWORD
-from assistant.program.diagnostics import Refused, Rule, Severity
+from assistant.program.diagnostics import Refused, error
 
 if TYPE_CHECKING:
     from assistant.virtual.cr import VirtualCr
     from assistant.virtual.irc5 import VirtualIrc5
 
-NOT_STARTED = Rule(
+NOT_STARTED = error(
     "CL101",
-    Severity.ERROR,
     "the virtual controller cannot start: {reason}",
     "name another port or folder; ports below 1024 need more rights",
 )

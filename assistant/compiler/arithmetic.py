@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant.compiler.project import configured
 from assistant.languages.language import ARITHMETIC
 from assistant.program import expressions as e
-from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from assistant.program.diagnostics import Diagnostic, error, warning
 from assistant.program.program import Procedure, Program, walk
 from assistant.program.rewriting import head, records
 from assistant.program.wholes import Numbers
@@ -17,15 +17,13 @@ from assistant.program.wholes import Numbers
 if TYPE_CHECKING:
     from assistant.languages import Language
 
-UNCONFIRMED: Final = Rule(
+UNCONFIRMED: Final = warning(
     "CO105",
-    Severity.WARNING,
     "{what}: {way} is assumed of both controllers, but no manual confirms it",
     "try it on both, and state `{key}` in the tables [{one}] and [{other}] of assistant.toml",
 )
-DIFFERENT: Final = Rule(
+DIFFERENT: Final = error(
     "CO106",
-    Severity.ERROR,
     "{what}: `{key}` is {first} in [{one}] and {second} in [{other}]",
     "keep the value from being {avoided}, or correct what assistant.toml states",
 )

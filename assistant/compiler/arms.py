@@ -6,15 +6,14 @@ from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
-from assistant.program.diagnostics import Refused, Rule, Severity
+from assistant.program.diagnostics import Refused, error
 from assistant.program.program import Program
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
 
-UNKNOWN_ROBOT = Rule(
+UNKNOWN_ROBOT = error(
     "CO002",
-    Severity.ERROR,
     "there is no robot `{name}`",
     "choose one of {names}, or name a robot file (TOML or URDF)",
 )

@@ -8,21 +8,19 @@ from dataclasses import fields, replace
 from typing import Final, TypeVar
 
 from assistant.program import expressions as e
-from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from assistant.program.diagnostics import Diagnostic, info, warning
 from assistant.program.program import Program, Signal
 from assistant.program.rewriting import records
 from assistant.sources.process import NO_PROCESS, Process
 
-NOT_USED = Rule(
+NOT_USED = warning(
     "CO006",
-    Severity.WARNING,
     "the program has no {kind} `{name}`, so what the process file says of it changes nothing",
     "write the name as the program does",
 )
 
-NOT_OF_PROGRAMS = Rule(
+NOT_OF_PROGRAMS = info(
     "CO009",
-    Severity.INFO,
     "what the process file says of {keys} changes nothing in a program that states its own moves",
     "name arms with --robot and --from-robot; the rest is for drawings and tables",
 )

@@ -25,7 +25,7 @@ from assistant.compiler.loading import (
 from assistant.compiler.project import configured
 from assistant.compiler.source_map import Places
 from assistant.program import pseudo
-from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, has_errors
+from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors, info
 from assistant.program.failing import details_wanted, failure
 from assistant.program.program import Program
 from assistant.program.text import SourceText, read_bytes
@@ -35,15 +35,13 @@ if TYPE_CHECKING:
     from assistant.languages import Language
     from assistant.robots import Robot
 
-NOTHING_THERE: Final = Rule(
+NOTHING_THERE: Final = error(
     "CO301",
-    Severity.ERROR,
     "the folder holds nothing that is checked",
     "name the files: in a folder, {kinds} are looked for, tables of targets are not",
 )
-LEFT_OUT: Final = Rule(
+LEFT_OUT: Final = info(
     "CO302",
-    Severity.INFO,
     "the file is left out: it does not look like a robot program",
     "name it with --from LANGUAGE if it is one",
 )

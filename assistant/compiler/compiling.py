@@ -19,10 +19,11 @@ from assistant.compiler.source_map import Places
 from assistant.program.diagnostics import (
     Diagnostic,
     Refused,
-    Rule,
     Severity,
+    error,
     fold,
     has_errors,
+    warning,
 )
 from assistant.program.expressions import Verbatim
 from assistant.program.passes.watching import passed
@@ -34,27 +35,21 @@ if TYPE_CHECKING:
     from assistant.languages.language import Conversion, Frames
     from assistant.robots import Robot
 
-OTHER_MAKER = Rule(
+OTHER_MAKER = warning(
     "CO003",
-    Severity.WARNING,
     "the controller of {robot} does not run {language}",
     "choose one of {languages}, or another robot",
 )
-TOO_FEW = Rule(
-    "CO004",
-    Severity.ERROR,
-    "a unit of {most} targets is too small",
-    "allow at least {least} targets a unit",
+TOO_FEW = error(
+    "CO004", "a unit of {most} targets is too small", "allow at least {least} targets a unit"
 )
-KEPT_TEXT = Rule(
+KEPT_TEXT = error(
     "CO104",
-    Severity.ERROR,
     "`{text}` keeps its text, but would be read back as something else where it is written",
     "say it in statements with plain conditions and numbers",
 )
-UNIT_ALONE = Rule(
+UNIT_ALONE = error(
     "CO008",
-    Severity.ERROR,
     "`{name}` is no program, but a part that one loads while it runs",
     "name the program that loads it: its parts are read with it",
 )

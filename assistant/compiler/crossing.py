@@ -11,7 +11,7 @@ import numpy as np
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Diagnostic, Rule, Severity, Span
+from assistant.program.diagnostics import Diagnostic, Rule, Span, error, warning
 from assistant.program.geometry import JointTarget, Target
 from assistant.program.kept import effect_of
 from assistant.program.path import Path, configuration_row
@@ -23,48 +23,41 @@ if TYPE_CHECKING:
     from assistant.languages import Language
     from assistant.robots import Robot
 
-CROSSED = Rule(
+CROSSED = warning(
     "CO501",
-    Severity.WARNING,
     "{name} has joint angles of {source}, with its flange at ({there}) mm; on {arm} it becomes "
     "({joints}), with the flange at ({here}) mm",
     "look at the way there: between such targets each arm moves in its own way",
 )
-NOT_THERE = Rule(
+NOT_THERE = error(
     "CO502",
-    Severity.ERROR,
     "{name} has joint angles of {source}, with its flange at ({there}) mm, which {arm} cannot take",
     "teach it on {arm}, or move to a pose that both reach",
 )
-WHOSE = Rule(
+WHOSE = error(
     "CO503",
-    Severity.ERROR,
     "{name} has joint angles, and nothing says on which arm they were taught: on another one they "
     "lead to another place",
     "name the arm that they were taught on: `--from-robot`, or `robot` in the file",
 )
-NOT_DRIVEN = Rule(
+NOT_DRIVEN = error(
     "CO504",
-    Severity.ERROR,
     "{name} has joint angles of {source}, whose controller does not run {language}",
     "name the arm that will run the program: `--robot`",
 )
-WORKED_OUT = Rule(
+WORKED_OUT = error(
     "CO505",
-    Severity.ERROR,
     "{name} works with joint angles of {source}, which mean nothing on {arm}",
     "say it with poses, or with whole joint targets",
 )
-KEPT = Rule(
+KEPT = warning(
     "CO506",
-    Severity.WARNING,
     "`{text}` keeps its text; joint angles in it would be those of {source}",
     "see that it speaks of none, or write it anew for {arm}",
 )
 
-NOT_WRITTEN = Rule(
+NOT_WRITTEN = warning(
     "CO510",
-    Severity.WARNING,
     "{name} has joint angles, which lead another arm to another place; nothing uses it, so it is "
     "not written",
     "to have it written, name the arms: `--from-robot` and `--robot`",

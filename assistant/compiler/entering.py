@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from assistant.program.diagnostics import Refused, Rule, Severity
+from assistant.program.diagnostics import Refused, error
 from assistant.program.program import Procedure, Program
 
-NO_SUCH = Rule(
-    "CO011", Severity.ERROR, "there is no procedure `{name}` to begin with", "choose {names}"
-)
-NOT_BEGUN = Rule(
+NO_SUCH = error("CO011", "there is no procedure `{name}` to begin with", "choose {names}")
+NOT_BEGUN = error(
     "CO012",
-    Severity.ERROR,
     "nothing can begin with `{name}`, which has parameters, a result or a unit of its own",
     "choose {names}, or write a procedure that calls it",
 )

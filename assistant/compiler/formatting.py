@@ -12,37 +12,24 @@ from assistant import languages
 from assistant.compiler.loading import files_in, language_of
 from assistant.compiler.output import write_files
 from assistant.languages import Language
-from assistant.program.diagnostics import (
-    Diagnostic,
-    Refused,
-    Rule,
-    Severity,
-    Unreadable,
-    has_errors,
-)
+from assistant.program.diagnostics import Diagnostic, Refused, Unreadable, error, has_errors
 from assistant.program.text import SourceText, comments, encode, read_bytes
 
-NOT_THE_SAME: Final = Rule(
+NOT_THE_SAME: Final = error(
     "CO401",
-    Severity.ERROR,
     "laid out anew, the program would not be the same; it stays as it was",
     "report it with the file: the formatter is wrong, not the file",
 )
-NO_LANGUAGE: Final = Rule(
-    "CO402",
-    Severity.ERROR,
-    "`{name}` does not look like a robot program",
-    "name its language with --from",
+NO_LANGUAGE: Final = error(
+    "CO402", "`{name}` does not look like a robot program", "name its language with --from"
 )
-NO_PROGRAMS: Final = Rule(
+NO_PROGRAMS: Final = error(
     "CO403",
-    Severity.ERROR,
     "the folder `{name}` holds no robot programs",
     "name the files, and their language with --from",
 )
-NO_STEPS: Final = Rule(
+NO_STEPS: Final = error(
     "CO404",
-    Severity.ERROR,
     "`{name}` is {language}, which has no step numbers",
     "leave --renumber out, or name programs in {others} only",
 )

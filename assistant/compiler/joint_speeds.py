@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from assistant.program.diagnostics import Diagnostic, Rule, warning
 from assistant.program.motion import Speed
 from assistant.program.path import Path
 from assistant.program.program import Program
@@ -18,23 +18,20 @@ if TYPE_CHECKING:
     from assistant.robots import Robot, SolvedProgram
     from assistant.robots.pace import Change
 
-IN_MM = Rule(
+IN_MM = warning(
     "CO507",
-    Severity.WARNING,
     "a joint move at {percent:g} %, which takes {seconds:.2f} s, is written with {tcp:g} mm/s and "
     "{rotation:g} degrees/s, and takes at least as long",
     "try it at a low override first",
 )
-IN_PERCENT = Rule(
+IN_PERCENT = warning(
     "CO508",
-    Severity.WARNING,
     "a joint move at {tcp:g} mm/s, which takes {seconds:.2f} s, is written with {percent:g} %, and "
     "takes at least as long",
     "try it at a low override first",
 )
-AS_STATED = Rule(
+AS_STATED = warning(
     "CO509",
-    Severity.WARNING,
     "a joint speed of {percent:g} % is written as the {tcp:g} mm/s of the process file",
     "see that the arm is not faster there than it was",
 )

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant import languages, sources
 from assistant.program import pseudo
-from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, has_errors
+from assistant.program.diagnostics import Diagnostic, Refused, error, has_errors
 from assistant.program.kept import with_effects
 from assistant.program.program import Program
 from assistant.program.text import SourceText, decode, read_bytes
@@ -22,9 +22,7 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 PSEUDO_ENCODINGS: Final = ("utf-8-sig", "utf-8")
-UNKNOWN_LANGUAGE = Rule(
-    "CO001", Severity.ERROR, "there is no language `{name}`", "choose one of {names}"
-)
+UNKNOWN_LANGUAGE = error("CO001", "there is no language `{name}`", "choose one of {names}")
 
 
 @dataclass(frozen=True, slots=True)

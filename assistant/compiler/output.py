@@ -10,20 +10,14 @@ from collections.abc import Mapping
 from pathlib import Path as FilePath
 from typing import Final
 
-from assistant.program.diagnostics import Refused, Rule, Severity
+from assistant.program.diagnostics import Refused, error
 
-NOT_WRITTEN: Final = Rule(
+NOT_WRITTEN: Final = error(
     "CO201",
-    Severity.ERROR,
     "`{name}` cannot be written: {reason}",
     "free space or name another folder; what was there before is untouched",
 )
-BAD_NAME: Final = Rule(
-    "CO202",
-    Severity.ERROR,
-    "`{name}` is no plain file name",
-    "rename the program",
-)
+BAD_NAME: Final = error("CO202", "`{name}` is no plain file name", "rename the program")
 
 HOLDING: Final = ".robot-assistant-"
 """How the folder begins that holds files until all of them are there."""

@@ -12,7 +12,7 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.language import Choice
-from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, Span
+from assistant.program.diagnostics import Diagnostic, Refused, Rule, Span, error
 from assistant.program.text import SourceText, decode, read_bytes
 
 if TYPE_CHECKING:
@@ -24,19 +24,14 @@ FILES: Final[Mapping[str, tuple[str, ...]]] = {
 }
 """Name of a file → the table in it that is ours; the first that is there counts."""
 
-NO_SETTING: Final = Rule(
-    "CO304", Severity.ERROR, "`{key}` is no setting of {table}", "write one of {settings}"
-)
-NOT_ALLOWED: Final = Rule(
-    "CO305", Severity.ERROR, "`{key}` is {value}, no whole number from {least} to {most}",
-    "{meaning}",
+NO_SETTING: Final = error("CO304", "`{key}` is no setting of {table}", "write one of {settings}")
+NOT_ALLOWED: Final = error(
+    "CO305", "`{key}` is {value}, no whole number from {least} to {most}",
+    "{meaning}"
 )  # fmt: skip
-NO_WORD: Final = Rule("CO307", Severity.ERROR, "`{key}` is {value!a}, none of {words}", "{meaning}")
-NO_SETTINGS: Final = Rule(
-    "CO306",
-    Severity.ERROR,
-    "`{table}` is no table",
-    "write lines such as {setting} = {value} in it",
+NO_WORD: Final = error("CO307", "`{key}` is {value!a}, none of {words}", "{meaning}")
+NO_SETTINGS: Final = error(
+    "CO306", "`{table}` is no table", "write lines such as {setting} = {value} in it"
 )
 
 

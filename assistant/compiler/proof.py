@@ -7,29 +7,26 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from assistant.program.comparison import Comparison, Tolerance, compare
-from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, has_errors
+from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, error, has_errors
 from assistant.program.program import Program
 
 if TYPE_CHECKING:
     from assistant.languages import Language
     from assistant.robots import Robot
 
-NOT_READ_BACK = Rule(
+NOT_READ_BACK = error(
     "CO101",
-    Severity.ERROR,
     "the text that was emitted cannot be read back: {reason}",
     "nothing was written; report this with the input",
 )
-SAYS_OTHERWISE = Rule(
+SAYS_OTHERWISE = error(
     "CO102",
-    Severity.ERROR,
     "the text that was emitted says something else: {message}",
     "nothing was written; report this with the input",
 )
 
-REFUSED_THERE = Rule(
+REFUSED_THERE = error(
     "CO103",
-    Severity.ERROR,
     "a controller would refuse the program: {reason}",
     "correct the source ({cure}); nothing was written",
 )

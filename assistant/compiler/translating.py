@@ -15,7 +15,7 @@ from assistant.compiler.loading import Loaded, language_of, load
 from assistant.compiler.proof import Proof
 from assistant.compiler.source_map import Place, Places, Trace
 from assistant.program import statements as p
-from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, Span, fold
+from assistant.program.diagnostics import Diagnostic, Refused, Severity, Span, error, fold
 from assistant.program.program import Program, bodies, walk
 from assistant.program.subjects import Declared, PathRow, Subject, Table
 from assistant.program.text import lines_of
@@ -25,9 +25,8 @@ if TYPE_CHECKING:
     from assistant.languages.language import Frames
     from assistant.robots import Robot
 
-NO_PROGRAM = Rule(
+NO_PROGRAM = error(
     "CO005",
-    Severity.ERROR,
     "`{name}` is no program in a robot language",
     "name its language with --from, or compile it: `robot-assistant compile`",
 )

@@ -15,7 +15,7 @@ from typing import Any, Final
 import assistant
 from assistant import languages
 from assistant.languages import Language
-from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity
+from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, error
 
 _OWN_FAMILIES: Final = {
     "CK": "Checks of programs",
@@ -37,9 +37,8 @@ _OWN_FAMILIES: Final = {
 """Those that are of no language."""
 
 PAGES: Final = "https://github.com/robot-assistant/robot-assistant/blob/main/docs/findings.md"
-NO_RULE: Final = Rule(
+NO_RULE: Final = error(
     "FN001",
-    Severity.ERROR,
     "there is no finding `{code}`",
     "write a code as findings show it, such as RA204; docs/findings.md lists all",
 )

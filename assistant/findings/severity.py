@@ -15,30 +15,34 @@ from typing import Final
 from assistant import languages
 from assistant.compiler.project import Project, project_of
 from assistant.findings import rulebook
-from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, has_errors
+from assistant.program.diagnostics import (
+    Diagnostic,
+    Refused,
+    Rule,
+    Severity,
+    error,
+    has_errors,
+    warning,
+)
 
 TABLE: Final = "severity"
 OFF: Final = "off"
 LEVELS: Final = (OFF, *(str(s) for s in reversed(Severity)))
 
-UNKNOWN_KEY: Final = Rule(
-    "FN101", Severity.WARNING, "`{key}` is no setting", "write a table `{table}`"
-)
-NO_SUCH_CODE: Final = Rule(
+UNKNOWN_KEY: Final = warning("FN101", "`{key}` is no setting", "write a table `{table}`")
+NO_SUCH_CODE: Final = warning(
     "FN102",
-    Severity.WARNING,
     "no finding has a code that begins with `{code}`",
     "write a code as findings show it, such as RA204, or how several begin, such as RA2",
 )
-NOT_LOWERED: Final = Rule(
+NOT_LOWERED: Final = warning(
     "FN103",
-    Severity.WARNING,
     "`{code}` stays an error: it tells what cannot be read, or why nothing is written",
     "correct what it finds; errors of a language's own check of a program can be turned down",
 )
-NO_LEVEL: Final = Rule("FN104", Severity.ERROR, "`{value}` is no severity", "write one of {levels}")
-NO_TABLE: Final = Rule(
-    "FN105", Severity.ERROR, "`{key}` is no table", 'write lines such as RA204 = "warning" in it'
+NO_LEVEL: Final = error("FN104", "`{value}` is no severity", "write one of {levels}")
+NO_TABLE: Final = error(
+    "FN105", "`{key}` is no table", 'write lines such as RA204 = "warning" in it'
 )
 
 

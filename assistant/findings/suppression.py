@@ -17,21 +17,19 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from assistant.findings.rulebook import is_adjustable
-from assistant.program.diagnostics import Diagnostic, Rule, Severity, Span
+from assistant.program.diagnostics import Diagnostic, Span, info, warning
 from assistant.program.text import SourceText, comments
 
-NOTHING_IGNORED: Final = Rule(
-    "FN201", Severity.INFO, "`{code}` is ignored here, but is not found", "delete the comment"
+NOTHING_IGNORED: Final = info(
+    "FN201", "`{code}` is ignored here, but is not found", "delete the comment"
 )
-NOT_IGNORED: Final = Rule(
+NOT_IGNORED: Final = warning(
     "FN202",
-    Severity.WARNING,
     "`{code}` cannot be ignored: it tells what cannot be read, or why nothing is written",
     "correct what it finds",
 )
-NO_CODE: Final = Rule(
+NO_CODE: Final = warning(
     "FN203",
-    Severity.WARNING,
     "the comment ignores nothing: no code of a finding stands in it",
     "write the codes behind `ignore`, such as `assistant: ignore RA204, RA205`",
 )

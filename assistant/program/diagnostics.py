@@ -3,7 +3,7 @@
 A `Rule` is the row of a table: a stable code with a sentence of what is wrong and one of
 what to do. Calling it fills in the fields and gives a `Diagnostic`:
 
-    NO_UNITS = Rule("DX101", Severity.WARNING, "the drawing names no unit", "set $INSUNITS")
+    NO_UNITS = warning("DX101", "the drawing names no unit", "set $INSUNITS")
     NO_UNITS(path="part.dxf", place="header")
 """
 
@@ -147,6 +147,21 @@ class Rule:
             if field and not (said[-1:].isalnum() or said.endswith("]")):
                 said += field.upper()
         return said
+
+
+def error(code: str, message: str, cure: str = "", *, misses: bool = False) -> Rule:
+    """A rule whose findings keep anything from being written."""
+    return Rule(code, Severity.ERROR, message, cure, misses)
+
+
+def warning(code: str, message: str, cure: str = "", *, misses: bool = False) -> Rule:
+    """A rule of what should be looked at."""
+    return Rule(code, Severity.WARNING, message, cure, misses)
+
+
+def info(code: str, message: str, cure: str = "") -> Rule:
+    """A rule of what is good to know."""
+    return Rule(code, Severity.INFO, message, cure)
 
 
 class Refused(ValueError):

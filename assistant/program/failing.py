@@ -5,11 +5,10 @@ from __future__ import annotations
 import os
 from typing import Final
 
-from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from assistant.program.diagnostics import Diagnostic, error
 
-INTERNAL: Final = Rule(
+INTERNAL: Final = error(
     "CL900",
-    Severity.ERROR,
     "robot-assistant itself failed: {kind}: {error}",
     "nothing of it was written; set ROBOT_ASSISTANT_TRACEBACK=1 for the details of a report",
 )

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, Final, Literal
 
-from assistant.program.diagnostics import Rule, Severity, Span
+from assistant.program.diagnostics import Span, info
 from assistant.program.effects import Effect
 from assistant.program.expressions import Expression
 from assistant.program.geometry import Frame, JointTarget, Target, Tool
@@ -31,11 +31,8 @@ LETTERS: Final = {
 }  # fmt: skip
 """Letters that are more than one of ASCII with an accent, as their languages write them there."""
 
-MANGLED = Rule(
-    "NM001",
-    Severity.INFO,
-    "the name {given!r} is written `{name}`",
-    "use letters, digits and `_`, a letter first",
+MANGLED = info(
+    "NM001", "the name {given!r} is written `{name}`", "use letters, digits and `_`, a letter first"
 )
 
 

@@ -12,30 +12,23 @@ from pathlib import Path as FilePath
 from typing import Any, Final
 
 from assistant.program import japanese
-from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, Span, Unreadable
+from assistant.program.diagnostics import Diagnostic, Refused, Rule, Span, Unreadable, error
 
-NOT_FOUND = Rule("IN001", Severity.ERROR, "there is no file `{name}`", "check the name and folder")
-IS_FOLDER = Rule("IN002", Severity.ERROR, "`{name}` is a folder", "name a file inside it")
-NOT_PERMITTED = Rule(
-    "IN003", Severity.ERROR, "`{name}` may not be read", "ask for permission or copy the file"
+NOT_FOUND = error("IN001", "there is no file `{name}`", "check the name and folder")
+IS_FOLDER = error("IN002", "`{name}` is a folder", "name a file inside it")
+NOT_PERMITTED = error("IN003", "`{name}` may not be read", "ask for permission or copy the file")
+NOT_READ = error("IN004", "`{name}` cannot be read: {reason}", "try the file again")
+EMPTY = error("IN005", "`{name}` is empty", "export or save it again")
+UNDECODABLE = error(
+    "IN006", "`{name}` is not text in any of the encodings {encodings}", "save it as plain text"
 )
-NOT_READ = Rule("IN004", Severity.ERROR, "`{name}` cannot be read: {reason}", "try the file again")
-EMPTY = Rule("IN005", Severity.ERROR, "`{name}` is empty", "export or save it again")
-UNDECODABLE = Rule(
-    "IN006",
-    Severity.ERROR,
-    "`{name}` is not text in any of the encodings {encodings}",
-    "save it as plain text",
-)
-UNWRITABLE = Rule(
+UNWRITABLE = error(
     "IN007",
-    Severity.ERROR,
     "`{character}` cannot be written in the file's encoding, {encoding}",
     "write it in other characters, or save the file as UTF-8 before the change",
 )
-LINE_END_INSIDE = Rule(
+LINE_END_INSIDE = error(
     "IN008",
-    Severity.ERROR,
     "a {character} stands inside the line: it ends the line for some readers, not for others",
     "end the line with CR LF there, or take the character out",
 )

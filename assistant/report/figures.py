@@ -6,22 +6,18 @@ import io
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Final
 
-from assistant.program.diagnostics import Refused, Rule, Severity
+from assistant.program.diagnostics import Refused, error
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-NEEDS_PLOT: Final = Rule(
+NEEDS_PLOT: Final = error(
     "CL008",
-    Severity.ERROR,
     "drawing needs matplotlib, which is not installed",
     "install it with `pip install 'robot-assistant[plot]'`",
 )
-NO_PICTURE: Final = Rule(
-    "CL009",
-    Severity.ERROR,
-    "`{name}` is no picture that can be drawn",
-    "end its name in .png or .svg",
+NO_PICTURE: Final = error(
+    "CL009", "`{name}` is no picture that can be drawn", "end its name in .png or .svg"
 )
 FORMATS: Final = {".png": "png", ".svg": "svg"}
 """How the name of a picture ends → its format."""

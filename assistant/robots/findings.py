@@ -4,123 +4,99 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.program.diagnostics import Rule, Severity
+from assistant.program.diagnostics import error, info, warning
 
-NO_NUMBER: Final = Rule(
-    "RB101",
-    Severity.ERROR,
-    "the pose is no number",
-    "look for the value where it was computed or read",
+NO_NUMBER: Final = error(
+    "RB101", "the pose is no number", "look for the value where it was computed or read"
 )
-OUT_OF_REACH: Final = Rule(
-    "RB102",
-    Severity.ERROR,
-    "out of reach of {robot}; at worst the wrist is {worst} mm {side} ({where})",
-    "{cure}",
+OUT_OF_REACH: Final = error(
+    "RB102", "out of reach of {robot}; at worst the wrist is {worst} mm {side} ({where})", "{cure}"
 )
-OUTSIDE_LIMITS: Final = Rule(
+OUTSIDE_LIMITS: Final = error(
     "RB103",
-    Severity.ERROR,
     "outside the joint limits of {robot} in every arm branch; "
     "at worst {axis} would be at {value:.2f} {unit}, its limit is {limit:g} ({where})",
     "turn the tool about its axis, or move the work piece{nearest}",
 )
-NOT_IN_PLANE: Final = Rule(
+NOT_IN_PLANE: Final = error(
     "RB104",
-    Severity.ERROR,
     "the tool axis leaves the plane of the five-axis arm, "
     "at worst by {worst:.3f} degrees ({where})",
     "tilt the tool towards or away from axis 1 only, or take a robot with six axes{nearest}",
 )
-TILTED: Final = Rule(
+TILTED: Final = error(
     "RB116",
-    Severity.ERROR,
     "the tool axis is not upright, at worst by {worst:.3f} degrees ({where}); "
     "{robot} turns its tool about the vertical only",
     "state orientations about Z only, or a tool that is turned by the tilt (180 degrees about X "
     "for targets whose Z axis points down)",
 )
-UNSOLVED: Final = Rule(
+UNSOLVED: Final = error(
     "RB117",
-    Severity.ERROR,
     "the solver finds no joints of {robot} that lead to the pose; at worst what comes nearest is "
     "{worst:.2g} mm or degrees away ({where})",
     "move the work piece, turn the tool, or take another robot{nearest}",
 )
-UNNAMED: Final = Rule(
+UNNAMED: Final = info(
     "RB118",
-    Severity.INFO,
     "the arm of {robot} has no branches that a configuration could name: targets keep what they "
     "state, and what states none stays open",
     "try the program at low speed: which branch the controller takes is not known",
 )
-BRANCH_CHANGE: Final = Rule(
+BRANCH_CHANGE: Final = error(
     "RB105",
-    Severity.ERROR,
     "a linear or circular move cannot change the arm branch of {robot}, but {branch}, as "
     "before, {reason} ({where})",
     "make it a joint move, or turn the tool so that one branch holds for the whole path",
 )
-WOUND_UP: Final = Rule(
+WOUND_UP: Final = error(
     "RB106",
-    Severity.ERROR,
     "{axis} would have to be wound back during a linear or circular move",
     "make it a joint move, or turn the tool so that {axis} stays within {low:g} to {high:g}",
 )
-ON_THE_WAY: Final = Rule(
+ON_THE_WAY: Final = error(
     "RB113",
-    Severity.ERROR,
     "on the {way} to it {robot} {reason} ({where})",
     "go there by a joint move, or by way of another target",
 )
-NOT_CLOSED: Final = Rule(
+NOT_CLOSED: Final = error(
     "RB114",
-    Severity.ERROR,
     "the joints that were computed for {robot} do not lead back to the pose ({where})",
     "move the target a little: the arm is at a singularity there",
 )
-THROUGH_WRIST: Final = Rule(
+THROUGH_WRIST: Final = warning(
     "RB115",
-    Severity.WARNING,
     "a linear or circular move takes {robot} through its wrist singularity (axis 5 at 0), where "
     "the controller may stop",
     "move the work piece, tilt the tool a little, or make it a joint move",
 )
-NOT_AS_STATED: Final = Rule(
-    "RB107",
-    Severity.ERROR,
-    "{robot} cannot take the stated configuration {stated} ({where})",
-    "{cure}",
+NOT_AS_STATED: Final = error(
+    "RB107", "{robot} cannot take the stated configuration {stated} ({where})", "{cure}"
 )
-OTHER_QUADRANT: Final = Rule(
+OTHER_QUADRANT: Final = warning(
     "RB108",
-    Severity.WARNING,
     "the arm branch is as stated, but {robot} has the axes 1, 4 and 6 in {counts} "
     "{found}, not {stated} ({where})",
     "state {found}",
 )
-JOINT_OUTSIDE: Final = Rule(
+JOINT_OUTSIDE: Final = error(
     "RB109",
-    Severity.ERROR,
     "{axis} at {value:g} {unit} is outside its limits {low:g} to {high:g}",
     "move the joint target inside the limits",
 )
-JOINT_COUNT: Final = Rule(
+JOINT_COUNT: Final = error(
     "RB110",
-    Severity.ERROR,
     "{count} joint angles do not fit the axes {axes} of {robot}",
     "state one angle for each axis (0 for an axis that the arm does not have)",
 )
-UNKNOWN_TOOL: Final = Rule(
+UNKNOWN_TOOL: Final = warning(
     "RB111",
-    Severity.WARNING,
     "no {kind} `{name}` is declared, so where moves with it lead is not checked",
     "declare it, or name one of {names}",
     misses=True,
 )
-MOVED_FRAME: Final = Rule(
+MOVED_FRAME: Final = info(
     "RB112",
-    Severity.INFO,
     "frame `{name}` is moved by `{mechanism}`, so reach and limits are not checked",
     "state the configurations, or use a frame that stands still",
 )

@@ -12,7 +12,7 @@ from typing import Any, Final
 import numpy as np
 
 from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused, Rule, Severity, Unreadable
+from assistant.program.diagnostics import Refused, Unreadable, error
 from assistant.program.text import read_bytes
 from assistant.robots import urdf
 from assistant.robots.arms.arm import Arm, Link
@@ -23,17 +23,11 @@ from assistant.robots.arms.serial import Serial
 from assistant.robots.arms.six_axis import SixAxis
 from assistant.robots.robot import Robot
 
-NO_TOML = Rule(
-    "RB001",
-    Severity.ERROR,
-    "the robot file is no TOML: {reason}",
-    "compare it with a file of the catalogue",
+NO_TOML = error(
+    "RB001", "the robot file is no TOML: {reason}", "compare it with a file of the catalogue"
 )
-WRONG_FIELD = Rule(
-    "RB002",
-    Severity.ERROR,
-    "`{field}` of the robot file {reason}",
-    "compare it with a file of the catalogue",
+WRONG_FIELD = error(
+    "RB002", "`{field}` of the robot file {reason}", "compare it with a file of the catalogue"
 )
 
 AXES: Final = {

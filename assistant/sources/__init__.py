@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Final, cast
 
-from assistant.program.diagnostics import Rule, Severity, Unreadable
+from assistant.program.diagnostics import Unreadable, error
 from assistant.sources.lengths import known_unit, unit_stated
 from assistant.sources.process import NO_PROCESS, Process
 from assistant.sources.reading import Reader, Reading
@@ -30,9 +30,8 @@ STATE_LENGTHS: Final = (".csv", ".toml")
 PROCESS_SUFFIX: Final = ".process.toml"
 """A file of the source's name with this suffix, beside it, is its process file."""
 
-UNKNOWN_KIND = Rule(
+UNKNOWN_KIND = error(
     "SR001",
-    Severity.ERROR,
     "`{name}` is of no kind that can be read",
     "give one of {kinds}, or a program of a robot language",
 )

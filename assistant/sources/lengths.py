@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity
+from assistant.program.diagnostics import Diagnostic, Refused, error, info
 
 UNITS: Final[Mapping[str, tuple[str, float]]] = {
     "mm": ("millimetres", 1.0),
@@ -20,12 +20,9 @@ UNITS: Final[Mapping[str, tuple[str, float]]] = {
 }
 """Short name → name for people, millimetres."""
 
-UNKNOWN_UNIT = Rule(
-    "SR002", Severity.ERROR, "there is no unit of length `{name}`", "choose one of {names}"
-)
-UNIT_STATED = Rule(
+UNKNOWN_UNIT = error("SR002", "there is no unit of length `{name}`", "choose one of {names}")
+UNIT_STATED = info(
     "SR003",
-    Severity.INFO,
     "the unit `{unit}` changes nothing here: the file states its own lengths",
     "leave `unit` out, or correct the lengths in the file",
 )

@@ -22,9 +22,9 @@ from assistant.program.arrays import Floats
 from assistant.program.diagnostics import (
     Diagnostic,
     Refused,
-    Rule,
     Severity,
     Unreadable,
+    error,
     has_errors,
 )
 from assistant.program.path import Path
@@ -44,44 +44,36 @@ from assistant.sources.tables.poses import (
 )
 
 ERROR: Final = Severity.ERROR
-SHAPE = Rule(
+SHAPE = error(
     "TB411",
-    ERROR,
     "the shape is {shape}, neither (n, 7) nor (n, 4, 4)",
     "give rows of x y z w x y z, or homogeneous matrices",
 )
-NO_POSES = Rule("TB412", ERROR, "there is no pose in it", "write the file again")
-NO_PART = Rule(
-    "TB415",
-    ERROR,
-    "there is no array {name}",
-    "give both `positions` (n, 3) and `quaternions` (n, 4)",
+NO_POSES = error("TB412", "there is no pose in it", "write the file again")
+NO_PART = error(
+    "TB415", "there is no array {name}", "give both `positions` (n, 3) and `quaternions` (n, 4)"
 )
-UNKNOWN_UNIT = Rule("TB413", ERROR, "the unit {unit} is not known", "write `mm` or `m`")
-UNEVEN = Rule(
+UNKNOWN_UNIT = error("TB413", "the unit {unit} is not known", "write `mm` or `m`")
+UNEVEN = error(
     "TB414",
-    ERROR,
     "{positions} positions but {quaternions} quaternions",
     "give as many of the one as of the other",
 )
-NOT_JSON = Rule("TB421", ERROR, "this is no JSON: {reason}", "mend it at this place")
-JSON_FORM = Rule(
+NOT_JSON = error("TB421", "this is no JSON: {reason}", "mend it at this place")
+JSON_FORM = error(
     "TB422",
-    ERROR,
     "{what} is no list of poses",
     "give a list of poses, or an object with `poses` or `paths`",
 )
-UNKNOWN_KEY = Rule("TB423", ERROR, "the key {name} is not known", "write one of {known}")
-POSE_FORM = Rule(
+UNKNOWN_KEY = error("TB423", "the key {name} is not known", "write one of {known}")
+POSE_FORM = error(
     "TB424",
-    ERROR,
     "the pose is not of the form {wanted}",
     "write every pose as the first one, with all its numbers",
 )
-KEY_TWICE = Rule("TB425", ERROR, "the key {name} stands twice in one object", "keep one of them")
-NO_SE3 = Rule(
+KEY_TWICE = error("TB425", "the key {name} stands twice in one object", "keep one of them")
+NO_SE3 = error(
     "TB426",
-    ERROR,
     "`{given}` is no sequence of poses",
     "give spatialmath SE3 objects or an array (n, 7) or (n, 4, 4)",
 )

@@ -13,13 +13,12 @@ from collections.abc import Callable
 from pathlib import Path as FilePath
 from typing import Any, Final, Self
 
-from assistant.program.diagnostics import Refused, Rule, Severity
+from assistant.program.diagnostics import Refused, error
 from assistant.virtual.irc5_modules import MODULE_SUFFIXES, TWICE, LoadedModule, load
 
 USER: Final = "engineer"
-NEEDS_PYFTPDLIB = Rule(
+NEEDS_PYFTPDLIB = error(
     "VC001",
-    Severity.ERROR,
     "the virtual IRC5 needs pyftpdlib, which is not installed",
     "install it with `pip install 'robot-assistant[virtual]'`",
 )

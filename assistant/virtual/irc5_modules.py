@@ -13,33 +13,25 @@ from xml.etree import ElementTree
 from assistant import languages
 from assistant.languages import Tree
 from assistant.languages.rapid import rules
-from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, has_errors
+from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, has_errors, warning
 
 MODULE_SUFFIXES: Final = (".mod", ".sys", ".prg")
 PROGRAM_SUFFIX: Final = ".pgf"
 HEADING: Final = re.compile(r"^[ \t]*MODULE[ \t]+([A-Za-z]\w*)", re.IGNORECASE | re.MULTILINE)
 
-NO_MODULE = Rule(
-    "VC101",
-    Severity.ERROR,
-    "the file holds no module",
-    "write `MODULE name … ENDMODULE`",
-)
-PROGRAM_FILE = Rule(
+NO_MODULE = error("VC101", "the file holds no module", "write `MODULE name … ENDMODULE`")
+PROGRAM_FILE = error(
     "VC102",
-    Severity.ERROR,
     "the program file cannot be read: {reason}",
     "write `<Program><Module>name.mod</Module></Program>`",
 )
-MISSING_MODULE = Rule(
+MISSING_MODULE = error(
     "VC103",
-    Severity.ERROR,
     "the program file names `{name}`, which is not beside it",
     "send the modules before the program file",
 )
-TWICE = Rule(
+TWICE = warning(
     "VC104",
-    Severity.WARNING,
     "module `{name}` is in `{first}` as well: only one of the two can be loaded",
     "delete one of the files or rename its module",
 )

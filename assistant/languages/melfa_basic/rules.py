@@ -2,320 +2,289 @@
 
 from __future__ import annotations
 
-from assistant.program.diagnostics import Rule, Severity
-
-E, W, I = Severity.ERROR, Severity.WARNING, Severity.INFO  # noqa: E741
+from assistant.program.diagnostics import error, info, warning
 
 # ----------------------------------------------------------------------------- reading
-TOKENISED = Rule(
-    "MB001", E, "this is a tokenised controller file (`ROBPRG`), not text",
+TOKENISED = error(
+    "MB001", "this is a tokenised controller file (`ROBPRG`), not text",
     "export the program as text (.prg) with RT ToolBox, or back it up as text over the link",
 )  # fmt: skip
-SYNTAX = Rule("MB002", E, "{what} (controller error 4220, syntax error)", "{cure}")
-QUOTES = Rule("MB003", E, "{what} (controller error 4310, illegal character)", "{cure}")
+SYNTAX = error("MB002", "{what} (controller error 4220, syntax error)", "{cure}")
+QUOTES = error("MB003", "{what} (controller error 4310, illegal character)", "{cure}")
 
 # ---------------------------------------------------------------------------- checking
 # more about checked programs in checks: flow_rules, value_rules, motion_rules
-NO_LABEL = Rule(
+NO_LABEL = error(
     "MB101",
-    E,
     "there is no label `*{name}`{where} (controller error 3600)",
     "add the label or correct the name",
 )
-NO_STEP = Rule(
-    "MB102",
-    E,
-    "there is no line {name} (controller error 4230)",
-    "jump to a label instead",
+NO_STEP = error(
+    "MB102", "there is no line {name} (controller error 4230)", "jump to a label instead"
 )
-TWO_LABELS = Rule(
-    "MB103",
-    E,
-    "the label `*{name}` stands twice (controller error 4440)",
-    "rename one of them",
+TWO_LABELS = error(
+    "MB103", "the label `*{name}` stands twice (controller error 4440)", "rename one of them"
 )
-NO_POSITION = Rule(
+NO_POSITION = warning(
     "MB104",
-    W,
     "the {kind} `{name}` has no value (controller error 3860)",
     "add its line at the end of the program, assign it first, or teach it on the controller",
 )
-LONG_NAME = Rule(
+LONG_NAME = error(
     "MB106",
-    E,
     "the name `{name}` is longer than {most} characters (controller error 4300)",
     "shorten it, or state `name-length` in assistant.toml if your controller takes longer ones",
 )
-LONG_LINE = Rule(
+LONG_LINE = error(
     "MB107",
-    E,
     "the step is {length} bytes long, more than {most} (controller error 4210)",
     "split the statement or shorten its comment; `step-length` in assistant.toml sets the limit",
 )
-NOT_ASCENDING = Rule(
+NOT_ASCENDING = error(
     "MB108",
-    E,
     "step {number} follows step {before}: steps are stored in ascending order",
     "put the line where its number belongs, or give it one between those of its neighbours",
 )
-STEP_RANGE = Rule(
+STEP_RANGE = error(
     "MB109",
-    E,
     "step number {number} is not 1 to {most} (controller error 4420)",
     "number the steps again in smaller steps or split the program",
 )
-NO_STEP_NUMBER = Rule(
-    "MB110",
-    W,
-    "{what} (controller error 4470)",
-    "number every line",
+NO_STEP_NUMBER = warning("MB110", "{what} (controller error 4470)", "number every line")
+NOT_IN_DIALECT = error("MB111", "{title} has no {word} (controller error 4220)", "{cure}")
+TWO_POSITIONS = error(
+    "MB112", "`{name}` has two lines (controller error 4350)", "delete one of them"
 )
-NOT_IN_DIALECT = Rule("MB111", E, "{title} has no {word} (controller error 4220)", "{cure}")
-TWO_POSITIONS = Rule(
-    "MB112", E, "`{name}` has two lines (controller error 4350)", "delete one of them"
-)
-NO_VALUE = Rule(
+NO_VALUE = warning(
     "MB113",
-    W,
     "`{name}` is read, but nothing gives it a value",
     "assign it first, or correct the name",
 )
-NO_EXTERNAL = Rule(
+NO_EXTERNAL = info(
     "MB114",
-    I,
     "`{name}` is an external variable, which no file here gives a value",
     "check the file together with the program that sets it, or set it on the controller",
 )
-NO_PROGRAM = Rule(
+NO_PROGRAM = info(
     "MB115",
-    I,
     "the program `{name}` is not among these files (controller error 4140 if it is missing)",
     "put its file beside this one, or see that the controller has it",
 )
-UNUSED = Rule(
-    "MB116", I, "nothing uses {what} {names}", "remove {them}, or use {them} where it was meant"
+UNUSED = info(
+    "MB116", "nothing uses {what} {names}", "remove {them}, or use {them} where it was meant"
 )
-LABEL_FORM = Rule(
+LABEL_FORM = warning(
     "MB117",
-    W,
     "{title} takes no `_` in the label `*{name}`, except behind an `L` that it begins with",
     "leave out the `_`",
 )
-PROGRAM_NAME = Rule(
+PROGRAM_NAME = warning(
     "MB118",
-    W,
     "the controller takes no program named `{name}`: {what} (controller error {number})",
     "name the file with at most 12 letters A to Z and digits",
 )
-NO_DIM = Rule(
+NO_DIM = warning(
     "MB119",
-    W,
     "`{name}` has subscripts, but no `Dim` declares it and no function is named so",
     "write `Dim {name}(…)` in front, or correct the name",
 )
-DECLARED_TWICE = Rule(
-    "MB120",
-    W,
-    "`{name}` is declared twice (controller error 4350)",
-    "delete one of the declarations",
+DECLARED_TWICE = warning(
+    "MB120", "`{name}` is declared twice (controller error 4350)", "delete one of the declarations"
 )
-LINE_TARGET = Rule(
+LINE_TARGET = warning(
     "MB121",
-    W,
     "the jump names line {name}: tools of {title} number lines anew, and leave it as it is",
     "put a label in front of that line, and jump to it",
 )
-NO_CALL = Rule(
+NO_CALL = warning(
     "MB122",
-    W,
     "there is no Function `{name}`",
     "correct its name, or include the file that defines it",
 )
 
 # ---------------------------------------------------------------------------- adapting
-NO_NUMBER = Rule(
-    "MB201", E, "the signal `{name}` has no number, which MELFA-BASIC addresses signals by",
+NO_NUMBER = error(
+    "MB201", "the signal `{name}` has no number, which MELFA-BASIC addresses signals by",
     "give `number = …` for the signal in the process file", misses=True,
 )  # fmt: skip
-NO_CONFIGURATION = Rule(
-    "MB202", W, "{count} targets state no arm configuration and get the flags (7,0)",
+NO_CONFIGURATION = warning(
+    "MB202", "{count} targets state no arm configuration and get the flags (7,0)",
     "name the robot, so that it is computed, or state it in the source",
 )  # fmt: skip
-SPEED_PARTS = Rule(
-    "MB203", W,
+SPEED_PARTS = warning(
+    "MB203",
     "a speed states {part}, which MELFA-BASIC cannot say; the controller's own limits apply",
     "check that reorientations and external axes are slow enough",
-)  # fmt: skip
-JOINT_PERCENT = Rule(
-    "MB204", W, "a joint move states {tcp} mm/s but no percentage and gets JOVRD {percent:g}",
+)
+JOINT_PERCENT = warning(
+    "MB204", "a joint move states {tcp} mm/s but no percentage and gets JOVRD {percent:g}",
     "try it slowly and write the JOVRD that suits; a table states it as `joint_percent`",
 )  # fmt: skip
-BLEND_PARTS = Rule(
-    "MB205", I, "a blend states zone sizes beside its distance, which MELFA-BASIC cannot say",
+BLEND_PARTS = info(
+    "MB205", "a blend states zone sizes beside its distance, which MELFA-BASIC cannot say",
     "the distance alone is used",
 )  # fmt: skip
-LOAD = Rule(
-    "MB206", W, "the load of the tool `{name}` is not written: the controller keeps it as HNDDAT",
+LOAD = warning(
+    "MB206", "the load of the tool `{name}` is not written: the controller keeps it as HNDDAT",
     "set the hand condition in the controller's parameters",
 )  # fmt: skip
-HELD = Rule(
-    "MB207", E, "`{name}` is a work piece that the robot holds or a tool that it does not hold",
+HELD = error(
+    "MB207", "`{name}` is a work piece that the robot holds or a tool that it does not hold",
     "use a tool on the flange and a frame that stands still",
 )  # fmt: skip
-FRAME_JOINED = Rule(
-    "MB208", I, "user and object frame of `{name}` are written as one", "none is needed"
+FRAME_JOINED = info(
+    "MB208", "user and object frame of `{name}` are written as one", "none is needed"
 )
-CANNOT_SAY = Rule("MB209", E, "MELFA-BASIC cannot say {what}", "{cure}")
-UNKNOWN = Rule(
-    "MB210", E, "{what} `{name}` is not declared", "declare it or correct the name", misses=True
+CANNOT_SAY = error("MB209", "MELFA-BASIC cannot say {what}", "{cure}")
+UNKNOWN = error(
+    "MB210", "{what} `{name}` is not declared", "declare it or correct the name", misses=True
 )
-MESSAGE = Rule(
-    "MB211", W, "a message on the teach pendant becomes a comment: {text}",
+MESSAGE = warning(
+    "MB211", "a message on the teach pendant becomes a comment: {text}",
     "watch the program another way, MELFA-BASIC has no statement for it",
 )  # fmt: skip
-SPLIT = Rule(
-    "MB212", I, "the path `{name}` of {count} targets is split into {parts} programs",
+SPLIT = info(
+    "MB212", "the path `{name}` of {count} targets is split into {parts} programs",
     "install all of them; the first calls the others",
 )  # fmt: skip
-UNREACHABLE = Rule(
-    "MB213", E, "the orientation of `{name}` is {angle:.2f} degrees from what five axes can reach",
+UNREACHABLE = error(
+    "MB213", "the orientation of `{name}` is {angle:.2f} degrees from what five axes can reach",
     "turn the tool axis into the vertical plane through the robot's first axis",
 )  # fmt: skip
-TO_BASE = Rule(
-    "MB214", W, "the targets of frame `{name}` are converted to the robot's base for a 5-axis arm",
+TO_BASE = warning(
+    "MB214", "the targets of frame `{name}` are converted to the robot's base for a 5-axis arm",
     "move the frame in the source, not on the controller",
 )  # fmt: skip
-FIVE_AXIS_TOOL = Rule(
-    "MB215", E, "the tip of tool `{name}` is not on the flange's axis of a 5-axis arm",
+FIVE_AXIS_TOOL = error(
+    "MB215", "the tip of tool `{name}` is not on the flange's axis of a 5-axis arm",
     "use a tool whose tip has x = y = 0 and no rotation",
 )  # fmt: skip
-NAMED = Rule("MB216", I, "{count} named speeds and blends are written as numbers", "none is needed")
-ARC_AT_START = Rule(
-    "MB217", W, "an arc of `{name}` starts where the robot stands, which is read as it runs",
+NAMED = info("MB216", "{count} named speeds and blends are written as numbers", "none is needed")
+ARC_AT_START = warning(
+    "MB217", "an arc of `{name}` starts where the robot stands, which is read as it runs",
     "let a straight move that stops (fine) in the same tool and frame stand before the arc",
 )  # fmt: skip
-NOT_FINITE = Rule(
-    "MB218", E, "{where} holds a number that is not finite or too large for a robot",
+NOT_FINITE = error(
+    "MB218", "{where} holds a number that is not finite or too large for a robot",
     "correct the number in the source",
 )  # fmt: skip
-LOCAL_DATA = Rule(
-    "MB219", E, "`{name}` is used in several programs, whose variables are their own",
+LOCAL_DATA = error(
+    "MB219", "`{name}` is used in several programs, whose variables are their own",
     "keep the procedures that share it in one unit",
 )  # fmt: skip
-TOO_MANY_STEPS = Rule(
-    "MB220", E, "the program `{name}` needs {count} steps, more than {most}",
+TOO_MANY_STEPS = error(
+    "MB220", "the program `{name}` needs {count} steps, more than {most}",
     "split it into procedures in units of their own",
 )  # fmt: skip
-OVER_THE_BACK = Rule(
-    "MB221", E, "`{name}` reaches over the arm's back with a tilted tool: A and B are uncertain",
+OVER_THE_BACK = error(
+    "MB221", "`{name}` reaches over the arm's back with a tilted tool: A and B are uncertain",
     "turn the cell so that the arm reaches forward, or point the tool straight down",
 )  # fmt: skip
 
-AS_VARIABLES = Rule(
-    "MB223", I, "parameters and result of `{name}` are variables of the program",
-    "none is needed",
-)  # fmt: skip
-RECURSIVE = Rule(
-    "MB224", E, "`{name}` calls itself, but its parameters and variables exist only once",
+AS_VARIABLES = info(
+    "MB223", "parameters and result of `{name}` are variables of the program", "none is needed"
+)
+RECURSIVE = error(
+    "MB224", "`{name}` calls itself, but its parameters and variables exist only once",
     "write a loop instead",
 )  # fmt: skip
-TEXT_CHANGED = Rule(
-    "MB226", W, "the text {given} is written as {text}", "avoid quotes and control characters",
-)  # fmt: skip
-PERSISTENT = Rule(
-    "MB227", W, "the persistent `{name}` gets its first value at each start and in each cycle",
+TEXT_CHANGED = warning(
+    "MB226", "the text {given} is written as {text}", "avoid quotes and control characters"
+)
+PERSISTENT = warning(
+    "MB227", "the persistent `{name}` gets its first value at each start and in each cycle",
     "delete its line at the top after the first start, or keep the value in an external variable",
 )  # fmt: skip
-SHARED_BRANCH = Rule(
-    "MB228", W, "targets of frame `{name}` differ in their arm branch, a product has the frame's",
+SHARED_BRANCH = warning(
+    "MB228", "targets of frame `{name}` differ in their arm branch, a product has the frame's",
     "write frames as base instead of as products",
 )  # fmt: skip
-UNDECLARED = Rule(
-    "MB229", E, "`{name}` is not declared in what was read",
+UNDECLARED = error(
+    "MB229", "`{name}` is not declared in what was read",
     "give the file that declares it as well, or declare it", misses=True,
 )  # fmt: skip
-MISSING = Rule(
-    "MB230", E, "the procedure `{name}` that is called is not in what was read",
+MISSING = error(
+    "MB230", "the procedure `{name}` that is called is not in what was read",
     "give the file that holds it as well, or take the call out", misses=True,
 )  # fmt: skip
-ROUNDED_TEXT = Rule(
-    "MB231", W, "a number is written out without the zeros behind its last decimal",
+ROUNDED_TEXT = warning(
+    "MB231", "a number is written out without the zeros behind its last decimal",
     "add them to the text where they matter",
 )  # fmt: skip
-RENAMED_IN_TEXT = Rule(
-    "MB232", E, "`{text}` keeps its text, but {names} is written under another name",
+RENAMED_IN_TEXT = error(
+    "MB232", "`{text}` keeps its text, but {names} is written under another name",
     "use a name in the source that stays: P, J, M or C in front, letters and digits only, short",
 )  # fmt: skip
 
-SETTING_KEPT = Rule(
-    "MB233", W, "nothing sets the {what} of this move, which `{word}` set last is kept for: it is "
+SETTING_KEPT = warning(
+    "MB233", "nothing sets the {what} of this move, which `{word}` set last is kept for: it is "
     "written with none",
     "write `{word} {plain}` in front of it, or `{word}` with the position that is meant",
 )  # fmt: skip
-LOOP_CHANGED = Rule(
-    "MB234", W, "the loop changes {names}, which its end or step is made of: the other "
+LOOP_CHANGED = warning(
+    "MB234", "the loop changes {names}, which its end or step is made of: the other "
     "controller works its end and step out once",
     "count in a variable of its own up to a value that stays, or write While",
 )  # fmt: skip
-PULSE_UNLIKE = Rule(
-    "MB253", W, "`{name}` may be on when its pulse begins: `Dly` leaves it as it was, the other "
-    "language off",
+PULSE_UNLIKE = warning(
+    "MB253",
+    "`{name}` may be on when its pulse begins: `Dly` leaves it as it was, the other language off",
     "set it to 0 before the pulse if it shall be off behind it",
-)  # fmt: skip
-PLACE_UNLIKE = Rule(
-    "MB238", W, "`{name}` is set on the way of {what}, which controllers may count differently",
+)
+PLACE_UNLIKE = warning(
+    "MB238", "`{name}` is set on the way of {what}, which controllers may count differently",
     "see on the robot where it is set, or measure it on a straight move, before its corner",
 )  # fmt: skip
-BEHIND = Rule(
-    "MB239", I, "`{name}`, which is set at the very end of a move, is set behind the move",
+BEHIND = info(
+    "MB239", "`{name}`, which is set at the very end of a move, is set behind the move",
     "none is needed: the robot stops there",
 )  # fmt: skip
-NO_CORNER = Rule(
-    "MB235", W, "a corner of 0 mm is written as a stop at the target",
+NO_CORNER = warning(
+    "MB235", "a corner of 0 mm is written as a stop at the target",
     "write `Cnt 0`, or give both distances",
 )  # fmt: skip
-SIGNED_BITS = Rule(
-    "MB250", E, "`{word}` may meet a number below 0, whose bits other languages do not say",
+SIGNED_BITS = error(
+    "MB250", "`{word}` may meet a number below 0, whose bits other languages do not say",
     "take `Abs` of it, or give it no value below 0",
 )  # fmt: skip
-JOINT_OVERRIDE = Rule(
-    "MB249", W, "a percentage of joint speed for the moves below is said as the speed of each",
+JOINT_OVERRIDE = warning(
+    "MB249", "a percentage of joint speed for the moves below is said as the speed of each",
     "check the speeds of these moves",
 )  # fmt: skip
-BEGINS = Rule(
-    "MB251", W, "nothing gives `{name}` a value before it may be read: it begins with {value}, "
+BEGINS = warning(
+    "MB251", "nothing gives `{name}` a value before it may be read: it begins with {value}, "
     "where a controller for MELFA-BASIC has what was kept, or stops",
     "give it its value above, at the top of the program",
 )  # fmt: skip
-JOINTS_UNTOLD = Rule(
-    "MB252", E, "nothing says what the joints `{name}` are before they may be read: others would "
+JOINTS_UNTOLD = error(
+    "MB252", "nothing says what the joints `{name}` are before they may be read: others would "
     "begin with all axes at 0, and move there",
     "add the line that holds them, or give them their value above",
 )  # fmt: skip
-CARRIED = Rule(
-    "MB237", W, "`{name}` gets its first value in each cycle, not only at a start from the top: "
+CARRIED = warning(
+    "MB237", "`{name}` gets its first value in each cycle, not only at a start from the top: "
     "it does not keep what the cycle before left in it",
     "let the cycle stand in a loop without end (`WHILE TRUE` in RAPID), or give it its value in it",
 )  # fmt: skip
-NO_ENTRY = Rule(
-    "MB245", E, "`{name}` has no main procedure: the program would end at once",
+NO_ENTRY = error(
+    "MB245", "`{name}` has no main procedure: the program would end at once",
     "name the procedure with --entry, or call it `main` in the source",
 )  # fmt: skip
-NO_FIT = Rule(
-    "MB240", E, "the {bits} of the signal `{name}` cannot be {value:g}",
+NO_FIT = error(
+    "MB240", "the {bits} of the signal `{name}` cannot be {value:g}",
     "write a whole number from 0 to {most}, or state the right number of bits",
 )  # fmt: skip
-ENDED = Rule(
-    "MB236", I, "an end for good is written as `Hlt` in a loop: `End` would begin the next cycle",
+ENDED = info(
+    "MB236", "an end for good is written as `Hlt` in a loop: `End` would begin the next cycle",
     "none is needed; reset the program on the controller to start it from the top",
 )  # fmt: skip
 
 # --------------------------------------------------------------- from one dialect to another
-NOT_CONVERTED = Rule("MB501", E, "{title} cannot say {what}", "{cure}")
+NOT_CONVERTED = error("MB501", "{title} cannot say {what}", "{cure}")
 
 # ------------------------------------------------------------------------- renumbering
-PAST_LAST_STEP = Rule(
-    "MB401", E,
+PAST_LAST_STEP = error(
+    "MB401",
     "{count} steps from {first} in steps of {step} end at {last}, the highest number is {most}",
     "number in smaller steps, 1,1 at the least, or split the program",
-)  # fmt: skip
+)

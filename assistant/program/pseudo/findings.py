@@ -6,133 +6,94 @@ from typing import Any, Final
 
 from lark import Token, Tree
 
-from assistant.program.diagnostics import Rule, Severity
+from assistant.program.diagnostics import Rule, error
 
-_ERROR: Final = Severity.ERROR
-
-UNEXPECTED = Rule("PS101", _ERROR, "{found} cannot stand here", "write {expected}")
-UNFINISHED = Rule("PS102", _ERROR, "the line is not finished", "go on with {expected}")
-UNKNOWN_WORD = Rule("PS103", _ERROR, "no line begins with `{word}`", "{cure}")
-BAD_ESCAPE = Rule(
-    "PS104",
-    _ERROR,
-    "`{escape}` is no escape",
-    r"write one of \\ \" \` \n \r \t \x.. \u.... \U........",
+UNEXPECTED = error("PS101", "{found} cannot stand here", "write {expected}")
+UNFINISHED = error("PS102", "the line is not finished", "go on with {expected}")
+UNKNOWN_WORD = error("PS103", "no line begins with `{word}`", "{cure}")
+BAD_ESCAPE = error(
+    "PS104", "`{escape}` is no escape", r"write one of \\ \" \` \n \r \t \x.. \u.... \U........"
 )
-TOO_DEEP = Rule("PS105", _ERROR, "the {what} is nested too deeply", "{cure}")
-TOO_MANY = Rule("PS106", _ERROR, "more than {most} findings", "is this a pseudo-program?")
+TOO_DEEP = error("PS105", "the {what} is nested too deeply", "{cure}")
+TOO_MANY = error("PS106", "more than {most} findings", "is this a pseudo-program?")
 
 MOST_DEEP: Final = 100
 """Levels of brackets and operators in an expression."""
 MOST_BLOCKS: Final = 50
 """Blocks in one another."""
 
-NO_PROGRAM = Rule(
-    "PS201", _ERROR, "the text does not begin with a `program` line", "begin with `program <name>`"
+NO_PROGRAM = error(
+    "PS201", "the text does not begin with a `program` line", "begin with `program <name>`"
 )
-SECOND_PROGRAM = Rule(
-    "PS202", _ERROR, "a second `program` line; the first is line {first}", "remove one of them"
+SECOND_PROGRAM = error(
+    "PS202", "a second `program` line; the first is line {first}", "remove one of them"
 )
-DUPLICATE = Rule(
+DUPLICATE = error(
     "PS203",
-    _ERROR,
     "the {kind} `{name}` is declared twice; first in line {first}",
     "rename one of them; names are compared without case",
 )
-OUTSIDE = Rule(
-    "PS204",
-    _ERROR,
-    "`{word}` stands outside of a procedure",
-    "put it between `procedure` and `end`",
+OUTSIDE = error(
+    "PS204", "`{word}` stands outside of a procedure", "put it between `procedure` and `end`"
 )
-INSIDE = Rule(
+INSIDE = error(
     "PS205",
-    _ERROR,
     "`{word}` stands inside the procedure of line {first}",
     "end that procedure first; an `end` may be missing above",
 )
-LATE_VARIABLE = Rule(
-    "PS206", _ERROR, "a variable is declared after a statement", "move it up below `procedure`"
+LATE_VARIABLE = error(
+    "PS206", "a variable is declared after a statement", "move it up below `procedure`"
 )
 
-SURPLUS_END = Rule(
-    "PS211", _ERROR, "`end` ends nothing", "remove it, or look for a missing line above"
-)
-NOT_ENDED = Rule("PS212", _ERROR, "`{word}` is never ended", "write `end` where its lines are over")
-NO_DIVISION = Rule(
-    "PS213", _ERROR, "`{word}` does not belong to {block}", "`{word}` divides {owners}"
-)
-AFTER_ELSE = Rule(
-    "PS214", _ERROR, "`{word}` after the `else` of line {first}", "move it above `else`"
-)
-NO_CASE = Rule("PS215", _ERROR, "a statement before the first `case`", "write a `case` above it")
-NO_TEXT = Rule(
-    "PS216",
-    _ERROR,
-    "`{word}` is no line of an opaque text",
-    'begin it with `|`, or quote it with `"`',
+SURPLUS_END = error("PS211", "`end` ends nothing", "remove it, or look for a missing line above")
+NOT_ENDED = error("PS212", "`{word}` is never ended", "write `end` where its lines are over")
+NO_DIVISION = error("PS213", "`{word}` does not belong to {block}", "`{word}` divides {owners}")
+AFTER_ELSE = error("PS214", "`{word}` after the `else` of line {first}", "move it above `else`")
+NO_CASE = error("PS215", "a statement before the first `case`", "write a `case` above it")
+NO_TEXT = error(
+    "PS216", "`{word}` is no line of an opaque text", 'begin it with `|`, or quote it with `"`'
 )
 
-NUMBER_SIZE = Rule("PS301", _ERROR, "`{number}` is too large", "write a smaller number")
-COUNT = Rule(
-    "PS302",
-    _ERROR,
-    "{count} number{s} in brackets instead of {expected}",
-    "write {expected} numbers",
+NUMBER_SIZE = error("PS301", "`{number}` is too large", "write a smaller number")
+COUNT = error(
+    "PS302", "{count} number{s} in brackets instead of {expected}", "write {expected} numbers"
 )
-NOT_UNIT = Rule(
-    "PS303",
-    _ERROR,
-    "the quaternion is of length {length:.6g}",
-    "give a unit quaternion [w, x, y, z]",
+NOT_UNIT = error(
+    "PS303", "the quaternion is of length {length:.6g}", "give a unit quaternion [w, x, y, z]"
 )
-NOT_FINITE = Rule("PS304", _ERROR, "{what} is not a finite number", "write a finite number")
-NOT_ASSIGNABLE = Rule(
-    "PS305",
-    _ERROR,
-    "this cannot be assigned to",
-    "assign to a name, a component or an array element",
+NOT_FINITE = error("PS304", "{what} is not a finite number", "write a finite number")
+NOT_ASSIGNABLE = error(
+    "PS305", "this cannot be assigned to", "assign to a name, a component or an array element"
 )
-QUADRANT = Rule(
-    "PS306", _ERROR, "quadrant {number} is beyond -128 to 127", "write the true quadrant"
-)
-NO_PLACE = Rule(
+QUADRANT = error("PS306", "quadrant {number} is beyond -128 to 127", "write the true quadrant")
+NO_PLACE = error(
     "PS307",
-    _ERROR,
     "`here` does not say which tool it is of, and in which frame",
     "write both names, as `here(tool0, base)`",
 )
 
-INCOMPLETE_ROW = Rule(
-    "PS401", _ERROR, "the first row of a path states no {what}", "state it, as `{example}`"
+INCOMPLETE_ROW = error(
+    "PS401", "the first row of a path states no {what}", "state it, as `{example}`"
 )
-LONE_VIA = Rule(
-    "PS402", _ERROR, "a `via` row without a `to` row after it", "add the end of the arc"
-)
-LONE_TO = Rule(
-    "PS403", _ERROR, "a `to` row without a `via` row before it", "add a point of the arc"
-)
+LONE_VIA = error("PS402", "a `via` row without a `to` row after it", "add the end of the arc")
+LONE_TO = error("PS403", "a `to` row without a `via` row before it", "add a point of the arc")
 
-NO_FOLDER = Rule(
+NO_FOLDER = error(
     "PS411",
-    _ERROR,
     "the path is in the side table `{name}`, and it is not known where that is",
     "name the folder that holds it",
 )
-NOT_BARE = Rule(
-    "PS412", _ERROR, "`{name}` is no plain file name", "put the side table beside the text"
+NOT_BARE = error("PS412", "`{name}` is no plain file name", "put the side table beside the text")
+NO_TABLE = error(
+    "PS413", "the side table `{name}` cannot be read: {reason}", "put it beside the text"
 )
-NO_TABLE = Rule(
-    "PS413", _ERROR, "the side table `{name}` cannot be read: {reason}", "put it beside the text"
-)
-OTHER_TABLE = Rule(
+OTHER_TABLE = error(
     "PS414",
-    _ERROR,
     "the side table `{name}` is not the one that the text was written with",
     "take the text and its tables from the same place; their sha256 sums differ",
 )
-BAD_TABLE = Rule(
-    "PS415", _ERROR, "the side table `{name}` is damaged: {reason}", "write the program again"
+BAD_TABLE = error(
+    "PS415", "the side table `{name}` is damaged: {reason}", "write the program again"
 )
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from assistant.program.diagnostics import Refused, Rule, Severity
+from assistant.program.diagnostics import Refused, error
 from assistant.robots.arms.placed import Placed
 from assistant.robots.arms.serial import Serial
 
@@ -20,15 +20,13 @@ if TYPE_CHECKING:
 
     from assistant.robots.robot import Robot
 
-NEEDS_TOOLBOX: Final = Rule(
+NEEDS_TOOLBOX: Final = error(
     "RB003",
-    Severity.ERROR,
     "{purpose} needs roboticstoolbox, which is not installed",
     "install it with `pip install 'robot-assistant[toolbox]'`",
 )
-COUPLED: Final = Rule(
+COUPLED: Final = error(
     "RB009",
-    Severity.ERROR,
     "a robot of roboticstoolbox has no joint that turns with another, as J3 of {robot} does",
     "take the robot without `coupling`, and add its share of J2 to J3",
 )

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused, Rule, Severity
+from assistant.program.diagnostics import Refused, error
 from assistant.robots.robot import Robot
 from assistant.robots.timing.on_way import OutputTime
 from assistant.robots.timing.profile import FIRST_AXIS, WORDS
@@ -23,18 +23,12 @@ MOST_SAMPLES: Final = 1_000_000
 PERIOD: Final = 0.01
 """seconds between samples, unless that would be too many."""
 
-TOO_MANY = Rule(
+TOO_MANY = error(
     "RB301",
-    Severity.ERROR,
     "{seconds:.0f} s at {period:g} s make {count} samples, more than {most}",
     "take a period of {least:g} s or longer, or none for one that fits",
 )
-NO_PERIOD = Rule(
-    "RB302",
-    Severity.ERROR,
-    "{value:g} is no {what}",
-    "give a number above 0",
-)
+NO_PERIOD = error("RB302", "{value:g} is no {what}", "give a number above 0")
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,32 +8,22 @@ from dataclasses import dataclass, field
 from typing import Final
 from xml.parsers import expat
 
-from assistant.program.diagnostics import Diagnostic, Rule, Severity, Unreadable
+from assistant.program.diagnostics import Diagnostic, Unreadable, error
 
-NO_XML: Final = Rule(
-    "RB004",
-    Severity.ERROR,
-    "the robot file is no URDF: {reason}",
-    "export it again, or write a robot file in TOML",
+NO_XML: Final = error(
+    "RB004", "the robot file is no URDF: {reason}", "export it again, or write a robot file in TOML"
 )
-DOCTYPE: Final = Rule(
+DOCTYPE: Final = error(
     "RB005",
-    Severity.ERROR,
     "the robot file declares a document type, whose entities are not read",
     "take the `<!DOCTYPE …>` out",
 )
-XACRO: Final = Rule(
+XACRO: Final = error(
     "RB006",
-    Severity.ERROR,
     "the robot file holds macros of xacro ({what})",
     "expand it first: `xacro arm.urdf.xacro > arm.urdf`",
 )
-ELEMENT: Final = Rule(
-    "RB007",
-    Severity.ERROR,
-    "{element} {reason}",
-    "correct the URDF, or export it again",
-)
+ELEMENT: Final = error("RB007", "{element} {reason}", "correct the URDF, or export it again")
 DEEPEST: Final = 100
 """Elements inside each other; a URDF has four."""
 

@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from assistant.program import rotations
-from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity
+from assistant.program.diagnostics import Diagnostic, Refused, info
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.robots.arms.arm import Arm
 from assistant.robots.arms.chain import Joint as Axis
@@ -20,9 +20,8 @@ from assistant.robots.programming import languages
 from assistant.robots.urdf import tree
 from assistant.robots.urdf.elements import Element, parse
 
-ASSUMED: Final = Rule(
+ASSUMED: Final = info(
     "RB008",
-    Severity.INFO,
     "a URDF does not say everything of a robot: {what}",
     "write a TOML file with the key `urdf` and what you know better",
 )

@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 
 from assistant.program.arrays import Rows
-from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from assistant.program.diagnostics import Diagnostic, Rule, error, info, warning
 from assistant.program.geometry import Vector
 from assistant.sources.contours.curves import Arc, Curve, Points, sample
 from assistant.sources.contours.proximity import Indices, clusters, pairs_within
@@ -28,33 +28,28 @@ FARTHEST: Final = 1e7
 
 QUADRANTS: Final = (0.0, 0.25, 0.5, 0.75)
 
-NOT_A_PLACE = Rule(
+NOT_A_PLACE = error(
     "CT101",
-    Severity.ERROR,
     "a curve on layer {layer!r} has a coordinate that is no number, or is beyond 10 km",
     "delete or redraw it near the origin",
 )
-NO_LENGTH = Rule(
+NO_LENGTH = info(
     "CT102",
-    Severity.INFO,
     "{count} curves without length on layer {layer!r} are left out",
     "delete them in the drawing",
 )
-DUPLICATE = Rule(
+DUPLICATE = warning(
     "CT103",
-    Severity.WARNING,
     "{count} curves on layer {layer!r} are drawn again over others and are followed once only",
     "delete the copies (OVERKILL in most CAD programs); move one that is meant to be run twice",
 )
-JUNCTION = Rule(
+JUNCTION = info(
     "CT104",
-    Severity.INFO,
     "more than two curves on layer {layer!r} meet at {count} points; contours are split there",
     "move the branches to a layer of their own if one contour should run through",
 )
-GAP = Rule(
+GAP = info(
     "CT105",
-    Severity.INFO,
     "{count} gaps of up to {largest:.4f} mm on layer {layer!r} are closed",
     "draw with object snap, or give a smaller `tolerance` to keep the ends apart",
 )

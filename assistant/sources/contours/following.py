@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from assistant.program import rotations
 from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from assistant.program.diagnostics import Diagnostic, error
 from assistant.program.expressions import Apply, Expression, Name, Number
 from assistant.program.geometry import BASE, Frame, Pose, Target, Vector
 from assistant.program.motion import FINE, Blend, Speed
@@ -37,16 +37,14 @@ from assistant.sources.process import Layer, Process
 from assistant.sources.process.values import shown
 from assistant.sources.rounding import radii
 
-MOVING_FRAME = Rule(
+MOVING_FRAME = error(
     "CT207",
-    Severity.ERROR,
     "contours of layer {layer!r} cannot be put from frame `{drawing}` into `{frame}`: "
     "one of them moves",
     "use a frame that stands still",
 )
-UNKNOWN_FRAME = Rule(
+UNKNOWN_FRAME = error(
     "CT208",
-    Severity.ERROR,
     "there is no frame `{frame}` for layer {layer!r}",
     "define it under [frames] in the process file",
 )

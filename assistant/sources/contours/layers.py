@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from assistant.program.diagnostics import Diagnostic, error, info, warning
 from assistant.program.geometry import Target
 from assistant.program.program import MANGLED, Procedure, identifier
 from assistant.program.statements import (
@@ -24,40 +24,32 @@ from assistant.sources.process import Layer, Process
 from assistant.sources.process.table import nearest
 from assistant.sources.process.values import shown
 
-UNUSED = Rule(
+UNUSED = warning(
     "CT201",
-    Severity.WARNING,
     "not used on layer {layer!r}, which the process file does not have: {what}",
     'add [layers."{layer}"] to the process file, or leave_out = ["{layer}"] at its top',
 )
-NO_CONTOURS = Rule(
-    "CT202",
-    Severity.INFO,
-    "the process file's layer {layer!r} has no contours in the drawing",
-    "{cure}",
+NO_CONTOURS = info(
+    "CT202", "the process file's layer {layer!r} has no contours in the drawing", "{cure}"
 )
-TOO_SMALL = Rule(
+TOO_SMALL = warning(
     "CT203",
-    Severity.WARNING,
     "a contour on layer {layer!r} is smaller than the tolerance of {tolerance:g} mm and left out",
     "give a smaller `tolerance`",
 )
-NOT_FITTED = Rule(
+NOT_FITTED = error(
     "CT204",
-    Severity.ERROR,
     "a curve on layer {layer!r} cannot be followed within {tolerance:g} mm",
     "redraw it without jumps, or give a larger `tolerance`",
 )
-FITTED = Rule(
+FITTED = info(
     "CT205",
-    Severity.INFO,
     "{count} ellipses and splines on layer {layer!r} are followed by arcs and lines, "
     "at most {deviation:.4f} mm off",
     "give a smaller `tolerance` for more and shorter pieces",
 )
-TRAVEL = Rule(
+TRAVEL = info(
     "CT206",
-    Severity.INFO,
     "travel between the {count} contours of layer {layer!r} is {after:.0f} mm{inside}; "
     "it was {before:.0f} mm in the order of drawing",
     "",

@@ -63,14 +63,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path as FilePath
 from typing import Any, Final
 
-from assistant.program.diagnostics import (
-    Diagnostic,
-    Refused,
-    Rule,
-    Severity,
-    Unreadable,
-    has_errors,
-)
+from assistant.program.diagnostics import Diagnostic, Refused, Unreadable, error, has_errors
 from assistant.program.geometry import BASE, FLANGE, Frame, Load, Pose, Tool
 from assistant.program.program import Signal
 from assistant.program.statements import Motion
@@ -80,30 +73,16 @@ from assistant.sources.process import values as values
 from assistant.sources.process.table import REPAIRED, Page, Table, nearest
 from assistant.sources.process.values import Read, listed, shown
 
-NOT_TOML = Rule("CT301", Severity.ERROR, "this is no TOML: {reason}", "correct it there")
-BOTH = Rule(
-    "CT306",
-    Severity.ERROR,
-    "`{name}` gives its orientation twice",
-    "keep either quaternion or euler_zyx",
+NOT_TOML = error("CT301", "this is no TOML: {reason}", "correct it there")
+BOTH = error("CT306", "`{name}` gives its orientation twice", "keep either quaternion or euler_zyx")
+NO_MASS = error(
+    "CT307", "`{name}` has a centre of gravity but no mass", "give `mass` in kg as well"
 )
-NO_MASS = Rule(
-    "CT307",
-    Severity.ERROR,
-    "`{name}` has a centre of gravity but no mass",
-    "give `mass` in kg as well",
-)
-RESERVED = Rule("CT308", Severity.ERROR, "`{name}` is always {meaning}", "give yours another name")
-NOT_DEFINED = Rule("CT309", Severity.ERROR, "there is no {kind} `{name}`", "{cure}")
-NOT_AN_OUTPUT = Rule(
-    "CT310", Severity.ERROR, "`{name}` is an input and cannot be set", "name an output"
-)
-NOT_ITS_VALUE = Rule(
-    "CT311", Severity.ERROR, "the {kind} signal `{name}` cannot be {value}", "write {wanted}"
-)
-ONE_BIT = Rule(
-    "CT312", Severity.ERROR, "the {kind} signal `{name}` has no bits", 'write kind = "group"'
-)
+RESERVED = error("CT308", "`{name}` is always {meaning}", "give yours another name")
+NOT_DEFINED = error("CT309", "there is no {kind} `{name}`", "{cure}")
+NOT_AN_OUTPUT = error("CT310", "`{name}` is an input and cannot be set", "name an output")
+NOT_ITS_VALUE = error("CT311", "the {kind} signal `{name}` cannot be {value}", "write {wanted}")
+ONE_BIT = error("CT312", "the {kind} signal `{name}` has no bits", 'write kind = "group"')
 
 ENCODINGS: Final = ("utf-8-sig", "utf-8")
 AT: Final = re.compile(r"\s*\(at (?:line (\d+), column (\d+)|end of document)\)$")

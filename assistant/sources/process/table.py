@@ -7,32 +7,23 @@ from dataclasses import dataclass, field
 from difflib import get_close_matches
 from typing import Any, Final
 
-from assistant.program.diagnostics import Diagnostic, Rule, Severity, Span
+from assistant.program.diagnostics import Diagnostic, Rule, Span, error, warning
 from assistant.program.program import IDENTIFIER, identifier
 from assistant.program.text import SourceText
 from assistant.sources.process.lines import KeyPath, key_spans
 from assistant.sources.process.values import Read, Wrong, kind_of, listed, shown
 
-UNKNOWN_KEY = Rule("CT302", Severity.ERROR, "there is no key `{key}` {where}", "{cure}")
-BAD_VALUE = Rule("CT303", Severity.ERROR, "`{key}` {what}", "{cure}")
-NO_TABLE = Rule("CT304", Severity.ERROR, "`{key}` is {what}, not a table", "write {cure}")
-BAD_NAME = Rule(
-    "CT305",
-    Severity.ERROR,
-    '"{given}" is no name: letters, digits and `_`, a letter first',
-    "write {name}",
+UNKNOWN_KEY = error("CT302", "there is no key `{key}` {where}", "{cure}")
+BAD_VALUE = error("CT303", "`{key}` {what}", "{cure}")
+NO_TABLE = error("CT304", "`{key}` is {what}, not a table", "write {cure}")
+BAD_NAME = error(
+    "CT305", '"{given}" is no name: letters, digits and `_`, a letter first', "write {name}"
 )
-SAME_NAME = Rule(
-    "CT313",
-    Severity.ERROR,
-    "{given} and {other} differ only in upper and lower case",
-    "keep one of them",
+SAME_NAME = error(
+    "CT313", "{given} and {other} differ only in upper and lower case", "keep one of them"
 )
-REPAIRED = Rule(
-    "CT351",
-    Severity.WARNING,
-    "`{key}` has length {length:.6f} and is brought to 1",
-    "give more digits",
+REPAIRED = warning(
+    "CT351", "`{key}` has length {length:.6f} and is brought to 1", "give more digits"
 )
 
 

@@ -17,38 +17,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Refused, Rule, Severity, Unreadable
+from assistant.program.diagnostics import Refused, Severity, Unreadable, error
 from assistant.sources.tables.headers import shown
 
 ERROR: Final = Severity.ERROR
-NOT_NPY = Rule("TB401", ERROR, "this is no NPY array: {reason}", "write it with `numpy.save`")
-TRUNCATED = Rule(
+NOT_NPY = error("TB401", "this is no NPY array: {reason}", "write it with `numpy.save`")
+TRUNCATED = error(
     "TB402",
-    ERROR,
     "the array says {shape} but the file ends after {there} of its {wanted} bytes",
     "copy or write the file again",
 )
-OBJECTS = Rule(
-    "TB403",
-    ERROR,
-    "the array holds Python objects, which are never loaded",
-    "save an array of float64",
+OBJECTS = error(
+    "TB403", "the array holds Python objects, which are never loaded", "save an array of float64"
 )
-WRONG_TYPE = Rule(
-    "TB404", ERROR, "the array holds `{dtype}`, not numbers", "save an array of float64"
-)
-COARSE = Rule(
+WRONG_TYPE = error("TB404", "the array holds `{dtype}`, not numbers", "save an array of float64")
+COARSE = error(
     "TB405",
-    ERROR,
     "the array holds half-precision numbers, too coarse for positions",
     "save an array of float64",
 )
-NOT_NPZ = Rule("TB406", ERROR, "this is no NPZ archive: {reason}", "write it with `numpy.savez`")
-TOO_LARGE = Rule(
-    "TB407", ERROR, "the archive unpacks to {size:.0f} MB, more than {most:.0f} MB", "split it"
+NOT_NPZ = error("TB406", "this is no NPZ archive: {reason}", "write it with `numpy.savez`")
+TOO_LARGE = error(
+    "TB407", "the archive unpacks to {size:.0f} MB, more than {most:.0f} MB", "split it"
 )
-NOT_AN_ARRAY = Rule(
-    "TB408", ERROR, "the archive holds {name}, which is no array", "write it with `numpy.savez`"
+NOT_AN_ARRAY = error(
+    "TB408", "the archive holds {name}, which is no array", "write it with `numpy.savez`"
 )
 
 MOST_BYTES: Final = 4 * 1024**3

@@ -11,28 +11,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program.columns import numbers
-from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity
+from assistant.program.diagnostics import Diagnostic, Refused, Severity, error
 from assistant.sources.tables.headers import shown
 
 ERROR: Final = Severity.ERROR
-COMMA_DECIMAL = Rule(
+COMMA_DECIMAL = error(
     "TB121",
-    ERROR,
     "{cell} has a decimal comma{more}",
     "write decimal points; spreadsheets do so when the locale of the export is English",
 )
-NOT_FINITE = Rule(
-    "TB122", ERROR, "{cell} is no place that a robot can be at{more}", "mend or remove the row"
+NOT_FINITE = error(
+    "TB122", "{cell} is no place that a robot can be at{more}", "mend or remove the row"
 )
-FORMULA = Rule("TB123", ERROR, "{cell} is a formula{more}", "save the values, not the formulas")
-UNIT_IN_CELL = Rule(
+FORMULA = error("TB123", "{cell} is a formula{more}", "save the values, not the formulas")
+UNIT_IN_CELL = error(
     "TB124",
-    ERROR,
     "{cell} has its unit in the cell{more}",
     "write the unit into the name of the column and numbers alone below it",
 )
-NOT_A_NUMBER = Rule("TB125", ERROR, "{cell} is no number{more}", "write a number such as `-12.5`")
-EMPTY_CELL = Rule("TB126", ERROR, "the cell is empty{more}", "fill it in, or remove the row")
+NOT_A_NUMBER = error("TB125", "{cell} is no number{more}", "write a number such as `-12.5`")
+EMPTY_CELL = error("TB126", "the cell is empty{more}", "fill it in, or remove the row")
 
 BLANKS: Final = b" \t"
 _CHUNK: Final = 1 << 14

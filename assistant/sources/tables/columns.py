@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from assistant.program import rotations
 from assistant.program.arrays import Floats, Rows, Truths
-from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, has_errors
+from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, has_errors
 from assistant.program.path import UNSTATED, Kind
 from assistant.sources.process import Process
 from assistant.sources.tables import rows
@@ -26,23 +26,19 @@ from assistant.sources.tables.poses import (
 )
 
 ERROR: Final = Severity.ERROR
-NO_TARGET = Rule(
+NO_TARGET = error(
     "TB131",
-    ERROR,
     "the row has neither a pose nor joints{more}",
     "fill in the position and orientation, or every joint",
 )
-BOTH_TARGETS = Rule(
-    "TB132", ERROR, "the row has a pose and joints{more}", "keep one of them in each row"
-)
-NO_CONFIGURATION = Rule(
+BOTH_TARGETS = error("TB132", "the row has a pose and joints{more}", "keep one of them in each row")
+NO_CONFIGURATION = error(
     "TB134",
-    ERROR,
     "the arm branch is not complete or not of this kind{more}",
     "write 0 or 1 for `back`, `down`, `flip` and whole quadrants, or leave all six cells empty",
 )
-JOINTS_ONLY_JOINT = Rule(
-    "TB135", ERROR, "a row of joints cannot be reached by a {motion} move", "write `joint`"
+JOINTS_ONLY_JOINT = error(
+    "TB135", "a row of joints cannot be reached by a {motion} move", "write `joint`"
 )
 
 _MOST_CODES: Final = 20

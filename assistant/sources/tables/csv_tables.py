@@ -13,7 +13,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, has_errors
+from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, has_errors, info
 from assistant.program.expressions import JointValue, Name, Number
 from assistant.program.geometry import JointTarget, Pose, Target
 from assistant.program.path import Kind, Path, configuration_of
@@ -38,13 +38,12 @@ from assistant.sources.tables.delimited import read_cells
 from assistant.sources.tables.headers import columns_of, shown
 
 ERROR: Final = Severity.ERROR
-MIXED = Rule(
+MIXED = error(
     "TB133",
-    ERROR,
     "rows without names mix poses and joints",
     "add a `name` column, or make two files of it",
 )
-LEFT_OUT = Rule("TB136", Severity.INFO, "the columns {names} are left out, as their `_` asks")
+LEFT_OUT = info("TB136", "the columns {names} are left out, as their `_` asks")
 
 
 def read(path: pathlib.Path, process: Process) -> Reading:

@@ -10,36 +10,33 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program.arrays import Rows
-from assistant.program.diagnostics import Diagnostic, Refused, Rule, Severity, Unreadable
+from assistant.program.diagnostics import Diagnostic, Refused, Severity, Unreadable, error, info
 from assistant.program.text import decode
 from assistant.sources.tables.cells import BLANKS, Cells, Offsets, line_of, unescaped
 
 ERROR: Final = Severity.ERROR
-NOT_TEXT = Rule("TB111", ERROR, "the file holds zero bytes, it is no text", "export it as CSV")
-NO_LINES = Rule("TB112", ERROR, "the file holds nothing but blanks", "export or save it again")
-NO_ROWS = Rule("TB113", ERROR, "there is no row below the header", "export or save it again")
-RAGGED = Rule(
+NOT_TEXT = error("TB111", "the file holds zero bytes, it is no text", "export it as CSV")
+NO_LINES = error("TB112", "the file holds nothing but blanks", "export or save it again")
+NO_ROWS = error("TB113", "there is no row below the header", "export or save it again")
+RAGGED = error(
     "TB114",
-    ERROR,
     "the row has {count} cells, the header {wanted}{more}",
     "give every row as many cells as the header, with nothing between delimiters for none",
 )
-COMMA_ROW = Rule(
+COMMA_ROW = error(
     "TB115",
-    ERROR,
     "the row has {count} cells, the header {wanted}{more}; are these decimal commas?",
     "write decimal points, or save with `;` between the cells and decimal points",
 )
-STRAY_QUOTE = Rule(
+STRAY_QUOTE = error(
     "TB116",
-    ERROR,
     "a quotation mark stands inside a cell",
     'put the whole cell in quotation marks and double those inside it: `"5"" pipe"`',
 )
-UNCLOSED_QUOTE = Rule(
-    "TB117", ERROR, "a quotation mark is never closed", "close it at the end of the cell"
+UNCLOSED_QUOTE = error(
+    "TB117", "a quotation mark is never closed", "close it at the end of the cell"
 )
-EMPTY_ROWS = Rule("TB118", Severity.INFO, "{count} rows of empty cells are left out")
+EMPTY_ROWS = info("TB118", "{count} rows of empty cells are left out")
 
 DELIMITERS: Final = b",;\t"
 _QUOTE, _LINE = b'"'[0], b"\n"[0]

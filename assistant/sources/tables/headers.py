@@ -33,32 +33,28 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from assistant.program.diagnostics import Rule, Severity
+from assistant.program.diagnostics import Rule, Severity, error
 from assistant.program.path import CONFIGURATION_COLUMNS
 from assistant.sources.lengths import UNITS
 
 ERROR: Final = Severity.ERROR
-UNKNOWN_COLUMN = Rule("TB101", ERROR, "there is no column called {name}", "{cure}")
-AMBIGUOUS_COLUMN = Rule("TB102", ERROR, "the column {name} {why}", "write {proposals}")
-TWICE = Rule("TB103", ERROR, "the columns {names} say the same thing", "keep one of them")
-MISSING_COLUMN = Rule("TB104", ERROR, "the column {names} is missing", "{cure}")
-UNNAMED_COLUMN = Rule(
+UNKNOWN_COLUMN = error("TB101", "there is no column called {name}", "{cure}")
+AMBIGUOUS_COLUMN = error("TB102", "the column {name} {why}", "write {proposals}")
+TWICE = error("TB103", "the columns {names} say the same thing", "keep one of them")
+MISSING_COLUMN = error("TB104", "the column {names} is missing", "{cure}")
+UNNAMED_COLUMN = error(
     "TB105",
-    ERROR,
     "column {number} has no name",
     "name it, or take away the delimiter at the end of the lines",
 )
-NO_HEADER = Rule(
+NO_HEADER = error(
     "TB106",
-    ERROR,
     "the first line names no columns",
     'write a line above it that does, such as `{example}` (numpy.savetxt: with comments="")',
 )
-TWO_ORIENTATIONS = Rule(
-    "TB107", ERROR, "the orientation is given twice, by {names}", "keep one of them"
-)
-NEEDS_NAMES = Rule(
-    "TB108", ERROR, "the column {name} needs named rows", "add a `name` column, or leave it out"
+TWO_ORIENTATIONS = error("TB107", "the orientation is given twice, by {names}", "keep one of them")
+NEEDS_NAMES = error(
+    "TB108", "the column {name} needs named rows", "add a `name` column, or leave it out"
 )
 
 LENGTHS: Final = {unit: UNITS[unit][1] for unit in ("mm", "cm", "m", "in")}

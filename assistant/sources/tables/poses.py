@@ -9,53 +9,41 @@ import numpy as np
 
 from assistant.program import rotations
 from assistant.program.arrays import Floats, Rows
-from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from assistant.program.diagnostics import Diagnostic, error, warning
 
-NOT_FINITE = Rule(
-    "TB201",
-    Severity.ERROR,
-    "{what} {value} is not finite{more}",
-    "mend or remove the row",
-)
-HUGE = Rule(
+NOT_FINITE = error("TB201", "{what} {value} is not finite{more}", "mend or remove the row")
+HUGE = error(
     "TB202",
-    Severity.ERROR,
     "{what} {value:g} is larger than {most:g}{more}",
     "check the unit and the decimal point",
 )
-NOT_UNIT = Rule(
+NOT_UNIT = error(
     "TB203",
-    Severity.ERROR,
     "the quaternion is {length:.6g} long, not 1{more}",
     "check the order of its parts (w x y z) and give at least four decimals",
 )
-NORMALISED = Rule(
+NORMALISED = warning(
     "TB204",
-    Severity.WARNING,
     "not quite 1 long and made so: {count} quaternions, the worst {length:.6g}",
     "give more decimals",
 )
-NOT_RIGID = Rule(
+NOT_RIGID = error(
     "TB205",
-    Severity.ERROR,
     "the matrix is no rotation: it is off by {miss:.3g}{more}",
     "check that it is no reflection, has no scale, and that columns are the axes",
 )
-ORTHONORMALISED = Rule(
+ORTHONORMALISED = warning(
     "TB206",
-    Severity.WARNING,
     "not quite orthonormal and made so: {count} matrices, the worst by {miss:.3g}",
     "give more decimals",
 )
-LAST_ROW = Rule(
+LAST_ROW = error(
     "TB207",
-    Severity.ERROR,
     "the last row of the matrix is {row}, not 0 0 0 1{more}",
     "give homogeneous matrices with the position in the last column",
 )
-METRES = Rule(
+METRES = warning(
     "TB208",
-    Severity.WARNING,
     "all {count} positions lie within {most:g} mm of the frame; are they metres?",
     'give millimetres, or say `unit = "m"` in the file or its process file',
 )

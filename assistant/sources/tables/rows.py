@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program.arrays import Floats, Rows, Truths
-from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from assistant.program.diagnostics import Diagnostic, Severity, error
 from assistant.program.expressions import Name
 from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
 from assistant.program.motion import FINE, Blend, Speed
@@ -23,52 +23,40 @@ from assistant.sources.rounding import SIZES, radii
 from assistant.sources.tables.headers import shown
 
 ERROR: Final = Severity.ERROR
-UNKNOWN_TOOL = Rule("TB301", ERROR, "there is no tool {name}{more}", "{cure}")
-UNKNOWN_FRAME = Rule("TB302", ERROR, "there is no frame {name}{more}", "{cure}")
-UNKNOWN_SIGNAL = Rule("TB303", ERROR, "there is no output {name}", "{cure}")
-UNKNOWN_KIND = Rule(
+UNKNOWN_TOOL = error("TB301", "there is no tool {name}{more}", "{cure}")
+UNKNOWN_FRAME = error("TB302", "there is no frame {name}{more}", "{cure}")
+UNKNOWN_SIGNAL = error("TB303", "there is no output {name}", "{cure}")
+UNKNOWN_KIND = error(
     "TB304",
-    ERROR,
     "there is no motion {name}{more}",
     "write `joint`, `linear`, or `via` and in the row after it `end`",
 )
-TOO_SLOW = Rule(
-    "TB305", ERROR, "{what} is {value:g}, it must be more than 0{more}", "write a positive number"
+TOO_SLOW = error(
+    "TB305", "{what} is {value:g}, it must be more than 0{more}", "write a positive number"
 )
-NEGATIVE = Rule(
-    "TB306", ERROR, "{what} is {value:g}, it must not be negative{more}", "write 0 or more"
-)
-TOO_MANY_SPEEDS = Rule(
+NEGATIVE = error("TB306", "{what} is {value:g}, it must not be negative{more}", "write 0 or more")
+TOO_MANY_SPEEDS = error(
     "TB307",
-    ERROR,
     "the rows have {count} different values of {what}, more than {most}",
     "round them, for example to whole millimetres",
 )
-BROKEN_ARC = Rule(
+BROKEN_ARC = error(
     "TB308",
-    ERROR,
     "{what}",
     "an arc is a `via` row and the `end` row after it, with a row before it to start from",
 )
-TWICE_NAMED = Rule(
+TWICE_NAMED = error(
     "TB309",
-    ERROR,
     "the name {name} stands here and in {first}",
     "give every target a name of its own; case does not tell names apart",
 )
-VIA_ACTION = Rule(
-    "TB311",
-    ERROR,
-    "{what} at a `via` target, which is passed in motion",
-    "move it to the `end` target",
+VIA_ACTION = error(
+    "TB311", "{what} at a `via` target, which is passed in motion", "move it to the `end` target"
 )
-NOT_ITS_VALUE = Rule(
-    "TB312",
-    ERROR,
-    "the {kind} output {name} cannot be {value:g}",
-    "write a whole number, 0 to {most}",
+NOT_ITS_VALUE = error(
+    "TB312", "the {kind} output {name} cannot be {value:g}", "write a whole number, 0 to {most}"
 )
-NO_NAME = Rule("TB310", ERROR, "the target has no name", "name it, or name none of the rows")
+NO_NAME = error("TB310", "the target has no name", "name it, or name none of the rows")
 
 MOST_DIFFERENT: Final = 1000
 """Different speeds or blends in one file: each becomes a declaration on the controller."""

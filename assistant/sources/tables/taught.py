@@ -39,7 +39,7 @@ from typing import Any, Final
 import numpy as np
 
 from assistant.program import rotations
-from assistant.program.diagnostics import Refused, Rule, Severity, has_errors
+from assistant.program.diagnostics import Refused, Severity, error, has_errors
 from assistant.program.expressions import Name, Number
 from assistant.program.geometry import (
     NO_EXTERNAL,
@@ -73,24 +73,19 @@ from assistant.sources.tables.headers import shown as marked
 from assistant.sources.tables.poses import LARGEST_POSITION
 
 ERROR: Final = Severity.ERROR
-NO_TARGETS = Rule(
-    "TB501", ERROR, "there are no targets", "write [[targets]] and its keys for each of them"
+NO_TARGETS = error(
+    "TB501", "there are no targets", "write [[targets]] and its keys for each of them"
 )
-NOT_A_TABLE = Rule("TB502", ERROR, "`targets` {what}", "write [[targets]] above each target")
-NEITHER = Rule(
-    "TB503", ERROR, "target {name} has {what}", "give `position` and an orientation, or `joints`"
+NOT_A_TABLE = error("TB502", "`targets` {what}", "write [[targets]] above each target")
+NEITHER = error(
+    "TB503", "target {name} has {what}", "give `position` and an orientation, or `joints`"
 )
-ORIENTATION = Rule(
-    "TB504", ERROR, "target {name} has {what}", "give one of `quaternion`, `euler_zyx`, …"
+ORIENTATION = error("TB504", "target {name} has {what}", "give one of `quaternion`, `euler_zyx`, …")
+JOINTS_BY_LINE = error(
+    "TB505", "target {name} has joints, which no {kind} move reaches", 'write kind = "joint"'
 )
-JOINTS_BY_LINE = Rule(
-    "TB505", ERROR, "target {name} has joints, which no {kind} move reaches", 'write kind = "joint"'
-)
-TWO_TABLES = Rule(
-    "TB506",
-    ERROR,
-    "{name} is declared here and, differently, in the process file",
-    "keep one of them",
+TWO_TABLES = error(
+    "TB506", "{name} is declared here and, differently, in the process file", "keep one of them"
 )
 
 ORIENTATIONS: Final = ("quaternion", "euler_zyx", "euler_xyz", "euler_zyz")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Final
 
-from assistant.program.diagnostics import Rule, Severity
+from assistant.program.diagnostics import error, info, warning
 
 NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,19}")
 STEM: Final = 16
@@ -40,29 +40,23 @@ EXPECTED: Final = {
 }
 """What is said for a terminal of the grammar; any other is its own word."""
 
-ERROR, WARNING, INFO = Severity.ERROR, Severity.WARNING, Severity.INFO
-UNREAD = Rule("TY101", ERROR, "{found} cannot stand here", "write {expected}")
-MISPLACED = Rule(
-    "TY102", ERROR, "`{word}` {why}", "delete it, or mend the line that begins its block"
-)
-NOT_ENDED = Rule("TY103", ERROR, "this block has no `end`", "write `end` behind its last line")
-UNDECLARED = Rule("TY201", ERROR, "there is no {kind} `{name}`", "declare it, or correct the name")
-TWICE = Rule("TY202", ERROR, "{kind} `{name}` is declared already", "give it another name")
-UNSAYABLE = Rule(
+UNREAD = error("TY101", "{found} cannot stand here", "write {expected}")
+MISPLACED = error("TY102", "`{word}` {why}", "delete it, or mend the line that begins its block")
+NOT_ENDED = error("TY103", "this block has no `end`", "write `end` behind its last line")
+UNDECLARED = error("TY201", "there is no {kind} `{name}`", "declare it, or correct the name")
+TWICE = error("TY202", "{kind} `{name}` is declared already", "give it another name")
+UNSAYABLE = error(
     "TY301",
-    ERROR,
     "the toy language cannot say {what}",
     "say it in moves to points, waits, and signals that are on or off",
 )
-LEFT_OUT = Rule(
+LEFT_OUT = warning(
     "TY302",
-    WARNING,
     "the toy language has no {what}; it is left out",
     "check what the controller takes instead",
 )
-REWRITTEN = Rule(
+REWRITTEN = info(
     "TY303",
-    INFO,
     "`{given}` is written `{name}`",
     "use ASCII, in a name at most 20 letters, digits and `_`",
 )
