@@ -13,6 +13,7 @@ from assistant.compiler.proof import prove
 from assistant.program import expressions as e
 from assistant.program import rotations
 from assistant.program import statements as p
+from assistant.program.geometry import Tool
 from assistant.program.motion import FINE, Blend, Speed
 from assistant.program.program import Parameter, Procedure, Program, Signal
 from assistant.program.pseudo import parse as parse_pseudo
@@ -394,6 +395,33 @@ def test_programs_of_several_files_keep_their_own_positions() -> None:
     assert opaque(program) == []
     assert len(program.targets) == 2
     assert len(program.variables) == 2
+
+
+@pytest.mark.parametrize(("word", "kind"), [("Tool", "tool"), ("Base", "frame")])
+def test_programs_of_several_files_keep_their_own_tools_and_frames(word: str, kind: str) -> None:
+    """What one file sets by the same name, or by numbers, is another tool in the next."""
+    language = languages.get("melfa-basic-5")
+
+    def text(size: int) -> str:
+        given = (f"(0,0,{size},0,0,0)", "PT", "PS")
+        lines = (line for one in given for line in (f"{word} {one}", "Mov P1"))
+        numbered = [f"{at} {line}" for at, line in enumerate(lines, 2)]
+        placed = f"PT=(0,0,{size + 1},0,0,0)(0,0)\nPS=(0,0,5,0,0,0)(0,0)\n"
+        return "\n".join(('1 CallP "SUB"', *numbered, "")) + AGAIN + placed
+
+    sub = SourceText(text(200).replace('CallP "SUB"', "Dly 1"), "SUB.prg")
+    program = language.lift([language.parse(text(100)), language.parse(sub)])
+    values = program.tools if kind == "tool" else program.frames
+    used = [
+        [getattr(node.motion, kind) for node in q.body if isinstance(node, p.Move)]
+        for q in program.procedures
+    ]
+    assert used == [[f"{kind}_1", "PT", "PS"], [f"{kind}_2", "PT_2", "PS"]]
+    heights = [
+        abs((value.tip if isinstance(value, Tool) else value.user).position[2])
+        for value in values.values()
+    ]
+    assert heights == [100, 101, 5, 200, 201]
 
 
 def test_comments_keep_their_places() -> None:

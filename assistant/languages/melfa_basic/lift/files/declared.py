@@ -1,4 +1,4 @@
-"""What a file declares: variables of its heading, targets, tools and frames."""
+"""What a file declares: variables of its heading, arrays and targets."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from assistant.languages.melfa_basic.lift.statements.data import value_of
 from assistant.languages.melfa_basic.lift.statements.paths import Runs
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
 from assistant.languages.melfa_basic.lift.values.symbols import Symbols
-from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.text.header import Header
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import (
@@ -21,7 +20,7 @@ from assistant.languages.melfa_basic.tree.positions import (
     target_of,
 )
 from assistant.program import expressions as e
-from assistant.program.geometry import Frame, JointTarget, Target, Tool
+from assistant.program.geometry import JointTarget, Target
 from assistant.program.passes.arrays import nested
 from assistant.program.program import Variable, identifier
 
@@ -155,34 +154,12 @@ def _all_elements(size: tuple[int, ...], found: Elements, symbols: Symbols) -> e
 
 
 class Declared:
-    """Targets, tools and frames of a file that has been read."""
+    """Targets of a file that has been read."""
 
     def __init__(self, file: Holding, symbols: Symbols, settings: Settings, runs: Runs) -> None:
         self.own, self.header, self.positions = file.own, file.header, file.positions
         self.symbols, self.settings, self.runs = symbols, settings, runs
         self.robot = symbols.robot
-
-    def tools(self) -> dict[str, Tool]:
-        """Declared and used tools."""
-        names = self.header.names["tool"]
-        used = {k: k for k in self.settings.tools if k not in names}
-        made = {}
-        for short, name in {**names, **used}.items():
-            constant = self.positions.constant(short)
-            if constant is not None:
-                made[name] = Tool(poses.plain_pose(constant.values))
-        return made | {name: Tool(pose) for name, pose in self.settings.tool_values.items()}
-
-    def frames(self) -> dict[str, Frame]:
-        names = self.header.names["frame"]
-        used = {k: k for k in self.settings.frames if k not in names}
-        made = {}
-        for short, name in {**names, **used}.items():
-            constant = self.positions.constant(short)
-            if constant is not None:
-                pose = poses.plain_pose(constant.values)
-                made[name] = Frame(pose if self.header.products else pose.inverse())
-        return made | {name: Frame(pose) for name, pose in self.settings.frame_values.items()}
 
     def targets(self) -> dict[str, Target]:
         """Named targets; of a foreign file all positions that are part of no path."""
@@ -199,7 +176,7 @@ class Declared:
         return made
 
     def _all_targets(self) -> dict[str, Target]:
-        placed = {k.upper() for k in (*self.settings.tools, *self.settings.frames)}
+        placed = self.settings.placed
         made = {}
         for written in self.positions.all_names():
             key = written.upper()

@@ -130,8 +130,8 @@ class Unit:
             entry=entry,
             signals=symbols.signals,
             variables=symbols.variables,
-            tools=_with(program.tools, made.tools()),
-            frames=_with(program.frames, made.frames()),
+            tools=reading.settings.tools,
+            frames=reading.settings.frames,
             targets=_with(program.targets, targets),
             joint_targets=_with(program.joint_targets, joints),
             declarations=(*program.declarations, *reading.declarations),
@@ -187,7 +187,7 @@ class Unit:
         local = own.values(expressions) if own else {}
         declared.elements(self.file, symbols)
         if ways is None:
-            self.ways = ways = self._ways(code, symbols)
+            self.ways = ways = self._ways(code, symbols, program)
         listed = self._routines(code, ways.parts, symbols, program)
         self._name_forms(ways.called, listed, program)
         source = self.file.tree.source
@@ -220,10 +220,13 @@ class Unit:
         named = self.header.names["procedure"]
         return structure, regions.regions(code, structure.depth, named, self.own)
 
-    def _ways(self, code: list[s.Entry], symbols: Symbols) -> _Ways:
+    def _ways(self, code: list[s.Entry], symbols: Symbols, program: Program) -> _Ways:
         structure, parts = self._regions(code)
         constants = symbols.constants
-        settings = Settings(self.file.positions, constants, self.header.names, own=self.own)
+        tools, frames = program.tools, program.frames
+        settings = Settings(
+            self.file.positions, constants, self.header, tools, frames, own=self.own
+        )
         calls = calls_of(parts, self.touched)
         flow = Flow(code, parts, structure.blocks, settings.effect, calls)
         return _Ways(

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 from assistant.languages.melfa_basic.lift.values.constants import Constants
 from assistant.languages.melfa_basic.tables import poses
+from assistant.languages.melfa_basic.text.header import Header
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import Positions
-from assistant.program.geometry import BASE, FLANGE, Pose
+from assistant.program.geometry import BASE, FLANGE, Frame, Tool
 from assistant.program.motion import FINE, Blend
+
+T = TypeVar("T", Tool, Frame)
 
 TCP, JOINT, BLEND, TOOL, FRAME = range(5)
 
@@ -47,25 +50,32 @@ ALL_SETTINGS: Final = frozenset(range(len(INITIAL)))
 class Settings:
     """Reads the setting that a statement makes.
 
-    own: it was written here. names: tools and frames by short name, of a heading. tools, frames:
-    position variables (upper case) that `Tool` and `Base` name; tool_values, frame_values: those
-    given as constants.
+    own: it was written here. names: those of tools and frames by short name, of a heading.
+    tools, frames: of the whole program, with those that `Tool` and `Base` name. placed: position
+    variables (upper case) that are such.
     """
 
     def __init__(
         self,
         positions: Positions,
         constants: Constants,
-        names: dict[str, dict[str, str]],
+        header: Header,
+        tools: Mapping[str, Tool],
+        frames: Mapping[str, Frame],
         *,
         own: bool,
     ) -> None:
         self.own = own
-        self.positions, self.constants, self.names = positions, constants, names
-        self.tools: set[str] = set()
-        self.frames: set[str] = set()
-        self.tool_values: dict[str, Pose] = {}
-        self.frame_values: dict[str, Pose] = {}
+        self.positions, self.constants, self.names = positions, constants, header.names
+        self.products = header.products
+        self.tools, self.frames = dict(tools), dict(frames)
+        self.placed: set[str] = set()
+        for short, name in self.names["tool"].items():
+            if (constant := positions.constant(short)) is not None:
+                self.tools.setdefault(name, self._tool(constant.values))
+        for short, name in self.names["frame"].items():
+            if (constant := positions.constant(short)) is not None:
+                self.frames.setdefault(name, self._frame(constant.values))
 
     def effect(self, node: s.Statement | None) -> tuple[int, Any] | None:
         """Which setting a statement makes, and the value: UNKNOWN if the program works it out."""
@@ -110,10 +120,17 @@ class Settings:
         return UNKNOWN
 
     def tool(self, arguments: tuple[Any, ...]) -> Any:
-        return self._placed(arguments, "tool", "P_NTOOL", FLANGE, self.tools, self.tool_values)
+        return self._placed(arguments, "tool", "P_NTOOL", FLANGE, self.tools, self._tool)
 
     def frame(self, arguments: tuple[Any, ...]) -> Any:
-        return self._placed(arguments, "frame", "P_NBASE", BASE, self.frames, self.frame_values)
+        return self._placed(arguments, "frame", "P_NBASE", BASE, self.frames, self._frame)
+
+    def _tool(self, values: tuple[float | None, ...]) -> Tool:
+        return Tool(poses.plain_pose(values))
+
+    def _frame(self, values: tuple[float | None, ...]) -> Frame:
+        pose = poses.plain_pose(values)
+        return Frame(pose if self.products else pose.inverse())
 
     def _placed(
         self,
@@ -121,31 +138,38 @@ class Settings:
         kind: str,
         initial: str,
         default: str,
-        used: set[str],
-        values: dict[str, Pose],
+        known: dict[str, T],
+        made: Callable[[tuple[float | None, ...]], T],
     ) -> Any:
         """The name of a tool or frame that `Tool` or `Base` names."""
         match arguments:
             case (s.Variable(arguments=None, component="") as variable,):
-                if variable.key == initial:
+                key = variable.key
+                if key == initial:
                     return default
-                if variable.key in self.constants.assigned or not self._known(variable.name):
+                constant = self.positions.constant(key)
+                if key in self.constants.assigned or constant is None:
                     return UNKNOWN
-                used.add(variable.key)
-                return self.names[kind].get(variable.key, variable.key)
-            case (s.Constant(values=numbers),):
-                pose = poses.plain_pose(numbers)
-                pose = pose if kind == "tool" else pose.inverse()
-                known = next((n for n, v in values.items() if v == pose), None)
-                name = known or f"{kind}_{len(values) + 1}"
-                values[name] = pose
-                return name
+                if key in self.names[kind]:
+                    return self.names[kind][key]
+                self.placed.add(key)
+                return _named(key, made(constant.values), known)
+            case (s.Constant(values=values),):
+                return _named(f"{kind}_1", made(values), known)
             case (s.Number(value=0),):
                 return default
         return UNKNOWN
 
-    def _known(self, name: str) -> bool:
-        return self.positions.constant(name) is not None
+
+def _named(wanted: str, value: T, known: dict[str, T]) -> str:
+    """The name of a tool or frame, another one where a program before has it for another value."""
+    stem, name, count = wanted.removesuffix("_1"), wanted, 1
+    while True:
+        there = next((other for other in known if other.lower() == name.lower()), None)
+        if there is None or known[there] == value:
+            known[there or name] = value
+            return there or name
+        name, count = f"{stem}_{count + 1}", count + 1
 
 
 SETTINGS: Final[dict[str, tuple[int, Callable[[Settings, tuple[Any, ...]], Any]]]] = {
