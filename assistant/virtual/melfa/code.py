@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any, Final
 
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.blocks import closed, divided, opened
+from assistant.languages.melfa_basic.tree.blocks import block_word
 from assistant.languages.melfa_basic.tree.columnar import KEYWORDS, MoveRows, PositionRows
 from assistant.virtual.melfa.memory import DEFINED, SUFFIXES, Scope
 from assistant.virtual.melfa.stops import Failed
@@ -162,14 +162,15 @@ def constant(node: s.Expression) -> Value | None:
 
 
 def _blocks(code: Code, open_: list[Block], at: int, statement: s.Statement | None) -> None:
-    kind = FUNCTION if isinstance(statement, s.Function) else opened(statement)
-    part = divided(statement)
+    word = block_word(statement)
+    kind = FUNCTION if isinstance(statement, s.Function) else word.opens
+    part = word.parts
     if part:
         if not open_ or open_[-1].kind != part:
             raise Failed(MISMATCH[part], f"a part of a {part} stands outside of one")
         open_[-1].parts.append(at)
         code.parted[at] = open_[-1]
-    ends = (FUNCTION,) if statement == s.Command("FEnd") else closed(statement)
+    ends = (FUNCTION,) if statement == s.Command("FEnd") else word.closes
     for end in ends:
         if not open_ or open_[-1].kind != end:
             raise Failed(MISMATCH[end], f"the end of a {end} stands without its beginning")

@@ -7,20 +7,14 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Final
 
+from assistant.languages.line_blocks import Block, Blocks, Misfit
+from assistant.languages.line_graph import EXIT, Graph
 from assistant.languages.melfa_basic.checks import flow_rules as rules
 from assistant.languages.melfa_basic.checks.file_view import Look, Scope
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.blocks import (
-    CLOSING,
-    Block,
-    Blocks,
-    Misfit,
-    blocks_of,
-    divided,
-    statement_of,
-)
+from assistant.languages.melfa_basic.tree.blocks import CLOSING, block_word, blocks_of, statement_of
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
-from assistant.languages.melfa_basic.tree.graph import EXIT, Graph, graph_of
+from assistant.languages.melfa_basic.tree.targets import graph_of
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]
@@ -327,7 +321,7 @@ TAILS: Final = frozenset({"End", "Hlt", "Return", "FEnd", "Break", "EndIf", "End
 def _is_tail(item: s.Entry) -> bool:
     if not isinstance(item, s.Line):
         return False
-    if divided(item.statement) or isinstance(item.statement, s.Next | s.Jump):
+    if block_word(item.statement).parts or isinstance(item.statement, s.Next | s.Jump):
         return True
     return word_of(item.statement) in TAILS
 

@@ -12,10 +12,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
+from assistant.languages.line_blocks import Blocks
 from assistant.languages.melfa_basic.convert.chains import chained
 from assistant.languages.melfa_basic.tables.dialects import Dialect
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.blocks import Blocks, blocks_of
+from assistant.languages.melfa_basic.tree.blocks import blocks_of
 from assistant.languages.melfa_basic.tree.jumping import THEN, branches, goes_to, waited
 from assistant.languages.melfa_basic.tree.targets import labels_named, labels_of, lone_labels
 

@@ -21,12 +21,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
+from assistant.languages.line_blocks import Block, Blocks
 from assistant.languages.melfa_basic.lift.settings.held import SETTINGS
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import EMITTED_LINE, Dialect
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.blocks import Block, Blocks
 from assistant.languages.melfa_basic.tree.targets import labels_of
 from assistant.languages.melfa_basic.tree.walk import nodes
 

@@ -1,14 +1,17 @@
-"""Where statements lead, and the labels and steps that they name."""
+"""Where statements lead, the labels and steps that they name, and the ways through lines."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, Final, TypeVar
 
 import numpy as np
 
+from assistant.languages import line_graph
+from assistant.languages.line_blocks import Blocks
+from assistant.languages.line_graph import ON, Exits, Graph
 from assistant.languages.melfa_basic.tables.dialects import LAST_STEP
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import statement_of
@@ -21,31 +24,7 @@ Change = Callable[[str | int], str | int]
 """Gives a jump another label or step number."""
 
 
-@dataclass(frozen=True, slots=True)
-class Exits:
-    """Where a statement leads, whatever block it is a word of.
-
-    jumps, calls: what `GoTo` and `GoSub` name. handlers: what interrupts lead to, and whether they
-    call it. on: it may run on to the next line. breaks, returns: it may leave the innermost block
-    around it, or the subroutine or function.
-    """
-
-    jumps: tuple[s.Target, ...] = ()
-    calls: tuple[s.Target, ...] = ()
-    handlers: tuple[tuple[s.Target, bool], ...] = ()
-    on: bool = True
-    breaks: bool = False
-    returns: bool = False
-
-    @property
-    def targets(self) -> tuple[s.Target, ...]:
-        """All that it names."""
-        return (*self.jumps, *self.calls, *(target for target, _ in self.handlers))
-
-
-ON: Final = Exits()
-"""Of most statements: to the next line."""
-_WORDS: Final = {
+_WORDS: Final[Mapping[str, Exits[s.Target]]] = {
     "Break": Exits(on=False, breaks=True),
     "Return": Exits(on=False, returns=True),
     "Exit Function": Exits(on=False, returns=True),
@@ -57,7 +36,7 @@ for loops as programs use it. An `If` on one line is no block.
 """
 
 
-def exits_of(statement: s.Statement | s.Target | None) -> Exits:
+def exits_of(statement: s.Statement | s.Target | None) -> Exits[s.Target]:
     """Where a statement leads; a target is a jump to it."""
     match statement:
         case (s.Target() as target) | s.Jump("GoTo", target):
@@ -72,14 +51,29 @@ def exits_of(statement: s.Statement | s.Target | None) -> Exits:
         case s.DefAct(_, _, keyword, target):
             return Exits(handlers=((target, keyword == "GoSub"),))
         case s.If(_, then, otherwise) if then is not None:
-            one, two = exits_of(then), exits_of(otherwise)
-            return Exits(
-                one.jumps + two.jumps, one.calls + two.calls, one.handlers + two.handlers,
-                one.on or two.on, one.breaks or two.breaks, one.returns or two.returns,
-            )  # fmt: skip
+            return exits_of(then) | exits_of(otherwise)
         case s.Command(keyword=keyword):
             return _WORDS.get(keyword, ON)
     return ON
+
+
+def graph_of(
+    code: Sequence[object],
+    places: Sequence[int],
+    blocks: Blocks,
+    steps: Mapping[int, int] | None = None,
+) -> Graph:
+    """The ways through the lines at some places, which follow each other in that order.
+
+    steps: place by step number, for jumps to them.
+    """
+    labels, known = labels_of(code, places), steps or {}
+
+    def find(target: s.Target) -> int | None:
+        place = target.place
+        return known.get(place) if isinstance(place, int) else labels.get(place.upper())
+
+    return line_graph.graph_of(places, blocks, lambda at: exits_of(statement_of(code[at])), find)
 
 
 def targets_in(items: Iterable[object]) -> Iterator[s.Target]:

@@ -13,13 +13,14 @@ from copy import copy
 from dataclasses import dataclass
 from typing import Any, Final
 
+from assistant.languages.line_blocks import Blocks
+from assistant.languages.line_graph import EXIT
 from assistant.languages.melfa_basic.lift.settings.held import UNKNOWN, Held, State
 from assistant.languages.melfa_basic.lift.structure.blocks import Code
 from assistant.languages.melfa_basic.lift.structure.regions import Region, odd_entries
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.blocks import Blocks, is_word, statement_of
-from assistant.languages.melfa_basic.tree.graph import EXIT, graph_of
-from assistant.languages.melfa_basic.tree.targets import exits_of, labels_of
+from assistant.languages.melfa_basic.tree.blocks import is_word, statement_of
+from assistant.languages.melfa_basic.tree.targets import exits_of, graph_of, labels_of
 from assistant.program.analysis.dataflow import Dataflow, postorder
 
 Effect = Callable[[s.Statement | None], tuple[int, Any] | None]

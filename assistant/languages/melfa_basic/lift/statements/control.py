@@ -13,7 +13,7 @@ from assistant.languages.melfa_basic.lift.values.operators import operator_name
 from assistant.languages.melfa_basic.lift.values.reasons import NO_LABEL
 from assistant.languages.melfa_basic.lift.values.symbols import Symbols, Unliftable
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.blocks import opened
+from assistant.languages.melfa_basic.tree.blocks import block_word
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import identifier
@@ -67,7 +67,7 @@ class Control:
         item = self.code[at]
         if not isinstance(item, s.Line):
             return 0
-        self.leaving.append(_Block(opened(item.statement) or "", set(found[1:])))
+        self.leaving.append(_Block(block_word(item.statement).opens, set(found[1:])))
         self.depth += 1
         try:
             statement = self.whole(item.statement, found)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 
+from assistant.languages.line_blocks import Blocks
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.blocks import Blocks, blocks_of
+from assistant.languages.melfa_basic.tree.blocks import blocks_of
 from assistant.languages.melfa_basic.tree.jumping import THEN, branches
 from assistant.languages.melfa_basic.tree.targets import lone_labels
 

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from assistant.languages.melfa_basic.tables.vocabulary import commands, function, status
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.blocks import opened
+from assistant.languages.melfa_basic.tree.blocks import block_word
 from assistant.languages.melfa_basic.tree.walk import nodes
 
 Value = float | str
@@ -82,7 +82,7 @@ def _leads_away(statement: s.Statement | None) -> bool:
     """Whether what stands behind it may run more than once, later, or not at all."""
     if isinstance(statement, s.Jump | s.If | s.OnJump | s.CallP | s.Call | s.Function | s.DefAct):
         return True
-    return opened(statement) is not None or isinstance(statement, s.Next | s.OnCom)
+    return bool(block_word(statement).opens) or isinstance(statement, s.Next | s.OnCom)
 
 
 Keeping = Mapping[str, Sequence[bool]]

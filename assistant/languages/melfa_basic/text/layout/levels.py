@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
+from assistant.languages.line_blocks import Block
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.blocks import Block, blocks_of, divided, statement_of
+from assistant.languages.melfa_basic.tree.blocks import block_word, blocks_of, statement_of
 
 _DEEPER: Final = {"Select": 2}
 """Levels that a block's inside is deeper, if not one: `Case` stands one level in."""
@@ -32,7 +33,7 @@ def levels(items: Sequence[s.Item]) -> list[int]:
             level -= selects  # before the first `Case` it is that one's
         elif isinstance(item, s.Line):
             selects = isinstance(statement, s.Select)
-            level = max(level - 1, 0) if divided(statement) else level
+            level = max(level - 1, 0) if block_word(statement).parts else level
         made.append(level)
     return made
 

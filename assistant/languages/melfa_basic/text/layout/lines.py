@@ -16,13 +16,14 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 
+from assistant.languages.line_blocks import NO_WORD
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
 from assistant.languages.melfa_basic.text.layout.levels import is_comment, levels
 from assistant.languages.melfa_basic.text.layout.printing import decimals, exact, item_text
 from assistant.languages.melfa_basic.text.layout.tokens import code, tokens
 from assistant.languages.melfa_basic.text.printer import INDENT, constant
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.blocks import divided, opened
+from assistant.languages.melfa_basic.tree.blocks import block_word
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
 from assistant.languages.texts import changed_lines
 from assistant.languages.texts.changed_lines import Parts, parts_of
@@ -95,11 +96,12 @@ class _Pages:
         It does where it stands at that word's column and what is above does not.
         """
         below = self._below[at]
-        if below is None or not divided(below.statement):
+        if below is None or not block_word(below.statement).parts:
             return False
         above = self._above[at]
         column = self._column(comment)
-        if above is not None and (divided(above.statement) or opened(above.statement)):
+        word = NO_WORD if above is None else block_word(above.statement)
+        if word.parts or word.opens:
             return False  # that one comes to stand at the same column
         return column == self._column(below) and (above is None or column != self._column(above))
 
