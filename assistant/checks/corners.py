@@ -10,7 +10,7 @@ import numpy as np
 
 from assistant.checks.moves import Moves
 from assistant.checks.views import ProgramView, figure
-from assistant.program.arrays import Floats, Rows
+from assistant.program.arrays import Floats, Rows, norms
 from assistant.program.diagnostics import Diagnostic, info
 from assistant.program.path import Kind
 
@@ -85,7 +85,7 @@ def _corners(moves: Moves) -> _Corners:
     before = np.where(run.kinds[rows] == Kind.END, rows - 2, rows - 1)
     here, there, back = (moves.positions[at + 1] for at in (rows, after, np.maximum(before, -1)))
     arriving, leaving = here - back, there - here
-    came, goes = np.linalg.norm(arriving, axis=1), np.linalg.norm(leaving, axis=1)
+    came, goes = norms(arriving), norms(leaving)
     arcs = np.flatnonzero(moves.arcs)
     for ends, ways, directions, at_end in (
         (rows, came, arriving, True),
@@ -99,6 +99,6 @@ def _corners(moves: Moves) -> _Corners:
     same = run.mounting.unchanged()
     apart = ~same[after] | ~(same[rows] | (rows == 0)) | (came < TURN) | (goes < TURN)
     came[apart] = np.nan
-    cross = np.linalg.norm(np.cross(arriving, leaving), axis=1)
+    cross = norms(np.cross(arriving, leaving))
     angle = np.arctan2(cross, np.einsum("ij,ij->i", arriving, leaving))
     return _Corners(rows, radius[rows], np.minimum(came, goes), angle)

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from assistant.checks.moves import Moves
-from assistant.program.arrays import Floats, Rows, Truths
+from assistant.program.arrays import Floats, Rows, Truths, max_abs, norms
 from assistant.robots import Robot
 from assistant.robots.arms.arm import CLOSING
 from assistant.robots.motion.along import joints_along
@@ -115,7 +115,7 @@ def _pieces(moves: Moves, extremes: Extremes) -> Iterator[tuple[Rows, Floats]]:
     for start in range(0, len(moves), CHUNK):
         at = np.arange(start, min(start + CHUNK, len(moves)))
         ends = np.stack([moves.joints[moves.starts[at] + 1], moves.joints[moves.rows[at] + 1]], 1)
-        step = np.abs(np.diff(ends, axis=1)[:, 0]).max(axis=1)
+        step = max_abs(np.diff(ends, axis=1)[:, 0])
         bent = moves.vias[at] >= 0
         if bent.any():
             via = moves.joints[moves.vias[at] + 1]
@@ -249,7 +249,7 @@ def _past_nothing(points: Floats) -> Floats:
     squared = np.einsum("kpi,kpi->kp", extremes, extremes)
     part = -np.einsum("kpi,kpi->kp", first, extremes) / np.where(squared > 0.0, squared, 1.0)
     part = np.clip(part, 0.0, 1.0)[..., None]
-    return np.asarray(np.linalg.norm(first + part * extremes, axis=2))
+    return np.asarray(norms(first + part * extremes))
 
 
 def _within_a_turn(radians: Floats) -> Floats:

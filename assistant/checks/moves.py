@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from assistant.program.arrays import Floats, Rows, Truths
+from assistant.program.arrays import Floats, Rows, Truths, all_of, norms
 from assistant.program.expressions import Name
 from assistant.program.geometry import Pose
 from assistant.program.motion import Blend, Speed
@@ -70,9 +70,7 @@ class Moves:
     @cached_property
     def length(self) -> Floats:
         """(m,) mm of the way of the TCP in its frame."""
-        chord = np.linalg.norm(
-            self.positions[self.rows + 1] - self.positions[self.starts + 1], axis=1
-        )
+        chord = norms(self.positions[self.rows + 1] - self.positions[self.starts + 1])
         at = np.flatnonzero(self.arcs)
         if len(at):
             on = self.circles(at)
@@ -84,7 +82,7 @@ class Moves:
         """(m,) degrees of reorientation."""
         q0, q1 = self.quaternions[self.starts + 1], self.quaternions[self.rows + 1]
         q1 = np.where(np.einsum("ij,ij->i", q0, q1)[:, None] < 0.0, -q1, q1)
-        half = np.linalg.norm(q1 - q0, axis=1) / 2.0
+        half = norms(q1 - q0) / 2.0
         return np.asarray(4.0 * np.degrees(np.arcsin(np.minimum(half, 1.0))))
 
     @cached_property
@@ -161,7 +159,7 @@ def moves_of(
     """
     run = solved_run.run
     p, q = _with_start(run, robot)
-    unit = q / np.linalg.norm(q, axis=1, keepdims=True)
+    unit = q / norms(q)[:, None]
     before = run.before if run.joined else np.full(len(robot.axes), np.nan)
     joints = np.concatenate([before[None], solved_run.joints])
     kinds = run.kinds
@@ -172,8 +170,8 @@ def moves_of(
     same = np.append(run.mounting.unchanged(), True)
     same[0] = True  # the start was put into the tool and frame of the first row
     known = same[rows] & np.where(arc, same[rows - 1], True)
-    known &= np.isfinite(joints[rows + 1]).all(axis=1) & np.isfinite(joints[starts + 1]).all(axis=1)
-    known &= np.isfinite(p[starts + 1]).all(axis=1) & np.isfinite(p[rows + 1]).all(axis=1)
+    known &= all_of(np.isfinite(joints[rows + 1])) & all_of(np.isfinite(joints[starts + 1]))
+    known &= all_of(np.isfinite(p[starts + 1])) & all_of(np.isfinite(p[rows + 1]))
     nothing = Speed(np.nan, np.nan)
     rows, starts, arc = rows[known], starts[known], arc[known]
     return Moves(

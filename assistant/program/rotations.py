@@ -11,7 +11,7 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from assistant.program.arrays import Floats
+from assistant.program.arrays import Floats, norms
 
 EulerOrder = Literal["ZYX", "XYZ", "ZYZ"]
 """Intrinsic orders. ZYX: R = Rz(c)·Ry(b)·Rx(a), the A, B, C of MELFA and RAPID's OrientZYX."""
@@ -45,23 +45,27 @@ def canonical(quaternions: ArrayLike) -> Floats:
 def unflipped(quaternions: Floats) -> Floats:
     """The same rotations (n, 4), each on the side of the one before it."""
     cosine = np.einsum("ij,ij->i", quaternions[1:], quaternions[:-1])
+    if not (cosine < 0.0).any():
+        return quaternions
     sign = np.cumprod(np.concatenate([[1.0], np.where(cosine < 0.0, -1.0, 1.0)]))
     return np.asarray(quaternions * sign[:, None])
 
 
 def multiply(left: ArrayLike, right: ArrayLike) -> Floats:
     """Hamilton product, broadcast over leading axes; (..., 4)."""
+    return np.stack(_product(left, right), axis=-1)
+
+
+def _product(left: ArrayLike, right: ArrayLike) -> tuple[Floats, Floats, Floats, Floats]:
+    """The parts (...) of a Hamilton product."""
     a, b = np.asarray(left, dtype=np.float64), np.asarray(right, dtype=np.float64)
     aw, ax, ay, az = np.moveaxis(a, -1, 0)
     bw, bx, by, bz = np.moveaxis(b, -1, 0)
-    return np.stack(
-        [
-            aw * bw - ax * bx - ay * by - az * bz,
-            aw * bx + ax * bw + ay * bz - az * by,
-            aw * by - ax * bz + ay * bw + az * bx,
-            aw * bz + ax * by - ay * bx + az * bw,
-        ],
-        axis=-1,
+    return (
+        aw * bw - ax * bx - ay * by - az * bz,
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
     )
 
 
@@ -72,23 +76,28 @@ def conjugate(quaternions: ArrayLike) -> Floats:
 def rotate(quaternions: ArrayLike, vectors: ArrayLike) -> Floats:
     """Vectors (..., 3) turned by unit quaternions (..., 4)."""
     q, v = np.asarray(quaternions, dtype=np.float64), np.asarray(vectors, dtype=np.float64)
-    w, u = q[..., :1], q[..., 1:]
-    twice = 2.0 * np.cross(u, v)
-    return np.asarray(v + w * twice + np.cross(u, twice))
+    w, x, y, z = np.moveaxis(q, -1, 0)
+    a, b, c = np.moveaxis(v, -1, 0)
+    # t = 2 (x, y, z) × v, and v + w t + (x, y, z) × t; by columns, as `np.cross` is slower.
+    t, u, s = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
+    return np.stack(
+        [a + w * t + (y * s - z * u), b + w * u + (z * t - x * s), c + w * s + (x * u - y * t)],
+        axis=-1,
+    )
 
 
 def angle_between(left: ArrayLike, right: ArrayLike) -> Floats:
     """Angle in degrees between two unit quaternion columns, exact for small angles."""
-    difference = multiply(conjugate(left), right)
-    sine = np.linalg.norm(difference[..., 1:], axis=-1)
-    return np.asarray(np.degrees(2.0 * np.arctan2(sine, np.abs(difference[..., 0]))))
+    w, x, y, z = _product(conjugate(left), right)
+    sine = np.sqrt(x * x + y * y + z * z)
+    return np.asarray(np.degrees(2.0 * np.arctan2(sine, np.abs(w))))
 
 
 def turns(first: ArrayLike, last: ArrayLike) -> Floats:
     """Radians about each axis (..., 3) of the shorter turns from unit quaternions to others."""
     turn = multiply(last, conjugate(first))
     turn = np.where(turn[..., :1] < 0.0, -turn, turn)
-    sine = np.linalg.norm(turn[..., 1:], axis=-1, keepdims=True)
+    sine = norms(turn[..., 1:])[..., None]
     angle = 2.0 * np.arctan2(sine, turn[..., :1])
     return np.asarray(turn[..., 1:] * np.where(sine > 1e-12, angle / np.maximum(sine, 1e-12), 2.0))
 
@@ -100,7 +109,7 @@ def between(first: ArrayLike, last: ArrayLike, part: ArrayLike) -> Floats:
     """
     a, b = np.asarray(first, dtype=np.float64), np.asarray(last, dtype=np.float64)
     b = np.where(np.sum(a * b, axis=-1, keepdims=True) < 0.0, -b, b)
-    apart, near = np.linalg.norm(b - a, axis=-1), np.linalg.norm(b + a, axis=-1)
+    apart, near = norms(b - a), norms(b + a)
     angle = (2.0 * np.arctan2(apart, near))[..., None]
     sine, t = np.sin(angle), np.asarray(part, dtype=np.float64)[..., None]
     alike = sine < 1e-9

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from assistant.program.arrays import Floats, Ints, Rows, Truths
+from assistant.program.arrays import Floats, Ints, Rows, Truths, all_of, norms
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.path import UNSTATED
 from assistant.program.program import Program
@@ -185,7 +185,7 @@ class Robot:
     def closes(self, joints: Floats, positions: Floats, quaternions: Floats) -> Truths:
         """(n,) whether forward kinematics of joints (n, a) gives the poses."""
         p, q = self.fk(joints)
-        near = np.linalg.norm(p - positions, axis=1) < CLOSING
+        near = norms(p - positions) < CLOSING
         same = np.abs(np.einsum("ij,ij->i", q, quaternions))
         # 1 - cos(half the angle), whose rounding is far below either tolerance.
         return np.asarray(
@@ -369,7 +369,7 @@ class Robot:
         turned, fits = self.turned(plain, c)
         joints = np.where(stated[:, None], turned, plain)
         good = self.closes(joints, p, q) & self.inside(joints) & (fits.all(axis=1) | ~stated)
-        left = np.flatnonzero(~good & np.isfinite(p).all(axis=1) & np.isfinite(q).all(axis=1))
+        left = np.flatnonzero(~good & all_of(np.isfinite(p)) & all_of(np.isfinite(q)))
         if len(left) and self.arm.named:
             low, high = self.ranges(c[left])
             low[~stated[left]], high[~stated[left]] = self.limits.T
@@ -389,4 +389,4 @@ def _poses(positions: ArrayLike, quaternions: ArrayLike) -> tuple[Floats, Floats
     p = np.asarray(positions, dtype=np.float64).reshape(-1, 3)
     q = np.asarray(quaternions, dtype=np.float64).reshape(-1, 4)
     with np.errstate(invalid="ignore", divide="ignore"):
-        return p, q / np.linalg.norm(q, axis=1, keepdims=True)
+        return p, q / norms(q)[:, None]

@@ -9,13 +9,12 @@ from numpy.typing import NDArray
 
 from assistant.program.arrays import Floats, Truths
 from assistant.program.path import Kind
-from assistant.sources.contours.curves import Points
 
 SIZES: Final = np.array([0.01, 0.02, 0.05, 0.1, 0.3, 1.0, 5.0, 10.0, 20.0, 50.0])
 """mm; a few for all rows, as each is a declaration. Controllers have many of them built in."""
 
 
-def radii(positions: Points, kinds: NDArray[np.uint8], whole: Truths, tolerance: float) -> Floats:
+def radii(positions: Floats, kinds: NDArray[np.uint8], whole: Truths, tolerance: float) -> Floats:
     """How far (n,) each corner may be rounded, in mm, one of `SIZES` or 0 for a stop.
 
     positions: (n, 3) mm. kinds: (n,). whole: (n - 1,), whether rows i and i + 1 are in one frame
@@ -53,10 +52,10 @@ def radii(positions: Points, kinds: NDArray[np.uint8], whole: Truths, tolerance:
     return found
 
 
-def _tangent(start: Points, via: Points, end: Points) -> tuple[Points, Floats]:
+def _tangent(start: Floats, via: Floats, end: Floats) -> tuple[Floats, Floats]:
     """Unit directions (m, 3) in which arcs leave their start, and their radii (m,).
 
-    An inversion about the start makes a line of the circle, which runs along the tangent. Points
+    An inversion about the start makes a line of the circle, which runs along the tangent. Floats
     on one line are an arc without bend; two that coincide have no direction.
     """
     to_via, to_end = via - start, end - start

@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats, Rows, Truths
+from assistant.program.arrays import Floats, Rows, Truths, norms
 from assistant.robots.branches.rounding import roundings
 from assistant.robots.branches.within_rounding import CLOSE, PLAY, Wanted, looseness, settled, split
 from assistant.robots.motion.run import Run
@@ -57,7 +57,7 @@ def straighten(run: Run, robot: Robot, joints: Floats, start: int) -> Truths:
     wanted = wanted_of(run, robot, p, q, start + rows)
     place, turn = wanted.rounding.T
     lengths = robot.lengths
-    lever = np.linalg.norm(wanted.arms, axis=1) + abs(lengths.d6)
+    lever = norms(wanted.arms) + abs(lengths.d6)
     tilt = (place + np.radians(turn) * lever) / np.hypot(lengths.a3, lengths.d4)
     line[:, rows] &= np.abs(joints[4][:, rows]) <= turn + np.degrees(tilt)
     branch, row = np.nonzero(line)

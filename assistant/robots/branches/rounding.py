@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats
+from assistant.program.arrays import Floats, max_abs
 from assistant.program.rotations import to_euler
 from assistant.robots.arms.arm import CLOSING
 from assistant.robots.arms.five_axis import to_ab
@@ -63,13 +63,13 @@ def _unit(decimals: tuple[int, ...], values: Floats, *, scaled: bool = False) ->
     largest = np.abs(values).argmax(axis=1)[:, None]
     for places in reversed(decimals):
         units = values * 10.0**places
-        off = np.abs(units - np.round(units)).max(axis=1)
+        off = max_abs(units - np.round(units))
         if scaled:
             # The largest part was a whole number of units, a few of which are tried.
             longest = np.take_along_axis(units, largest, axis=1)
             for other in (-1.0, 0.0, 1.0):
                 with np.errstate(invalid="ignore", divide="ignore"):
                     stretched = units * ((np.round(longest) + other) / longest)
-                off = np.fmin(off, np.abs(stretched - np.round(stretched)).max(axis=1))
+                off = np.fmin(off, max_abs(stretched - np.round(stretched)))
         out[rows[off < SAME]] = 10.0**-places
     return out

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats, Rows, Singles, Truths
+from assistant.program.arrays import Floats, Rows, Singles, Truths, all_of
 from assistant.program.diagnostics import Diagnostic
 from assistant.program.geometry import Pose
 from assistant.program.path import Kind
@@ -213,7 +213,7 @@ def distance(millimetres: float) -> str:
 def finite_poses(run: Run, rows: slice | Rows) -> tuple[Floats, Floats, Truths]:
     """Poses of the flange; those that are no number are replaced and marked False."""
     p, q = run.flange(rows)
-    finite = np.asarray(np.isfinite(p).all(axis=1) & np.isfinite(q).all(axis=1))
+    finite = np.asarray(all_of(np.isfinite(p)) & all_of(np.isfinite(q)))
     if not finite.all():
         p = np.where(finite[:, None], p, 0.0)
         q = np.where(finite[:, None], q, (1.0, 0.0, 0.0, 0.0))

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from assistant.program.arrays import Floats, Rows, Truths
+from assistant.program.arrays import Floats, Rows, Truths, all_of, any_of
 from assistant.program.diagnostics import Diagnostic, Severity
 from assistant.program.path import UNSTATED
 from assistant.robots import findings as rules
@@ -67,7 +67,7 @@ def solve(run: Run, robot: Robot, cures: Cures, theirs: Truths | None = None) ->
     report += done.findings
     joints, broken = done.joints, done.choice.broken
     found = robot.configuration(np.nan_to_num(joints))
-    solved = np.isfinite(joints).all(axis=1)
+    solved = all_of(np.isfinite(joints))
     fill = ~stated & solved & robot.arm.named
     configurations = np.where(fill[:, None], found, run.configurations)
     report += _not_as_stated(run, robot, np.flatnonzero(stated & ~kept & solved), found)
@@ -149,7 +149,7 @@ def _best(run: Run, robot: Robot, choice: Choice, others: Choices | None, given:
 def _tried(run: Run, robot: Robot, choice: Choice, given: _Given) -> _Tried:
     findings: list[Diagnostic] = []
     joints, straight = _joints(run, robot, choice.branches, given.slack)
-    lost = np.flatnonzero((choice.branches >= 0) & np.isnan(joints).any(axis=1))
+    lost = np.flatnonzero((choice.branches >= 0) & any_of(np.isnan(joints)))
     if len(lost):
         where = run.label(int(lost[0]))
         findings.append(rules.NOT_CLOSED(about=run.what(lost), robot=robot.title, where=where))

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, Truths
+from assistant.program.arrays import Floats, Rows, Truths, norms
 from assistant.robots.arms.least_squares import refined
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ class Wanted:
     def play(self) -> Floats:
         """(k,) degrees or mm that rounding moves an axis by at most away from singularities."""
         place, turn = self.rounding.T
-        place = place + np.radians(turn) * np.linalg.norm(self.arms, axis=1)
+        place = place + np.radians(turn) * norms(self.arms)
         return np.asarray(5.0 * (turn + np.degrees(place / LEVER)))
 
     def missing(self, robot: Robot, joints: Floats, which: Rows) -> Floats:

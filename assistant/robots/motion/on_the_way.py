@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, Truths
+from assistant.program.arrays import Floats, Rows, Truths, all_of, any_of, norms
 from assistant.program.geometry import Pose
 from assistant.program.path import Kind
 from assistant.robots.motion.along import ToolWays, flange_along, joints_along
@@ -94,7 +94,7 @@ class Look:
         wide = np.zeros(len(self.joints), dtype=bool)
         with np.errstate(invalid="ignore"):
             step = np.abs(self.robot.wound(np.diff(self.joints, axis=0)))
-            wide[1:] = (step > Turns.WIDE).any(axis=1) & np.isfinite(step).all(axis=1)
+            wide[1:] = any_of(step > Turns.WIDE) & all_of(np.isfinite(step))
             first = self.robot.wound(self.joints[0] - self.run.before)
             wide[0] = (np.abs(first) > Turns.WIDE).any()
             wide |= self.long()
@@ -125,7 +125,7 @@ class Look:
         for start in range(1, len(out), CHUNK):
             rows = slice(start - 1, min(start + CHUNK, len(out)))
             p, _ = self.run.targets(rows)
-            out[start : rows.stop] = np.linalg.norm(np.diff(p, axis=0), axis=1) > Turns.LONG
+            out[start : rows.stop] = norms(np.diff(p, axis=0)) > Turns.LONG
         if self.start is not None:
             p, _ = self.run.targets(slice(0, 1))
             out[0] = np.linalg.norm(p[0] - self.start.position) > Turns.LONG
@@ -135,7 +135,7 @@ class Look:
         """(m,) which of some rows the tool goes or turns far to."""
         (p0, q0), (p1, q1) = self._starts(rows), self.run.targets(rows)
         turn = rotations.angle_between(q0, q1)
-        return np.asarray((np.linalg.norm(p1 - p0, axis=1) > Turns.LONG) | (turn > Turns.WIDE))
+        return np.asarray((norms(p1 - p0) > Turns.LONG) | (turn > Turns.WIDE))
 
     def seen(self, rows: Rows, way: Way) -> Ways:
         """What the ways to some rows (k,) come to."""
@@ -228,7 +228,7 @@ class Look:
         The tool turns evenly up to each row, that of a via point included.
         """
         (p0, q0), (p1, q1) = self._starts(rows), self.run.targets(rows)
-        q0, q1 = (q / np.linalg.norm(q, axis=1, keepdims=True) for q in (q0, q1))
+        q0, q1 = (q / norms(q)[:, None] for q in (q0, q1))
         tool = ToolWays((p0, q0), (p1, q1), rows, self.arcs).at(part)
         flange = flange_along(self.run.mounting, rows, tool)
         before = None if self.robot.arm.named else self.before(rows)

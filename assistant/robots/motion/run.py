@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, Truths
+from assistant.program.arrays import Floats, Rows, Truths, norms
 from assistant.program.expressions import Name
 from assistant.program.geometry import Frame, Pose, Tool
 from assistant.program.motion import Blend, Speed
@@ -182,7 +182,7 @@ def to_flange(
     """
     placed = frame.pose
     with np.errstate(invalid="ignore", divide="ignore"):  # of no length: found as no number
-        unit = quaternions / np.linalg.norm(quaternions, axis=1, keepdims=True)
+        unit = quaternions / norms(quaternions)[:, None]
     q = rotations.multiply(placed.quaternion, unit)
     p = rotations.rotate(placed.quaternion, positions) + placed.position
     if frame.held or not tool.held:

@@ -100,21 +100,32 @@ class Bounds:
         """The lowest of each column of `limits`."""
         why = ways.argmin(axis=0)
         caps = np.maximum(ways[why, np.arange(len(why))], LEAST)
-        axis = (axes / self.drive.speeds[:, None]).argmax(axis=0)
-        return caps, np.where(why == AXES, AXES + 1 + axis, why + 1).astype(np.uint8)
+        by_axis = np.flatnonzero(why == AXES)
+        why += 1
+        why[by_axis] += (axes[:, by_axis] / self.drive.speeds[:, None]).argmax(axis=0)
+        return caps, why.astype(np.uint8)
 
     def saved(self) -> Floats:
         """(n,) mm that the ways of the moves are shorter for their corners."""
         course = self.course
         at = np.flatnonzero(course.corner[1:-1])  # steps before corners
         at = at[course.step[at] + 1 == course.step[at + 1]]
-        bend, room = np.diff(self.tool)[:, at], course.room[at + 1]
-        some = np.flatnonzero(room * norm(bend) ** 2 > LITTLE)
-        at, bend, room = at[some], bend[:, some], room[some]
+        room, rate, bend = course.room[at + 1], self.tool[:, at], np.diff(self.tool)[:, at]
+        squared = np.einsum("ij,ij->j", bend, bend)
+        some = np.flatnonzero(room * squared > LITTLE)
+        at, room, squared = at[some], room[some], squared[some]
+        rate, bend = rate[:, some], bend[:, some]
+        along = np.einsum("ij,ij->j", rate, bend)
+        own = np.einsum("ij,ij->j", rate, rate)
         saved = np.zeros(len(self.moves))
-        for step, bent in ((at, bend), (at + 1, -bend)):
+        # In either half of a corner the rate goes from that of its step to the mean of both.
+        for step, of_step, part in (
+            (at, own, along),
+            (at + 1, own + 2.0 * along + squared, -along - squared),
+        ):
             begin, middle, end = (
-                norm(self.tool[:, step] + part * bent) for part in (0.0, 0.25, 0.5)
+                np.sqrt(np.maximum(of_step + 2.0 * t * part + t * t * squared, 0.0))
+                for t in (0.0, 0.25, 0.5)
             )
             cut = room * (begin - (begin + 4.0 * middle + end) / 6.0)  # Simpson's rule
             saved += np.bincount(self.row[step], cut, len(saved))
@@ -137,7 +148,9 @@ class Bounds:
         room, factor = self.course.room[1:-1], np.minimum(self.up, self.down)
         made = room > 0.0
         width = np.where(made, 2.0 * room * np.minimum(factor[:-1], factor[1:]), 1.0)
-        return np.concatenate([[0.0], np.where(made, change / width, 0.0), [0.0]])
+        bends = np.zeros(len(self.row) + 1)
+        bends[1:-1] = np.where(made, change / width, 0.0)
+        return bends
 
 
 def norm(vectors: Floats) -> Floats:

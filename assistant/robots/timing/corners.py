@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, Truths
+from assistant.program.arrays import Floats, Rows, Truths, max_abs, norms
 from assistant.program.path import Kind
 from assistant.robots.motion.densities import Times
 from assistant.robots.robot import Robot
@@ -44,7 +44,7 @@ class Corners:
         self.before, self.behind = row[at], row[at + 1]
         self.first = np.searchsorted(row, self.before)
         self.last = np.searchsorted(row, self.behind, side="right") - 1
-        rates = np.abs(knots.joints[step + 1] - knots.joints[step]).max(axis=1) / d
+        rates = max_abs(knots.joints[step + 1] - knots.joints[step]) / d
         self.swept = zone * (rates[at] + rates[at + 1])
         wanted = np.maximum(2.0 * zone / Times.APART, self.swept / Times.TURNED)
         spans = np.maximum(np.ceil(wanted), Times.SPANS)
@@ -78,7 +78,7 @@ class Corners:
         row = whole(np.concatenate([[0], knots.row]), ahead)[1:]
         joints, positions = whole(knots.joints, joints), whole(knots.positions, positions)
         quaternions = whole(knots.quaternions, quaternions)
-        length = np.linalg.norm(np.diff(positions, axis=0), axis=1)
+        length = norms(np.diff(positions, axis=0))
         turn = rotations.angle_between(quaternions[:-1], quaternions[1:])
         number = whole(np.arange(len(knots.joints)), np.full(len(each), -2))
         same = np.flatnonzero(np.diff(number) == 1)
@@ -128,7 +128,7 @@ class Corners:
             else:
                 found = followed(robot, joints[some], np.arange(len(some)), *flange)
             off = robot.wound(found - joints[some])
-            good = np.abs(off).max(axis=1) <= self.swept[each[some]] / 2.0
+            good = max_abs(off) <= self.swept[each[some]] / 2.0
             joints[some[good]] += off[good]
             some = np.concatenate([np.flatnonzero(here & free[each]), some[~good]])
             p[some], q[some] = tool.tip(robot, joints[some])

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, Truths
+from assistant.program.arrays import Floats, Rows, Truths, max_abs
 from assistant.program.path import Kind
 from assistant.robots.robot import Robot
 from assistant.robots.timing.corners import Corners
@@ -109,7 +109,7 @@ def _only(knots: Knots, going: Truths) -> Knots:
 def _scales(knots: Knots, lengths: Floats, turns: Floats) -> tuple[Floats, NDArray[np.uint8]]:
     """(n,) how long each move's way is, and in what: 0 mm, 1 degrees of the tool, 2 of an axis."""
     angles = np.zeros(len(lengths))
-    swept = np.abs(np.diff(knots.joints, axis=0)).max(axis=1)
+    swept = max_abs(np.diff(knots.joints, axis=0))
     np.maximum.at(angles, knots.row, swept / np.maximum(knots.part, 1e-300) * (knots.part > 0))
     moved = (lengths > STILL) & (lengths > ON_THE_SPOT * turns)
     turned = ~moved & (turns > STILL) & (turns > ON_THE_SPOT * angles)
@@ -159,8 +159,9 @@ def _rooms(room: Floats, d: Floats) -> Floats:
 def _rates(values: Floats, step: Rows, d: Floats) -> Floats:
     """(c, s) change of values (k + 1, c) of knots in each step, for each mm of it."""
     change = np.empty((values.shape[1], len(step)))
+    after = step + 1
     for column, rate in zip(values.T, change, strict=True):
-        np.divide(column[step + 1] - column[step], d, out=rate)
+        np.divide(column[after] - column[step], d, out=rate)
     return change
 
 

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, Truths
+from assistant.program.arrays import Floats, Rows, Truths, any_of, max_abs, norms
 from assistant.program.path import Kind
 from assistant.robots.arms.arm import CLOSING
 from assistant.robots.motion.along import ToolWays, joints_along
@@ -56,6 +56,10 @@ def knots_of(moves: Moves, start: Floats, robot: Robot) -> Knots:
     last = np.cumsum(steps + lead)  # knot of each move's end; knot 0 is the start
     row = np.repeat(np.arange(len(moves)), steps + lead)
     part = np.repeat(1.0 / steps, steps + lead)
+    again = np.flatnonzero(lead)
+    first = last[again] - steps[again]
+    part[first - 1] = 0.0
+    real = part > 0.0
     k = len(row)
     knots = Knots(
         row,
@@ -63,28 +67,21 @@ def knots_of(moves: Moves, start: Floats, robot: Robot) -> Knots:
         np.empty((k + 1, len(robot.axes))),
         np.empty((k + 1, 3)),
         np.empty((k + 1, 4)),
-        np.zeros(k),
-        np.zeros(k),
+        np.where(real, (ends.lengths / steps)[row], 0.0),
+        np.where(real, (ends.turns / steps)[row], 0.0),
         np.empty(0, np.intp),
     )
     knots.joints[0], knots.joints[last] = start, moves.joints
     knots.positions[0], knots.positions[last] = ends.p0[0], moves.positions
     knots.quaternions[0], knots.quaternions[last] = ends.q0[0], moves.quaternions
-    again = np.flatnonzero(lead)
-    first = last[again] - steps[again]
-    part[first - 1] = 0.0
     knots.joints[first], knots.positions[first] = ends.j0[again], ends.p0[again]
     knots.quaternions[first] = ends.q0[again]
     wide = np.flatnonzero(steps > 1)
     guessed = [
         _fill(knots, moves, ends, some, steps, last, robot) for some in _batches(wide, steps[wide])
     ]
-    lengths = ends.lengths / steps
-    turns = ends.turns / steps
-    real = part > 0.0
-    knots.length[real], knots.turn[real] = lengths[row[real]], turns[row[real]]
     free = np.flatnonzero(real & (moves.kinds[row] == Kind.JOINT))
-    knots.length[free] = np.linalg.norm(knots.positions[free + 1] - knots.positions[free], axis=1)
+    knots.length[free] = norms(knots.positions[free + 1] - knots.positions[free])
     knots.turn[free] = rotations.angle_between(knots.quaternions[free], knots.quaternions[free + 1])
     return Knots(
         row,
@@ -116,11 +113,11 @@ class _Ends:
         for index in np.unique(moves.mount[self.remounted]):
             rows = np.flatnonzero(self.remounted & (moves.mount == index))
             p, q = moves.mounts[index].tip(robot, self.j0[rows])
-            moved = np.abs(p - self.p0[rows]).max(axis=1) > SAME
+            moved = max_abs(p - self.p0[rows]) > SAME
             turned = rotations.angle_between(q, self.q0[rows]) > SAME
             self.remounted[rows] = moved | turned
             self.p0[rows], self.q0[rows] = p, q
-        self.lengths = np.linalg.norm(moves.positions - self.p0, axis=1)
+        self.lengths = norms(moves.positions - self.p0)
         self.turns = rotations.angle_between(self.q0, moves.quaternions)
         self.arcs = self._arcs()
         if self.arcs is not None:
@@ -133,7 +130,7 @@ class _Ends:
 
     def steps(self) -> Rows:
         """(n,) how many steps each move is cut into."""
-        angles = np.abs(self.moves.joints - self.j0).max(axis=1)
+        angles = max_abs(self.moves.joints - self.j0)
         free = self.moves.kinds == Kind.JOINT
         straight = np.where(free, 0.0, self.lengths)
         wanted = np.maximum(straight / Times.APART, np.maximum(self.turns, angles) / Times.TURNED)
@@ -238,7 +235,7 @@ def _unwind(
         joints[line, 5] += joints[line, 3] - between[line, 3]
         joints[line, 3] = between[line, 3]
     first = np.concatenate([[0], np.cumsum(inner)[:-1]])
-    lost = np.logical_or.reduceat(np.isnan(joints).any(axis=1), first)
+    lost = np.logical_or.reduceat(any_of(np.isnan(joints)), first)
     steps = np.empty_like(joints)
     steps[1:] = joints[1:] - joints[:-1]
     steps[first] = joints[first] - ends.j0[rows]
@@ -248,8 +245,8 @@ def _unwind(
     smooth = ends.j0[each] + total - np.repeat(before, inner, axis=0)
     final = first + inner - 1
     off = np.nan_to_num(robot.wound(moves.joints[rows] - joints[final]))
-    missed = np.abs(smooth[final] + off - moves.joints[rows]).max(axis=1) > 1.0
-    widest = np.maximum(np.maximum.reduceat(np.abs(steps).max(axis=1), first), np.abs(off).max(1))
+    missed = max_abs(smooth[final] + off - moves.joints[rows]) > 1.0
+    widest = np.maximum(np.maximum.reduceat(max_abs(steps), first), max_abs(off))
     bad = (missed | (widest > LEAP) | lost) & solved[first]
     good = np.repeat(~bad, inner)
     joints[:] = np.where(good[:, None] & solved[:, None], smooth, between)

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from assistant.program.arrays import Floats
+from assistant.program.arrays import Floats, norms
 from assistant.program.expressions import Expression, Number
 from assistant.program.pseudo.expressions import expression_text
 from assistant.program.statements import Trigger
@@ -40,7 +40,7 @@ def output_times(
     times = np.concatenate([[0.0], np.cumsum(plan.profile.seconds)])
     begin, end = float(times[rows.start]), float(times[rows.stop])
     at = np.linspace(begin, end, STEPS + 1)
-    steps = np.linalg.norm(np.diff(plan.at(at).positions, axis=0), axis=1)
+    steps = norms(np.diff(plan.at(at).positions, axis=0))
     done: Floats = np.concatenate([[0.0], np.cumsum(steps)])
     for one in triggers:
         amount, ahead = _number(one.amount), 0.0 if one.ahead is None else _number(one.ahead)

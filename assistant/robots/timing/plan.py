@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from assistant.program.arrays import Floats, Rows
+from assistant.program.arrays import Floats, Rows, norms
 from assistant.robots.robot import Robot
 from assistant.robots.timing.course import Course, course_of
 from assistant.robots.timing.drive import Drive
@@ -46,9 +46,9 @@ class Plan:
         q, _ = place.of(knots.quaternions, joined=False)
         return Moment(
             positions,
-            q / np.linalg.norm(q, axis=1, keepdims=True),
+            q / norms(q)[:, None],
             joints,
-            speed * np.linalg.norm(way, axis=1) * place.stretched(),
+            speed * norms(way) * place.stretched(),
             speed[:, None] * rate,
         )
 
@@ -104,7 +104,7 @@ class _Places:
     def stretched(self) -> Floats:
         """(m,) length of the way by that of the line between the knots."""
         knots, step = self.course.knots, self.course.step[self.step]
-        line = np.linalg.norm(knots.positions[step + 1] - knots.positions[step], axis=1)
+        line = norms(knots.positions[step + 1] - knots.positions[step])
         return np.where(line > 0.0, knots.length[step] / np.where(line > 0.0, line, 1.0), 1.0)
 
 

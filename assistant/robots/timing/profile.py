@@ -77,6 +77,6 @@ def _binding(
 ) -> NDArray[np.uint8]:
     """(n,) what the most time of each move is spent at."""
     width = FIRST_AXIS + axes
-    spent = np.bincount(row * width + why, even, n * width)
-    spent += np.bincount(row * width, seconds - even, n * width)
-    return np.asarray(spent.reshape(n, width).argmax(axis=1).astype(np.uint8))
+    spent = np.bincount(why.astype(np.intp) * n + row, even, n * width)
+    spent[:n] += np.bincount(row, seconds - even, n)
+    return np.asarray(spent.reshape(width, n).argmax(axis=0).astype(np.uint8))

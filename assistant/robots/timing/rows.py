@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.program import rotations
-from assistant.program.arrays import Floats
+from assistant.program.arrays import Floats, norms
 from assistant.program.expressions import Name
 from assistant.program.geometry import Frame, Pose, Tool
 from assistant.program.motion import FINE, Blend, Speed
@@ -152,7 +152,7 @@ def placed(
 
     frame: (n,) rows of the table frames.
     """
-    q = q / np.linalg.norm(q, axis=1, keepdims=True)
+    q = q / norms(q)[:, None]
     if all(pose == Pose() for pose in frames):
         return p, q
     turn = np.array([pose.quaternion for pose in frames])

@@ -67,8 +67,7 @@ def sections_of(bounds: Bounds) -> Sections:
     # Nothing is faster than this: as if bends took nothing of an acceleration.
     rise, fall = bounds.accelerations()
     w, peak = speeds(knots, caps**2, rise, fall, d)
-    near = np.maximum(np.append(peak, 0.0), np.append(0.0, peak))
-    quickest = np.maximum(np.append(rise, 0.0), np.append(0.0, fall))
+    near, quickest = _more(peak, peak), _more(rise, fall)
     near = np.minimum(near, w + 2.0 * room * quickest)
     split = bend * near > LITTLE
     knots[split] = np.inf
@@ -92,6 +91,13 @@ def sections_of(bounds: Bounds) -> Sections:
     bends.highest = np.minimum(bends.highest, caps[at] ** 2)
     offset, distance = begin[step, which], parts[step, which]
     return Sections(step, offset, distance, caps, why, most, rise[step], fall[step], bends)
+
+
+def _more(after: Floats, before: Floats) -> Floats:
+    """(s + 1,) at each knot the larger of what is in the steps (s,) after and before it."""
+    most = np.append(after, 0.0)
+    np.maximum(most[1:], before, out=most[1:])
+    return most
 
 
 def _beside(most: Floats, whole: Truths) -> Floats:
@@ -179,8 +185,9 @@ def speeds(
     most: Floats, ceiling: Floats, rise: Floats, fall: Floats, d: Floats
 ) -> tuple[Floats, Floats]:
     """(p + 1,) the largest w between sections and (p,) its peaks, below most and ceiling."""
-    lid = np.minimum(np.append(ceiling, np.inf), np.append(np.inf, ceiling))
-    lid = np.minimum(most, lid)
+    lid = most.copy()
+    np.minimum(lid[:-1], ceiling, out=lid[:-1])
+    np.minimum(lid[1:], ceiling, out=lid[1:])
     lid[0] = lid[-1] = 0.0
     w = _largest(lid, 2.0 * rise * d, 2.0 * fall * d)
     top = (fall * w[:-1] + rise * w[1:] + 2.0 * rise * fall * d) / (rise + fall)
@@ -189,8 +196,9 @@ def speeds(
 
 def _largest(most: Floats, rises: Floats, falls: Floats) -> Floats:
     """(p + 1,) the largest w below `most` that grows by `rises` and shrinks by `falls` a step."""
-    up = np.concatenate([[0.0], np.cumsum(rises)])
-    w = np.minimum(np.minimum.accumulate(most - up) + up, most)
-    down = np.concatenate([[0.0], np.cumsum(falls[::-1])])
-    w = np.minimum(np.minimum.accumulate(w[::-1] - down) + down, w[::-1])[::-1]
+    w = most
+    for steps in (rises, falls[::-1]):
+        grown = np.zeros(len(most))
+        np.cumsum(steps, out=grown[1:])
+        w = np.minimum(np.minimum.accumulate(w - grown) + grown, w)[::-1]
     return np.asarray(np.maximum(w, 0.0))

@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 
 from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows
+from assistant.program.arrays import Floats, Rows, norms
 from assistant.program.diagnostics import Diagnostic, error, warning
 
 NOT_FINITE = error("TB201", "{what} {value} is not finite{more}", "mend or remove the row")
@@ -102,7 +102,7 @@ def unit_quaternions(quaternions: Floats, locate: Locate) -> tuple[Floats, list[
     if findings:
         return quaternions, findings
     with np.errstate(over="ignore"):
-        lengths = np.linalg.norm(quaternions, axis=1)
+        lengths = norms(quaternions)
     miss = np.abs(lengths - 1.0)
     bad = np.flatnonzero(~(miss <= REPAIRED))
     if len(bad):
