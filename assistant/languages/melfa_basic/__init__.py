@@ -179,7 +179,7 @@ class MelfaBasic(Language["File"]):
 
         Also if it says what the program is once adapted, or what `after` is read as.
         """
-        from assistant.languages.melfa_basic.text.merging.trees import merge
+        from assistant.languages.melfa_basic.text.merging import merge
         from assistant.program.comparison import Tolerance, compare, with_labels_in_order
 
         asked = (self.lift_trees((after,), None), program, self.adapt(program).program)

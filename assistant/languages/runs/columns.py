@@ -83,6 +83,14 @@ class Run:
         head = first[:1].tobytes() if isinstance(first, np.ndarray) else hash(first)
         return hash((type(self).__name__, len(first), head))
 
+    def said(self, but: Collection[str] = ()) -> tuple[object, ...]:
+        """What it says as a whole, to be compared and hashed. but: columns that may differ."""
+        return tuple(
+            x.tobytes() if isinstance(x, np.ndarray) else x
+            for name, x in self._fields()
+            if name not in but
+        )
+
     def rows(self, rows: slice | Rows | Truths) -> Self:
         """Some of the rows."""
         return type(self)(**{name: _picked(x, rows) for name, x in self._fields()})

@@ -7,43 +7,35 @@ of the old built tree is looked for in the tree, and what is new stands beside s
 
 from __future__ import annotations
 
-import abc
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from difflib import SequenceMatcher
-from typing import Generic, TypeVar
+from typing import Any, TypeVar
 
 
-class Entry(abc.ABC):
+@dataclass(frozen=True, slots=True)
+class Entry:
     """Something that a program says in one place.
 
-    key: what it says, whatever its number and layout.
+    key: what it says, whatever its number and layout. kind: what entries that may take each
+    other's place have in common. setting: the word of a statement that holds for what follows.
+    at: index of its item. row: of a table, -1 for others; entries of one line have the same of
+    both. part: field of its line, empty for a table as a whole. line: it alone.
     """
 
-    __slots__ = ()
     key: str
-
-    @property
-    @abc.abstractmethod
-    def place(self) -> tuple[int, int]:
-        """Where it stands; entries of one line have the same."""
-
-    @property
-    @abc.abstractmethod
-    def kind(self) -> str:
-        """What entries that may take each other's place have in common."""
-
-    @property
-    @abc.abstractmethod
-    def setting(self) -> str | None:
-        """The word of a statement that holds for what follows."""
+    kind: object
+    setting: str | None
+    at: int
+    row: int
+    part: str
+    line: Any
 
 
-E = TypeVar("E", bound=Entry)
 T = TypeVar("T")
 
 
-def matched(old: Sequence[E], new: Sequence[E]) -> dict[int, int]:
+def matched(old: Sequence[Entry], new: Sequence[Entry]) -> dict[int, int]:
     """Index of the new entry that each old one is, as far as they say the same; both rise."""
     pairs: dict[int, int] = {}
     for block in _matcher(old, new).get_matching_blocks():
@@ -52,15 +44,15 @@ def matched(old: Sequence[E], new: Sequence[E]) -> dict[int, int]:
 
 
 @dataclass(frozen=True, slots=True)
-class Change(Generic[E]):
+class Change:
     """What stands in the place of old entries first … stop: pairs of old and new, None for none."""
 
     first: int
     stop: int
-    pairs: tuple[tuple[int | None, E | None], ...]
+    pairs: tuple[tuple[int | None, Entry | None], ...]
 
 
-def changes(old: Sequence[E], new: Sequence[E]) -> list[Change[E]]:
+def changes(old: Sequence[Entry], new: Sequence[Entry]) -> list[Change]:
     """The changes that lead from one program to another, in order."""
     found = []
     for step, i1, i2, j1, j2 in _matcher(old, new).get_opcodes():
@@ -70,8 +62,8 @@ def changes(old: Sequence[E], new: Sequence[E]) -> list[Change[E]]:
 
 
 def _paired(
-    old: Sequence[E], first: int, stop: int, new: Sequence[E]
-) -> Iterator[tuple[int | None, E | None]]:
+    old: Sequence[Entry], first: int, stop: int, new: Sequence[Entry]
+) -> Iterator[tuple[int | None, Entry | None]]:
     """Entries of one kind take each other's place, in order."""
     at = first
     for entry in new:
@@ -85,25 +77,25 @@ def _paired(
     yield from ((k, None) for k in range(at, stop))
 
 
-def _matcher(old: Sequence[E], new: Sequence[E]) -> SequenceMatcher[str]:
+def _matcher(old: Sequence[Entry], new: Sequence[Entry]) -> SequenceMatcher[str]:
     return SequenceMatcher(None, [e.key for e in old], [e.key for e in new], autojunk=False)
 
 
 @dataclass
-class Edits(Generic[E]):
+class Edits:
     """What is done to the entries of a tree.
 
     place: entry of the built tree → entry here. replaced: entry → what takes its place, None for
     nothing. put: new entries in front of an entry.
     """
 
-    here: Sequence[E]
+    here: Sequence[Entry]
     place: dict[int, int]
     forward: bool
-    replaced: dict[int, E | None] = field(default_factory=dict)
-    put: dict[int, list[E]] = field(default_factory=dict)
+    replaced: dict[int, Entry | None] = field(default_factory=dict)
+    put: dict[int, list[Entry]] = field(default_factory=dict)
 
-    def take(self, change: Change[E]) -> bool:
+    def take(self, change: Change) -> bool:
         """Does a change; False if it cannot be told where."""
         last: int | None = None
         for was, now in change.pairs:
@@ -118,7 +110,7 @@ class Edits(Generic[E]):
                 self.put.setdefault(gap, []).append(now)
         return True
 
-    def restore(self, change: Change[E], old: Sequence[E], changed: set[int]) -> None:
+    def restore(self, change: Change, old: Sequence[Entry], changed: set[int]) -> None:
         """Says settings again that have changed and are not said where they are to change back.
 
         changed: entries of the built tree that are not to stay.
@@ -151,7 +143,8 @@ class Edits(Generic[E]):
         return entry
 
     def _together(self, one: int, other: int) -> bool:
-        return self.here[one].place == self.here[other].place
+        a, b = self.here[one], self.here[other]
+        return (a.at, a.row) == (b.at, b.row)
 
 
 def merged_by_key(

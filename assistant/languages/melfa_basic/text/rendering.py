@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
+from assistant.languages.melfa_basic.text.changed_lines import Code, of_line
+from assistant.languages.melfa_basic.text.changed_rows import moves, positions
 from assistant.languages.melfa_basic.text.layout.levels import levels
 from assistant.languages.melfa_basic.text.layout.printing import decimals, item_text, print_items
-from assistant.languages.melfa_basic.text.merging.changed_lines import Code, of_line
-from assistant.languages.melfa_basic.text.merging.changed_rows import moves, positions
 from assistant.languages.melfa_basic.text.printer import INDENT
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows

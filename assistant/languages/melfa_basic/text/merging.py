@@ -1,0 +1,184 @@
+"""Changes of a program made in the text that it was lifted from.
+
+Lifting and building lose layout, order and spelling, so a changed program is built twice, as it
+was lifted and as it is now. What differs between the two is changed in the tree as well. Where
+that can go is tried out, and a try counts only if the outcome says what the built tree says.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from itertools import islice
+from typing import Any, Final
+
+import numpy as np
+
+from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP
+from assistant.languages.melfa_basic.tables.vocabulary import commands
+from assistant.languages.melfa_basic.text import header
+from assistant.languages.melfa_basic.text.merged_data import merged_data
+from assistant.languages.melfa_basic.text.printer import statement as printed
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
+from assistant.languages.melfa_basic.tree.line_tables import rows_as_lines
+from assistant.languages.melfa_basic.tree.targets import (
+    first_step,
+    retargeted,
+    steps_of,
+    with_steps,
+)
+from assistant.languages.melfa_basic.tree.walk import nodes
+from assistant.languages.texts.merged_lines import Lines, Part
+from assistant.program.rewriting import rewrite
+
+Spelling = Callable[[str], str]
+
+
+def merge(tree: s.File, before: s.File, after: s.File, says: Callable[[s.File], bool]) -> s.File:
+    """The tree with everything changed that differs between two built trees, else `after`.
+
+    says: whether a tree says what `after` does.
+    """
+    old, new = (_named_as(file, tree) for file in (before, after))
+    for lines in _LINES.merged(tree.items, old, new):
+        items = merged_data(lines, old, new)
+        numbered = None if items is None else _numbered(items, tree.dialect)
+        if numbered is not None and says(merged := replace(tree, items=numbered)):
+            return merged
+    return after
+
+
+class _Lines(Lines):
+    line, table = s.Line, MoveRows
+    number, numbers = "number", "steps"
+    header = f"' {header.MARK}melfa-basic", f"' {header.END}"
+
+    def parts(self, line: s.Line) -> Iterator[Part]:
+        if line.comment is not None:
+            yield Part("comment", "' " + line.comment.removeprefix("'").strip())
+        if line.label is not None:
+            yield Part("label", "*" + line.label.upper())
+        if (statement := line.statement) is not None:
+            word = getattr(statement, "keyword", "")
+            sets = isinstance(statement, s.Command) and word in commands("sets")
+            key = printed(_spelled(statement, str.upper, str.upper), upper=True)
+            yield Part("statement", key, (type(statement), word), word if sets else None)
+
+    def rows_as_lines(self, rows: MoveRows) -> Iterator[s.Line | s.Data]:
+        return rows_as_lines(rows)
+
+
+_LINES: Final = _Lines()
+
+
+# Names
+
+
+def _named_as(file: s.File, tree: s.File) -> list[s.Item]:
+    """The items of a built file with the names of the tree.
+
+    They are those by the header of the file that keeps the original ones.
+    """
+    kept = header.read(_comments(file))
+    names, labels = _used(tree)
+    short = {name: variable.name for name, variable in kept.variables.items()}
+    for kind in header.NAME_KINDS:
+        short |= kept.names[kind]
+    known = {n.upper(): names[o.upper()] for n, o in short.items() if o.upper() in names}
+    marks = {n.upper(): labels[o.upper()] for n, o in short.items() if o.upper() in labels}
+    named: list[s.Item] = []
+    for item in file.items:
+        if isinstance(item, PositionRows | MoveRows):
+            stem = item.stem.upper()
+            if not any(n.startswith(stem) and n[len(stem) :].isdigit() for n in known):
+                named.append(item)
+                continue
+            rows: Sequence[s.Item] = list(rows_as_lines(item))
+        else:
+            rows = [item]
+        for row in rows:
+            spelled = _spelled(
+                row, lambda n: known.get(n.upper(), n), lambda n: marks.get(n.upper(), n)
+            )
+            named.append(spelled)
+    return named
+
+
+def _comments(file: s.File) -> Iterator[str]:
+    """The comments that begin a file, without their mark."""
+    for item in file.items:
+        if not isinstance(item, s.Line) or item.comment is None:
+            return
+        yield item.comment.removeprefix("'").strip()
+
+
+def _used(tree: s.File) -> tuple[dict[str, str], dict[str, str]]:
+    """Upper case → spelling of the names and the labels in a text, the first one of each."""
+    names: dict[str, str] = {}
+    labels: dict[str, str] = {}
+    for node in nodes(tree.items):
+        if isinstance(node, s.Variable):
+            names.setdefault(node.name.upper(), node.name)
+        elif isinstance(node, s.Line) and node.label is not None:
+            labels.setdefault(node.label.upper(), node.label)
+    return names, labels
+
+
+def _spelled(node: Any, name: Spelling, label: Spelling) -> Any:
+    """A line or a part of it with names and labels spelled in another way."""
+
+    def change(one: Any) -> Any:
+        match one:
+            case s.Variable():
+                return replace(one, name=name(one.name))
+            case s.Target(str(place)):
+                return s.Target(label(place))
+            case s.Line(label=str(mark)):
+                return replace(one, label=label(mark))
+        return one
+
+    return rewrite(node, change)
+
+
+# Step numbers
+
+
+def _numbered(items: Sequence[s.Item], dialect: str) -> tuple[s.Item, ...] | None:
+    """New lines with numbers between their neighbours; where there is no room others move on.
+
+    Jumps go with their lines. None if numbers end before the program does.
+    """
+    if not any(steps_of(item).any() for item in items):
+        return tuple(items)
+    made: list[s.Item] = []
+    moved: dict[str | int, int] = {}
+    last = 0
+    for at, item in enumerate(items):
+        if isinstance(item, s.Line) and item.number is None:
+            last += _room(items, at, last, DIALECTS[dialect].step)
+            made.append(replace(item, number=last))
+        elif isinstance(item, s.Entry):
+            old = steps_of(item)
+            new = np.maximum(old, last + 1 + np.arange(len(old)))
+            made.append(with_steps(item, new))
+            moved |= {a: b for a, b in zip(old.tolist(), new.tolist(), strict=True) if a != b and a}
+            last = int(new[-1])
+        else:
+            made.append(item)
+    if last > LAST_STEP:
+        return None
+    if moved:
+        made = [retargeted(item, lambda to: moved.get(to, to)) for item in made]
+    return tuple(made)
+
+
+def _room(items: Sequence[s.Item], at: int, last: int, step: int) -> int:
+    """What the number of a new line is more than the one before it."""
+    count = 1
+    for item in islice(items, at, None):
+        following = first_step(item)
+        if following is not None:
+            return max((following - last) // count, 1)
+        count += isinstance(item, s.Line)
+    return step
