@@ -102,6 +102,12 @@ class Blocks:
     def sound(self) -> bool:
         return not self.wrong and all(block.last is not None for block in self.all)
 
+    def within(self, at: int) -> list[Block]:
+        """The blocks around a line, the inner one first; middle words stand in their own."""
+        own = self.words.get(at)
+        inner = own if own is not None and at in own.parts else self.around.get(at)
+        return [] if inner is None else list(inner.chain)
+
 
 def blocks_of(lines: Iterable[tuple[int, Word]]) -> Blocks:
     """The blocks of some lines, each a place and what stands there."""

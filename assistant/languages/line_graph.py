@@ -73,6 +73,22 @@ class Graph:
         calls = self.calls if through_calls else {}
         return reachable(starts, lambda at: (*self.after[at], *calls.get(at, ()))) - {EXIT}
 
+    def entered(self, start: int, doors: set[int]) -> tuple[dict[int, int], set[int]]:
+        """Doors that control runs into from a start, each with the place that leads there, and all
+        places that it comes to without going through one.
+        """
+        into: dict[int, int] = {}
+        found: set[int] = set()
+        left = [(start, start)]
+        while left:
+            at, before = left.pop()
+            if at in doors and at != start:
+                into.setdefault(at, before)
+            elif at not in found:
+                found.add(at)
+                left += [(place, at) for place in self.after[at] if place != EXIT]
+        return into, found
+
 
 def graph_of(
     places: Sequence[int],

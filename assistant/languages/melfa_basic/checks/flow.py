@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import islice
 from typing import Final
 
 from assistant.languages.line_blocks import Block, Blocks, Misfit
-from assistant.languages.line_graph import EXIT, Graph
+from assistant.languages.line_graph import Graph
 from assistant.languages.melfa_basic.checks import flow_rules as rules
 from assistant.languages.melfa_basic.checks.file_view import Look, Scope
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import CLOSING, block_word, blocks_of, statement_of
-from assistant.languages.melfa_basic.tree.columnar import MoveRows
-from assistant.languages.melfa_basic.tree.targets import graph_of
+from assistant.languages.melfa_basic.tree.targets import graph_of, places_of_steps
+from assistant.languages.melfa_basic.tree.walk import statements_in, word_of
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]
@@ -36,7 +36,8 @@ class Part:
 def parts(look: Look) -> list[Part]:
     """Each scope of a file, worked out once."""
     found = []
-    steps = _steps(look)
+    jumps = any(isinstance(target.place, int) for _, target in look.all(s.Target))
+    steps = places_of_steps(look.code) if jumps else {}
     for scope in look.scopes:
         blocks = blocks_of(look.code, scope.entries)
         ways = graph_of(look.code, scope.entries, blocks, steps) if blocks.sound else None
@@ -44,29 +45,11 @@ def parts(look: Look) -> list[Part]:
     return found
 
 
-def _steps(look: Look) -> dict[int, int]:
-    """Step number → place of its line, of a run of moves its own; empty if no jump needs it."""
-    found: dict[int, int] = {}
-    if not any(isinstance(target.place, int) for _, target in look.all(s.Target)):
-        return found
-    for at, item in enumerate(look.code):
-        if isinstance(item, MoveRows):
-            found.update(dict.fromkeys(item.steps.tolist(), at))
-        elif item.number is not None:
-            found.setdefault(item.number, at)
-    return found
-
-
-def word_of(statement: s.Statement | None) -> str:
-    """The word that a statement begins with, as the tools spell it."""
-    match statement:
-        case s.Command(keyword=keyword) | s.Motion(keyword=keyword) | s.Jump(keyword=keyword):
-            return keyword
-        case s.Select():
-            return "Select"
-        case None | s.Assign():
-            return ""
-    return type(statement).__name__
+def _graphs(look: Look) -> Iterator[tuple[Part, Graph]]:
+    """The scopes that have lines and whose blocks are sound, with the ways through them."""
+    for part in look.once(parts):
+        if part.ways is not None and part.scope.entries:
+            yield part, part.ways
 
 
 def structure(look: Look) -> Found:
@@ -177,15 +160,13 @@ def _next(
 
 def into_blocks(look: Look) -> Found:
     """Jumps from outside to labels inside of a block."""
-    for part in look.once(parts):
-        if part.ways is None:
-            continue
-        for at, places in part.ways.jumps.items():
-            here = {id(b) for b in _chain(part.blocks, at)}
+    for part, ways in _graphs(look):
+        for at, places in ways.jumps.items():
+            here = {id(b) for b in part.blocks.within(at)}
             for place in places:
-                missed = [b for b in _chain(part.blocks, place) if id(b) not in here]
+                missed = [b for b in part.blocks.within(place) if id(b) not in here]
                 line = look.code[place]
-                if missed and isinstance(line, s.Line) and isinstance(look.code[at], s.Line):
+                if missed and isinstance(line, s.Line):
                     kind = missed[-1].kind
                     name = f"*{line.label}" if line.label else str(line.number)
                     loop = kind in ("For", "While")
@@ -195,98 +176,63 @@ def into_blocks(look: Look) -> Found:
                     )
 
 
-def _chain(blocks: Blocks, at: int) -> list[Block]:
-    """The blocks around a line; the words of a block stand in it as well, but for its first."""
-    own = blocks.words.get(at)
-    if own is not None and at in own.parts:
-        return list(own.chain)
-    inner = blocks.around.get(at)
-    return list(inner.chain) if inner is not None else []
-
-
 def subroutines(look: Look) -> Found:
     """Subroutines that are entered by the way, or left by none."""
-    for part in look.once(parts):
-        ways = part.ways
-        if ways is None or not part.scope.entries:
-            continue
-        yield from _entered(look, part, ways)
+    for part, ways in _graphs(look):
+        yield from _entered(look, part.scope.entries[0], ways)
         yield from _left(look, ways)
 
 
-def _returns(look: Look, places: set[int]) -> list[tuple[int, s.Command]]:
-    found = []
-    for at in sorted(places):
-        statement = statement_of(look.code[at])
-        branches = (
-            (statement.then, statement.otherwise) if isinstance(statement, s.If) else (statement,)
-        )
-        found += [(at, b) for b in branches if isinstance(b, s.Command) and b.keyword == "Return"]
-    return found
+def _returns(look: Look, places: Iterable[int]) -> list[tuple[int, s.Command]]:
+    return [
+        (at, one)
+        for at in sorted(places)
+        for one in statements_in(statement_of(look.code[at]))
+        if isinstance(one, s.Command) and one.keyword == "Return"
+    ]
 
 
-def _entered(look: Look, part: Part, ways: Graph) -> Found:
+def _label(look: Look, at: int) -> str:
+    """The label of a line, empty if it has none."""
+    return getattr(look.code[at], "label", None) or ""
+
+
+def _entered(look: Look, start: int, ways: Graph) -> Found:
     """Where control comes to a Return without having been called."""
-    start = part.scope.entries[0]
     subs = ways.called | {place for place, (_, called) in ways.handlers.items() if called}
     doors = {sub for sub in subs if _returns(look, ways.reached([sub]))}
-    # what is reached without going through the door of a subroutine
-    flow: set[int] = set()
-    left: list[tuple[int, int | None]] = [(start, None)]
-    entered: dict[int, int] = {}
-    while left:
-        at, before = left.pop()
-        if at in doors and at != start:
-            entered.setdefault(at, before if before is not None else at)
-            continue
-        if at not in flow:
-            flow.add(at)
-            left += [(place, at) for place in ways.after[at] if place != EXIT]
-    for at, before in sorted(entered.items()):
-        line = look.code[at]
-        name = line.label if isinstance(line, s.Line) else ""
-        if at in ways.jumps.get(before, ()):
-            yield look.at(rules.JUMPED_INTO, look.code[before], f"*{name}", name=name)
-        else:
-            yield look.at(rules.FALLS_IN, line, f"*{name}", name=name)
+    into, flow = ways.entered(start, doors)
+    for at, before in sorted(into.items()):
+        name = _label(look, at)
+        jumped = at in ways.jumps.get(before, ())
+        rule, line = (rules.JUMPED_INTO, before) if jumped else (rules.FALLS_IN, at)
+        yield look.at(rule, look.code[line], f"*{name}", name=name)
     for at, _ in _returns(look, flow):
         yield look.at(rules.RETURN_ALONE, look.code[at], "Return")
 
 
 def _left(look: Look, ways: Graph) -> Found:
     """Subroutines without a Return, and Returns of the wrong kind."""
-    normal: set[int] = set()
-    for at in sorted(ways.called):
-        reached = ways.reached([at])
-        normal |= reached
-        line = look.code[at]
-        if not _returns(look, reached) and isinstance(line, s.Line):
-            yield look.at(rules.NO_RETURN, line, f"*{line.label}", name=line.label)
-    handled: dict[int, str] = {}
-    for at, (_, called) in sorted(ways.handlers.items()):
-        line = look.code[at]
-        if called and isinstance(line, s.Line):
-            reached = ways.reached([at])
-            handled |= dict.fromkeys(reached, line.label or "")
-            if not _returns(look, reached):
-                yield look.at(rules.NO_RETURN, line, f"*{line.label}", name=line.label)
-    for at, command in _returns(look, set(handled)):
+    handlers = sorted(at for at, (_, called) in ways.handlers.items() if called)
+    for at in (*sorted(ways.called), *handlers):
+        if not _returns(look, ways.reached([at])) and isinstance(look.code[at], s.Line):
+            name = _label(look, at)
+            yield look.at(rules.NO_RETURN, look.code[at], f"*{name}", name=name)
+    normal = ways.reached(ways.called)
+    handled = {place: _label(look, at) for at in handlers for place in ways.reached([at])}
+    for at, command in _returns(look, handled):
         if not command.arguments and at not in normal:
             yield look.at(rules.HANDLER_RETURN, look.code[at], "Return", name=handled[at])
     for at in sorted(ways.called - set(handled)):
-        line = look.code[at]
         for place, command in _returns(look, ways.reached([at])):
-            if command.arguments and place not in handled and isinstance(line, s.Line):
-                where = look.code[place]
-                yield look.at(rules.NUMBERED_RETURN, where, "Return", name=line.label)
+            if command.arguments and place not in handled:
+                name = _label(look, at)
+                yield look.at(rules.NUMBERED_RETURN, look.code[place], "Return", name=name)
 
 
 def unreachable(look: Look) -> Found:
     """The first line of each stretch that nothing leads to; what is no statement does not count."""
-    for part in look.once(parts):
-        ways = part.ways
-        if ways is None or not part.scope.entries:
-            continue
+    for part, ways in _graphs(look):
         starts = [part.scope.entries[0], *ways.handlers]
         reached = ways.reached(starts, through_calls=True)
         quiet = False

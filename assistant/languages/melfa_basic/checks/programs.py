@@ -12,6 +12,7 @@ from assistant.languages.melfa_basic.checks.file_view import Look, program_name
 from assistant.languages.melfa_basic.checks.kinds import literal
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
+from assistant.languages.melfa_basic.tree.walk import statements_in
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]
@@ -25,7 +26,7 @@ def called(tree: s.File) -> Iterator[tuple[s.Line, str, int | None]]:
     for item in tree.items:
         if not isinstance(item, s.Line):
             continue
-        for statement in _statements(item.statement):
+        for statement in statements_in(item.statement):
             match statement:
                 case s.CallP(program=s.String(name)):
                     yield item, name, None
@@ -33,14 +34,6 @@ def called(tree: s.File) -> Iterator[tuple[s.Line, str, int | None]]:
                     yield item, name, int(literal(slot) or 0)
                 case s.Include(program=name):
                     yield item, name, None
-
-
-def _statements(statement: s.Statement | s.Target | None) -> Iterator[s.Statement]:
-    if isinstance(statement, s.If):
-        yield from _statements(statement.then)
-        yield from _statements(statement.otherwise)
-    elif statement is not None and not isinstance(statement, s.Target):
-        yield statement
 
 
 def missing(look: Look) -> Found:

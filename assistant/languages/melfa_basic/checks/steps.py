@@ -14,7 +14,7 @@ from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.tables.dialects import LAST_STEP
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
-from assistant.languages.melfa_basic.tree.targets import exits_of
+from assistant.languages.melfa_basic.tree.targets import exits_of, places_of_steps
 from assistant.program.diagnostics import Diagnostic, Span
 
 Found = Iterator[Diagnostic]
@@ -126,10 +126,7 @@ def _targets(look: Look, line: s.Line, labels: set[str | None], *, inside: bool)
 
 
 def _steps(look: Look) -> set[int]:
-    found = {line.number for line in look.lines if line.number is not None}
-    for item in look.code:
-        if isinstance(item, MoveRows):
-            found.update(item.steps.tolist())
+    found = set(places_of_steps(look.code))
     return found if look.damage is None else found | look.damage.steps
 
 

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, Final
+from typing import Final
 
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks import kinds, value_rules
 from assistant.languages.melfa_basic.checks.file_view import Look
-from assistant.languages.melfa_basic.checks.flow import parts, word_of
+from assistant.languages.melfa_basic.checks.flow import parts
 from assistant.languages.melfa_basic.checks.kinds import literal
 from assistant.languages.melfa_basic.checks.undefined import near_status
 from assistant.languages.melfa_basic.checks.variables_of import known
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.walk import statements_in, word_of
 from assistant.program.diagnostics import Diagnostic
 
 Found = Iterator[Diagnostic]
@@ -21,11 +22,6 @@ Found = Iterator[Diagnostic]
 LEVELS: Final = {4: "MELFA-BASIC IV", 5: "MELFA-BASIC V", 6: "MELFA-BASIC VI"}
 JUMPS: Final = "write `If … Then GoTo` over the lines"
 NEWER: Final = "compile for a newer version of the language"
-FORMS: Final = {
-    s.Function: "Function", s.Include: "#Include", s.Static: "Static", s.Const: "Const",
-    s.ElseIf: "ElseIf",
-}  # fmt: skip
-"""Statements with a node of their own that not every version has."""
 GROUPS: Final = {
     "M_IN8": "M_INB", "M_IN16": "M_INW", "M_OUT8": "M_OUTB", "M_OUT16": "M_OUTW",
     "M_IN32": "two M_INW", "M_OUT32": "two M_OUTW",
@@ -36,7 +32,7 @@ GROUPS: Final = {
 def missing(look: Look) -> Found:
     """Statements, functions, status variables and forms that the version lacks."""
     for line in look.lines:
-        yield from _statement(look, line, line.statement)
+        yield from _statements(look, line)
         if line.label and line.statement and not look.dialect.labelled_statements:
             word = f"statement behind the label `*{line.label}`"
             yield _lacks(look, line, f"*{line.label}", word, "write it on a line of its own")
@@ -58,35 +54,16 @@ def _lacks(look: Look, line: s.Line, at: str | s.Variable, word: str, cure: str)
     return look.at(rules.NOT_IN_DIALECT, line, at, title=title, word=word, cure=cure or NEWER)
 
 
-def _statement(look: Look, line: s.Line, statement: Any) -> Found:
-    level = look.dialect.level
-    match statement:
-        case s.If(_, then, otherwise):
-            if then is None and not look.dialect.blocks:
-                yield _lacks(look, line, "If", "`If` block", JUMPS)
-            for branch in (then, otherwise):
-                yield from _statement(look, line, branch)
-        case s.Motion(keyword=word) | s.Command(keyword=word):
-            yield from _word(look, line, word, word)
-        case s.DefOther(kind=kind) | s.DefNames(type=kind):
-            yield from _word(look, line, f"Def {kind}", kind)
-        case s.Static() | s.Function() | s.Include() | s.Const() | s.ElseIf():
-            word = FORMS[type(statement)]
-            yield from _word(look, line, word, word.lstrip("#"))
-        case s.Jump() | s.Target() | None:
-            return
-        case _ if level:
-            word = word_of(statement)
-            row = vocabulary.statement(word)
-            if row is not None and level not in row.dialects:
-                yield from _word(look, line, word, word)
-
-
-def _word(look: Look, line: s.Line, word: str, at: str) -> Found:
-    row = vocabulary.statement(word)
-    if row is not None and row.dialects and look.dialect.level not in row.dialects:
-        cure = f"write {row.instead}" if row.instead else _of_versions(row.dialects)
-        yield _lacks(look, line, at, f"`{row.word}`", cure)
+def _statements(look: Look, line: s.Line) -> Found:
+    for statement in statements_in(line.statement):
+        if isinstance(statement, s.If) and statement.then is None and not look.dialect.blocks:
+            yield _lacks(look, line, "If", "`If` block", JUMPS)
+        word = word_of(statement)
+        row = vocabulary.statement(word)
+        if row is not None and look.dialect.level not in row.dialects:
+            at = word.removeprefix("Def ").removeprefix("#")
+            cure = f"write {row.instead}" if row.instead else _of_versions(row.dialects)
+            yield _lacks(look, line, at, f"`{row.word}`", cure)
 
 
 def _of_versions(levels: frozenset[int]) -> str:

@@ -34,7 +34,7 @@ def to_blocks(items: Sequence[s.Item], dialect: Dialect) -> list[s.Item]:
     refused: set[str] = set()
     while dialect.blocks:
         made, ends = _ifs(lines, refused)
-        blocks = blocks_of(made, range(len(made)))
+        blocks = blocks_of(made)
         if blocks.sound:
             if dialect.breaks:
                 made = _with_breaks(made, blocks, ends | chains)
@@ -54,7 +54,7 @@ def to_blocks(items: Sequence[s.Item], dialect: Dialect) -> list[s.Item]:
 def _crosses(lines: Sequence[s.Item], refused: set[str]) -> bool:
     """Whether an `If` crosses other blocks, the only one that is not refused."""
     made, _ = _ifs(lines, refused)
-    return not blocks_of(made, range(len(made))).sound
+    return not blocks_of(made).sound
 
 
 def _partly(end: str, missing: set[str]) -> bool:

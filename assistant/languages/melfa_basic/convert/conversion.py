@@ -116,7 +116,7 @@ class _File:
                 line, "a `Const` behind a jump or label", "move it to the head of the program"
             )
         items = comments.fitted(items, self.dialect)
-        blocks = blocks_of(items, range(len(items)))
+        blocks = blocks_of(items)
         if not blocks.sound or any(block.depth > DEEPEST for block in blocks.all):
             self.complain(
                 self.items[0],

@@ -21,6 +21,7 @@ from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import is_word
 from assistant.languages.melfa_basic.tree.targets import targets_in
+from assistant.languages.melfa_basic.tree.walk import word_of
 from assistant.program.rewriting import records, rewrite
 
 Complain = Callable[[s.Item, str, str], None]
@@ -41,24 +42,6 @@ INITIAL: Final = {"Tool": "P_NTool", "Base": "P_NBase"}
 
 
 STAY: Final = "do without it, or stay with the dialect that has it"
-
-
-def word_of(statement: s.Statement) -> str | None:
-    """The word of the vocabulary that a statement is found by, None for the plainest ones."""
-    match statement:
-        case s.Command(keyword=word) | s.Motion(keyword=word):
-            return word
-        case s.DefNames(type=kind):
-            return f"Def {kind}"
-        case s.DefOther(kind=kind):
-            return f"Def {kind}"
-    return WORDS.get(type(statement))
-
-
-WORDS: Final[dict[type, str]] = {
-    s.ElseIf: "ElseIf", s.Const: "Const", s.Static: "Static", s.Include: "#Include",
-    s.Function: "Function", s.DefAct: "Def Act", s.DefFunction: "Def FN", s.DefIo: "Def Io",
-}  # fmt: skip
 
 
 class Words:
@@ -111,17 +94,14 @@ class Words:
                 return record if known is None else replace(record, type=known)
             case s.Command() | s.Motion() | s.DefAct() if self.dialect.level == 4:
                 record = self.narrowed(record)
-        if type(record) in WORDS or isinstance(
-            record, s.Command | s.Motion | s.DefNames | s.DefOther
-        ):
+        if isinstance(record, s.Statement):
             self.known(record)
         return record
 
     def known(self, statement: s.Statement) -> None:
-        word = word_of(statement)
         if self.dialect.level == 4 and isinstance(statement, s.Const):
             return  # becomes an assignment
-        row = vocabulary.statement(word) if word else None
+        row = vocabulary.statement(word_of(statement))
         if row is not None:
             self.has(row.dialects, row.word, row.instead)
 

@@ -51,6 +51,7 @@ def statement_of(item: object) -> s.Statement | None:
     return item.statement if isinstance(item, s.Line) else None
 
 
-def blocks_of(code: Sequence[object], places: Iterable[int]) -> Blocks:
-    """The blocks of the lines at some places."""
-    return line_blocks.blocks_of((at, block_word(statement_of(code[at]))) for at in places)
+def blocks_of(code: Sequence[object], places: Iterable[int] | None = None) -> Blocks:
+    """The blocks of the lines at some places, of all if none are given."""
+    chosen = range(len(code)) if places is None else places
+    return line_blocks.blocks_of((at, block_word(statement_of(code[at]))) for at in chosen)

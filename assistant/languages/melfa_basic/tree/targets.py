@@ -189,6 +189,16 @@ def first_step(item: object) -> int | None:
     return item.number if isinstance(item, s.Line) else None
 
 
+def places_of_steps(code: Iterable[object]) -> dict[int, int]:
+    """Step number → place of its line, of a table of moves its own; the first of equal ones."""
+    found: dict[int, int] = {}
+    for at, item in enumerate(code):
+        for number in item.steps.tolist() if isinstance(item, MoveRows) else [first_step(item)]:
+            if number is not None:
+                found.setdefault(number, at)
+    return found
+
+
 def labelled(items: Sequence[T]) -> tuple[list[T | s.Line], dict[str, int]]:
     """The lines with jumps to labels only, and which labels were made for which steps.
 

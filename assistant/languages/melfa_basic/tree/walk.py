@@ -1,12 +1,39 @@
-"""The nodes of lines, statements and expressions."""
+"""The nodes of lines, statements and expressions, and the words that statements begin with."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import is_dataclass
 from typing import Final
 
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.walking import Walk
 
 _WALK: Final = Walk(is_dataclass)
 nodes: Final = _WALK.nodes
 inside: Final = _WALK.inside
+
+_WORDS: Final[dict[type, str]] = {
+    s.Include: "#Include", s.DefAct: "Def Act", s.DefFunction: "Def FN", s.DefIo: "Def Io",
+}  # fmt: skip
+
+
+def word_of(statement: s.Statement | None) -> str:
+    """The word that a statement begins with, as the tools spell it; empty if it has none."""
+    match statement:
+        case s.Command(keyword=keyword) | s.Motion(keyword=keyword) | s.Jump(keyword=keyword):
+            return keyword
+        case s.DefNames(type=kind) | s.DefOther(kind=kind):
+            return f"Def {kind}"
+        case None | s.Assign():
+            return ""
+    return _WORDS.get(type(statement), type(statement).__name__)
+
+
+def statements_in(statement: s.Statement | s.Target | None) -> Iterator[s.Statement]:
+    """The statement of a line and those of its branches, if it is an `If` on one line."""
+    if statement is not None and not isinstance(statement, s.Target):
+        yield statement
+    if isinstance(statement, s.If):
+        yield from statements_in(statement.then)
+        yield from statements_in(statement.otherwise)

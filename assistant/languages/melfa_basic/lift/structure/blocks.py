@@ -23,7 +23,7 @@ class Structure:
     """
 
     def __init__(self, code: Code) -> None:
-        self.blocks: Blocks = blocks_of(code, range(len(code)))
+        self.blocks: Blocks = blocks_of(code)
         self.places = _jumping(code) | {
             block.first: block.words
             for block in self.blocks.all

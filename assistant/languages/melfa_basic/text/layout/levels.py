@@ -16,7 +16,7 @@ _FEND: Final = s.Command("FEnd")
 
 def levels(items: Sequence[s.Item]) -> list[int]:
     """The level of each item, from 0; what is closed but was never opened is passed over."""
-    blocks = blocks_of(items, range(len(items)))
+    blocks = blocks_of(items)
     made: list[int] = []
     function = 0
     selects = False
