@@ -136,6 +136,20 @@ def test_a_call_of_what_sets_nothing_up_changes_nothing() -> None:
     assert on_way(program) == ["do1 = 1 at 5 mm before end", "do1 = 0 at 6 mm before end"]
 
 
+def test_a_label_that_every_way_comes_to_with_the_same_changes_nothing() -> None:
+    jumps = f"TriggIO a,5\\DOp:=do1,1;\nx:\n{L}\nIF n=1 GOTO x;\nTriggIO a,6\\DOp:=do1,0;\n{L}"
+    assert on_way(lifted(jumps)) == ["do1 = 1 at 5 mm before end", "do1 = 0 at 6 mm before end"]
+
+
+def test_what_handles_errors_keeps_only_what_it_may_set_up_anew() -> None:
+    body = f"TriggIO b,5\\DOp:=do1,1;\nTriggIO b,6\\DOp:=do1,1;\n{L.replace(',a,', ',b,')}\n"
+    program = lifted(
+        f"{body}{L}\nERROR\nother;\nTRYNEXT;", f"{OTHER}\n{OTHER.replace('other', 'q')}"
+    )
+    assert on_way(program) == ["do1 = 1 at 6 mm before end"]
+    assert kept(program) == ["TriggL", "ERROR\n", "TriggIO", "TriggIO"]
+
+
 def test_a_variable_of_a_routine_of_its_own() -> None:
     program = lifted(f"VAR triggdata c;\nTriggIO c,5\\DOp:=do1,1;\n{L.replace(',a,', ',c,')}")
     assert on_way(program) == ["do1 = 1 at 5 mm before end"]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any, Final
 
-from assistant.languages.patterns import Read, Slot
+from assistant.languages.patterns import Called, Read, Slot
 from assistant.languages.rapid.lift.expressions import Expressions, frame_name, tool_name
 from assistant.languages.rapid.tables.hands import hand_of
 from assistant.languages.rapid.tables.motions import BLENDS, SPEEDS, speed_of, zone_of
@@ -101,8 +101,11 @@ class Meaning:
 def instruction(node: s.ProcedureCall, meaning: Meaning) -> p.Statement | None:
     """The statement that a call of an instruction is, None if there is none in this form."""
     call = called(node)
-    if call is None:
-        return None
+    return None if call is None else of_call(call, meaning)
+
+
+def of_call(call: Called[s.Expression], meaning: Meaning) -> p.Statement | None:
+    """The same of a call as the rows of tables have it."""
     form = FORMS.get(call.word.lower())
     if form is None:
         said: p.Statement | None = ROWS.read(call, meaning.reading)

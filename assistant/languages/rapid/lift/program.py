@@ -13,7 +13,8 @@ from assistant.languages.rapid.lift.paths import PathLift
 from assistant.languages.rapid.lift.places import with_places
 from assistant.languages.rapid.lift.statements import StatementLift, handler, opaque
 from assistant.languages.rapid.lift.timers import clocks
-from assistant.languages.rapid.lift.triggers import triggers
+from assistant.languages.rapid.lift.triggers import REASONS, Triggers
+from assistant.languages.rapid.tables.standard import FUNCTIONS
 from assistant.languages.rapid.tables.words import PREDEFINED_VALUES, VALUE_OF_TYPE
 from assistant.languages.rapid.text import effects, verbatim
 from assistant.languages.rapid.text.header import Header, opening
@@ -27,6 +28,7 @@ from assistant.program.passes.constants import with_constants
 from assistant.program.passes.counted_loops import apart
 from assistant.program.passes.messages import with_values
 from assistant.program.passes.paths import with_paths
+from assistant.program.passes.triggers import with_triggers
 from assistant.program.program import (
     Declaration,
     Parameter,
@@ -79,11 +81,7 @@ class _Lift:
             self.clocks,
             frozenset(self._plain(self._alone())),
         )
-        items = tuple(item for m in modules for item in m.items)
-        lifted = [i for i in items if isinstance(i, s.Routine) and not self.stays(i)]
-        self.triggers = triggers(items, lifted, self.meaning, self.own.__contains__)
-        self.statements = StatementLift(self.meaning, self.paths, self.own, self.triggers)
-        self.left_out = self.clocks | self.triggers.names
+        self.statements = StatementLift(self.meaning, self.paths, self.own)
         self.procedures: list[Procedure] = []
         self.declarations: list[Declaration] = []
         self.comments: list[str] = []
@@ -162,8 +160,10 @@ class _Lift:
             variables=self.data.variables,
             declarations=tuple(self.declarations),
         )
+        triggers = Triggers(self.meaning, self.own.__contains__)
+        program, set_on_way = with_triggers(program, triggers.told, FUNCTIONS.__contains__, REASONS)
         declared = {self.original(n): v for h in self.headers for n, v in h.signals.items()}
-        used = chain(self.meaning.used, uses(program.statements()))
+        used = chain(set_on_way, self.meaning.used, uses(program.statements()))
         program = apart(replace(program, signals=with_used(declared, used)))
         program = with_constants(program, PREDEFINED_VALUES)
         program = with_values(with_places(program, self.original))
@@ -196,7 +196,7 @@ class _Lift:
                         self.declarations.append(lifted)
                 case s.TargetRunNode():
                     pass
-                case s.Data() if self.data.holds(item) or item.name.lower() in self.left_out:
+                case s.Data() if self.data.holds(item) or item.name.lower() in self.clocks:
                     pass
                 case _:
                     self.declarations.append(_declaration(item))
@@ -219,7 +219,7 @@ class _Lift:
         variables: dict[str, Variable] = {}
         foreign: list[p.Opaque] = []
         for inner in node.body:
-            if isinstance(inner, s.Data) and inner.name.lower() not in self.triggers.names:
+            if isinstance(inner, s.Data):
                 variable = self.data.variable(inner)
                 if variable is None:
                     foreign.append(opaque(inner))

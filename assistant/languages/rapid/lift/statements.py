@@ -11,7 +11,6 @@ from assistant.languages.rapid.lift.data import DataLift
 from assistant.languages.rapid.lift.instructions import REASONS, Meaning, instruction
 from assistant.languages.rapid.lift.paths import PathLift
 from assistant.languages.rapid.lift.timers import restarted
-from assistant.languages.rapid.lift.triggers import Triggers
 from assistant.languages.rapid.tables.standard import INSTRUCTIONS, OF_OPTIONS
 from assistant.languages.rapid.tables.words import LOADED_FROM
 from assistant.languages.rapid.text import effects, verbatim
@@ -44,15 +43,8 @@ def statements_of(text: str, program: Program) -> tuple[p.Statement, ...]:
 class StatementLift:
     """procedures: lower-case names of the user's own, which hide instructions."""
 
-    def __init__(
-        self,
-        meaning: Meaning,
-        paths: PathLift,
-        procedures: Collection[str],
-        triggers: Triggers | None = None,
-    ) -> None:
+    def __init__(self, meaning: Meaning, paths: PathLift, procedures: Collection[str]) -> None:
         self._meaning, self._paths, self._procedures = meaning, paths, procedures
-        self._triggers = triggers or Triggers()
         self._original, self._expression = meaning.original, meaning.expression
 
     def block(self, nodes: Sequence[s.StatementNode] | None) -> tuple[p.Statement, ...]:
@@ -115,10 +107,6 @@ class StatementLift:
                     p.Case(tuple(map(expression, c.values)), self.block(c.body)) for c in cases
                 )
                 yield p.Switch(expression(subject), chosen, self.block(otherwise), span=span)
-            case s.ProcedureCall() if id(node) in self._triggers.said:
-                said = self._triggers.said[id(node)]
-                if said is not None:
-                    yield replace(said, span=span)
             case s.ProcedureCall(name=str()):
                 yield replace(self._call(node), span=span)
             case _:
@@ -127,8 +115,8 @@ class StatementLift:
     def _call(self, node: s.ProcedureCall) -> p.Statement:
         name = str(node.name)
         if name.lower() in _STANDARD and name.lower() not in self._procedures:
-            reason = self._triggers.reasons.get(id(node)) or REASONS.get(name.lower())
-            return instruction(node, self._meaning) or replace(opaque(node), reason=reason)
+            kept = replace(opaque(node), reason=REASONS.get(name.lower()))
+            return instruction(node, self._meaning) or kept
         given = self._given(node)
         return opaque(node) if given is None else p.Call(self._original(name), given)
 

@@ -24,7 +24,7 @@ from assistant.program import statements as p
 
 _MOVES: Final = {move.plain: move for move in MOVES.values()}
 _MEASURES: Final = {measure: option for option, measure in MEASURES.items()}
-_OUTPUTS: Final = {kind: option for option, kind in OUTPUTS.items()}
+_OUTPUTS: Final[Mapping[str, str]] = {kind: option for option, kind in OUTPUTS.items()}
 _SPELLED: Final = {"start": "Start", "time": "Time", "dop": "DOp", "gop": "GOp", "aop": "AOp"}
 
 

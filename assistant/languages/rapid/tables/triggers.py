@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal
 
 from assistant.program.statements import Measure
 
@@ -19,7 +19,11 @@ MOST_TRIGGERS: Final = 8
 """Of one move: Trigg_1 and `\\T2` to `\\T8`."""
 LONGEST_TIME: Final = 0.5
 """Seconds of `\\Time`."""
-OUTPUTS: Final[Mapping[str, str]] = {"dop": "digital", "gop": "group", "aop": "analog"}
+OUTPUTS: Final[Mapping[str, Literal["digital", "analog", "group"]]] = {
+    "dop": "digital",
+    "gop": "group",
+    "aop": "analog",
+}
 """Kinds of signals by the option that names one."""
 MEASURES: Final[Mapping[str, Measure]] = {"": "end", "start": "start", "time": "time"}
 """What a distance is, by the option that stands with it."""
