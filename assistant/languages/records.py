@@ -65,11 +65,12 @@ def tool_of(values: Values) -> Tool | None:
         return None
     held, tip, (mass, *rest) = values
     tip_pose = _pose(*tip)
-    load = None if mass < 0 else _load(mass, *rest)
+    load = None if mass < 0 else load_of(mass, *rest)
     return None if tip_pose is None else Tool(tip_pose, load, held)
 
 
-def _load(mass: float, centre: list[float], axes: list[float], *inertia: float) -> Load:
+def load_of(mass: float, centre: list[float], axes: list[float], *inertia: float) -> Load:
+    """The load that values say: mass, centre, axes of inertia, and inertia."""
     x, y, z = map(float, centre)
     a, b, c, d = map(float, axes)
     i, j, k = map(float, inertia)

@@ -165,7 +165,7 @@ ARC_AT_START = warning(
     "let a straight move that stops (fine) in the same tool and frame stand before the arc",
 )  # fmt: skip
 NOT_FINITE = error(
-    "MB218", "{where} holds a number that is not finite or too large for a robot",
+    "MB218", "{what} holds a number that is not finite or too large for a robot",
     "correct the number in the source",
 )  # fmt: skip
 LOCAL_DATA = error(

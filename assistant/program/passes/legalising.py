@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import wraps
 from typing import Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
 from assistant.program.diagnostics import Findings, Rule
+from assistant.program.geometry import Load
 from assistant.program.motion import Blend, Speed
 from assistant.program.passes.watching import passed
 from assistant.program.program import Program, Variable
@@ -140,6 +145,80 @@ class FiveAxes:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Mounts:
+    """What a language has no words for of tools and frames, each told of by its name.
+
+    held: a tool that the robot does not hold, a frame that moves. load: of a tool. joined: a frame
+    of two parts. bent: a tool whose tip is not on the flange's axis, for an arm of five axes.
+    """
+
+    held: Rule
+    load: Rule
+    joined: Rule
+    bent: Rule
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Loads:
+    """Of a language in which each tool has a load, and none is less than the least.
+
+    missing: tells of a tool (name) that states none. centre: the least one's in words. written:
+    a load with the decimals that are written.
+    """
+
+    least: Load
+    missing: Rule
+    centre: str
+    written: Callable[[Load], Load]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Positions:
+    """How a language writes positions and joints.
+
+    decimals: of joints and external axes. farthest: mm or degrees that each number is below.
+    not_finite: tells of a number in something (what) that is not. branches: arm branches (n, 6)
+    int8 as they are written, where unstated ones get one. unstated: tells of a target (about) or
+    of targets of a path (place) that had none; None where they are counted. external: how many
+    external axes a target may have, of which the first ones are used, by all targets of a path
+    alike; None where any of the six may be. unused: a value from there on stands for none.
+    quaternions: orientations are written as quaternions, of which two are the same.
+    joints: of a joint target. own: those of the arm, of the ones that are stated. padded: missing
+    ones are written as 0.
+    """
+
+    decimals: int
+    not_finite: Rule
+    branches: Callable[[NDArray[np.int8]], NDArray[np.int8]]
+    farthest: float = math.inf
+    unstated: Rule | None = None
+    external: int | None = None
+    unused: float = math.nan
+    quaternions: bool = False
+    joints: int = 6
+    own: Callable[[tuple[float, ...]], tuple[float, ...]] = tuple
+    padded: bool = False
+    mounts: Mounts | None = None
+    loads: Loads | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Motions:
+    """Of a language whose moves state mm/s or, of the joints, percents, and mm of a corner.
+
+    fastest: mm/s that are taken for 100 percent. unknown: tells of a name that is not declared, and
+    what it should be. percent: of a joint move's percent that was worked out of a speed (tcp).
+    speed_part: of more that a speed states (part). blend_part: of more that a blend does.
+    """
+
+    fastest: float
+    unknown: Rule
+    percent: Rule
+    speed_part: Rule
+    blend_part: Rule
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Arrays:
     """The most dimensions of an array, and the most elements of one dimension."""
 
@@ -167,13 +246,15 @@ class Outputs:
 
     measures: what it measures places by. known: whether that is what the pseudo-program means by
     them on every way. unlike: tells of one (name) on the way of a move (what) that others may count
-    otherwise. pulse: of one (name) that may be on when a pulse begins.
+    otherwise. pulse: of one (name) that may be on when a pulse begins. behind: of one (name) that
+    is set behind a move which stops there, None where it can be set at its very end.
     """
 
     measures: frozenset[Measure]
     known: bool
     unlike: Rule
     pulse: Rule
+    behind: Rule | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

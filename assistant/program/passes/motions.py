@@ -5,15 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Final, Generic, TypeVar
+from typing import Any, Final, Generic, TypeVar
 
 import numpy as np
 
 from assistant.program import expressions as e
-from assistant.program.motion import MAXIMUM_SPEED, Blend, Speed
+from assistant.program.geometry import BASE, FLANGE
+from assistant.program.motion import FINE, MAXIMUM_SPEED, Blend, Speed
 from assistant.program.passes.legalising import Corners, Legalising
-from assistant.program.path import Path
+from assistant.program.passes.legalising import Motions as MotionTable
+from assistant.program.passes.path_tables import table_of
+from assistant.program.path import Kind, Path
 from assistant.program.program import identifier
+from assistant.program.statements import Motion
 
 T = TypeVar("T")
 
@@ -110,6 +114,82 @@ class Named(Generic[T]):
         name = identifier(f"{self._words.kind}_1", {*self._values})
         self._values[name] = said
         return e.Name(name)
+
+
+class Numbers:
+    """Motions with numbers for the names of their speeds and blends, and no others than is said.
+
+    named: how many names became numbers. Tools and frames get the spelling of their declarations.
+    """
+
+    def __init__(self, job: Legalising, can: MotionTable) -> None:
+        self.job, self.can, self.program = job, can, job.program
+        self.named = 0
+
+    def motion(self, motion: Motion, joint_move: bool) -> Motion:
+        tool, frame = self.tool(motion.tool), self.frame(motion.frame)
+        speed, blend = self.speed(motion.speed, joint_move), self.blend(motion.blend)
+        return Motion(speed, blend, tool, frame)
+
+    def path(self, path: Path) -> Path:
+        """A path with tables of such values, each once and in the order of their first use."""
+        pairs = path.speed.astype(np.int64) * 2 + (path.kinds == Kind.JOINT)
+        speeds, speed = table_of(pairs, lambda i: self.speed(path.speeds[i // 2], bool(i % 2)))
+        blends, blend = table_of(path.blend, lambda i: self.blend(path.blends[i]))
+        tools, tool = table_of(path.tool, lambda i: self.tool(path.tools[i]))
+        frames, frame = table_of(path.frame, lambda i: self.frame(path.frames[i]))
+        return replace(
+            path, speeds=speeds, speed=speed, blends=blends, blend=blend,
+            tools=tools, tool=tool, frames=frames, frame=frame,
+        )  # fmt: skip
+
+    def speed(self, speed: Speed | e.Name, joint_move: bool) -> Speed:
+        """The speed by value, with its percentage for joint moves only."""
+        known = self._meant(speed, self.program.speeds, "the speed")
+        if known is None:
+            return Speed(math.inf, joint=1.0) if joint_move else Speed(100.0)
+        known, parts = without_axes(known)
+        self.job.findings.extend(self.can.speed_part(part=part) for part in parts)
+        if not joint_move:
+            return replace(known, joint=None)
+        if known.joint is not None:
+            return Speed(math.inf, joint=min(100.0, max(1.0, known.joint)))
+        percent = joint_percent(known.tcp, self.can.fastest)
+        tcp = "the most" if math.isinf(known.tcp) else f"{known.tcp:g}"
+        self.job.findings.append(self.can.percent(tcp=tcp, percent=percent))
+        return Speed(math.inf, joint=percent)
+
+    def blend(self, blend: Blend | e.Name) -> Blend:
+        known = self._meant(blend, self.program.blends, "the blend")
+        if known is None:
+            return FINE
+        if known.details is not None:
+            self.job.findings.append(self.can.blend_part())
+            known = replace(known, details=None)
+        open_ = known.radius is None or math.isinf(known.radius)
+        return replace(known, exit=None) if open_ or known.exit == known.radius else known
+
+    def tool(self, name: str) -> str:
+        return self._spelled(name, self.program.tools, FLANGE, "the tool")
+
+    def frame(self, name: str) -> str:
+        return self._spelled(name, self.program.frames, BASE, "the frame")
+
+    def _meant(self, value: T | e.Name, declared: Mapping[str, T], what: str) -> T | None:
+        known = meant(value, declared)
+        if isinstance(known, e.Name):
+            self.job.findings.append(self.can.unknown(what=what, name=known.name))
+            return None
+        self.named += known is not value
+        return known
+
+    def _spelled(self, name: str, declared: Mapping[str, Any], default: str, what: str) -> str:
+        if name.lower() == default:
+            return default
+        known = next((n for n in declared if n.lower() == name.lower()), None)
+        if known is None:
+            self.job.findings.append(self.can.unknown(what=what, name=name))
+        return known or name
 
 
 class Sizing:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Set
+from collections.abc import Iterator, Mapping, Set
 from dataclasses import replace
 from typing import Final
 
@@ -76,6 +76,37 @@ def constants(program: Program, procedure: Procedure) -> dict[str, e.Number]:
 def plain(value: e.Expression, numbers: Mapping[str, e.Number]) -> e.Expression:
     """The number that a constant stands for, anything else as it is. numbers: see `constants`."""
     return numbers.get(value.name.lower(), value) if isinstance(value, e.Name) else value
+
+
+def plain_trigger(x: p.Trigger, numbers: Mapping[str, e.Number]) -> p.Trigger:
+    """With numbers for truths and constants, and no delay of no time. numbers: see `constants`."""
+    value = e.Number(int(x.value.value)) if isinstance(x.value, e.Truth) else x.value
+    ahead = None if x.ahead is None else plain(x.ahead, numbers)
+    return replace(
+        x,
+        value=plain(value, numbers),
+        amount=plain(x.amount, numbers),
+        pulse=None if x.pulse is None else plain(x.pulse, numbers),
+        ahead=None if ahead == ZERO else ahead,
+    )
+
+
+def with_ends_behind(job: Legalising, move: p.MoveStatement) -> Iterator[p.Statement]:
+    """The move; behind it what it sets at its very end, if it stops there."""
+    blend, can = move.motion.blend, job.can.outputs
+    told = None if can is None else can.behind
+    if told is None or not isinstance(blend, Blend) or not blend.fine:
+        yield move
+        return
+    behind = [one for one in move.triggers if one.ahead is None and _is_at_end(one)]
+    yield replace(move, triggers=tuple(one for one in move.triggers if one not in behind))
+    for one in behind:
+        job.findings.append(told(name=one.signal))
+        yield p.SetSignal(one.signal, one.value, one.pulse, span=move.span)
+
+
+def _is_at_end(x: p.Trigger) -> bool:
+    return x.measure == "end" and x.amount == ZERO
 
 
 def _measured(

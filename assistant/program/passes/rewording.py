@@ -11,8 +11,8 @@ from assistant.program import statements as p
 from assistant.program.analysis.kinds import Kinds, kinds
 from assistant.program.analysis.spelling import Spelling
 from assistant.program.passes.legalising import Legalising
-from assistant.program.program import Procedure
-from assistant.program.rewriting import Body, map_bodies, map_head
+from assistant.program.program import Procedure, Variable
+from assistant.program.rewriting import Body, map_bodies, map_expressions, map_head
 
 Changes = Mapping[type, Callable[[Any, Any], Iterable[p.Statement]]]
 
@@ -37,6 +37,17 @@ class Rewording:
         """What follows stands in a procedure."""
         self.spelling.enter(procedure)
         self.known = kinds(self.job.program, procedure)
+
+    def procedure(self, procedure: Procedure) -> Procedure:
+        """A procedure with its variables and statements as the language says them."""
+        self.enter(procedure)
+        owner = procedure.name
+        variables = {n: self.variable(v, n, owner) for n, v in procedure.variables.items()}
+        return replace(procedure, body=self.body(procedure.body), variables=variables)
+
+    def variable(self, variable: Variable, name: str, owner: str = "") -> Variable:  # noqa: ARG002
+        """A variable as the language declares it. owner: the procedure whose own it is, or none."""
+        return replace(variable, initial=map_expressions(variable.initial, self.expression))
 
     def expression(self, x: e.Expression) -> e.Expression:
         """An expression as the language says it; what is in it is said already."""

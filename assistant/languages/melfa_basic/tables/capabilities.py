@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP, Dialect
 from assistant.languages.melfa_basic.tables.triggers import PLACES
 from assistant.languages.melfa_basic.tables.variables import is_external
@@ -14,7 +16,10 @@ from assistant.program.passes.legalising import (
     Capabilities,
     Comments,
     FiveAxes,
+    Motions,
+    Mounts,
     Outputs,
+    Positions,
     Procedures,
     Switches,
     Units,
@@ -49,10 +54,42 @@ OUTPUTS: Final = Outputs(
     known=False,
     unlike=rules.PLACE_UNLIKE,
     pulse=rules.PULSE_UNLIKE,
+    behind=rules.BEHIND,
 )
 FIVE_AXES: Final = FiveAxes(
     unreachable=rules.UNREACHABLE, over_the_back=rules.OVER_THE_BACK, to_base=rules.TO_BASE
 )
+MOUNTS: Final = Mounts(
+    held=rules.HELD, load=rules.LOAD, joined=rules.FRAME_JOINED, bent=rules.FIVE_AXIS_TOOL
+)
+FARTHEST: Final = 1e6
+"""mm or degrees; no robot reaches there, and a controller refuses the number."""
+NOMINAL_TCP: Final = 5000.0
+"""mm/s that 100 percent of joint speed is taken for where no robot is named."""
+
+
+def positions(robot: Robot | None) -> Positions:
+    return Positions(
+        decimals=poses.PLACES,
+        farthest=FARTHEST,
+        not_finite=rules.NOT_FINITE,
+        branches=partial(poses.rounded_configurations, robot=robot),
+        external=2,
+        joints=6 if robot is None else min(len(robot.axes), 6),
+        own=tuple if robot is None else robot.own_joints,
+        mounts=MOUNTS,
+    )
+
+
+def motions(robot: Robot | None) -> Motions:
+    known = None if robot is None else robot.tcp_speed
+    return Motions(
+        fastest=NOMINAL_TCP if known is None else known,
+        unknown=rules.UNKNOWN,
+        percent=rules.JOINT_PERCENT,
+        speed_part=rules.SPEED_PARTS,
+        blend_part=rules.BLEND_PARTS,
+    )
 
 
 def capabilities(

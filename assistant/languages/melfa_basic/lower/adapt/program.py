@@ -9,11 +9,9 @@ from typing import TYPE_CHECKING, Final
 from assistant.languages.computed_targets import with_computed_targets
 from assistant.languages.language import Adapted
 from assistant.languages.melfa_basic import rules
-from assistant.languages.melfa_basic.lower.adapt.context import Context
-from assistant.languages.melfa_basic.lower.adapt.data import with_plain_data
-from assistant.languages.melfa_basic.lower.adapt.statements import plain_procedure
+from assistant.languages.melfa_basic.lower.adapt.statements import Plain
 from assistant.languages.melfa_basic.lower.adapt.vendor_text import check_names
-from assistant.languages.melfa_basic.lower.names import naming
+from assistant.languages.melfa_basic.lower.names import Names, naming
 from assistant.languages.melfa_basic.lower.program import UnitLines, branches_in
 from assistant.languages.melfa_basic.lower.writer import mentioned
 from assistant.languages.melfa_basic.tables.capabilities import capabilities
@@ -70,20 +68,19 @@ def adapt(
     comments = tuple(line for text in program.comments for line in lines(text, job))
     job = replace(job, program=replace(program, comments=comments))
     job = replace(job, program=legalised(job, FIRST))
-    context = Context(job, dialect, robot, products)
-    adapted = with_plain_data(context, job.program)
-    procedures = tuple(plain_procedure(context, q) for q in job.program.procedures)
-    job = replace(job, program=passed("sayable", replace(adapted, procedures=procedures)))
+    plain = Plain(job, dialect, robot, products)
+    job = replace(job, program=passed("sayable", plain.program()))
     adapted = legalised(job, LAST)
     if adapted.procedures and adapted.entry is None:
         findings.append(rules.NO_ENTRY(name=adapted.name))
     findings += _shared(adapted)
     findings += _long(adapted, dialect)
-    trees, wanting = _written(context, adapted)
-    if context.unstated:
-        findings.append(rules.NO_CONFIGURATION(count=context.unstated))
-    if context.named:
-        findings.append(rules.NAMED(count=context.named))
+    names = naming(adapted, dialect, products)
+    trees, wanting = _written(adapted, robot, dialect, names, findings)
+    if plain.written.unstated:
+        findings.append(rules.NO_CONFIGURATION(count=plain.written.unstated))
+    if plain.motions.named:
+        findings.append(rules.NAMED(count=plain.motions.named))
     trees = {} if has_errors(findings) else trees
     return Adapted(adapted, tuple(findings), trees, tuple(wanting))
 
@@ -134,7 +131,7 @@ def _long(program: Program, dialect: Dialect) -> Iterator[Diagnostic]:
 
 
 def _written(
-    context: Context, program: Program
+    program: Program, robot: Robot | None, dialect: Dialect, names: Names, findings: Findings
 ) -> tuple[dict[str | None, s.File], list[Diagnostic]]:
     """The units that can be written; what is found as they are is added to the findings.
 
@@ -142,20 +139,18 @@ def _written(
     """
     trees: dict[str | None, s.File] = {}
     wanting: list[Diagnostic] = []
-    findings = context.findings
-    names = naming(program, context.dialect, context.products)
-    check_names(program, names, context.findings)
-    if context.products:
-        for name, branches in branches_in(program, context.robot).items():
+    check_names(program, names, findings)
+    if names.products:
+        for name, branches in branches_in(program, robot).items():
             if name != BASE and len(branches) > 1:
                 about = Declared(name, "frames")
                 findings.append(rules.SHARED_BRANCH(name=name, about=about))
     for unit in dict.fromkeys([None, *(q.unit for q in program.procedures)]):
-        writing = UnitLines(program, context.robot, unit, context.dialect, names)
+        writing = UnitLines(program, robot, unit, dialect, names)
         code = writing.code()
         findings += writing.findings
         wanting += writing.writer.wanting
-        findings += _too_long(code, context.dialect, writing.writer.spans)
+        findings += _too_long(code, dialect, writing.writer.spans)
         if (count := steps_in(code)) > LAST_STEP:
             name, most = names.units[unit], LAST_STEP
             about = Declared(name)

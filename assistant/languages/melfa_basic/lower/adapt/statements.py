@@ -1,4 +1,7 @@
-"""Statements in the form that their text is read back as."""
+"""A program in the form that its text is read back as: data, statements and expressions.
+
+Truth values are numbers, and `not` is turned into its opposite: the language's own works on bits.
+"""
 
 from __future__ import annotations
 
@@ -6,75 +9,142 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from assistant.languages.melfa_basic.lower.adapt.data import plain_variables
-from assistant.languages.melfa_basic.lower.adapt.expressions import plain_expression
-from assistant.languages.melfa_basic.lower.adapt.paths import plain_path
-from assistant.languages.melfa_basic.lower.adapt.triggers import plain_trigger, with_triggers
+from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.lower.adapt.vendor_text import plain_verbatim
 from assistant.languages.melfa_basic.lower.statements import opaque_line
+from assistant.languages.melfa_basic.tables.capabilities import motions, positions
+from assistant.languages.melfa_basic.tables.dialects import Dialect
+from assistant.languages.melfa_basic.tables.vocabulary.timers import MILLISECONDS
 from assistant.languages.melfa_basic.text import printer
+from assistant.languages.positions import Written
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.geometry import BASE
 from assistant.program.passes.comments import as_comment, plain_comment
 from assistant.program.passes.endings import end_for_good
-from assistant.program.passes.places import constants
+from assistant.program.passes.legalising import Legalising
+from assistant.program.passes.motions import Numbers
+from assistant.program.passes.places import constants, plain_trigger, with_ends_behind
+from assistant.program.passes.plain_expressions import fixed, of_numbers, shifted
 from assistant.program.passes.rewording import Changes, Rewording
 from assistant.program.passes.switches import plain_switch
 from assistant.program.passes.waits import fit, set_signal, wait_signal, wait_until
-from assistant.program.program import Procedure
+from assistant.program.program import Procedure, Program, Variable
 
 if TYPE_CHECKING:
-    from assistant.languages.melfa_basic.lower.adapt.context import Context
+    from assistant.robots import Robot
 
 
-def plain_procedure(context: Context, procedure: Procedure) -> Procedure:
-    """The procedure with its statements in plain form."""
-    plain = _Plain(context)
-    plain.enter(procedure)
-    context.constants = constants(context.program, procedure)
-    body = plain.body(procedure.body)
-    while body and body[-1] == p.Return():
-        body = body[:-1]
-    return replace(
-        procedure,
-        body=body,
-        local=False,
-        variables=plain_variables(context, procedure.variables),
-    )
+class Plain(Rewording):
+    """The parts of a program. constants: numbers of those that the procedure at hand sees."""
 
+    def __init__(
+        self, job: Legalising, dialect: Dialect, robot: Robot | None, products: bool
+    ) -> None:
+        super().__init__(job)
+        self.dialect, self.products, self.five_axes = dialect, products, job.can.five_axes
+        self.written, self.motions = Written(job, positions(robot)), Numbers(job, motions(robot))
+        self.constants: dict[str, e.Number] = {}
 
-class _Plain(Rewording):
-    """The statements of one procedure."""
+    def program(self) -> Program:
+        program, written = self.job.program, self.written
+        for declaration in program.declarations:
+            with self.job.findings.at(declaration.span):
+                self.job.cannot(
+                    what=f"the {declaration.language} declaration `{declaration.text[:40]}`",
+                    cure="leave it out or say it in plain statements",
+                )
+        return replace(
+            program,
+            tools=written.tools(program.tools),
+            frames=written.frames(program.frames),
+            speeds={},
+            blends={},
+            targets=written.targets(program.targets),
+            joint_targets=written.joint_targets(program.joint_targets),
+            variables={n: self.variable(v, n) for n, v in program.variables.items()},
+            procedures=tuple(map(self.procedure, program.procedures)),
+        )
 
-    def __init__(self, context: Context) -> None:
-        super().__init__(context.job)
-        self.context = context
+    def procedure(self, procedure: Procedure) -> Procedure:
+        self.constants = constants(self.job.program, procedure)
+        made = super().procedure(procedure)
+        body = made.body
+        while body and body[-1] == p.Return():
+            body = body[:-1]
+        return replace(made, body=body, local=False)
+
+    def variable(self, variable: Variable, name: str, owner: str = "") -> Variable:
+        with self.job.findings.at(variable.span):
+            return super().variable(variable, name, owner)
 
     def expression(self, x: e.Expression) -> e.Expression:
-        return plain_expression(self.context, x, deep=False)
+        match x:
+            case e.Truth() | e.Unary():
+                return of_numbers(x)
+            case e.Here(tool, frame):
+                return self.here(e.Here(self.motions.tool(tool), self.motions.frame(frame)))
+            case e.Binary(operator, e.Binary("*", e.Elapsed() as timer, e.Number(1000)), limit) if (
+                operator in e.RELATIONS and isinstance(limit, e.Number)
+            ):
+                return e.Binary(operator, timer, _seconds(limit))
+            case e.Binary(operator, limit, e.Binary("*", e.Elapsed() as timer, e.Number(1000))) if (
+                operator in e.RELATIONS and isinstance(limit, e.Number)
+            ):
+                return e.Binary(operator, _seconds(limit), timer)
+            case e.Apply("relative" | "offset"):
+                return shifted(x)
+            case e.Apply("fixed", (number, e.Number(places))):
+                if places > 0:
+                    self.job.findings.append(rules.ROUNDED_TEXT())
+                return fixed(number, int(places))
+            case e.Text(text):
+                return self.text(text)
+            case e.Verbatim():
+                return plain_verbatim(x, self.dialect)
+            case e.TargetValue(target):
+                return e.TargetValue(self.written.target(target, "a target", "a target"))
+            case e.JointValue(joints):
+                what = "a joint target"
+                return e.JointValue(self.written.joints(joints, what, what))
+        return x
+
+    def here(self, value: e.Here) -> e.Here:
+        """The present position; an error in a frame that `Base` is not set to."""
+        if value.frame != BASE and (self.products or self.five_axes is not None):
+            how = "frames as products" if self.five_axes is None else "five axes"
+            self.job.cannot(
+                what=f"the present position in `{value.frame}`, with {how}",
+                cure="write frames as base" if self.five_axes is None else "read it in the base",
+            )
+        return value
+
+    def text(self, text: str) -> e.Text:
+        """Without quotes, which end a text, and control characters."""
+        plain = "".join(c if c.isprintable() else " " for c in text).replace('"', "'")
+        if plain != text:
+            self.job.findings.append(rules.TEXT_CHANGED(given=repr(text), text=repr(plain)))
+        return e.Text(plain)
 
     def move(self, node: Any) -> Iterator[p.Statement]:
         joint = isinstance(node, p.MoveJoints) or getattr(node, "kind", "") == "joint"
-        motion = self.context.motion(node.motion, joint)
-        if not node.triggers:
-            yield replace(node, motion=motion)
-            return
-        triggers = tuple(plain_trigger(self.context, one) for one in node.triggers)
+        triggers = tuple(plain_trigger(one, self.constants) for one in node.triggers)
+        motion = self.motions.motion(node.motion, joint)
         for one in triggers:
             fit(self, one.signal, one.value)
-        yield from with_triggers(self.context, replace(node, motion=motion, triggers=triggers))
+        yield from with_ends_behind(self.job, replace(node, motion=motion, triggers=triggers))
 
     def follow(self, node: p.Follow) -> Iterator[p.Statement]:
         if len(node.path):
-            yield replace(node, path=plain_path(self.context, node.path))
+            yield replace(node, path=self.motions.path(self.written.path(node.path)))
 
     def opaque(self, node: p.Opaque) -> Iterator[p.Statement]:
         """The vendor text in its canonical layout, if this language has it."""
-        dialect = self.context.dialect
-        line = opaque_line(node, dialect)
-        if line is None:
-            yield node
-        else:
-            yield replace(node, language=dialect.name, text=printer.line(line, dialect.upper))
+        line = opaque_line(node, self.dialect)
+        if line is not None:
+            text = printer.line(line, self.dialect.upper)
+            node = replace(node, language=self.dialect.name, text=text)
+        yield node
 
     changes: ClassVar[Changes] = {
         p.Move: move,
@@ -90,3 +160,7 @@ class _Plain(Rewording):
         p.Message: as_comment,
         p.Opaque: opaque,
     }
+
+
+def _seconds(milliseconds: e.Number) -> e.Number:
+    return e.number_of(milliseconds.value / MILLISECONDS)

@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-import numpy as np
-
-from assistant.languages.rapid import rules
+from assistant.languages.positions import Written
 from assistant.languages.rapid.lift.expressions import frame_name, tool_name
 from assistant.languages.rapid.tables.capabilities import CORNERS
 from assistant.languages.rapid.tables.motions import (
@@ -18,24 +16,22 @@ from assistant.languages.rapid.tables.motions import (
     speed_name,
     zone_name,
 )
-from assistant.languages.rapid.tables.words import LONGEST_NAME, UNUSED
-from assistant.languages.rapid.tree.runs import JOINT_PLACES
+from assistant.languages.rapid.tables.words import LONGEST_NAME
 from assistant.program import expressions as e
-from assistant.program import rotations
 from assistant.program import statements as p
 from assistant.program.motion import Blend, Speed
 from assistant.program.passes.legalising import Legalising
 from assistant.program.passes.motions import Named, Sizing
-from assistant.program.passes.path_tables import has_half_arcs, with_whole_arcs
-from assistant.program.path import UNSTATED, Path
+from assistant.program.path import Path
 from assistant.program.subjects import Declared
 
 
 class Motions:
     """The motions of a program. speeds, blends: what moves call them, filled as they are met."""
 
-    def __init__(self, job: Legalising) -> None:
-        self._job, program, self._sizing = job, job.program, Sizing(job, CORNERS)
+    def __init__(self, job: Legalising, written: Written) -> None:
+        self._job, self._written, self._sizing = job, written, Sizing(job, CORNERS)
+        program = job.program
         overrides = (s.percent for s in program.statements() if isinstance(s, p.SetOverride))
         self._slowed = any(percent != e.Number(100) for percent in overrides)
         self.speeds = Named(SPEEDS, program.speeds, self._speed, LONGEST_NAME)
@@ -47,35 +43,9 @@ class Motions:
         return p.Motion(speed, blend, tool_name(motion.tool), frame_name(motion.frame))
 
     def path(self, path: Path) -> Path:
-        path = self._sizing.path(path)
-        if has_half_arcs(path):
-            self._job.cannot(f"an arc of path `{path.name}` without its end", "give both points")
-        bad = ~np.isfinite(path.positions).all(axis=1) | ~np.isfinite(path.quaternions).all(axis=1)
-        bad |= ~(np.linalg.norm(path.quaternions, axis=1) > 0.5)
-        if bad.any():
-            row = int(np.flatnonzero(bad)[0]) + 1
-            self._job.findings.append(
-                rules.NOT_FINITE(
-                    what=f"target {row} of path `{path.name}`", about=Declared(path.name, "paths")
-                )
-            )
-            return path
-        configurations = path.configurations
-        unstated = configurations[:, 0] == UNSTATED
-        if unstated.any():
-            self._job.findings.append(
-                rules.NO_CONFIGURATION(place=f"{int(unstated.sum())} targets of `{path.name}`")
-            )
-            configurations = np.where(unstated[:, None], np.int8(0), configurations)
-        path = with_whole_arcs(path)
-        external = np.array(path.external)
-        np.round(external, JOINT_PLACES, out=external)
-        external[external >= UNUSED] = np.nan
+        path = self._written.path(self._sizing.path(path))
         return replace(
             path,
-            quaternions=rotations.canonical(path.quaternions),
-            configurations=configurations,
-            external=external,
             speeds=tuple(self.speeds.said(v) for v in path.speeds),
             blends=tuple(self.blends.said(v) for v in path.blends),
             tools=tuple(tool_name(t) for t in path.tools),

@@ -6,16 +6,11 @@ from dataclasses import replace
 from typing import Final
 
 from assistant.languages.language import Adapted
+from assistant.languages.positions import Written
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lift.data import fixed_target
 from assistant.languages.rapid.lift.places import with_places
-from assistant.languages.rapid.lower.adapt.data import (
-    sayable_frame,
-    sayable_joints,
-    sayable_target,
-    sayable_tool,
-)
-from assistant.languages.rapid.lower.adapt.expressions import sayable_variable
+from assistant.languages.rapid.lower.adapt.data import POSITIONS
 from assistant.languages.rapid.lower.adapt.motions import Motions
 from assistant.languages.rapid.lower.adapt.statements import StatementAdapter
 from assistant.languages.rapid.lower.names import naming, units
@@ -62,15 +57,11 @@ def sayable(job: Legalising) -> Program:
         if declaration.language != verbatim.LANGUAGE:
             with job.findings.at(declaration.span):
                 job.findings.append(rules.OTHER_LANGUAGE(**verbatim.foreign(declaration)))
-    motions = Motions(job)
-    targets = {
-        n: sayable_target(t, Declared(n, "targets"), job) for n, t in program.targets.items()
-    }
-    joints = {
-        n: sayable_joints(t, Declared(n, "joint_targets"), job)
-        for n, t in program.joint_targets.items()
-    }
-    variables = {n: sayable_variable(v, n, job) for n, v in program.variables.items()}
+    written = Written(job, POSITIONS)
+    motions = Motions(job, written)
+    statements = StatementAdapter(job, motions, written)
+    targets, joints = written.targets(program.targets), written.joint_targets(program.joint_targets)
+    variables = {n: statements.variable(v, n) for n, v in program.variables.items()}
     for name, variable in list(variables.items()):
         match None if variable.local else fixed_target(variable):
             case Target() as target:
@@ -79,7 +70,6 @@ def sayable(job: Legalising) -> Program:
             case JointTarget() as joint_target:
                 joints[name] = joint_target
                 del variables[name]
-    statements = StatementAdapter(job, motions)
     procedures = tuple(map(statements.procedure, program.procedures))
     entry = program.entry
     if entry is not None and program.procedure(entry) is None:
@@ -90,8 +80,8 @@ def sayable(job: Legalising) -> Program:
         program,
         entry=entry,
         comments=tuple(line for text in program.comments for line in lines(text, job)),
-        frames={n: sayable_frame(f, job) for n, f in frames.items()},
-        tools={n: sayable_tool(t, n, job) for n, t in tools.items()},
+        frames=written.frames(frames),
+        tools=written.tools(tools),
         speeds=motions.speeds.table(),
         blends=motions.blends.table(),
         signals=with_used(

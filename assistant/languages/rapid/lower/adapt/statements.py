@@ -1,62 +1,65 @@
-"""Procedures and statements as RAPID can say them, with a finding for each change."""
+"""Procedures, variables and statements as RAPID can say them, with a finding for each change."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from typing import Any
 
+from assistant.languages.positions import Written
 from assistant.languages.rapid import rules
+from assistant.languages.rapid.lift.expressions import frame_name, lift, negative, tool_name
 from assistant.languages.rapid.lift.statements import statements_of
-from assistant.languages.rapid.lower.adapt.expressions import (
-    sayable_expression,
-    sayable_variable,
-)
 from assistant.languages.rapid.lower.adapt.motions import Motions
 from assistant.languages.rapid.tables.hands import gripper
+from assistant.languages.rapid.tables.words import UNUSED
 from assistant.languages.rapid.text import verbatim
+from assistant.languages.records import aggregate
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.kinds import is_position, is_truth
-from assistant.program.diagnostics import has_errors
+from assistant.program.diagnostics import Refused, has_errors
 from assistant.program.geometry import Target
 from assistant.program.passes.accelerations import one_acceleration
 from assistant.program.passes.comments import plain_comment
 from assistant.program.passes.conditions import as_truth, compared, with_conditions
 from assistant.program.passes.legalising import Legalising
 from assistant.program.passes.messages import short_messages
-from assistant.program.passes.plain_expressions import floor
+from assistant.program.passes.plain_expressions import floor, in_pairs, shifted
 from assistant.program.passes.points import move_at
 from assistant.program.passes.rewording import Rewording
 from assistant.program.passes.switches import plain_switch
-from assistant.program.program import Procedure, identifier
-from assistant.program.rewriting import is_repeatable
+from assistant.program.program import Procedure, Variable, identifier
+from assistant.program.rewriting import is_repeatable, map_expressions
+from assistant.program.subjects import Declared
 
 
 class StatementAdapter(Rewording):
     """targets: those that paths of a single one become, filled as procedures are adapted."""
 
-    def __init__(self, job: Legalising, motions: Motions) -> None:
+    def __init__(self, job: Legalising, motions: Motions, written: Written) -> None:
         super().__init__(job)
-        self.program, self.motions = job.program, motions
+        self.program, self.motions, self.written = job.program, motions, written
         self.signals = {n.lower(): g for n, g in job.program.signals.items()}
         self.targets: dict[str, Target] = {}
 
     def procedure(self, procedure: Procedure) -> Procedure:
         with self.job.findings.at(procedure.span):
-            return self._procedure(procedure)
+            return super().procedure(procedure)
 
-    def _procedure(self, procedure: Procedure) -> Procedure:
-        self.enter(procedure)
-        variables = {
-            n: sayable_variable(v, n, self.job, procedure.name)
-            for n, v in procedure.variables.items()
-        }
-        for name, variable in variables.items():
-            if variable.storage == "persistent":
-                self.job.cannot(f"the persistent `{name}` inside a procedure", "declare it outside")
-            if variable.local:
-                variables[name] = replace(variable, local=False)
-        return replace(procedure, body=self.body(procedure.body), variables=variables)
+    def variable(self, variable: Variable, name: str, owner: str = "") -> Variable:
+        """With a type that RAPID has."""
+        if variable.storage == "constant" and variable.initial is None:
+            about = Declared(name, "variables", owner)
+            self.job.cannot(f"the constant `{name}` without a value", "give it one", about)
+        if owner and variable.storage == "persistent":
+            self.job.cannot(f"the persistent `{name}` inside a procedure", "declare it outside")
+        initial = variable.initial
+        if variable.type == "position" and variable.size:
+            initial = map_expressions(initial, _unset)
+        if variable.type == "truth":
+            initial = map_expressions(initial, as_truth)
+        initial = map_expressions(initial, self.plain)
+        return replace(variable, initial=initial, local=variable.local and not owner)
 
     def expression(self, x: e.Expression) -> e.Expression:
         match x:
@@ -66,10 +69,54 @@ class StatementAdapter(Rewording):
                 self.job.cannot(
                     "the inverse of a target", "work it out beforehand, or take a pose for it"
                 )
-        return compared(sayable_expression(x, self.job), self.known)
+        return compared(self.plain(x), self.known)
+
+    def plain(self, x: e.Expression) -> e.Expression:
+        """An expression in the form that its text is read back as."""
+        match x:
+            case e.Unary("-", operand):
+                return negative(operand)
+            case e.Number(value) if value == 0:
+                return e.Number(0)
+            case e.Aggregate(items):
+                made = aggregate(items)
+                return x if isinstance(made, e.Aggregate) else self.plain(made)
+            case e.TargetValue(target):
+                what = "a written out target"
+                return e.TargetValue(self.written.target(target, what, what))
+            case e.JointValue(joints):
+                what = "a written out joint target"
+                return e.JointValue(self.written.joints(joints, what, what))
+            case e.PoseValue(pose):
+                return e.PoseValue(self.written.pose(pose, "a pose") or pose)
+            case e.Apply("relative", given) if 4 < len(given) < 7:
+                return shifted(x, 6)
+            case e.Here(tool, frame):
+                return e.Here(tool_name(tool), frame_name(frame))
+            case e.Apply("min" | "max", (_, _, _, *_)):
+                return in_pairs(x)
+            case e.Verbatim(verbatim.LANGUAGE):
+                return _understood(x)
+        return x
 
     def whole(self, node: p.Statement) -> p.Statement:
         return with_conditions(node, self.known)
+
+
+def _understood(x: e.Verbatim) -> e.Expression:
+    try:
+        known = lift(verbatim.expression(x.text), str)
+    except Refused:
+        return x  # a finding when it is built
+    return x if known == x else known
+
+
+def _unset(x: e.Expression) -> e.Expression:
+    """A target that no move takes, as one that was given no value: its orientation is none."""
+    if x != e.NEVER_GIVEN:
+        return x
+    parts = ([0] * 3, [0] * 4, [0] * 4, [UNUSED] * 6)
+    return e.Aggregate(tuple(e.Aggregate(tuple(map(e.Number, part))) for part in parts))
 
 
 Changed = list[p.Statement]
