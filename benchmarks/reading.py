@@ -197,7 +197,7 @@ def melfa_basic_trees() -> Callable[[str], Any]:
 
 
 _LISTED: Final = re.compile(r"^%declare .*$", re.MULTILINE)
-_WORD: Final = re.compile(r'^([A-Z]+): ["/](#?[a-z]+(?:[ |][a-z]+)*)["/]i$', re.MULTILINE)
+_WORD: Final = re.compile(r'^(_?[A-Z]+): ["/](#?[a-z]+(?:[ |][a-z]+)*)["/]i$', re.MULTILINE)
 
 
 def _whole(terminal: str, words: Sequence[str]) -> str:

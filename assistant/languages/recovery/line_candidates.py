@@ -106,7 +106,7 @@ def _another_statement(
     if END not in fitting or stop.word.type == END:
         return
     try:
-        node = syntax.drive(text, start, len(text), syntax.line, syntax.nodes, None)
+        node = syntax.grammar.read(text, start, len(text), syntax.line, syntax.nodes(None), None)
     except ValueError:
         return
     if syntax.is_whole(node):

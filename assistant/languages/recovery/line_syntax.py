@@ -5,24 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence, Set
 from dataclasses import dataclass
-from typing import Any, Final, NamedTuple, Protocol
+from typing import Any, Final, NamedTuple
 
-from assistant.languages.lalr import Tables
-from assistant.languages.recovery.lexemes import Lexeme
+from assistant.languages.line_grammar import LineGrammar
+from assistant.languages.nodes import Nodes
 from assistant.languages.recovery.mistakes import Slip
 from assistant.languages.recovery.wording import listed
 from assistant.program.diagnostics import Rule
-
-
-class Drive(Protocol):
-    """Reads a line between two offsets by a rule of the grammar: what nodes make of it, or a Stop.
-
-    words: takes those that were read. Raises ValueError for a number that is too large.
-    """
-
-    def __call__(
-        self, text: str, at: int, end: int, start: str, nodes: Any, words: list[Lexeme] | None
-    ) -> Any: ...
 
 
 class Missing(NamedTuple):
@@ -51,8 +40,9 @@ class LineSyntax:
     """A language with a statement a line.
 
     title: what it is called. comment: mark of one; comments: their terminals. names: terminals of
-    names. code: offsets of the code of a line, and the rule of the grammar that it is; line: the
-    rule of a statement. item: what a line that was read is in a file. mistakes: the usual ones.
+    names. parts: number of a line between two offsets, offset of its code, and the rule of the
+    grammar that this is; line: the rule of a statement. nodes: of a line, from an offset in it to
+    one in the source. item: what a line that was read is with its number. mistakes: the usual ones.
     foreign: words of other languages in lower case → what to write, and the cure. branch: what a
     statement may begin behind, inside of a line. keywords: words in upper case → the terminals
     that they may be. words: those that a misspelt one may have been. spelled: a word as it is
@@ -60,19 +50,17 @@ class LineSyntax:
     None for nowhere. is_whole: whether something is a statement. prose: a line that is plain words,
     the first of them its group. missing: what is put in. phrases: what terminals are called;
     unsaid: those that are not said where another one fits. wrong: rule with `what` and `cure`.
-    most_words: of a line.
     """
 
     title: str
     comment: str
     comments: Set[str]
     names: Set[str]
-    drive: Drive
-    code: Callable[[str], tuple[int, int, str]]
+    grammar: LineGrammar
+    parts: Callable[[str, int, int], tuple[int | None, int, str]]
     line: str
-    tables: Callable[[str], Tables]
-    nodes: Any
-    item: Callable[[Any, str], Any]
+    nodes: Callable[[Callable[[int], int] | None], Nodes]
+    item: Callable[[Any, int | None], Any]
     mistakes: Sequence[Slip]
     foreign: Mapping[str, tuple[str, str]]
     branch: re.Pattern[str]
@@ -87,7 +75,6 @@ class LineSyntax:
     phrases: Sequence[Phrase]
     unsaid: Mapping[str, Set[str]]
     wrong: Rule
-    most_words: int
 
     def expected(self, terminals: Collection[str]) -> str:
         """What may follow, empty where nothing has a name or too much has."""

@@ -6,10 +6,10 @@ what a word is depends on those before it.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final
 
+from assistant.languages.nodes import Nodes
 from assistant.languages.recovery.edits import Edit
 from assistant.languages.recovery.lexemes import Lexeme, Stop
 from assistant.languages.recovery.line_candidates import candidates
@@ -57,9 +57,9 @@ class LineReader:
         line = Changed(source.text[start:end], start)
         findings: list[Diagnostic] = []
         while len(findings) < MOST_FINDINGS and len(line.text) <= LONGEST:
-            read = self._drive(line.text, _Placed(self.syntax.nodes, line.place))
+            read = self._read(line.text, self.syntax.nodes(line.place))
             if not isinstance(read, Stop):
-                return self.syntax.item(read, line.text), tuple(findings)
+                return read, tuple(findings)
             edit = self._best(line, read)
             if edit is None:
                 break
@@ -69,25 +69,28 @@ class LineReader:
             findings.append(self._unread(source, line, end))
         return None, tuple(findings)
 
-    def _drive(self, text: str, nodes: Any, words: list[Lexeme] | None = None) -> Any:
+    def _read(self, text: str, nodes: Nodes, words: list[Lexeme] | None = None) -> Any:
         """What a line says, a Stop where it stops being one, None for a number too large."""
+        syntax = self.syntax
+        number, at, rule = syntax.parts(text, 0, len(text))
         try:
-            return self.syntax.drive(text, *self.syntax.code(text), nodes, words)
+            node = syntax.grammar.read(text, at, len(text), rule, nodes, words)
         except ValueError:
             return None
+        return node if isinstance(node, Stop) else syntax.item(node, number)
 
     def _best(self, line: Changed, stop: Stop) -> Edit | None:
         """The cheapest change behind which the line reads on."""
         text = line.text
         read = self._words(text)
-        tables = self.syntax.tables(stop.start)
+        tables = self.syntax.grammar.tables[stop.start]
         states = tables.after((tables.first,), (word.type for word in read))
         assert states is not None  # each of them was shifted
         fitting = tables.fitting(states)
         if stop.word.type in fitting:  # too many words, or brackets too deep in each other
             return None
         best: tuple[int, Edit] | None = None
-        code = self.syntax.code(text)[0]
+        _, code, _ = self.syntax.parts(text, 0, len(text))
         for edit in candidates(self.syntax, text, code, stop, read, fitting):
             if best is not None and edit.cost >= best[0]:
                 continue
@@ -100,7 +103,7 @@ class LineReader:
         """What a change costs, None if it does not help."""
         text = edit.of(line.text)
         words = list[Lexeme]()
-        again = self._drive(text, self.syntax.nodes, words)
+        again = self._read(text, self.syntax.nodes(None), words)
         if not isinstance(again, Stop):
             return edit.cost
         before = len(line.text) - stop.word.start
@@ -111,7 +114,7 @@ class LineReader:
 
     def _words(self, text: str) -> tuple[Lexeme, ...]:
         words = list[Lexeme]()
-        self._drive(text, self.syntax.nodes, words)
+        self._read(text, self.syntax.nodes(None), words)
         return tuple(words)
 
     def _finding(self, source: SourceText, line: Changed, edit: Edit, end: int) -> Diagnostic:
@@ -125,14 +128,15 @@ class LineReader:
         return source.finding(rule, span, what=edit.what, cure=edit.cure)
 
     def _unread(self, source: SourceText, line: Changed, end: int) -> Diagnostic:
-        syntax = self.syntax
+        syntax, most = self.syntax, self.syntax.grammar.most_words
         words = self._words(line.text) if len(line.text) <= LONGEST else ()
-        at = line.place(words[-1].end if words else syntax.code(line.text)[0])
+        _, code, _ = syntax.parts(line.text, 0, len(line.text))
+        at = line.place(words[-1].end if words else code)
         at = min(at, max(end - 1, 0))
-        if len(line.text) > LONGEST or len(words) > syntax.most_words:
+        if len(line.text) > LONGEST or len(words) > most:
             what = "the line is longer than any step"
             cure = f"split it, or write `{syntax.comment}` before a text"
-        elif len(words) > syntax.most_words // 4 and any(word.type == "LPAR" for word in words):
+        elif len(words) > most // 4 and any(word.type == "LPAR" for word in words):
             what = "brackets stand too deep in each other"
             cure = "work parts out in lines of their own"
         else:
@@ -161,19 +165,3 @@ class Changed:
             elif offset > edit.start:
                 offset = edit.start
         return offset + self.base
-
-
-class _Placed:
-    """Nodes that know where they stand in the source, not in the mended line."""
-
-    def __init__(self, nodes: Any, place: Callable[[int], int]) -> None:
-        self._nodes, self._place = nodes, place
-
-    def __getattr__(self, name: str) -> Callable[[Span | None, list[Any]], Any]:
-        method, place = getattr(self._nodes, name), self._place
-
-        def placed(span: Span | None, children: list[Any]) -> Any:
-            at = None if span is None else Span(place(span.start), place(span.end))
-            return method(at, children)
-
-        return placed

@@ -7,20 +7,11 @@ statement or a name: the state that the tables are in decides, as it does in lar
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
-from functools import cache
-from typing import Any, Final
+from typing import Final
 
+from assistant.languages.line_grammar import Found, Row
 from assistant.languages.melfa_basic.reading.grammar import grammar, keywords
-
-Row = Mapping[str | None, Any]
-
-STRANGE: Final = "STRANGE"
-"""The type of what no terminal begins with."""
-
-
-Found = tuple[str, int, int]
-"""A terminal of the grammar or STRANGE, and the offsets that it stands between."""
+from assistant.languages.recovery.lexemes import STRANGE
 
 
 class Lexer:
@@ -35,7 +26,7 @@ class Lexer:
         self._next = re.compile(rf"[ \t\f]*+(?:{listed}|(?P<MARK>.))", flags)
         self._longer = {
             name: re.compile(terminals[name].regexp, flags)
-            for name in ("POSITION", "EMPTY", "LABEL", "HEX", "BINARY", "REM", "INCLUDE")
+            for name in ("POSITION", "EMPTY", "LABEL", "HEX", "BINARY", "REM", "_INCLUDE")
         }
         marks = {t.pattern: t.name for t in terminals.values() if t.plain}
         self._marks = marks | dict.fromkeys("$%!&#", "SUFFIX")
@@ -103,7 +94,7 @@ _LONGER: Final = {
     "(": ("POSITION", "EMPTY"),
     "*": ("LABEL",),
     "&": ("HEX", "BINARY"),
-    "#": ("INCLUDE",),
+    "#": ("_INCLUDE",),
 }
 _FIRM: Final = frozenset(
     {"IF", "THEN", "ELSE", "ELSEIF", "ENDIF", "FOR", "TO", "NEXT", "WHILE", "WEND", "SELECT"}
@@ -112,9 +103,3 @@ _FIRM: Final = frozenset(
 )
 """Words that are no names even where there is no room for them."""
 _SECOND: Final = re.compile(r"[ \t]*+([A-Za-z]+)(?![A-Za-z0-9_])")
-
-
-@cache
-def lexer() -> Lexer:
-    """The one lexer."""
-    return Lexer()

@@ -7,7 +7,9 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import Final
 
-from assistant.languages.melfa_basic.reading.driver import drive
+from assistant.languages.line_grammar import LineGrammar
+from assistant.languages.melfa_basic.reading.grammar import grammar
+from assistant.languages.melfa_basic.reading.lexer import Lexer
 from assistant.languages.melfa_basic.reading.nodes import Nodes
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.recovery.lexemes import Lexeme, Stop
@@ -15,6 +17,10 @@ from assistant.program.diagnostics import Span
 
 BLANKS: Final = " \t\f\x1a"
 """What a line holds that holds nothing; the last one ends files of old systems."""
+MOST_WORDS: Final = 256
+"""Words of a line that are read: no controller takes a step of more bytes."""
+MOST_NESTING: Final = 60
+"""Brackets inside each other that are read. Controllers take 16."""
 
 _STEP: Final = re.compile(r"[ \t]*+([0-9]{1,9})(?=[ \t*']|$)")
 _DECLARED: Final = re.compile(
@@ -30,6 +36,16 @@ class TooLarge:
     """A line that has a number which no variable takes."""
 
 
+@cache
+def line_grammar() -> LineGrammar:
+    return LineGrammar(grammar().tables, Lexer().next, MOST_WORDS, 2 * MOST_NESTING)
+
+
+@cache
+def _nodes() -> Nodes:
+    return Nodes()
+
+
 def read_line(
     text: str, start: int, end: int, behind: int
 ) -> s.Line | s.Data | s.Blank | Stop | TooLarge:
@@ -40,36 +56,27 @@ def read_line(
     span = Span(start, behind)
     if not text[start:end].strip(BLANKS):
         return s.Blank(span)
-    step = _STEP.match(text, start, end)
-    at = step.end() if step else start
-    kind = rule_of(text, at, end)
+    number, at, rule = parts(text, start, end)
     try:
-        node = drive(text, at, end, kind, _nodes())
+        node = line_grammar().read(text, at, end, rule, _nodes(), None)
     except ValueError:
         return TooLarge()
+    return node if isinstance(node, Stop) else placed(node, number, span)
+
+
+def placed(node: s.Line | s.Data, number: int | None, span: Span | None) -> s.Line | s.Data:
+    """What the grammar made of a line, with its step number and its place."""
     if isinstance(node, s.Line):
-        number = int(step.group(1)) if step else None
         return s.Line(number, node.label, node.statement, node.comment, span)
-    if isinstance(node, s.Data):
-        return replace(node, span=span)
-    return node if isinstance(node, Stop) else TooLarge()
+    return replace(node, span=span)
 
 
-def rule_of(text: str, at: int, end: int) -> str:
-    """The rule of the grammar that code begins, which stands behind a step number."""
-    return "data" if _DECLARED.match(text, at, end) else "line"
-
-
-def step_of(text: str, start: int, end: int) -> int | None:
-    """The step number of a line, None if it has none."""
+def parts(text: str, start: int, end: int) -> tuple[int | None, int, str]:
+    """Step number of a line, offset of the code behind it, and the rule of the grammar for that."""
     step = _STEP.match(text, start, end)
-    return None if step is None else int(step.group(1))
-
-
-def code_start(text: str, start: int, end: int) -> int:
-    """The offset behind a line's step number."""
-    step = _STEP.match(text, start, end)
-    return step.end() if step else start
+    at = step.end() if step else start
+    rule = "data" if _DECLARED.match(text, at, end) else "line"
+    return int(step[1]) if step else None, at, rule
 
 
 def statement(text: str) -> s.Line | None:
@@ -86,7 +93,7 @@ def lexemes(text: str, start: str = "line") -> tuple[Lexeme, ...]:
     start: the rule of the grammar, `line` or `data`.
     """
     words: list[Lexeme] = []
-    drive(text, 0, len(text), start, _Nothing(), words)
+    line_grammar().read(text, 0, len(text), start, _Nothing(), words)
     return tuple(words)
 
 
@@ -99,8 +106,3 @@ class _Nothing(Nodes):
 
 def _no_node(_: Span | None, __: list[object]) -> None:
     return None
-
-
-@cache
-def _nodes() -> Nodes:
-    return Nodes()

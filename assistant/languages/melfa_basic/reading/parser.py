@@ -8,7 +8,7 @@ from typing import Final
 
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.reading.files import TOKENISED
-from assistant.languages.melfa_basic.reading.line import TooLarge, code_start, read_line, statement
+from assistant.languages.melfa_basic.reading.line import TooLarge, parts, read_line, statement
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows, rows_at
 from assistant.languages.recovery.lexemes import Stop
@@ -48,7 +48,7 @@ def parse(source: SourceText | str, dialect: str, *, runs: bool = True) -> s.Fil
             items.append(unread if item is None else replace(item, span=span))
             findings += found
         elif isinstance(node, TooLarge):
-            at = Span(code_start(text, start, stop), stop)
+            at = Span(parts(text, start, stop)[1], stop)
             findings.append(source.finding(rules.SYNTAX, at, what=TOO_LARGE, cure=SMALLER))
             items.append(s.Unread(text[start:stop], Span(start, end)))
         else:

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 from functools import cache
 from typing import Final
 
-from assistant.languages.lalr import END, Tables
+from assistant.languages.lalr import END
 from assistant.languages.melfa_basic import rules
-from assistant.languages.melfa_basic.reading.driver import MOST_WORDS, drive
-from assistant.languages.melfa_basic.reading.grammar import grammar, keywords
-from assistant.languages.melfa_basic.reading.line import code_start, rule_of, step_of
+from assistant.languages.melfa_basic.reading.grammar import keywords
+from assistant.languages.melfa_basic.reading.line import line_grammar, parts, placed
 from assistant.languages.melfa_basic.reading.nodes import Nodes
 from assistant.languages.melfa_basic.reading.recovery.mistakes import MISTAKES, foreign
 from assistant.languages.melfa_basic.tables.vocabulary import statement, words
@@ -23,14 +21,16 @@ _MISSING, _UNCLEAR, _TEXT = 4, 5, 6
 """Costs of what is put in: how sure it is that it is meant."""
 
 MISSING: Final = {
-    "THEN": Missing(" Then ", "`Then` is missing", "write `Then` behind the condition", _MISSING),
+    "_THEN": Missing(" Then ", "`Then` is missing", "write `Then` behind the condition", _MISSING),
     "RPAR": Missing(
         ")", "a `)` is missing", "write it, or take out the `(` that it belongs to", _MISSING
     ),
     "COMMA": Missing(",", "a comma is missing", "write `,` between the two", _MISSING),
     "EQUALS": Missing("=", "a `=` is missing", "write `=` between the two", _UNCLEAR),
-    "TO": Missing(" To ", "`To` is missing", "write `To` between first and last value", _MISSING),
-    "AS": Missing(" As ", "`As` is missing", "write `As #1` with the number of the line", _MISSING),
+    "_TO": Missing(" To ", "`To` is missing", "write `To` between first and last value", _MISSING),
+    "_AS": Missing(
+        " As ", "`As` is missing", "write `As #1` with the number of the line", _MISSING
+    ),
     "NUMBER": Missing(" 1 ", "a value is missing", "write a number or a variable", _UNCLEAR),
     "NAME": Missing(" M1 ", "a name is missing", "write a variable", _UNCLEAR),
     "GOTO": Missing(
@@ -53,9 +53,9 @@ PHRASES: Final = (
     Phrase(frozenset(("POSITION", "NAME")), "a name", _VALUE),
     Phrase(frozenset(("STRING",)), "a text", _VALUE),
     Phrase(frozenset(("LABEL",)), "a label", _VALUE),
-    Phrase(frozenset(("THEN",)), "`Then`"),
-    Phrase(frozenset(("TO",)), "`To`"),
-    Phrase(frozenset(("AS",)), "`As`"),
+    Phrase(frozenset(("_THEN",)), "`Then`"),
+    Phrase(frozenset(("_TO",)), "`To`"),
+    Phrase(frozenset(("_AS",)), "`As`"),
     Phrase(frozenset(("GOTO", "GOSUB")), "`GoTo` or `GoSub`"),
     Phrase(frozenset(("TYPE",)), "a type, `Inte` or `Pos` for example"),
     Phrase(frozenset(("HASH",)), "`#`"),
@@ -79,12 +79,11 @@ def reader() -> LineReader:
         comment="'",
         comments=frozenset(("COMMENT", "REM")),
         names=frozenset(("NAME", "FN_NAME")),
-        drive=drive,
-        code=_code,
+        grammar=line_grammar(),
+        parts=parts,
         line="line",
-        tables=_tables,
-        nodes=Nodes(),
-        item=_item,
+        nodes=Nodes,
+        item=lambda node, number: placed(node, number, None),
         mistakes=MISTAKES,
         foreign=foreign(),
         branch=_BRANCH,
@@ -99,24 +98,8 @@ def reader() -> LineReader:
         phrases=PHRASES,
         unsaid={"SIGN": frozenset(("EQUALS",))},  # which compares there, as other operators do
         wrong=rules.SYNTAX,
-        most_words=MOST_WORDS,
     )
     return LineReader(syntax)
-
-
-def _code(text: str) -> tuple[int, int, str]:
-    at, end = code_start(text, 0, len(text)), len(text)
-    return at, end, rule_of(text, at, end)
-
-
-def _tables(start: str) -> Tables:
-    return grammar().tables[start]
-
-
-def _item(node: object, text: str) -> s.Line | s.Data | None:
-    if isinstance(node, s.Line):
-        return replace(node, number=step_of(text, 0, len(text)))
-    return node if isinstance(node, s.Data) else None
 
 
 def _words() -> tuple[str, ...]:

@@ -21,7 +21,9 @@ _OPERATORS: Final = frozenset(
 )
 _TIGHT_BEFORE: Final = frozenset(("COLON", "RPAR", "SEMICOLON", "SUFFIX", "DOT"))
 _TIGHT_BEHIND: Final = frozenset(("COLON", "LPAR", "COMMA", "SEMICOLON", "HASH", "DOT"))
-_CLAUSES: Final = frozenset(("ELSE", "WTH", "WTHIF", "TYPE_OF", "GOTO", "GOSUB", "TO", "STEP_OF"))
+_CLAUSES: Final = frozenset(
+    ("ELSE", "_WTH", "_WTHIF", "_TYPE_OF", "GOTO", "GOSUB", "_TO", "_STEP_OF")
+)
 """Words that begin a part of a statement, also where the last argument before is left out."""
 _HEADS: Final = frozenset(("MOTION", "COMMAND"))
 """Statements whose first argument may be left out: `Mvs ,-100`."""
@@ -46,7 +48,7 @@ def code(listed: Sequence[Word], upper: bool) -> str:
 
 def _spaced(listed: Sequence[Word], upper: bool) -> Iterator[str]:
     for before, token, at in zip([None, *listed], listed, range(len(listed)), strict=False):
-        within_is = at > 0 and "IS" in (listed[at - 1].kind, listed[at - 2].kind if at > 1 else "")
+        within_is = at > 0 and "_IS" in (listed[at - 1].kind, listed[at - 2].kind if at > 1 else "")
         if before is not None and (within_is or _apart(before, token)):
             yield " "
         yield _spelt(token, upper)
@@ -72,7 +74,7 @@ def _apart(before: Word, token: Word) -> bool:
     if token.kind == "COMMA":
         return before.kind in _HEADS
     if _is_keyword(before):
-        return not (before.kind == "COM" and token.kind == "LPAR")
+        return not (before.kind == "_COM" and token.kind == "LPAR")
     if _is_keyword(token):
         return before.kind not in _OPERATORS
     if before.kind in _OPERATORS or token.kind in _OPERATORS:
