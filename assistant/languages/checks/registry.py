@@ -11,6 +11,9 @@ from assistant.program.diagnostics import Diagnostic
 
 V = TypeVar("V")
 
+Found = Iterator[Diagnostic]
+"""What a rule finds."""
+
 
 class Needs(enum.Flag):
     """What a text with syntax errors may lack, so that a rule of it would say what is not so."""
@@ -32,14 +35,14 @@ class Check(Generic[V]):
     program that this comes from has been checked, and its author wrote no vendor language.
     """
 
-    find: Callable[[V], Iterator[Diagnostic]]
+    find: Callable[[V], Found]
     needs: Needs = Needs.NOTHING
     advice: bool = False
 
 
 def findings(
     checks: Iterable[Check[V]], view: V, lacks: Needs = Needs.NOTHING, *, compiled: bool = False
-) -> Iterator[Diagnostic]:
+) -> Found:
     """What the checks find that can be sure of it. lacks: what syntax errors have spoilt."""
     for check in checks:
         if not (check.needs & lacks or (check.advice and compiled)):

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Final, Literal
 
+from assistant.languages.checks.registry import Found
 from assistant.languages.melfa_basic.checks import value_rules as rules
 from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.program.diagnostics import Diagnostic
 
-Found = Iterator[Diagnostic]
 Kind = Literal["M", "C", "P", "J", "PJ", ""]
 """A number, a text, a position, joints; either of the last two; not known."""
 

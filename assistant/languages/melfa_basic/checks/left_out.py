@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Final
 
+from assistant.languages.checks.registry import Found
 from assistant.languages.melfa_basic.checks import value_rules as rules
 from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
-from assistant.program.diagnostics import Diagnostic
-
-Found = Iterator[Diagnostic]
 
 ELEMENTS: Final = ("X", "Y", "Z", "A", "B", "C", "L1", "L2")
 FOUR_AXES: Final = ("A", "B")

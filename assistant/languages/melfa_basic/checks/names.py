@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from assistant.languages.checks.registry import Found
 from assistant.languages.checks.repeats import firsts, repeated
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks.file_view import Look, program_name
@@ -14,10 +15,6 @@ from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import PROGRAM_NAME
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
-from assistant.program.diagnostics import Diagnostic
-
-Found = Iterator[Diagnostic]
-
 
 # ---------------------------------------------------------------------------------- as written
 

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Final
 
+from assistant.languages.checks.registry import Found
 from assistant.languages.melfa_basic.checks import value_rules as rules
 from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.program.diagnostics import Diagnostic
 
 MOST: Final = 4
 """Pulses that run at a time; one more is an error (COSIROP help: DLY)."""
 
 
-def at_a_time(look: Look) -> Iterator[Diagnostic]:
+def at_a_time(look: Look) -> Found:
     """More pulses in a row than run beside each other, with nothing between that takes time."""
     count = 0
     for item in look.code:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
 
+from assistant.languages.checks.registry import Found
 from assistant.languages.checks.slips import slips
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks.file_view import Look
@@ -18,9 +18,6 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MVR, MoveRows
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.languages.runs.names import Names
-from assistant.program.diagnostics import Diagnostic
-
-Found = Iterator[Diagnostic]
 
 _PLACES: Final = ("Tool", "Base")
 

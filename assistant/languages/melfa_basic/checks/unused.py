@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
 
 import numpy as np
 
 from assistant.languages.checks.name_sets import NameSet, places, repeats
+from assistant.languages.checks.registry import Found
 from assistant.languages.checks.wording import SHOWN, listed
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks.file_view import Look
@@ -19,9 +19,7 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
 from assistant.languages.melfa_basic.tree.targets import labels_named
 from assistant.languages.runs.names import Names
-from assistant.program.diagnostics import Diagnostic, Span
-
-Found = Iterator[Diagnostic]
+from assistant.program.diagnostics import Span
 
 
 def twice(look: Look) -> Found:

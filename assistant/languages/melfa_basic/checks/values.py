@@ -8,6 +8,7 @@ from math import inf
 from typing import Any, Final
 
 from assistant.languages.checks.limits import Limits
+from assistant.languages.checks.registry import Found
 from assistant.languages.checks.wording import alternatives
 from assistant.languages.melfa_basic.checks import kinds
 from assistant.languages.melfa_basic.checks import value_rules as rules
@@ -15,10 +16,7 @@ from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.checks.kinds import literal
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.program.diagnostics import Diagnostic, Severity
-
-Found = Iterator[Diagnostic]
-
+from assistant.program.diagnostics import Severity
 
 PERCENT: Final = "write a percentage; `Spd` takes mm/s"
 HAND: Final = Limits("the number of the hand", 1, 8)

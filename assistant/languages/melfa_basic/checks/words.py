@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Final
 
+from assistant.languages.checks.registry import Found
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks import kinds, value_rules
 from assistant.languages.melfa_basic.checks.file_view import Look
@@ -16,8 +16,6 @@ from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.walk import statements_in, word_of
 from assistant.program.diagnostics import Diagnostic
-
-Found = Iterator[Diagnostic]
 
 LEVELS: Final = {4: "MELFA-BASIC IV", 5: "MELFA-BASIC V", 6: "MELFA-BASIC VI"}
 JUMPS: Final = "write `If … Then GoTo` over the lines"

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Final
 
+from assistant.languages.checks.registry import Found
 from assistant.languages.checks.slips import misspelt
 from assistant.languages.rapid.checks import use_rules as rules
 from assistant.languages.rapid.checks.kinds import Scope
@@ -12,7 +13,7 @@ from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.tables.words import TYPE_ENDING
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.signatures import Call, Given, Misfit, Parameter, Signature, Slot
-from assistant.program.diagnostics import Diagnostic, Rule
+from assistant.program.diagnostics import Rule
 
 CallNode = s.ProcedureCall | s.FunctionCall
 RULES: Final[Mapping[Misfit, Rule]] = {
@@ -56,7 +57,7 @@ def _parameter(node: s.ParameterNode) -> Parameter:
     return Parameter(node.name, node.type.lower(), node.mode, node.dimensions)
 
 
-def bind(node: CallNode, call: Call[s.Node], scope: Scope) -> Iterator[Diagnostic]:
+def bind(node: CallNode, call: Call[s.Node], scope: Scope) -> Found:
     """Arguments that are missing, too many, unknown, named wrongly, or given twice."""
     routine = call.routine
     standard = routine is signature(routine.name)

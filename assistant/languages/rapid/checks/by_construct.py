@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Final
 
+from assistant.languages.checks.registry import Found
 from assistant.languages.rapid.checks import calls, names_used, values
 from assistant.languages.rapid.checks.kinds import Scope
 from assistant.languages.rapid.checks.module_view import Look
 from assistant.languages.rapid.checks.places import places
 from assistant.languages.rapid.tree import syntax as s
-from assistant.program.diagnostics import Diagnostic
 
-Rules = tuple[Callable[[Any, Scope], Iterator[Diagnostic]], ...]
+Rules = tuple[Callable[[Any, Scope], Found], ...]
 
 RULES: Final[Mapping[type, Rules]] = {
     s.ProcedureCall: (calls.procedure,),
@@ -37,7 +37,7 @@ RULES: Final[Mapping[type, Rules]] = {
 """One line adds a rule of a construct."""
 
 
-def uses(look: Look) -> Iterator[Diagnostic]:
+def uses(look: Look) -> Found:
     for node, scope in look.once(places):
         for rule in RULES.get(type(node), ()):
             yield from rule(node, scope)

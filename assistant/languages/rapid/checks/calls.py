@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any, Final
 
+from assistant.languages.checks.registry import Found
 from assistant.languages.checks.slips import misspelt
 from assistant.languages.rapid.checks import names_used
 from assistant.languages.rapid.checks import use_rules as rules
@@ -18,9 +19,7 @@ from assistant.languages.rapid.tables.words import TYPE_ENDING
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import root
 from assistant.languages.signatures import Parameter, Signature
-from assistant.program.diagnostics import Diagnostic, Severity
-
-Found = Iterator[Diagnostic]
+from assistant.program.diagnostics import Severity
 
 ROUTINES: Final = ("PROC", "FUNC")
 _READ: Final = frozenset({"num", "dnum", "bool"})

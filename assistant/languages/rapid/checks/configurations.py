@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
 
+from assistant.languages.checks.registry import Found
 from assistant.languages.rapid.checks.module_view import Look
 from assistant.languages.rapid.checks.plain_rules import NO_CFX, NO_QUADRANTS
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_target
 from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic
 
 MOST: Final = 127
 """Quadrants are counted in turns of an axis, of which no arm has 32."""
@@ -22,7 +22,7 @@ CODES: Final = (10, 9999)
 """An arm with seven axes has a code of up to four digits; those of one are as above."""
 
 
-def configurations(look: Look) -> Iterator[Diagnostic]:
+def configurations(look: Look) -> Found:
     """Quadrants and cfx are whole numbers, and cfx is one that an arm of six axes has."""
     for run, values, name in look.targets:
         yield from _rows(look, run, values[:, 7:11], name)
@@ -35,7 +35,7 @@ def configurations(look: Look) -> Iterator[Diagnostic]:
             yield from _written_out(look, node.value, node.name)
 
 
-def _written_out(look: Look, value: s.Expression, name: str) -> Iterator[Diagnostic]:
+def _written_out(look: Look, value: s.Expression, name: str) -> Found:
     """A target, or those of an array, at its own place."""
     numbers = literal_target(value)
     if numbers is not None:
@@ -46,9 +46,7 @@ def _written_out(look: Look, value: s.Expression, name: str) -> Iterator[Diagnos
                 yield from _written_out(look, item, name)
 
 
-def _rows(
-    look: Look, node: s.Node, confdata: Floats, name: Callable[[int], str]
-) -> Iterator[Diagnostic]:
+def _rows(look: Look, node: s.Node, confdata: Floats, name: Callable[[int], str]) -> Found:
     """confdata: (n, 4) of the rows of a run. name: of a row."""
     whole = np.isfinite(confdata) & (confdata == np.round(confdata))
     quadrants = (whole[:, :3] & (np.abs(confdata[:, :3]) <= MOST)).all(axis=1)

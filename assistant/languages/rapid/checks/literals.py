@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
+from assistant.languages.checks.registry import Found
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.checks.module_view import Look
 from assistant.languages.rapid.tables.words import LONGEST_STRING
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
-from assistant.program.diagnostics import Diagnostic
-
-Found = Iterator[Diagnostic]
 
 
 def strings(look: Look) -> Found:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from itertools import chain
 from typing import Any, Final
 
 import numpy as np
 
 from assistant.languages.checks.name_sets import places, repeats
+from assistant.languages.checks.registry import Found
 from assistant.languages.checks.repeats import repeated
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.checks import plain_rules
@@ -22,9 +22,8 @@ from assistant.languages.rapid.checks.module_view import (
 from assistant.languages.rapid.tables.words import LONGEST_NAME, SPEEDS, ZONES
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.runs.names import Names
-from assistant.program.diagnostics import Diagnostic, Severity
+from assistant.program.diagnostics import Severity
 
-Found = Iterator[Diagnostic]
 DECLARING: Final[tuple[Any, ...]] = (s.Data, s.Routine, s.Record, s.Alias, s.ParameterNode)
 
 

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 
+from assistant.languages.checks.registry import Found
 from assistant.languages.checks.slips import misspelt
 from assistant.languages.rapid.checks import use_rules as rules
 from assistant.languages.rapid.checks.kinds import Scope
 from assistant.languages.rapid.tables import predefined
 from assistant.languages.rapid.tables.words import TYPE_ENDING
 from assistant.languages.rapid.tree import syntax as s
-from assistant.program.diagnostics import Diagnostic, Severity
-
-Found = Iterator[Diagnostic]
+from assistant.program.diagnostics import Severity
 
 
 def component(node: s.Component, scope: Scope) -> Found:

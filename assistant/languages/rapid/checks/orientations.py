@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from assistant.languages.checks.registry import Found
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.checks import plain_rules
 from assistant.languages.rapid.checks.kinds import Types
@@ -14,14 +15,12 @@ from assistant.languages.rapid.checks.module_view import Look
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number, literal_target
 from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic, Severity
+from assistant.program.diagnostics import Severity
 
 OFF_UNIT: Final = 1e-5
 """Most that the squares of a quaternion may miss 1 by; beyond it NOrient has to mend it."""
 USELESS: Final = 1e-3
 """Beyond this it is no rounded quaternion: four decimals are off by 2e-4 at most."""
-
-Found = Iterator[Diagnostic]
 
 
 def quaternions(look: Look) -> Found:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Final
 
+from assistant.languages.checks.registry import Found
 from assistant.languages.rapid.checks import plain_rules as rules
 from assistant.languages.rapid.checks.kinds import Scope
 from assistant.languages.rapid.checks.module_view import Look
@@ -14,9 +14,6 @@ from assistant.languages.rapid.tables.words import MOST_DIMENSIONS
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
 from assistant.languages.rapid.tree.walk import nodes, root
-from assistant.program.diagnostics import Diagnostic
-
-Found = Iterator[Diagnostic]
 
 WHAT: Final = {
     "VAR": "a variable",

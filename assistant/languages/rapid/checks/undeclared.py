@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from dataclasses import fields
 from typing import Any, Final
 
+from assistant.languages.checks.registry import Found
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.checks.module_view import Look, Task
 from assistant.languages.rapid.checks.motions import WORDS
@@ -19,7 +20,6 @@ from assistant.languages.rapid.tables.statements import ROWS
 from assistant.languages.rapid.tables.words import PREDEFINED
 from assistant.languages.rapid.text.header import opening
 from assistant.languages.rapid.tree import syntax as s
-from assistant.program.diagnostics import Diagnostic
 
 _AS_IS: Final = (INSTRUCTIONS | OF_OPTIONS) - ROWS.written - {"tpwrite"} - WORDS
 """Instructions that the pseudo-program has no word for: their data may be of other modules."""
@@ -27,7 +27,7 @@ _OF_MOTION: Final = 3
 """Last arguments of a move: its speed, zone and tool, which have rules of their own."""
 
 
-def names(look: Look) -> Iterator[Diagnostic]:
+def names(look: Look) -> Found:
     """The first use of each name that nothing declares; none in a module that people wrote."""
     header = opening(look.module)
     if not (header.program or header.unit):

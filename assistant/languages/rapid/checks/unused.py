@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
 
 from assistant.languages.checks.name_sets import NameSet
+from assistant.languages.checks.registry import Found
 from assistant.languages.checks.wording import SHOWN, listed
 from assistant.languages.rapid.checks import plain_rules as rules
 from assistant.languages.rapid.checks.module_view import Look, Task
@@ -16,9 +16,7 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.languages.runs.names import Names
 from assistant.program.arrays import Truths
-from assistant.program.diagnostics import Diagnostic, Rule
-
-Found = Iterator[Diagnostic]
+from assistant.program.diagnostics import Rule
 
 _WORD: Final = re.compile(r"[^\W\d]\w*")
 SHORTEST: Final = 3

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
+from assistant.languages.checks.registry import Found
 from assistant.languages.rapid.checks import use_rules as rules
 from assistant.languages.rapid.checks.kinds import (
     LOGICAL,
@@ -17,9 +16,7 @@ from assistant.languages.rapid.tables import predefined
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
 from assistant.program import expressions as e
-from assistant.program.diagnostics import Diagnostic
 
-Found = Iterator[Diagnostic]
 Sizes = tuple[int | None, ...]
 """Elements of each dimension of an array, None where that is not known; empty for one value."""
 
