@@ -38,6 +38,10 @@ class NamedTypes(abc.ABC):
     def declared(self, name: str) -> Type | None:
         """The type that the program declares by a name."""
 
+    @abc.abstractmethod
+    def atomic(self, base: str) -> bool:
+        """Whether a type surely has no components."""
+
     def find(self, name: str) -> Type | None:
         return self.declared(name) or self.predefined.get(name.lower())
 

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Final
+
+from assistant.languages.checks.kinds import Kind, Sizes, Unfit
 from assistant.languages.checks.registry import Found
 from assistant.languages.rapid.checks import use_rules as rules
-from assistant.languages.rapid.checks.kinds import (
-    LOGICAL,
-    NUMERIC,
-    OPERATIONS,
-    Kind,
-    Scope,
-    fits,
-)
+from assistant.languages.rapid.checks.kinds import LOGICAL, OPERATORS, SIGNALS, Scope
 from assistant.languages.rapid.tables import predefined
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
-from assistant.program import expressions as e
+from assistant.program.diagnostics import Rule
 
-Sizes = tuple[int | None, ...]
-"""Elements of each dimension of an array, None where that is not known; empty for one value."""
+UNFIT: Final[Mapping[Unfit, Rule]] = {
+    Unfit.TYPE: rules.WRONG_VALUE,
+    Unfit.ELEMENTS: rules.ELEMENT_COUNT,
+    Unfit.COMPONENTS: rules.COMPONENT_COUNT,
+}
+TRUTHS: Final = SIGNALS | {"bool"}
+"""Types of conditions."""
 
 
 def initial(node: s.Data, scope: Scope) -> Found:
@@ -29,62 +31,24 @@ def initial(node: s.Data, scope: Scope) -> Found:
 
 
 def assignment(node: s.Assignment, scope: Scope) -> Found:
-    kind = scope.kind(node.target)
-    if kind is not None:
-        yield from _given(node.value, kind, scope)
+    yield from _given(node.value, scope.kind(node.target), scope)
 
 
 def returned(node: s.ReturnFrom, scope: Scope) -> Found:
     routine = scope.routine
     if routine is not None and routine.kind == "FUNC" and node.value is not None:
-        kind = scope.of(routine.type)
-        if kind is not None:
-            yield from _given(node.value, kind, scope)
+        yield from _given(node.value, scope.of(routine.type), scope)
 
 
-def _given(value: s.Expression, kind: Kind, scope: Scope) -> Found:
-    if kind.dimensions >= 0:
+def _given(value: s.Expression, kind: Kind | None, scope: Scope) -> Found:
+    if kind is not None and kind.dimensions >= 0:
         yield from shaped(value, kind.type, (None,) * kind.dimensions, scope)
 
 
 def shaped(value: s.Expression, type: str, sizes: Sizes, scope: Scope) -> Found:
     """What is wrong with a value where one of a type, or an array of it, is wanted."""
-    if not isinstance(value, s.AggregateNode):
-        given = scope.kind(value)
-        wanted = Kind(type, len(sizes))
-        if not fits(given, wanted):
-            yield scope.look.finding(rules.WRONG_VALUE, value, given=given, wanted=wanted)
-    elif sizes:
-        if sizes[0] is not None and len(value.items) != sizes[0]:
-            yield scope.look.finding(
-                rules.ELEMENT_COUNT, value, given=len(value.items), count=sizes[0]
-            )
-        for item in value.items:
-            yield from shaped(item, type, sizes[1:], scope)
-    else:
-        yield from _record(value, type, scope)
-
-
-def _record(value: s.AggregateNode, type: str, scope: Scope) -> Found:
-    components = scope.types.components(type)
-    if components is None:
-        if scope.types.atomic(type):
-            yield scope.look.finding(rules.WRONG_VALUE, value, given="list", wanted=type)
-        return
-    if len(value.items) != len(components):
-        yield scope.look.finding(
-            rules.COMPONENT_COUNT,
-            value,
-            type=type,
-            given=len(value.items),
-            count=len(components),
-            names=", ".join(components),
-        )
-        return
-    for item, of in zip(value.items, components.values(), strict=True):
-        base = scope.types.base(of)
-        if base is not None:
-            yield from shaped(item, base, (), scope)
+    for what, part, fields in scope.unfit(value, type, sizes):
+        yield scope.look.finding(UNFIT[what], part, **fields)
 
 
 def _size(size: s.Expression, scope: Scope) -> int | None:
@@ -125,7 +89,7 @@ def condition(node: s.IfBranch | s.CompactIf | s.WhileLoop, scope: Scope) -> Fou
 
 def _truth(value: s.Expression, scope: Scope) -> Found:
     kind = scope.kind(value)
-    if kind is not None and kind.type != "bool" and not kind.type.startswith("signal"):
+    if kind is not None and kind.type not in TRUTHS:
         yield scope.look.finding(rules.NO_TRUTH, value, given=kind)
 
 
@@ -140,7 +104,7 @@ def operands(node: s.Infix, scope: Scope) -> Found:
         yield from _truth(node.right, scope)
         return
     one, other = scope.read(node.left), scope.read(node.right)
-    if one is not None and other is not None and not _joins(node.operator, one, other):
+    if one is not None and other is not None and not OPERATORS.join(node.operator, one, other):
         cure = "turn the other into text with `ValToStr` or `NumToStr`"
         text = node.operator == "+" and "string" in (one.type, other.type)
         yield scope.look.finding(
@@ -153,18 +117,9 @@ def operands(node: s.Infix, scope: Scope) -> Found:
         )
 
 
-def _joins(operator: str, one: Kind, other: Kind) -> bool:
-    if operator not in e.RELATIONS:
-        plain = not (one.dimensions or other.dimensions)
-        return plain and (operator, one.type, other.type) in OPERATIONS
-    if operator in ("=", "<>"):
-        return fits(one, other) or fits(other, one)
-    return {one.type, other.type} <= NUMERIC and (fits(one, other) or fits(other, one))
-
-
 def cases(node: s.TestOf, scope: Scope) -> Found:
     subject = scope.read(node.subject)
     for value in (value for case in node.cases for value in case.values):
         given = scope.read(value)
-        if subject is not None and not (fits(given, subject) or fits(subject, given)):
+        if subject is not None and not OPERATORS.fits(given, subject, read=False):
             yield scope.look.finding(rules.WRONG_VALUE, value, given=given, wanted=subject)
