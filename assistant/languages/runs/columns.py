@@ -91,6 +91,18 @@ class Run:
             if name not in but
         )
 
+    def fits(self, other: Run) -> bool:
+        """Whether its rows could stand in another run as they are."""
+        if type(self) is not type(other):
+            return False
+        pairs = zip(self._fields(), other._fields(), strict=True)
+        return all(
+            np.shape(one)[1:] == np.shape(two)[1:]
+            if isinstance(one, np.ndarray)
+            else isinstance(one, _COLUMNS) or one == two
+            for (_, one), (_, two) in pairs
+        )
+
     def rows(self, rows: slice | Rows | Truths) -> Self:
         """Some of the rows."""
         return type(self)(**{name: _picked(x, rows) for name, x in self._fields()})

@@ -2,20 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
+from assistant.languages.melfa_basic.reading.parser import statement as read
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
-from assistant.languages.melfa_basic.text.changed_lines import Code, of_line
-from assistant.languages.melfa_basic.text.changed_rows import moves, positions
 from assistant.languages.melfa_basic.text.layout.levels import levels
 from assistant.languages.melfa_basic.text.layout.printing import decimals, item_text, print_items
-from assistant.languages.melfa_basic.text.printer import INDENT
+from assistant.languages.melfa_basic.text.layout.tokens import tokens
+from assistant.languages.melfa_basic.text.printer import INDENT, line
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
+from assistant.languages.melfa_basic.tree.columnar import (
+    MoveRows,
+    PositionRows,
+    move_text,
+    places_of,
+    position_text,
+)
 from assistant.languages.melfa_basic.tree.line_tables import as_rows
-from assistant.languages.texts.alignment import same
-from assistant.languages.texts.changed_lines import Indentation, changed_line, partners, parts_of
-from assistant.program.text import dominant_newline
+from assistant.languages.texts import changed_files
+from assistant.languages.texts.changed_lines import Line
+from assistant.languages.texts.words import Word
+
+Code = tuple[str | None, s.Statement | None]
+"""Label and statement."""
 
 
 def render(file: s.File) -> str:
@@ -24,112 +34,51 @@ def render(file: s.File) -> str:
         return "".join(print_items(file.items, file.dialect, "\r\n"))
     if file.items is file.parsed:
         return file.source.text
-    text = file.source.text
-    newline = dominant_newline(text) if "\n" in text else file.source.newline
-    parts: list[str] = []
-    for part in _Changes(file, text, newline).texts():
-        if parts and parts[-1] and not parts[-1].endswith("\n"):
-            parts.append(newline)  # the last line of a file may have no line end
-        parts.append(part)
-    return "".join(parts)
+    return changed_files.render(file.source, file.parsed, file.items, _Lines(file.dialect))
 
 
-class _Changes:
-    """The items of a file against those that were read from its text. newline: of new lines."""
+class _Lines(changed_files.Lines):
+    step, table = INDENT, MoveRows
 
-    def __init__(self, file: s.File, text: str, newline: str) -> None:
-        self._new, self._old = file.items, file.parsed
-        self._text, self._newline = text, newline
-        self._dialect = DIALECTS[file.dialect]
-        self._partner = partners(self._old, self._new, _said)
-        kept = {
-            at
-            for at, item in zip(self._partner, self._new, strict=True)
-            if at is not None and same(self._old[at], item)
-        }
-        self._lost = [
-            (rows, _ended(self._source(item), self._newline))
-            for at, item in enumerate(self._old)
-            if at not in kept and isinstance(rows := as_rows(item), PositionRows)
-        ]
-        self._indents = Indentation(INDENT)
-        self._code = Code(self._dialect.upper)
-        for item, level in self._levels(self._old):
-            if level not in self._indents:
-                self._note(item, self._source(item), level)
+    def __init__(self, dialect: str) -> None:
+        self._dialect = DIALECTS[dialect]
+        self.numbers = {MoveRows: "steps", PositionRows: "numbers"}
 
-    def _levels(self, items: Sequence[s.Item]) -> Iterator[tuple[s.Item, int]]:
-        """The items with the level that each stands at."""
-        for item, level in zip(items, levels(items), strict=True):
-            yield item, level if self._dialect.blocks else 0
+    def line(self, item: s.Item) -> Line | None:
+        if not isinstance(item, s.Line):
+            return None
+        code = (item.label, item.statement)
+        return Line(item.number, None if code == (None, None) else code, item.comment)
 
-    def _note(self, item: s.Item, text: str, level: int) -> None:
-        """Keeps in mind how lines as deep are indented."""
-        if isinstance(item, MoveRows):
-            self._indents.note(level, _row_indent(text))
-        elif isinstance(item, s.Line) and (item.statement or item.label):
-            self._indents.note(level, parts_of(text, of_line(item)).indent)
+    def printed(self, code: Code | None) -> str:
+        return "" if code is None else line(s.Line(None, *code), self._dialect.upper)
 
-    def texts(self) -> Iterator[str]:
-        """The text of each item, with its line ends."""
-        places = decimals(self._new)
-        levels = self._levels(self._new)
-        for (item, level), at, decimal in zip(levels, self._partner, places, strict=True):
-            old = None if at is None else self._old[at]
-            if old is not None and same(old, item):
-                text = self._source(old)
-                self._note(old, text, level)
-                yield text
-            else:
-                yield self._changed(item, old, level, decimal)
+    def words(self, text: str) -> Sequence[Word]:
+        return tokens(text)
 
-    def _source(self, item: s.Item) -> str:
-        assert item.span is not None
-        return self._text[item.span.start : item.span.end]
+    def key(self, word: Word) -> str | float:
+        """The value of a number; any other text without blanks in lower case."""
+        if word.kind == "NUMBER":
+            return float(word.text)
+        return "".join(word.text.split()).casefold()
 
-    def _changed(self, item: s.Item, old: s.Item | None, level: int, places: int) -> str:
-        """An item that is new or not what it was."""
-        upper = self._dialect.upper
-        match item, old:
-            case s.Line(), s.Line():
-                was, now = of_line(old), of_line(item)
-                text = changed_line(parts_of(self._source(old), was), was, now, self._code)
-                self._note(item, text, level)
-                return text
-            case MoveRows(), MoveRows():
-                text = self._source(old)
-                self._note(old, text, level)
-                deep = len(self._indents.of(level)) - 1
-                return moves(item, old, text, self._newline, upper, deep)
-            case ((PositionRows() | s.Data()), _):
-                rows = as_rows(item)
-                if isinstance(rows, PositionRows) and self._lost:
-                    return positions(rows, self._lost, self._newline)
-        printed = item_text(item, upper, self._newline, places, 0)
-        if isinstance(item, s.Line) and (item.statement or item.label or item.comment):
-            step = "" if item.number is None else str(item.number)
-            indent = self._indents.of(level)
-            if not step and level not in self._indents:
-                indent = indent.removeprefix(" ")
-            return step + (indent or " " * bool(step)) + printed.removeprefix(step).lstrip(" ")
-        return printed
+    def says(self, text: str, code: Code) -> bool:
+        return read(text) == s.Line(None, *code)
 
+    def levels(self, items: Sequence[s.Item]) -> Sequence[int]:
+        return levels(items) if self._dialect.blocks else [0] * len(items)
 
-def _row_indent(text: str) -> str:
-    """The blanks behind the first step number of a table of moves, at least one."""
-    first = text[: text.index("\n")].lstrip("0123456789")
-    return first[: len(first) - len(first.lstrip(" "))]
+    def texts(self, items: Sequence[s.Item], newline: str) -> Callable[[int], str]:
+        places = decimals(items)
+        return lambda at: item_text(items[at], self._dialect.upper, newline, places[at], 0)
 
+    def rows(self, table: Any, newline: str, indent: int) -> Callable[[Any], str]:
+        end = newline.encode("ascii")
+        if isinstance(table, MoveRows):
+            return lambda rows: move_text(rows, end, self._dialect.upper, indent)
+        places = places_of(table.values)
+        return lambda rows: position_text(rows, end, places)
 
-def _ended(text: str, newline: str) -> str:
-    return text if text.endswith("\n") else text + newline
-
-
-def _said(item: s.Item) -> object:
-    """What an item says, whatever its step numbers; it can be compared and hashed."""
-    match item:
-        case s.Line(label=label, statement=statement, comment=comment):
-            return label, statement, comment
-        case MoveRows(stem=stem, kinds=kinds, start=start, via=via, end=end):
-            return stem, *(column.tobytes() for column in (kinds, start, via, end))
-    return item
+    def as_data(self, item: s.Item) -> PositionRows | None:
+        rows = as_rows(item)
+        return rows if isinstance(rows, PositionRows) else None

@@ -1,0 +1,168 @@
+"""The text of a changed file of lines: what was read as it stood, what changed in its place.
+
+Lines of one kind may stand in tables, `Run`s: those of the program with its numbers, and data that
+are known by a number. Of a table that changed the rows that did not keep their bytes.
+"""
+
+from __future__ import annotations
+
+import abc
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from assistant.languages.runs.columns import Run, joined
+from assistant.languages.runs.merging import merged
+from assistant.languages.runs.names import rows_of
+from assistant.languages.texts.alignment import same
+from assistant.languages.texts.changed_lines import (
+    Code,
+    Indentation,
+    Line,
+    changed_line,
+    partners,
+    parts_of,
+)
+from assistant.program.text import SourceText, dominant_newline
+
+
+class Lines(Code, abc.ABC):
+    """How a language writes files of lines.
+
+    step: blanks of a level of blocks. table: many lines of the program. numbers: of each kind of
+    tables the column that tells which row is which; lines of the program begin with theirs.
+    """
+
+    step: int
+    table: type[Run]
+    numbers: Mapping[type[Run], str]
+
+    @abc.abstractmethod
+    def line(self, item: Any) -> Line | None:
+        """What a line of the program says, None for any other item; its code can be hashed."""
+
+    @abc.abstractmethod
+    def levels(self, items: Sequence[Any]) -> Sequence[int]:
+        """The level of blocks that each item stands at."""
+
+    @abc.abstractmethod
+    def texts(self, items: Sequence[Any], newline: str) -> Callable[[int], str]:
+        """Prints the item at an index, with its line ends and no indentation."""
+
+    @abc.abstractmethod
+    def rows(self, table: Any, newline: str, indent: int) -> Callable[[Any], str]:
+        """Prints rows of a table. indent: blanks more behind the numbers of lines."""
+
+    @abc.abstractmethod
+    def as_data(self, item: Any) -> Run | None:
+        """A table of data as it is, a line that could be in one as a table, None for others."""
+
+
+def render(source: SourceText, old: Sequence[Any], new: Sequence[Any], lines: Lines) -> str:
+    """The text of the items `new`, made from `old`, which were read from the source."""
+    newline = dominant_newline(source.text) if "\n" in source.text else source.newline
+    parts: list[str] = []
+    for part in _Changes(source.text, old, new, lines, newline).texts():
+        if parts and parts[-1] and not parts[-1].endswith("\n"):
+            parts.append(newline)  # the last line of a file may have no line end
+        parts.append(part)
+    return "".join(parts)
+
+
+class _Changes:
+    """The items of a file against those that were read from its text. newline: of new lines."""
+
+    def __init__(
+        self, text: str, old: Sequence[Any], new: Sequence[Any], lines: Lines, newline: str
+    ) -> None:
+        self._text, self._old, self._new = text, old, new
+        self._lines, self._newline = lines, newline
+        self._partner = partners(old, new, self._said)
+        kept = {
+            at
+            for at, item in zip(self._partner, new, strict=True)
+            if at is not None and same(old[at], item)
+        }
+        self._lost = [
+            (rows, text if (text := self._source(item)).endswith("\n") else text + newline)
+            for at, item in enumerate(old)
+            if at not in kept and (rows := lines.as_data(item)) is not None
+        ]
+        self._indents = Indentation(lines.step)
+        for item, level in zip(old, lines.levels(old), strict=True):
+            if level not in self._indents:
+                self._note(item, self._source(item), level)
+
+    def _said(self, item: Any) -> object:
+        """What an item says, whatever its numbers; it can be compared and hashed."""
+        if isinstance(item, self._lines.table):
+            return item.said({self._lines.numbers[self._lines.table]})
+        line = self._lines.line(item)
+        return item if line is None else (line.code, line.comment)
+
+    def _note(self, item: Any, text: str, level: int) -> None:
+        """Keeps in mind how lines as deep are indented."""
+        if isinstance(item, self._lines.table):
+            first = parts_of(text[: text.index("\n")], Line(0, None, None))
+            self._indents.note(level, first.indent)
+        elif (line := self._lines.line(item)) is not None and line.code is not None:
+            self._indents.note(level, parts_of(text, line).indent)
+
+    def texts(self) -> Iterator[str]:
+        """The text of each item, with its line ends."""
+        printed = self._lines.texts(self._new, self._newline)
+        levels = self._lines.levels(self._new)
+        for k, (item, at, level) in enumerate(zip(self._new, self._partner, levels, strict=True)):
+            old = None if at is None else self._old[at]
+            if old is not None and same(old, item):
+                text = self._source(old)
+                self._note(old, text, level)
+                yield text
+            else:
+                changed = self._changed(item, old, level)
+                yield self._indented(item, printed(k), level) if changed is None else changed
+
+    def _source(self, item: Any) -> str:
+        return self._text[item.span.start : item.span.end]
+
+    def _changed(self, item: Any, old: Any, level: int) -> str | None:
+        """An item that is not what it was, None for one that is new."""
+        was, now = self._lines.line(old), self._lines.line(item)
+        if was is not None and now is not None:
+            text = changed_line(parts_of(self._source(old), was), was, now, self._lines)
+            self._note(item, text, level)
+            return text
+        if isinstance(item, self._lines.table) and isinstance(old, self._lines.table):
+            text = self._source(old)
+            self._note(old, text, level)
+            deep = len(self._indents.of(level)) - 1
+            return self._rows(item, [(old, text)], deep)
+        rows = self._lines.as_data(item)
+        return None if rows is None or not self._lost else self._rows(rows, self._lost, 0)
+
+    def _rows(self, new: Run, olds: Sequence[tuple[Run, str]], indent: int) -> str:
+        """The lines of a table made from others, which were read from the texts beside them."""
+        fresh = self._lines.rows(new, self._newline, indent)
+        fitting = [(rows, text) for rows, text in olds if rows.fits(new)]
+        if not fitting:
+            return fresh(new)
+        old, text = joined([rows for rows, _ in fitting]), "".join(text for _, text in fitting)
+        numbers = self._lines.numbers[type(new)]
+        numbered = isinstance(new, self._lines.table)
+        if numbered and len(old) == len(new):
+            at = np.arange(len(new))
+        else:
+            at = rows_of(getattr(old, numbers), getattr(new, numbers))
+        return merged(new, old, text, at, fresh, numbers if numbered else None)
+
+    def _indented(self, item: Any, printed: str, level: int) -> str:
+        """A new line as deep as those around it."""
+        line = self._lines.line(item)
+        if line is None or not (line.code or line.comment):
+            return printed
+        number = "" if line.number is None else str(line.number)
+        indent = self._indents.of(level)
+        if not number and level not in self._indents:
+            indent = indent.removeprefix(" ")
+        return number + (indent or " " * bool(number)) + printed.removeprefix(number).lstrip(" ")
