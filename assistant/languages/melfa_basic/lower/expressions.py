@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from assistant.languages.melfa_basic.lower.names import Names
-from assistant.languages.melfa_basic.tables import operators, poses
+from assistant.languages.melfa_basic.tables import operators, poses, vocabulary
 from assistant.languages.melfa_basic.tables.dialects import Dialect
 from assistant.languages.melfa_basic.tables.functions import (
     ANALOG,
@@ -187,8 +187,9 @@ class Expressions:
             return self.call(PLAIN[function], *values)
         if function in OF_ANGLE and len(values) == 1:
             return self.call(OF_ANGLE[function], self.call("Rad", *values))
-        if function in TO_ANGLE and (self.dialect.inverse_sines or function.startswith("atan")):
-            return self.call("Deg", self.call(TO_ANGLE[function], *values))
+        if (word := vocabulary.function(TO_ANGLE.get(function, ""))) is not None:
+            if self.dialect.level in word.dialects:
+                return self.call("Deg", self.call(word.name, *values))
         raise Unsayable(f"the function `{function}` here", "compute the value another way")
 
     def own(self, callee: Procedure, arguments: tuple[e.Expression, ...]) -> s.Expression:

@@ -6,7 +6,7 @@ Which statements, functions and status variables each has is in `vocabulary`.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 
@@ -24,7 +24,10 @@ class Nesting:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Dialect:
-    """One version of the language. A source in brackets is a manual or tool of the maker."""
+    """One version of the language; what is not stated is as in V and VI.
+
+    A source in brackets is a manual or tool of the maker.
+    """
 
     name: str
     title: str
@@ -32,60 +35,58 @@ class Dialect:
     """A program of a lower one is accepted by a higher one as it stands [CR1D 4-130]."""
 
     # ------------------------------------------------------------------------- lines
-    upper: bool
+    upper: bool = False
     """Keywords are written in upper case; all three read both cases [COSIROP, CR1D 4.3.6]."""
-    step: int
+    step: int = 1
     """Between step numbers that are written: the first one, too [COSIROP, RT ToolBox]."""
-    steps_needed: bool
+    steps_needed: bool = False
     """A source without step numbers is refused; RT ToolBox numbers the lines that it is given."""
-    line: int
+    line: int = 240
     """Most bytes of a step without its line end [COSIROP, CR1D: 127]. For V and VI no limit is
     published: programs with 204 bytes exist, and the link to the controller carries 255."""
-    labelled_statements: bool
+    labelled_statements: bool = True
     """`*NAME:statement` on one step [CR1D 4.3.5]."""
-    line_targets: bool
+    line_targets: bool = False
     """Jumps may name a step number. V and VI read it, their tools renumber steps [CR1D 4-208]."""
 
     # ------------------------------------------------------------------------- names
-    names: int
+    names: int = 16
     """Most characters of a variable's name that is written [CR1D: 8; CR750 4-136]."""
-    labels: int
+    labels: int = 16
     """Most characters of a label that is written [CR1D 4.3.5: 8]."""
-    longest: int
+    longest: int = 40
     """Most characters of names and labels that others wrote. No manual states it for V and VI."""
-    label_underscores: bool
+    label_underscores: bool = True
     """`_` from the third character of a label [CR750]; before only as `L_`, a shared label."""
-    suffixes: str
+    suffixes: str = "$%&!#"
     """Type marks behind a name: text, 16 bit, 32 bit, single, double [CR750 4-394]."""
 
     # -------------------------------------------------------------------- statements
-    blocks: bool
+    blocks: bool = True
     """`If … Then` may stand alone, up to `EndIf` [CR1D 4-208]."""
-    breaks: bool
+    breaks: bool = True
     """`Break` leaves If, For and While; out of a Select it leads in every version [CR1D 4-208]."""
-    wide_wait: bool
+    wide_wait: bool = True
     """`Wait` takes any condition, not only `variable = constant` [COSIROP, RT ToolBox]."""
-    nested_select: bool
+    nested_select: bool = True
     """A `Select` may stand inside another [COSIROP]."""
-    singular_type: bool
+    singular_type: bool = True
     """`Type c,2`: through a singular point [RT ToolBox]."""
-    fine_distance: bool
+    fine_distance: bool = True
     """`Fine mm,P` and `Fine deg,J` beside pulses [RT ToolBox]."""
-    numbered_frames: bool
+    numbered_frames: bool = True
     """`Tool 1` and `Base 1` pick stored ones [RT ToolBox]."""
-    shortest_wait: float
+    shortest_wait: float = 0.01
     """Seconds that `Dly` waits at least [COSIROP]; V counts in hundredths."""
 
     # -------------------------------------------------------------------- procedures
-    functions: bool
+    functions: bool = False
     """`Function … FEnd`, called by name [RT ToolBox]."""
 
     # ------------------------------------------------------------------------ values
-    inverse_sines: bool
-    """`ASin` and `ACos` exist [RT ToolBox]."""
     groups: Mapping[int, tuple[str, str]]
     """Bits of a signal group → (input, output) status variable."""
-    nesting: Nesting
+    nesting: Nesting = field(default_factory=Nesting)
 
 
 LAST_STEP: Final = 32767
@@ -120,40 +121,16 @@ FOUR: Final = Dialect(
     fine_distance=False,
     numbered_frames=False,
     shortest_wait=0.05,
-    functions=False,
-    inverse_sines=False,
     groups={8: ("M_INB", "M_OUTB"), 16: ("M_INW", "M_OUTW")},
     nesting=Nesting(calls=7),
 )
 """Controllers CR1 to CR9 (CRn-500)."""
 
-FIVE: Final = replace(
-    FOUR,
+FIVE: Final = Dialect(
     name="melfa-basic-5",
     title="MELFA-BASIC V",
     level=5,
-    upper=False,
-    step=1,
-    steps_needed=False,
-    line=240,
-    labelled_statements=True,
-    line_targets=False,
-    names=16,
-    labels=16,
-    longest=40,
-    label_underscores=True,
-    suffixes="$%&!#",
-    blocks=True,
-    breaks=True,
-    wide_wait=True,
-    nested_select=True,
-    singular_type=True,
-    fine_distance=True,
-    numbered_frames=True,
-    shortest_wait=0.01,
-    inverse_sines=True,
     groups={8: ("M_In8", "M_Out8"), 16: ("M_In16", "M_Out16"), 32: ("M_In32", "M_Out32")},
-    nesting=Nesting(),
 )
 """Controllers CRnD-700, CRnQ-700, CR750, CR751."""
 
