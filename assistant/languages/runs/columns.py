@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
 from typing import Any, Final, Generic, Self, TypeAlias, TypeVar
 
@@ -38,6 +38,13 @@ class Entries(Generic[T]):
 
     def rows(self, rows: slice | Rows | Truths) -> Entries[T]:
         return Entries(self.table, self.index[rows])
+
+    @staticmethod
+    def of(entries: Iterable[T]) -> Entries[T]:
+        """One row for each, equal ones once in the table."""
+        table: dict[T, int] = {}
+        rows = [table.setdefault(entry, len(table)) for entry in entries]
+        return Entries(tuple(table), np.array(rows, dtype=np.int32))
 
     @staticmethod
     def joined(parts: Sequence[Entries[T]]) -> Entries[T]:

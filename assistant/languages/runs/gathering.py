@@ -4,31 +4,37 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import groupby
-from operator import itemgetter
-from typing import TypeVar
+from typing import Any, TypeVar
 
-from assistant.languages.runs.columns import Run
+from assistant.languages.runs.columns import Run, joined
 
 T = TypeVar("T")
+Row = tuple[object, Any]
+"""What an item may be joined with others as: what those have in common, and the item's run or, of
+a single row, what it says.
+"""
 
 
 def gathered(
-    items: Iterable[T],
-    kinds: Iterable[object],
-    run: Callable[[T], Run | None],
+    items: Sequence[T],
+    rows: Iterable[Row | None],
+    run: Callable[[list[Any]], Run],
+    node: Callable[[Sequence[T], Any], T],
     fewest: int,
-    join: Callable[[Sequence[T]], T],
-) -> Iterator[Sequence[T]]:
-    """Neighbours of one kind, as one item if they have enough rows.
+) -> Iterator[T]:
+    """The items, neighbours that are alike as one item if they have enough rows.
 
-    kinds: of each item, None for one that is joined with none. run: of an item that has one
-    already; others are a row. fewest: rows that make a run. What is less comes as it is, all that
-    are alike together.
+    rows: of each item, None for one that is joined with none. run: of single rows. node: the item
+    of several, with their run. fewest: rows that make a run; what is less comes as it is.
     """
-    for kind, pairs in groupby(zip(items, kinds, strict=True), itemgetter(1)):
-        stretch = [item for item, _ in pairs]
-        runs = (run(item) for item in stretch)
-        if kind is None or sum(1 if one is None else len(one) for one in runs) < fewest:
-            yield stretch
-        else:
-            yield stretch if len(stretch) == 1 else [join(stretch)]
+    for _, pairs in groupby(zip(items, rows, strict=True), lambda pair: pair[1] and pair[1][0]):
+        stretch = list(pairs)
+        said = [row[1] for _, row in stretch if row is not None]
+        if len(said) < 2 or sum(len(x) if isinstance(x, Run) else 1 for x in said) < fewest:
+            yield from (item for item, _ in stretch)
+            continue
+        parts: list[Run] = []
+        for is_run, alike in groupby(said, lambda one: isinstance(one, Run)):
+            these = list(alike)
+            parts += these if is_run else [run(these)]
+        yield node([item for item, _ in stretch], joined(parts))

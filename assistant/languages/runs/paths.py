@@ -8,6 +8,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from assistant.languages.runs.columns import Entries
 from assistant.languages.runs.names import Index, Names
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -39,11 +40,9 @@ def setting_columns(
 ) -> dict[str, Any]:
     """Columns and tables of a path. settings: SETTINGS of some rows each. index: (rows,) of it."""
     columns: dict[str, Any] = {}
-    for name, entries in zip(SETTINGS, zip(*settings, strict=True), strict=True):
-        table: dict[Any, int] = {}
-        rows = [table.setdefault(entry, len(table)) for entry in entries]
-        columns[name] = np.array(rows, dtype=np.int32)[index]
-        columns[name + "s"] = tuple(table)
+    for name, values in zip(SETTINGS, zip(*settings, strict=True), strict=True):
+        entries = Entries.of(values)
+        columns[name], columns[name + "s"] = entries.index[index], entries.table
     return columns
 
 

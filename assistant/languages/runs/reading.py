@@ -186,9 +186,8 @@ def entries(
     if int(lengths.max()) > longest:
         raise ValueError("a row is too long")
     index, different = _distinct(text.fields(starts, lengths))
-    table: dict[E, int] = {}
-    rows = [table.setdefault(read(one), len(table)) for one in different]
-    return Entries(tuple(table), np.array(rows, dtype=np.int32)[index])
+    once = Entries.of(map(read, different))
+    return Entries(once.table, once.index[index])
 
 
 def _distinct(values: NDArray[np.bytes_]) -> tuple[NDArray[np.int32], list[bytes]]:

@@ -90,15 +90,8 @@ def test_rows_are_equal_to_those_of_another_run() -> None:
 
 def test_neighbours_of_one_kind_become_one() -> None:
     items: list[Rows | str] = ["x", rows(2), rows(2, 3), "y", rows(1), "z", rows(4)]
-    kinds = [None if isinstance(item, str) else item.stem for item in items]
-    made = gathered(
-        items,
-        kinds,
-        lambda item: item if isinstance(item, Run) else None,
-        3,
-        lambda some: joined([item for item in some if isinstance(item, Rows)]),
-    )
-    flat = [item for part in made for item in part]
+    alike = [None if isinstance(item, str) else (item.stem, item) for item in items]
+    flat = list(gathered(items, alike, joined, lambda _, run: run, 3))
     assert flat == ["x", rows(4), "y", rows(1), "z", rows(4)]
     assert flat[-1] is items[-1]
 

@@ -19,7 +19,7 @@ from assistant.languages.melfa_basic.tree.columnar import (
     places_of,
     position_text,
 )
-from assistant.languages.melfa_basic.tree.line_tables import as_rows
+from assistant.languages.melfa_basic.tree.line_tables import position_rows
 from assistant.languages.texts import changed_files
 from assistant.languages.texts.changed_lines import Line
 from assistant.languages.texts.words import Word
@@ -80,5 +80,4 @@ class _Lines(changed_files.Lines):
         return lambda rows: position_text(rows, end, places)
 
     def as_data(self, item: s.Item) -> PositionRows | None:
-        rows = as_rows(item)
-        return rows if isinstance(rows, PositionRows) else None
+        return position_rows(item)

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
-from itertools import chain
+from collections.abc import Iterable, Iterator
 from typing import Any, Final
 
 import numpy as np
@@ -18,7 +17,6 @@ from assistant.languages.melfa_basic.tree.columnar import (
     PositionRows,
 )
 from assistant.languages.runs import gathering as alike
-from assistant.languages.runs.columns import Run, joined
 
 _NUMBERED: Final = re.compile(r"([A-Za-z][A-Za-z_]*)(0|[1-9][0-9]{0,8})")
 
@@ -40,70 +38,63 @@ def split_numbered(name: str) -> tuple[str, int] | None:
 
 def gathered(items: Iterable[s.Item]) -> Iterator[s.Item]:
     """The same lines, neighbours of one stem as one table, lone ones as lines."""
-    known: list[s.Item] = [as_rows(item) or item for item in items]
-    for item in chain.from_iterable(
-        alike.gathered(known, map(_kind, known), _run, FEWEST, _joined)
-    ):
+    listed = list(items)
+    for item in alike.gathered(listed, map(_row, listed), _table, lambda _, run: run, FEWEST):
         if isinstance(item, MoveRows | PositionRows) and 0 < len(item) < FEWEST:
             yield from rows_as_lines(item)
         else:
             yield item
 
 
-def _run(item: s.Item) -> Run | None:
-    return item if isinstance(item, Run) else None
-
-
-def _kind(item: s.Item) -> object:
-    """What rows of one table have in common."""
+def _row(item: s.Item) -> alike.Row | None:
+    """What a line may be a row of, and what it says there; None for one that is not plain."""
     match item:
         case MoveRows(stem=stem) if len(item):
-            return MoveRows, stem
+            return (MoveRows, stem), item
         case PositionRows(stem=stem, values=values) if len(item):
-            return PositionRows, stem, values.shape[1]
-    return None
-
-
-def _joined(items: Sequence[Any]) -> Any:
-    return joined(items)
-
-
-def as_rows(item: s.Item) -> MoveRows | PositionRows | None:
-    """A plain move or position line as a table of one row, a table as it is, else None."""
-    match item:
-        case MoveRows() | PositionRows():
-            return item if len(item) else None
+            return (PositionRows, stem, values.shape[1]), item
         case s.Line(
             label=None,
             statement=s.Motion(keyword=keyword, arguments=arguments, type=None, append=None),
             comment=None,
         ) if keyword in KEYWORDS:
-            names = [split_name(a) for a in arguments]
-            found = [n for n in names if n is not None]
+            found = [name for name in map(split_name, arguments) if name is not None]
             wanted = 3 if keyword == KEYWORDS[MVR] else 1
-            if len(found) != len(names) or len(names) != wanted:
+            if len({stem for stem, _ in found}) != 1 or not len(arguments) == len(found) == wanted:
                 return None
-            if len({stem for stem, _ in found}) != 1:
-                return None
-            start, via, end = [-1, -1, *(n for _, n in found)][-3:]
-            step = np.array([item.number or 0], dtype=np.int64)
-            kind = np.array([KEYWORDS.index(keyword)], dtype=np.int64)
-            return MoveRows(
-                found[0][0], step, kind, np.array([start]), np.array([via]), np.array([end])
-            )
+            stem, numbers = found[0][0], [-1, -1, *(number for _, number in found)][-3:]
+            row = [item.number or 0, KEYWORDS.index(keyword), *numbers]
+            return (MoveRows, stem), (stem, row)
         case s.Data(variable=variable, value=s.Constant(values=values, flags=flags), type=""):
             name = split_name(variable)
             if name is None or flags is None or len(values) not in (6, 7, 8):
                 return None
             if None in values or None in flags:
                 return None
-            return PositionRows(
-                name[0],
-                np.array([name[1]], dtype=np.int64),
-                np.array([values], dtype=np.float64),
-                np.array([flags], dtype=np.int64),
-            )
+            return (PositionRows, name[0], len(values)), (*name, values, flags)
     return None
+
+
+def _table(rows: list[Any]) -> MoveRows | PositionRows:
+    stem, *columns = zip(*rows, strict=True)
+    if len(columns) == 1:
+        return MoveRows(stem[0], *np.array(columns[0], dtype=np.int64).T)
+    numbers, values, flags = columns
+    return PositionRows(
+        stem[0],
+        np.array(numbers, dtype=np.int64),
+        np.array(values, dtype=np.float64),
+        np.array(flags, dtype=np.int64),
+    )
+
+
+def position_rows(item: s.Item) -> PositionRows | None:
+    """A plain position line as a table of one row, a table as it is, None for anything else."""
+    if isinstance(item, PositionRows):
+        return item if len(item) else None
+    row = _row(item) if isinstance(item, s.Data) else None
+    table = None if row is None else _table([row[1]])
+    return table if isinstance(table, PositionRows) else None
 
 
 def rows_as_lines(rows: MoveRows | PositionRows) -> Iterator[s.Line | s.Data]:

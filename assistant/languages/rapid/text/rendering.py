@@ -10,7 +10,7 @@ from typing import Any, Final
 from assistant.languages.rapid.reading.scanner import words
 from assistant.languages.rapid.text.printer import INDENT, PRINTER
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.gather import plain_move, target_values
+from assistant.languages.rapid.tree.gather import plain
 from assistant.languages.texts import changed_runs, lossless
 from assistant.languages.texts.lossless import Block, Extent, Sketch
 from assistant.languages.texts.words import Word
@@ -95,6 +95,4 @@ class Layout(changed_runs.Layout):
         return isinstance(node, s.TargetRunNode | s.MoveRunNode)
 
     def may_be_row(self, node: Any) -> bool:
-        if isinstance(node, s.Data):
-            return target_values(node) is not None
-        return isinstance(node, s.ProcedureCall) and plain_move(node) is not None
+        return plain(node) is not None

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +48,12 @@ class TargetRun(Run):
     names: Names
     values: Floats
 
+    @classmethod
+    def of(cls, rows: Sequence[tuple[str, list[float]]]) -> TargetRun:
+        """rows: the name and the 17 numbers of each."""
+        names, values = zip(*rows, strict=True)
+        return cls(Names.of(names), np.array(values, dtype=np.float64))
+
 
 @dataclass(frozen=True, slots=True)
 class MotionNames:
@@ -56,6 +63,22 @@ class MotionNames:
     zone: str
     tool: str
     frame: str = ""
+
+
+class MoveRow(NamedTuple):
+    """A plain move: a row of MOVES, and the name or the 17 numbers of its target.
+
+    via: empty for a move that is not circular.
+    """
+
+    kind: int
+    target: str | list[float]
+    via: str
+    motion: MotionNames
+
+    @property
+    def is_written(self) -> bool:
+        return not isinstance(self.target, str)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,6 +95,17 @@ class MoveRun(Run):
     vias: Names
     motions: Entries[MotionNames]
     values: Floats | None = None
+
+    @classmethod
+    def of(cls, rows: Sequence[MoveRow]) -> MoveRun:
+        none = Names.none(len(rows))
+        return cls(
+            np.array([row.kind for row in rows], dtype=np.uint8),
+            none if rows[0].is_written else Names.of([str(row.target) for row in rows]),
+            Names.of([row.via for row in rows]) if any(row.via for row in rows) else none,
+            Entries.of(row.motion for row in rows),
+            np.array([row.target for row in rows]) if rows[0].is_written else None,
+        )
 
 
 # Writing
