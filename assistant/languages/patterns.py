@@ -22,6 +22,7 @@ from typing import Any, Final, Generic, TypeVar
 
 from assistant.program.expressions import Apply, Name, Number
 from assistant.program.rewriting import records, rewrite
+from assistant.program.statements import Motion
 
 N = TypeVar("N")
 
@@ -230,6 +231,29 @@ class FunctionRow(Row):
         if len(record.arguments) != len(self._names):
             return None
         return dict(zip(self._names, record.arguments, strict=True))
+
+
+class MotionRow(Row):
+    """A move, with the parts of its motion in slots of their names.
+
+    A part that is missing has its default. What the move sets on its way stands elsewhere.
+    """
+
+    def __init__(self, text: str, record: type[Any], **fixed: object) -> None:
+        super().__init__(text, record, **fixed)
+        self._unsaid = tuple(name for name in self._unsaid if name != "motion")
+        named = {slot.name for slot in slots(self.pattern)}
+        self._usual = [(x.name, x.default) for x in fields(Motion) if x.name not in named]
+
+    def said(self, found: Mapping[str, Any]) -> Any:
+        stated = {x.name: found[x.name] for x in fields(Motion) if found.get(x.name) is not None}
+        return super().said({**found, "motion": Motion(**stated)})
+
+    def slots(self, record: Any) -> dict[str, Any] | None:
+        given = super().slots(record)
+        if given is None or any(getattr(record.motion, name) != x for name, x in self._usual):
+            return None
+        return given | {x.name: getattr(record.motion, x.name) for x in fields(Motion)}
 
 
 class Rows:

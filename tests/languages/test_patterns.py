@@ -7,7 +7,16 @@ from __future__ import annotations
 
 import pytest
 
-from assistant.languages.patterns import Called, FunctionRow, Reading, Row, Rows, Slot, Writing
+from assistant.languages.patterns import (
+    Called,
+    FunctionRow,
+    MotionRow,
+    Reading,
+    Row,
+    Rows,
+    Slot,
+    Writing,
+)
 from assistant.program import expressions as e
 from assistant.program import statements as p
 
@@ -48,6 +57,7 @@ ROWS = Rows(
     Row(r"Blink \Up \Long:={pulse=0.2}, {signal}", p.SetSignal, value=e.Number(1)),
     Row("Push {acceleration}, 100", p.SetAcceleration, deceleration=e.Name("{acceleration}")),
     Row("Halt", p.Stop),
+    MotionRow("Slide {target}, {speed}, {blend}, {tool:signal}", p.Move, kind="linear"),
     FunctionRow("bitand", "Narrow(Both(Wide({a}), Wide({b})))"),
     FunctionRow("atan2", "Turn({y}, {x})"),
     also=(Row("More {target}", p.Assign, value=e.Binary("+", e.Name("{target}"), e.Number(1))),),
@@ -69,6 +79,10 @@ BOTH_WAYS: list[tuple[Called[Node], object]] = [
     ),
     (call("Push", 50, 100), p.SetAcceleration(e.Number(50), e.Number(50))),
     (call("Halt"), p.Stop()),
+    (
+        call("Slide", "a", "slow", "wide", "torch"),
+        p.Move("linear", e.Name("a"), p.Motion(e.Name("slow"), e.Name("wide"), "torch")),
+    ),
     (call("Turn", "b", "a"), e.Apply("atan2", (e.Name("b"), e.Name("a")))),
     (
         call("Narrow", call("Both", call("Wide", "a"), call("Wide", 7))),
@@ -126,6 +140,8 @@ def test_what_fits_no_row_is_not_read(said: Called[Node]) -> None:
         p.SetAcceleration(e.Number(50), e.Number(60)),
         p.WaitSignal("other", e.Number(1)),
         p.Wait(e.Number(1)),
+        p.Move("linear", e.Name("a"), p.Motion(e.Name("slow"), e.Name("wide"), "torch", "desk")),
+        p.Move("joint", e.Name("a"), p.Motion(e.Name("slow"), e.Name("wide"), "torch")),
         e.Apply("atan2", (e.Name("b"),)),
         e.Apply("sin", (e.Name("b"),)),
     ],

@@ -53,15 +53,18 @@ def path_moves(path: Path, stem: str, names: Naming) -> list[s.StatementNode]:
     return list(verbatim.statements(moves_text(run, "", "\n")))
 
 
-def motion_names(
-    names: Naming, speed: Speed | e.Name, blend: Blend | e.Name, tool: str, frame: str
-) -> MotionNames:
-    return MotionNames(
-        names.get("speeds", speed.name) if isinstance(speed, e.Name) else speed_name(speed),
-        names.get("blends", blend.name) if isinstance(blend, e.Name) else zone_name(blend),
-        names.get("tools", tool),
-        "" if frame.lower() == BASE else names.get("frames", frame),
-    )
+def speed_in(names: Naming, speed: Speed | e.Name) -> str:
+    """What a program calls a speed."""
+    return names.get("speeds", speed.name) if isinstance(speed, e.Name) else speed_name(speed)
+
+
+def blend_in(names: Naming, blend: Blend | e.Name) -> str:
+    return names.get("blends", blend.name) if isinstance(blend, e.Name) else zone_name(blend)
+
+
+def frame_in(names: Naming, frame: str) -> str:
+    """Empty for the base, which no move names."""
+    return "" if frame.lower() == BASE else names.get("frames", frame)
 
 
 def _targets(path: Path, stem: str) -> TargetRun:
@@ -90,7 +93,8 @@ def _moves(path: Path, stem: str, names: Naming) -> MoveRun:
     for row in ends[first].tolist():
         speed, blend = path.speeds[path.speed[row]], path.blends[path.blend[row]]
         tool, frame = path.tools[path.tool[row]], path.frames[path.frame[row]]
-        motion = motion_names(names, speed, blend, tool, frame)
+        named = names.get("tools", tool), frame_in(names, frame)
+        motion = MotionNames(speed_in(names, speed), blend_in(names, blend), *named)
         rows.append(table.setdefault(motion, len(table)))
     kinds = np.array([0, 1, 0, 2], dtype=np.uint8)[path.kinds[ends]]
     whole, arcs = _names(path, stem), kinds == CIRCULAR

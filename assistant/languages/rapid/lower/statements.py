@@ -9,7 +9,7 @@ from typing import Any, Final
 from assistant.languages.patterns import Slot, Write
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lower.expressions import Expressions, refuse
-from assistant.languages.rapid.lower.motions import motion_names, path_moves
+from assistant.languages.rapid.lower.motions import blend_in, frame_in, path_moves, speed_in
 from assistant.languages.rapid.lower.names import Naming, spelt
 from assistant.languages.rapid.lower.triggers import set_up, with_triggers
 from assistant.languages.rapid.tables.hands import signal_of
@@ -49,6 +49,9 @@ class Body:
             **self.expressions.writing.kinds,
             **dict.fromkeys(("signal", "digital", "analog", "group"), self.signal),
             "hand": lambda hand, _: s.NameRef(signal_of(hand)),
+            "speed": lambda speed, _: s.NameRef(speed_in(names, speed)),
+            "blend": lambda blend, _: s.NameRef(blend_in(names, blend)),
+            "other": lambda frame, _: s.NameRef(n) if (n := frame_in(names, frame)) else None,
         }
         self.writing = replace(self.expressions.writing, kinds=writers)
         self.known = kinds(program, procedure)
@@ -83,18 +86,6 @@ class Body:
             return spelt(self._inner, name)
         return self.names.value(name)
 
-    def move(self, word: str, points: list[e.Expression], x: p.MoveStatement) -> Lowered:
-        m = x.motion
-        names = motion_names(self.names, m.speed, m.blend, m.tool, m.frame)
-        given = [self.lower(point) for point in points]
-        given += [s.NameRef(n) for n in (names.speed, names.zone, names.tool)]
-        frame = {"WObj": s.NameRef(names.frame)} if names.frame else {}
-        move = self.call(word, *given, **frame)
-        if not x.triggers:
-            yield move
-            return
-        yield from with_triggers(move, x.triggers, self.names.triggers, self.set_up)
-
     def set_up(self, x: p.Trigger, variable: s.NameRef) -> s.ProcedureCall:
         signal = self.signals.get(x.signal.lower())
         kind = signal.kind if signal else "digital"
@@ -113,23 +104,19 @@ class Body:
         return s.NameRef(self.names.get("signals", name)) if fits else None
 
 
-def _move(b: Body, x: p.Move) -> Lowered:
-    yield from b.move("MoveJ" if x.kind == "joint" else "MoveL", [x.target], x)
-
-
-def _circular(b: Body, x: p.MoveCircular) -> Lowered:
-    yield from b.move("MoveC", [x.via, x.target], x)
-
-
-def _joints(b: Body, x: p.MoveJoints) -> Lowered:
-    yield from b.move("MoveAbsJ", [x.target], x)
+def _move(b: Body, x: p.MoveStatement) -> Lowered:
+    (move,) = _plain(b, replace(x, triggers=()))
+    if x.triggers:
+        yield from with_triggers(move, x.triggers, b.names.triggers, b.set_up)
+    else:
+        yield move
 
 
 def _follow(b: Body, x: p.Follow) -> Lowered:
     yield from path_moves(x.path, b.names.rows[id(x)], b.names)
 
 
-def _plain(b: Body, x: p.Statement) -> Lowered:
+def _plain(b: Body, x: p.Statement) -> Iterator[s.ProcedureCall]:
     """A statement that is a row of `tables.statements`."""
     call = ROWS.write(x, b.writing)
     if call is None:
@@ -252,9 +239,7 @@ def _opaque(_: Body, x: p.Opaque) -> Lowered:
 
 STATEMENTS: Final[dict[type, Callable[[Body, Any], Lowered]]] = {
     **dict.fromkeys(ROWS.records, _plain),
-    p.Move: _move,
-    p.MoveCircular: _circular,
-    p.MoveJoints: _joints,
+    **dict.fromkeys((p.Move, p.MoveCircular, p.MoveJoints), _move),
     p.Follow: _follow,
     p.StartTimer: _start_timer,
     p.SetSignal: _set_signal,

@@ -4,15 +4,22 @@ from __future__ import annotations
 
 from typing import Final
 
-from assistant.languages.patterns import Row, Rows
+from assistant.languages.patterns import MotionRow, Row, Rows
 from assistant.languages.rapid.tables.words import SPEED_CAP
 from assistant.program import expressions as e
 from assistant.program import statements as p
 
+_HOW: Final = r"{speed}, {blend}, {tool} \WObj:={frame:other?} \TLoad:={load?}"
+"""A `TLoad` of load0 leaves the load to the tool (RAPID reference manual, MoveL)."""
+_TEXT: Final = e.Name("{text}")
 _TARGET, _BY = e.Name("{target}"), e.Name("{by}")
 _ZERO, _ONE = e.Number(0), e.Number(1)
 
 ROWS: Final = Rows(
+    MotionRow(f"MoveJ {{target:value}}, {_HOW}", p.Move, kind="joint"),
+    MotionRow(f"MoveL {{target:value}}, {_HOW}", p.Move, kind="linear"),
+    MotionRow(f"MoveC {{via}}, {{target:value}}, {_HOW}", p.MoveCircular),
+    MotionRow(f"MoveAbsJ {{target:value}}, {_HOW}", p.MoveJoints),
     Row("WaitTime {seconds}", p.Wait),
     Row(r"WaitUntil {condition} \MaxTime:={timeout?}", p.WaitUntil),
     Row(r"WaitDI {signal:digital input}, {value} \MaxTime:={timeout?}", p.WaitSignal),
@@ -29,6 +36,13 @@ ROWS: Final = Rows(
     Row(f"VelSet {{percent}}, {SPEED_CAP}", p.SetOverride),
     Row("Stop", p.Stop),
     also=(
+        MotionRow(rf"MoveAbsJ {{target:robot}} \NoEOffs, {_HOW}", p.MoveJoints),
+        Row("TPWrite {text}", p.Message, parts=(_TEXT,)),
+        Row(
+            r"TPWrite {text} \Num:={number}",
+            p.Message,
+            parts=(_TEXT, e.Apply("text", (e.Name("{number}"),))),
+        ),
         Row("Set {hand}", p.Gripper, action="open"),
         Row("Reset {hand}", p.Gripper, action="close"),
         Row("Set {signal}", p.SetSignal, value=_ONE),
