@@ -8,17 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from assistant.languages.melfa_basic.lift.files import declared, routines
 from assistant.languages.melfa_basic.lift.files.parts import File
-from assistant.languages.melfa_basic.lift.settings import forms_by_way
-from assistant.languages.melfa_basic.lift.settings.calls import calls_of
-from assistant.languages.melfa_basic.lift.settings.flow import Flow
-from assistant.languages.melfa_basic.lift.settings.forms import CalledForms, Form
-from assistant.languages.melfa_basic.lift.settings.held import (
-    INITIAL,
-    UNKNOWN,
-    Held,
-    Settings,
-    State,
-)
+from assistant.languages.melfa_basic.lift.settings.along_lines import Ways, lines_of
+from assistant.languages.melfa_basic.lift.settings.held import INITIAL, Settings
 from assistant.languages.melfa_basic.lift.statements import data
 from assistant.languages.melfa_basic.lift.statements.control import Control
 from assistant.languages.melfa_basic.lift.statements.paths import used_once
@@ -33,7 +24,9 @@ from assistant.languages.melfa_basic.lift.values.pallets import pallets, still_m
 from assistant.languages.melfa_basic.lift.values.symbols import Inside, Routine, Symbols
 from assistant.languages.melfa_basic.lift.values.timers import timers
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.program.arrays import Ints
+from assistant.languages.settings.divided_forms import divided
+from assistant.languages.settings.flow import UNKNOWN, Flow, Held, State
+from assistant.languages.settings.forms import CalledForms, Form
 from assistant.program.passes import equal_procedures
 from assistant.program.program import (
     Declaration,
@@ -60,23 +53,6 @@ class _Reading:
     declarations: list[Declaration] = field(default_factory=list)
 
 
-@dataclass(frozen=True)
-class _Ways:
-    """What the code is, however its settings are said: the same in each reading of a file.
-
-    single: see `paths.used_once`. breaks: whether it asks if something was left by `Break`.
-    """
-
-    constants: Constants
-    structure: Structure
-    parts: list[Region]
-    settings: Settings
-    called: CalledForms
-    single: Mapping[str, Ints]
-    timers: dict[int, str]
-    breaks: bool
-
-
 class Unit:
     """Adds a file to a program. unit: its name there, None for the main one.
 
@@ -100,7 +76,7 @@ class Unit:
         self.touched, self.programs = touched, programs
         self.divide = divide and not file.own
         self.own, self.header = file.own, file.header
-        self.ways: _Ways | None = None
+        self.ways: Ways | None = None
         self.scope: Scope | None = None
         """The variables of the code, as each reading begins with them."""
 
@@ -144,7 +120,7 @@ class Unit:
             return whole
         undivided: frozenset[int] = frozenset()
         while True:
-            flow = forms_by_way.divided(ways.called.flow, ways.structure.depth, undivided)
+            flow = divided(ways.called.flow, undivided)
             called = CalledForms(flow, self._initial()) if flow.cuts else ways.called
             if not flow.cuts or called.too_long:
                 return whole
@@ -178,7 +154,7 @@ class Unit:
         taken_away = own.definitions() if own else declared.first_parameters(code)
         ways = self.ways
         # a program written here still has the lines of first values, which are taken out below
-        parts = ways.parts if ways and not own else self._regions(code)[1]
+        parts = ways.regions if ways and not own else self._regions(code)[1]
         symbols = self._meanings(program, code, parts)
         symbols.timers = ways.timers if ways else timers(code, self.header, self.own)
         if self.grids:
@@ -188,13 +164,11 @@ class Unit:
         declared.elements(self.file, symbols)
         if ways is None:
             self.ways = ways = self._ways(code, symbols, program)
-        listed = self._routines(code, ways.parts, symbols, program)
+        listed = self._routines(code, ways.regions, symbols, program)
         self._name_forms(ways.called, listed, program)
         source = self.file.tree.source
         calls = dict(self.main.header.names["unit"]), dict(self.main.header.names["first"])
-        reader = Reader(
-            code, symbols, ways.called, listed, calls, self.is_main, kept, source, ways.single
-        )
+        reader = Reader(code, symbols, ways, listed, calls, self.is_main, kept, source)
         reader.control = Control(
             code, ways.structure.places, reader.expressions, reader.body, reader.branch,
             reader.enter,
@@ -209,7 +183,7 @@ class Unit:
             for form in forms.values():
                 self._procedure(number, form, reading, taken_away)
         several = [forms.values() for forms in ways.called.forms if len(forms) > 1]
-        origin = {form.name: form.region for forms in several for form in forms}
+        origin = {form.name: form.procedure for forms in several for form in forms}
         reading.procedures = equal_procedures.as_one(reading.procedures, origin)
         reading.procedures += [replace(f, unit=self.unit) for f in functions]
         return reading
@@ -220,16 +194,15 @@ class Unit:
         named = self.header.names["procedure"]
         return structure, regions.regions(code, structure.depth, named, self.own)
 
-    def _ways(self, code: list[s.Entry], symbols: Symbols, program: Program) -> _Ways:
+    def _ways(self, code: list[s.Entry], symbols: Symbols, program: Program) -> Ways:
         structure, parts = self._regions(code)
         constants = symbols.constants
         tools, frames = program.tools, program.frames
         settings = Settings(
             self.file.positions, constants, self.header, tools, frames, own=self.own
         )
-        calls = calls_of(parts, self.touched)
-        flow = Flow(code, parts, structure.blocks, settings.effect, calls)
-        return _Ways(
+        flow = Flow(lines_of(code, structure, parts, settings, self.touched))
+        return Ways(
             constants, structure, parts, settings, CalledForms(flow, self._initial()),
             {} if self.own else used_once(code), symbols.timers, "M_BRKCQ" in set(all_keys(code)),
         )  # fmt: skip
@@ -326,7 +299,7 @@ class Unit:
     ) -> None:
         """Reads a procedure in one of its forms."""
         reader, symbols = reading.reader, reading.symbols
-        region, routine = reader.flow.regions[number], reader.routines[number]
+        region, routine = reader.regions[number], reader.routines[number]
         if routine.parameters is None:
             if form.number == 1:
                 kept = routines.declaration(reader.code, region, symbols.dialect)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any, Final, TypeVar
 
 from assistant.languages.melfa_basic.lift.values.constants import Constants
@@ -12,34 +11,16 @@ from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.text.header import Header
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import Positions
+from assistant.languages.settings.flow import UNKNOWN, Held, State
+from assistant.languages.settings.unknown_settings import Setting
 from assistant.program.geometry import BASE, FLANGE, Frame, Tool
 from assistant.program.motion import FINE, Blend
 
 T = TypeVar("T", Tool, Frame)
 
 TCP, JOINT, BLEND, TOOL, FRAME = range(5)
+"""Settings by number: mm/s, percent, corner, and names."""
 
-
-class Unknown:
-    """A setting that is not known, or that differs with the way that leads here."""
-
-    def __repr__(self) -> str:
-        return "UNKNOWN"
-
-
-UNKNOWN: Final = Unknown()
-
-
-@dataclass(frozen=True, slots=True)
-class Held:
-    """The value of a setting at a place, and the lines that may have given it."""
-
-    value: Any
-    by: frozenset[int] = frozenset()
-
-
-State = tuple[Held, ...]
-"""By TCP (mm/s), JOINT (percent), BLEND, TOOL and FRAME (names)."""
 
 INITIAL: Final[State] = tuple(Held(v) for v in (math.inf, 100.0, FINE, FLANGE, BASE))
 """What holds when a program starts (COSIROP help; tool and base as the controller has them)."""
@@ -179,3 +160,23 @@ SETTINGS: Final[dict[str, tuple[int, Callable[[Settings, tuple[Any, ...]], Any]]
     "Tool": (TOOL, Settings.tool),
     "Base": (FRAME, Settings.frame),
 }
+
+
+def _speed(value: float) -> str:
+    return f"{value:g} mm/s" if value < math.inf else "the robot's own"
+
+
+def _blend(value: Blend) -> str:
+    if value.radius is None:
+        return "none"
+    return f"{value.radius:g} mm" if value.radius < math.inf else "the controller's own"
+
+
+IN_WORDS: Final = (
+    Setting("speed", "Spd", _speed),
+    Setting("speed of joint moves", "JOvrd", lambda value: f"{value:g} %"),
+    Setting("corner", "Cnt", _blend),
+    Setting("tool", "Tool", lambda value: f"`{value}`"),
+    Setting("frame", "Base", lambda value: f"`{value}`"),
+)
+"""By number."""

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any, Final
 
-from assistant.languages.melfa_basic.lift.settings.forms import CalledForms, Form, depends
-from assistant.languages.melfa_basic.lift.settings.held import State
-from assistant.languages.melfa_basic.lift.settings.unknown_settings import UnknownSettings
+from assistant.languages.melfa_basic.lift.settings.along_lines import Ways, depends
+from assistant.languages.melfa_basic.lift.settings.held import IN_WORDS
 from assistant.languages.melfa_basic.lift.statements import data, waits
 from assistant.languages.melfa_basic.lift.statements.control import Control
 from assistant.languages.melfa_basic.lift.statements.moves import Moves
@@ -21,11 +20,13 @@ from assistant.languages.melfa_basic.lift.values.symbols import Routine, Symbols
 from assistant.languages.melfa_basic.tables.statements import ROWS
 from assistant.languages.melfa_basic.text import effects
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.targets import labels_of
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.languages.patterns import Called, Reading
+from assistant.languages.settings.forms import Form
+from assistant.languages.settings.unknown_settings import UnknownSettings
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.arrays import Ints
 from assistant.program.diagnostics import Span
 from assistant.program.program import identifier
 from assistant.program.text import SourceText
@@ -37,8 +38,7 @@ class Statements:
     routines: what each region is called, and what `GoSub` and functions mean. units, firsts:
     the programs that `CallP` names, and the procedures that those begin with. kept: lines whose
     setting has to stay, because something depends on it that is kept as its text. source: the
-    text that the code was read from. single: of `paths.used_once`. control: what blocks and jumps
-    are read by.
+    text that the code was read from. control: what blocks and jumps are read by.
     """
 
     control: Control
@@ -47,21 +47,21 @@ class Statements:
         self,
         code: Code,
         symbols: Symbols,
-        called: CalledForms,
+        ways: Ways,
         routines: list[Routine],
         calls: tuple[dict[str, str], dict[str, str]],
         main: bool,
         kept: frozenset[int],
         source: SourceText | None,
-        single: Mapping[str, Ints],
     ) -> None:
-        self.code, self.symbols, self.called = code, symbols, called
-        self.flow, self.routines, self.main, self.kept = called.flow, routines, main, kept
+        self.code, self.symbols, self.called, self.source = code, symbols, ways.called, source
+        self.regions, self.effect = ways.regions, ways.settings.effect
+        self.routines, self.main, self.kept = routines, main, kept
         self.units, self.firsts = calls
         self.own = symbols.own
-        self.unknown = UnknownSettings(code, self.flow.effect, symbols.dialect, source)
+        self.unknown = UnknownSettings(ways.called.flow.lines, IN_WORDS, self.where)
         self.expressions = Expressions(symbols)
-        self.runs = Runs(symbols, single, self.own, self.one_move)
+        self.runs = Runs(symbols, ways.single, self.own, self.one_move)
         self.moves = Moves(self.expressions, self.runs)
         self.reading: Reading[s.Expression] = Reading(
             {
@@ -69,7 +69,8 @@ class Statements:
                 "hand": lambda node, _: self.hand(node),
             }
         )
-        self.by_label = {r.label: k for k, r in enumerate(self.flow.regions) if r.label}
+        self.labels = labels_of(code)
+        self.by_label = {r.label: k for k, r in enumerate(self.regions) if r.label}
         self.form: Form | None = None
         self.region = Region(0, 0)
         self.at = 0
@@ -81,15 +82,14 @@ class Statements:
     @property
     def values(self) -> Values:
         assert self.form is not None
-        state: State = self.called.at(self.at, self.form)
-        return tuple(held.value for held in state)
+        return tuple(held.value for held in self.called.at(self.at, self.form))
 
     def branch(self, node: s.Statement) -> list[p.Statement]:
         """The branch of an `If` in one line, or its text as that of a line of its own.
 
         Raises Unliftable for `Break`, which would leave the `If` if that becomes a block.
         """
-        setting = isinstance(node, s.Command) and self.flow.effect(node) is not None
+        setting = isinstance(node, s.Command) and self.effect(node) is not None
         try:
             if setting and self.at in self.kept:
                 raise Unliftable(reasons.DEPENDED_ON)
@@ -101,7 +101,7 @@ class Statements:
 
     def simple(self, node: s.Statement) -> list[p.Statement]:
         """A statement that is no block; raises Unliftable."""
-        if isinstance(node, s.Command) and self.flow.effect(node) is not None:
+        if isinstance(node, s.Command) and self.effect(node) is not None:
             return []  # how the moves that follow are made
         lift = STATEMENTS.get(type(node))
         if lift is None:
@@ -121,13 +121,26 @@ class Statements:
         self.runs.arc_pending = False
         self.note_dependence(statement)
         if found is reasons.WAYS and self.form is not None:
-            found = self.unknown.differing(statement, self.called.at(self.at, self.form))
+            state = self.called.at(self.at, self.form)
+            found = self.unknown.reason(state, depends(statement)) or found
         dialect = self.symbols.dialect
-        if self.form is not None and (self.form.passes or self.form.head):
+        if self.form is not None and self.form.passes:
             self.torn |= any(isinstance(part, s.Target) for part in nodes(statement))
         reason = reasons.reason_for(statement, found)
         text = reasons.text_of(statement, dialect)
         return p.Opaque(dialect, text, reason=reason, effect=effects.of_node(statement, text))
+
+    def where(self, at: int) -> str:
+        """What a line is called in a finding."""
+        item = self.code[at]
+        if not isinstance(item, s.Line) or item.statement is None:
+            return "a block of moves"
+        text = f"`{reasons.text_of(item.statement, self.symbols.dialect)}`"
+        if item.number is not None:
+            return f"{item.number} {text}"
+        if self.source is None or item.span is None:
+            return text
+        return f"{text} in line {self.source.line_column(item.span.start)[0]}"
 
     def note_dependence(self, statement: s.Statement) -> None:
         """Notes what a statement at hand, which stays as its text, depends on."""

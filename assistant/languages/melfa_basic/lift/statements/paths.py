@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assistant.languages.melfa_basic.lift.settings.framed_targets import unframed
-from assistant.languages.melfa_basic.lift.settings.held import FRAME, JOINT, TCP, TOOL, UNKNOWN
+from assistant.languages.melfa_basic.lift.settings.held import FRAME, JOINT, TCP, TOOL
 from assistant.languages.melfa_basic.lift.values.symbols import Symbols
 from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.words import ARC_START
@@ -27,6 +27,7 @@ from assistant.languages.melfa_basic.tree.line_tables import (
 from assistant.languages.melfa_basic.tree.positions import configurations
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.languages.runs.paths import path_kinds, setting_columns
+from assistant.languages.settings.flow import UNKNOWN
 from assistant.program import statements as p
 from assistant.program.arrays import Ints, Truths
 from assistant.program.diagnostics import Span, over

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from assistant.languages.melfa_basic.lift.settings import copies
-from assistant.languages.melfa_basic.lift.settings.forms import Form
 from assistant.languages.melfa_basic.lift.settings.held import FRAME, TOOL
 from assistant.languages.melfa_basic.lift.statements import waits
 from assistant.languages.melfa_basic.lift.statements.lines import Statements
@@ -18,6 +16,7 @@ from assistant.languages.melfa_basic.tables.words import ARC_START
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.targets import labels_of
+from assistant.languages.settings.forms import Form, PassLabels
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Span
@@ -31,14 +30,14 @@ class Reader(Statements):
     own_labels: those of the lines that are read, upper case → name.
     """
 
-    names: copies.Names | None = None
+    names: PassLabels | None = None
     own_labels: Mapping[str, str]
 
     # ---------------------------------------------------------------------- procedures
 
     def read(self, form: Form) -> tuple[p.Statement, ...]:
         """The body of a procedure as it is called in one way."""
-        self.form, region = form, self.flow.regions[form.region]
+        self.form, region = form, self.regions[form.procedure]
         self.region = region
         self.runs.previous, self.runs.arc_pending = None, False
         made: list[p.Statement] = []
@@ -67,8 +66,8 @@ class Reader(Statements):
 
     def in_passes(self, head: Form) -> list[p.Statement]:
         """The statements of a divided procedure."""
-        order = copies.in_order(head)
-        self.names = copies.Names(order, self._labels)
+        order = head.in_order()
+        self.names = PassLabels(order, self._labels)
         made: list[p.Statement] = []
         for one, below in zip(order, (*order[1:], None), strict=True):
             self.form, self.runs.arc_pending = one, False
@@ -76,27 +75,28 @@ class Reader(Statements):
             self.own_labels = self.names.of(one)
             # names made for blocks are unique among all passes
             self.control.labels = {f"**{n}": n for n in self.names.taken} | self.own_labels
-            made += self.statements(one.low, one.high)
+            high = one.places[-1] + 1
+            made += self.statements(one.places[0], high)
             self.names.taken |= set(self.control.labels.values())
-            if copies.leaves(made) or one.falls is below:
+            if _leaves(made) or one.falls is below:
                 continue
             if one.falls is not None:
                 made.append(p.Goto(self._label_at(one.falls)))
-            elif one.high == self.region.high:
+            elif high == self.region.high:
                 made.append(p.Return())
         self.form = head
         return made
 
-    def _labels(self, low: int, high: int) -> dict[str, str]:
-        return {key: self._spelled(key) for key in sorted(labels_of(self.code, range(low, high)))}
+    def _labels(self, one: Form) -> dict[str, str]:
+        return {key: self._spelled(key) for key in sorted(labels_of(self.code, one.places))}
 
     def _label_at(self, one: Form) -> str:
-        item = self.code[one.low]
+        item = self.code[one.places[0]]
         assert self.names is not None and isinstance(item, s.Line) and item.label is not None
         return self.names.of(one)[item.label.upper()]
 
     def _spelled(self, label: str) -> str:
-        item = self.code[self.flow.labels[label]]
+        item = self.code[self.labels[label]]
         return item.label if isinstance(item, s.Line) and item.label else label
 
     def ending(self, region: Region) -> list[p.Statement]:
@@ -141,14 +141,14 @@ class Reader(Statements):
             for callee, made in self.form.called.get(at, {}).items()
         }
         for to in self.form.goes.get(at, {}).values():
-            item = self.code[to.low]
+            item = self.code[to.places[0]]
             if isinstance(item, s.Line) and item.label is not None:
                 self.control.labels[item.label.upper()] = self._label_at(to)
         return values
 
     def _function_key(self, region: int) -> str:
-        function = self.flow.regions[region].function
-        return function.name.upper() if function else f"*{self.flow.regions[region].label}"
+        function = self.regions[region].function
+        return function.name.upper() if function else f"*{self.regions[region].label}"
 
     def entry(self, at: int, high: int, made: list[p.Statement]) -> int:
         """Reads one entry, or a whole block; gives the place after it."""
@@ -187,7 +187,7 @@ class Reader(Statements):
             here = isinstance(node.value, s.Variable) and node.value.key == "P_CURR"
             self.runs.arc_pending = here
             return here
-        made = isinstance(node, s.Command) and self.flow.effect(node) is not None
+        made = isinstance(node, s.Command) and self.effect(node) is not None
         return made and at not in self.kept
 
     def one(self, node: s.Statement, at: int, span: Span | None) -> list[p.Statement]:
@@ -229,3 +229,11 @@ ENDS: Final = (s.Command("End"), s.Command("Return"), s.Command("FEnd"))
 
 def _has_verbatim(statements: list[p.Statement]) -> bool:
     return any(isinstance(part, e.Verbatim) for node in statements for part in records(head(node)))
+
+
+def _leaves(body: list[p.Statement]) -> bool:
+    """Whether nothing runs on below the last statement."""
+    last = next((node for node in reversed(body) if not isinstance(node, p.Comment)), None)
+    if isinstance(last, p.Opaque):
+        return last.text.strip().lower() == "end"
+    return isinstance(last, p.Goto | p.Return)

@@ -1,0 +1,152 @@
+"""What each line does to settings, and which of them it depends on."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from assistant.languages.melfa_basic.lift.settings.held import (
+    ALL_SETTINGS,
+    FRAME,
+    JOINT,
+    TCP,
+    TOOL,
+    Settings,
+)
+from assistant.languages.melfa_basic.lift.structure.blocks import Code, Structure
+from assistant.languages.melfa_basic.lift.structure.regions import (
+    Region,
+    odd_entries,
+    place_name,
+)
+from assistant.languages.melfa_basic.lift.values.constants import Constants
+from assistant.languages.melfa_basic.tables.vocabulary import commands
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.blocks import is_word, statement_of
+from assistant.languages.melfa_basic.tree.columnar import MOV, MoveRows
+from assistant.languages.melfa_basic.tree.targets import exits_of, graph_of, labels_of
+from assistant.languages.melfa_basic.tree.walk import nodes
+from assistant.languages.settings.flow import Calls, Either, Lines, Sets, Steps
+from assistant.languages.settings.forms import CalledForms
+from assistant.program.arrays import Ints
+from assistant.program.program import identifier
+
+_WAITS: Final = re.compile(r"W\d+Z?", re.IGNORECASE)
+"""Labels that are read together with the lines around them."""
+
+
+@dataclass(frozen=True)
+class Ways:
+    """What the code is, however its settings are said: the same in each reading of a file.
+
+    single: see `paths.used_once`. breaks: whether it asks if something was left by `Break`.
+    """
+
+    constants: Constants
+    structure: Structure
+    regions: list[Region]
+    settings: Settings
+    called: CalledForms
+    single: Mapping[str, Ints]
+    timers: dict[int, str]
+    breaks: bool
+
+
+def lines_of(
+    code: Code,
+    structure: Structure,
+    regions: Sequence[Region],
+    settings: Settings,
+    touched: Mapping[str, frozenset[int]],
+) -> Lines:
+    """touched: the settings that each program sets, by its name in upper case."""
+    blocks, labels = structure.blocks, labels_of(code)
+    by_label = {region.label: k for k, region in enumerate(regions) if region.label}
+    by_name = {r.function.name.upper(): k for k, r in enumerate(regions) if r.function}
+
+    def called(statement: s.Statement) -> Iterator[int | frozenset[int]]:
+        match statement:
+            case s.CallP(program=s.String(value=name)):
+                yield touched.get(identifier(name).upper(), ALL_SETTINGS)
+            case s.CallP():
+                yield ALL_SETTINGS
+            case s.Jump() | s.OnJump():
+                for target in exits_of(statement).calls:
+                    yield by_label.get(place_name(target), ALL_SETTINGS)
+        if by_name:
+            node = statement.condition if isinstance(statement, s.If) else statement
+            for part in nodes(node):
+                if isinstance(part, s.Variable) and part.key in by_name:
+                    if part is not getattr(statement, "target", None):
+                        yield by_name[part.key]
+
+    def steps(statement: s.Statement | s.Target | None) -> Steps:
+        if statement is None or isinstance(statement, s.Target):
+            return ()
+        effect = settings.effect(statement)
+        if effect is not None:
+            return (Sets(*effect),)
+        perhaps = isinstance(statement, s.OnJump)
+        calls = tuple(Calls(one, perhaps) for one in called(statement))
+        if isinstance(statement, s.If) and statement.then is not None:
+            return (*calls, Either((steps(statement.then), steps(statement.otherwise))))
+        return calls
+
+    places = [region.places() for region in regions]
+    loose = {
+        at for at, item in enumerate(code)
+        if is_word(statement_of(item)) and at not in blocks.words
+    }  # fmt: skip
+    return Lines(
+        len(ALL_SETTINGS),
+        places,
+        [graph_of(code, inside, blocks).after for inside in places],
+        {at: made for inside in places for at in inside if (made := steps(statement_of(code[at])))},
+        lambda at: _used(code[at]),
+        lambda at: exits_of(statement_of(code[at])).on,
+        frozenset(labels.values()),
+        frozenset(at for at, depth in enumerate(structure.depth) if depth)
+        | {at for label, at in labels.items() if _WAITS.fullmatch(label)}
+        | {at for region in regions if region.function for at in region.places()},
+        frozenset(loose | {labels[name] for name in odd_entries(code, regions) if name in labels}),
+    )
+
+
+_READING: Final = {
+    **dict.fromkeys(("P_CURR", "P_FBC", "P_CURRR", "PTOJ", "JTOP"), frozenset({TOOL, FRAME})),
+    **dict.fromkeys(("P_TOOL", "M_TOOL"), frozenset({TOOL})),
+    **dict.fromkeys(("P_BASE", "M_BSNO"), frozenset({FRAME})),
+    "M_SPD": frozenset({TCP}),
+    "M_JOVRD": frozenset({JOINT}),
+    "M_RSPD": ALL_SETTINGS,
+}
+"""Settings that status variables and functions tell, or depend on."""
+_SPARED: Final[dict[str, frozenset[int]]] = {"Mov": frozenset({TCP}), "Mva": frozenset()}
+"""Settings that a move does not depend on; others are at no percentage of joint speed."""
+
+
+def _used(item: s.Entry) -> frozenset[int]:
+    """Settings that a line depends on: a joint move on no speed of the tool, others on no other."""
+    match item:
+        case MoveRows(kinds=kinds):
+            joint = kinds == MOV
+            return ALL_SETTINGS - ({TCP} if joint.all() else {JOINT} if not joint.any() else set())
+        case s.Line(statement=statement) if statement is not None:
+            return depends(statement)
+    return frozenset()
+
+
+def depends(statement: s.Statement) -> frozenset[int]:
+    """The settings that what a statement does depends on."""
+    found: frozenset[int] = frozenset()
+    for part in nodes(statement):
+        match part:
+            case s.Motion(keyword=keyword):
+                found |= ALL_SETTINGS - _SPARED.get(keyword, frozenset({JOINT}))
+            case s.Variable(key=key) if key in _READING:
+                found |= _READING[key]
+            case s.Command(keyword=keyword) if keyword in commands("needs"):
+                found |= ALL_SETTINGS
+    return found

@@ -1,0 +1,274 @@
+"""Settings that hold until they are changed, at each line of a program, along every way to it.
+
+Speed, tool or frame may be statements above the moves that they are of. Lines pass their settings
+on to those that may run after them, until nothing changes any more. Within a procedure what its
+caller has set is INHERITED; a procedure's own effect is worked out once, and used wherever it is
+called from. A language says what its lines do, see `Lines`; they are known by their places.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from copy import copy
+from dataclasses import dataclass
+from functools import reduce
+from typing import Any, Final
+
+from assistant.languages.line_graph import EXIT
+from assistant.program.analysis.dataflow import Dataflow, postorder
+
+
+class Unknown:
+    """A setting that is not known, or that differs with the way that leads here."""
+
+    def __repr__(self) -> str:
+        return "UNKNOWN"
+
+
+class Inherited:
+    """A setting as the caller of a procedure has it."""
+
+    def __repr__(self) -> str:
+        return "INHERITED"
+
+
+UNKNOWN: Final = Unknown()
+INHERITED: Final = Inherited()
+
+
+@dataclass(frozen=True, slots=True)
+class OrInherited:
+    """A setting that some ways make, and others leave as the caller of a procedure has it."""
+
+    value: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Held:
+    """The value of a setting at a place, and the lines that may have given it."""
+
+    value: Any
+    by: frozenset[int] = frozenset()
+
+    @property
+    def is_inherited(self) -> bool:
+        """Whether it may be the caller's."""
+        return self.value is INHERITED or isinstance(self.value, OrInherited)
+
+
+State = tuple[Held, ...]
+"""By the numbers of the settings."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sets:
+    """A line gives a setting a value, UNKNOWN if the program works it out."""
+
+    setting: int
+    value: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Calls:
+    """A line calls a procedure, or what may change these settings. perhaps: or it does not."""
+
+    called: int | frozenset[int]
+    perhaps: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Either:
+    """One of these runs."""
+
+    branches: tuple[Steps, ...]
+
+
+Steps = tuple[Sets | Calls | Either, ...]
+"""What a line does to settings, in its order."""
+
+
+@dataclass(frozen=True, slots=True)
+class Lines:
+    """What is to be known of the lines of a program, by place.
+
+    settings: how many there are. procedures: the places of the lines of each. after: by procedure,
+    the places that may follow a line. steps: of the lines that do anything to settings. uses: the
+    settings that a line depends on. runs_on: whether control may go on below a line without a
+    jump. labels: lines that jumps lead to. inner: lines inside of something that is read whole.
+    lost: lines that are come to in ways that nobody knows.
+    """
+
+    settings: int
+    procedures: Sequence[Sequence[int]]
+    after: Sequence[Mapping[int, Sequence[int]]]
+    steps: Mapping[int, Steps]
+    uses: Callable[[int], frozenset[int]]
+    runs_on: Callable[[int], bool]
+    labels: frozenset[int]
+    inner: frozenset[int]
+    lost: frozenset[int]
+
+    def called(self, at: int) -> list[int]:
+        """The procedures that a line calls, each once."""
+        return list(dict.fromkeys(_called(self.steps.get(at, ()))))
+
+
+def _called(steps: Steps) -> Iterator[int]:
+    for step in steps:
+        match step:
+            case Calls(int() as number):
+                yield number
+            case Either(branches):
+                for branch in branches:
+                    yield from _called(branch)
+
+
+def joined(one: State | None, two: State) -> State:
+    """What is certain where two ways meet."""
+    if one is None or one is two or one == two:
+        return two
+    return tuple(
+        a if a == b else Held(_met(a.value, b.value), a.by | b.by)
+        for a, b in zip(one, two, strict=True)
+    )
+
+
+def _met(one: Any, two: Any) -> Any:
+    """What two ways agree on, for one caller or for all."""
+    if one == two:
+        return one
+    if not any(value is INHERITED or isinstance(value, OrInherited) for value in (one, two)):
+        return UNKNOWN
+    made = {value.value if isinstance(value, OrInherited) else value for value in (one, two)}
+    made.discard(INHERITED)
+    return OrInherited(*made) if len(made) == 1 and UNKNOWN not in made else UNKNOWN
+
+
+def resolved(state: State, inherited: State) -> State:
+    """The state with what the caller has in the places that are inherited."""
+    if not any(held.is_inherited for held in state):
+        return state
+    return tuple(
+        Held(_resolved(held.value, up.value), held.by | up.by) if held.is_inherited else held
+        for held, up in zip(state, inherited, strict=True)
+    )
+
+
+def _resolved(value: Any, given: Any) -> Any:
+    return given if value is INHERITED else _met(value.value, given)
+
+
+class Flow:
+    """before: by line, what holds where it begins.
+
+    cuts: lines at which procedures are divided: what holds there is INHERITED from the line that
+    leads there. divided: the numbers of those procedures. parts: by procedure, the places of each
+    part of it. edges: what holds at the end of lines that lead to a cut, by line, then by place.
+    """
+
+    def __init__(self, lines: Lines) -> None:
+        self.lines = lines
+        self.entry: State = (Held(INHERITED),) * lines.settings
+        self.lost: State = (Held(UNKNOWN),) * lines.settings
+        self.cuts: frozenset[int] = frozenset()
+        self.edges: dict[int, dict[int, State]] = {}
+        self.before: dict[int, State] = {}
+        self.parts: list[Sequence[Sequence[int]]] = [[places] for places in lines.procedures]
+        self.divided: frozenset[int] = frozenset()
+        self.exits: list[State | None] = [None] * len(lines.procedures)
+        flows = [Dataflow(after, self.after, joined) for after in lines.after]
+        called = {
+            number: [callee for at in places for callee in lines.called(at)]
+            for number, places in enumerate(lines.procedures)
+        }
+        known: list[State | None] | None = None
+        while known != self.exits:  # what a procedure calls is run through before it
+            known = list(self.exits)
+            for number in postorder(called):
+                flows[number].found = {}
+                self._spread(number, flows[number])
+                end = flows[number].found.get(EXIT) if lines.procedures[number] else self.entry
+                if end is not None:
+                    self.exits[number] = joined(self.exits[number], end)
+        for number, flow in enumerate(flows):
+            self._note(number, flow)
+
+    def cut(self, cuts: frozenset[int]) -> Flow:
+        """The same with procedures divided; the effect of a whole procedure stays known."""
+        made = copy(self)
+        made.cuts, made.edges, made.before, made.parts = cuts, {}, {}, list(self.parts)
+        numbered = list(enumerate(self.lines.procedures))
+        made.divided = frozenset(k for k, places in numbered if not cuts.isdisjoint(places))
+        for number, places in numbered:
+            after = self.lines.after[number]
+            inside = {at: [to for to in ways if to not in cuts] for at, ways in after.items()}
+            flow = Dataflow(inside, made.after, joined)
+            made._spread(number, flow)
+            made._note(number, flow)
+            if number in made.divided:
+                made._divide(number, places)
+        return made
+
+    def _divide(self, number: int, places: Sequence[int]) -> None:
+        """Notes the parts of a procedure, and what they hand on to one another."""
+        parts: list[list[int]] = [[]]
+        for at in places:
+            if at in self.cuts and parts[-1]:
+                parts.append([])
+            parts[-1].append(at)
+            behind = self.after(at, self.before[at])
+            into = self.cuts.intersection(self.lines.after[number][at])
+            if behind is not None and into:
+                self.edges[at] = dict.fromkeys(into, behind)
+        self.parts[number] = parts
+
+    def _spread(self, number: int, flow: Dataflow[int, State]) -> None:
+        """Works out what holds in a procedure."""
+        places = self.lines.procedures[number]
+        starts = sorted({*places[:1], *self.cuts.intersection(places)})
+        lost = sorted(self.lines.lost.intersection(places))
+        flow.spread([*((at, self.entry) for at in starts), *((at, self.lost) for at in lost)])
+
+    def _note(self, number: int, flow: Dataflow[int, State]) -> None:
+        """Notes that; lines that no way leads to have what stands above them."""
+        places, last = self.lines.procedures[number], self.entry
+        for at in places:
+            if at not in flow.found:
+                flow.spread([(at, last)])
+            state = flow.found[at]
+            last = self.after(at, state) or state
+        self.before.update((at, flow.found[at]) for at in places)
+
+    # -------------------------------------------------------------------------- one line
+
+    def after(self, at: int, state: State) -> State | None:
+        """What holds behind a line; None if it never ends."""
+        steps = self.lines.steps.get(at)
+        return state if steps is None else self._ran(at, steps, state)
+
+    def _ran(self, at: int, steps: Steps, state: State) -> State | None:
+        behind: State | None = state
+        for step in steps:
+            if behind is None:
+                break
+            match step:
+                case Sets(setting, value):
+                    made = Held(value, frozenset((at,)))
+                    behind = (*behind[:setting], made, *behind[setting + 1 :])
+                case Calls(int() as number, perhaps):
+                    behind = self._called(number, perhaps, behind)
+                case Calls(frozenset() as changed):
+                    behind = tuple(
+                        Held(UNKNOWN) if k in changed else held for k, held in enumerate(behind)
+                    )
+                case Either(branches):
+                    ways = [self._ran(at, branch, behind) for branch in branches]
+                    open_ways = [way for way in ways if way is not None]
+                    behind = reduce(joined, open_ways) if open_ways else None
+        return behind
+
+    def _called(self, number: int, perhaps: bool, state: State) -> State | None:
+        """What holds behind a call, which may be left out."""
+        end = self.exits[number]
+        behind = None if end is None else resolved(end, state)
+        return joined(behind, state) if perhaps else behind

@@ -1,0 +1,208 @@
+"""The forms of procedures: one for each set of settings that they are called with.
+
+In programs whose settings are statements, see `flow`, a procedure moves as its caller has set.
+Where each move states its settings, such a procedure is written once for each way of calling it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from assistant.languages.settings.flow import UNKNOWN, Flow, Held, State, joined, resolved
+from assistant.program.program import identifier
+
+MOST_FORMS: Final = 8
+"""Forms of one procedure; called in more ways, its settings count as unknown."""
+
+MOST_LINES: Final = 4000
+"""Lines of all the passes of one file; what would take more is read once."""
+
+
+@dataclass(slots=True, eq=False)
+class Form:
+    """A procedure as it is called with one set of settings: the lines at some places.
+
+    One that is divided is read in several passes, each under the settings of its own way there;
+    itself it is the first of its `passes`, which all of them share. number: among the forms of
+    the procedure, or the passes of the same part. key: tells it from the others. name: what the
+    procedure is called in this form, once that is decided.
+    """
+
+    procedure: int
+    part: int
+    places: Sequence[int]
+    number: int
+    key: Any
+    state: State
+    passes: dict[Any, Form]
+    called: dict[int, dict[int, Form]] = field(default_factory=dict)
+    """Forms that a line calls, by line, then by procedure."""
+    goes: dict[int, dict[int, Form]] = field(default_factory=dict)
+    """Passes that a line leads to, by line, then by place."""
+    falls: Form | None = None
+    """The pass that stands below this one."""
+    name: str = ""
+
+    def in_order(self) -> list[Form]:
+        """The passes; each stands above the one that it falls into if it can."""
+        left = sorted(self.passes.values(), key=lambda one: (one.number, one.part))
+        made: list[Form] = []
+        following: Form | None = self
+        while left:
+            one = following if following is not None and following in left else left[0]
+            left.remove(one)
+            made.append(one)
+            following = one.falls
+        return made
+
+
+class PassLabels:
+    """Names of the labels in the passes of a procedure: `top`, `top_2` for the second one.
+
+    spelled: the names as they are written in a pass, by their key. taken: all that there are.
+    """
+
+    def __init__(
+        self, passes: Sequence[Form], spelled: Callable[[Form], Mapping[str, str]]
+    ) -> None:
+        self.taken: set[str] = set()
+        self._names: dict[int, dict[str, str]] = {}
+        for one in sorted(passes, key=lambda one: (one.number, one.part)):
+            own = self._names[id(one)] = {}
+            for key, written in spelled(one).items():
+                given = written if one.number == 1 else f"{written}_{one.number}"
+                own[key] = identifier(given, self.taken)
+                self.taken.add(own[key])
+
+    def of(self, one: Form) -> dict[str, str]:
+        return self._names[id(one)]
+
+
+class CalledForms:
+    """forms: by procedure, in the order in which calls are met from the first procedure on."""
+
+    def __init__(self, flow: Flow, initial: State) -> None:
+        self.flow = flow
+        self._part_at = {
+            places[0]: part
+            for number in flow.divided
+            for part, places in enumerate(flow.parts[number])
+        }
+        procedures = flow.lines.procedures
+        self._calls = {at: flow.lines.called(at) for at in flow.lines.steps}
+        self._needs = self._all_needs()
+        self.forms: list[dict[Any, Form]] = [{} for _ in procedures]
+        self._lines = 0
+        self._pending: list[Form] = []
+        if procedures:
+            self._form(0, initial)
+        while self._pending and not self.too_long:
+            self._follow(self._pending.pop(0))
+            if not self._pending:  # what nothing calls may be called from elsewhere
+                left = next((k for k, found in enumerate(self.forms) if not found), None)
+                if left is not None:
+                    self._form(left, flow.lost)
+
+    @property
+    def too_long(self) -> bool:
+        most = max(MOST_LINES, 2 * len(self.flow.before))
+        return bool(self.flow.cuts) and self._lines > most
+
+    @property
+    def unread(self) -> frozenset[int]:
+        """Divided procedures with a part that no way leads to, by their number."""
+        return frozenset(
+            number
+            for number in self.flow.divided
+            for form in self.forms[number].values()
+            if len({one.part for one in form.passes.values()}) < len(self.flow.parts[number])
+        )
+
+    def at(self, at: int, form: Form) -> State:
+        """What holds where a line begins."""
+        return resolved(self.flow.before[at], form.state)
+
+    def _follow(self, form: Form) -> None:
+        """Notes what a form calls, and where it goes."""
+        for at in form.places:
+            for callee in self._calls.get(at, ()):
+                form.called.setdefault(at, {})[callee] = self._form(callee, self.at(at, form))
+        below: State | None = None
+        for at in form.places if form.passes else ():
+            for to, state in self.flow.edges.get(at, {}).items():
+                given = resolved(state, form.state)
+                form.goes.setdefault(at, {})[to] = self._pass(form, self._part_at[to], given)
+                if self._part_at[to] == form.part + 1 and self.flow.lines.runs_on(at):
+                    below = joined(below, given)
+        if below is not None:
+            form.falls = self._pass(form, form.part + 1, below)
+
+    def _form(self, procedure: int, state: State) -> Form:
+        """The form of a procedure for what its caller has set."""
+        made = self._met(self.forms[procedure], procedure, 0, state, {})
+        if procedure in self.flow.divided:
+            made.passes.setdefault(made.key, made)
+        return made
+
+    def _pass(self, form: Form, part: int, state: State) -> Form:
+        """The pass of a divided procedure that begins with a part in a state."""
+        return self._met(form.passes, form.procedure, part, state, form.passes)
+
+    def _met(
+        self,
+        known: dict[Any, Form],
+        procedure: int,
+        part: int,
+        state: State,
+        passes: dict[Any, Form],
+    ) -> Form:
+        """The one that begins with a part in a state, among those that are known.
+
+        It is followed, again, if it is new or if more is to be said of its settings.
+        """
+        count = sum(1 for one in known.values() if one.part == part)
+        needs = self._needs[procedure, part]
+        key: Any = (part, *(held.value if k in needs else None for k, held in enumerate(state)))
+        if key not in known and count >= MOST_FORMS:
+            key = part, UNKNOWN  # the same for all if there are too many
+            state = tuple(Held(UNKNOWN, held.by) for held in state)
+        if key not in known:
+            places = self.flow.parts[procedure][part]
+            known[key] = Form(procedure, part, places, count + 1, key, state, passes)
+            self._lines += len(places)
+            self._pending.append(known[key])
+            return known[key]
+        made = known[key]
+        both = joined(made.state, state)
+        if both != made.state:
+            made.state = both
+            self._pending.append(made)
+        return made
+
+    def _all_needs(self) -> dict[tuple[int, int], set[int]]:
+        """By procedure and part, the settings that it takes from before."""
+        flow = self.flow
+        needs: dict[tuple[int, int], set[int]] = {}
+        passed: list[tuple[tuple[int, int], set[int], tuple[int, int]]] = []
+        for number, parts in enumerate(flow.parts):
+            for part, places in enumerate(parts):
+                here = number, part
+                mine = needs[here] = set()
+                for at in places:
+                    inherited = _inherited(flow.before[at])
+                    mine |= flow.lines.uses(at) & inherited
+                    passed += [(here, inherited, (callee, 0)) for callee in self._calls.get(at, ())]
+                    for to, state in flow.edges.get(at, {}).items():
+                        passed.append((here, _inherited(state), (number, self._part_at[to])))
+        while True:
+            before = sum(map(len, needs.values()))
+            for here, inherited, there in passed:
+                needs[here] |= needs[there] & inherited
+            if sum(map(len, needs.values())) == before:
+                return needs
+
+
+def _inherited(state: State) -> set[int]:
+    return {k for k, held in enumerate(state) if held.is_inherited}
