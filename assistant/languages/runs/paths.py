@@ -46,6 +46,18 @@ def setting_columns(
     return columns
 
 
+def settings_of_parts(
+    kinds: Sequence[NDArray[np.uint8]], settings: Callable[[int, bool], Sequence[Any]]
+) -> dict[str, Any]:
+    """The same of a path in parts. kinds: of the rows of each part.
+
+    settings: of a part, by its place, and of its joint moves or of the others.
+    """
+    ways = [2 * at + (part != Kind.JOINT) for at, part in enumerate(kinds)]
+    used, index = np.unique(np.concatenate(ways), return_inverse=True)
+    return setting_columns([settings(way // 2, way % 2 == 0) for way in used.tolist()], index)
+
+
 def setting_codes(path: Path) -> Ints:
     """(n,) a number for the settings of each row: rows with the same settings have the same."""
     code = np.zeros(len(path), dtype=np.int64)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
@@ -26,7 +25,7 @@ from assistant.languages.melfa_basic.tree.line_tables import (
 )
 from assistant.languages.melfa_basic.tree.positions import configurations
 from assistant.languages.melfa_basic.tree.walk import nodes
-from assistant.languages.runs.paths import path_kinds, setting_columns
+from assistant.languages.runs.paths import path_kinds, settings_of_parts
 from assistant.languages.settings.flow import UNKNOWN
 from assistant.program import statements as p
 from assistant.program.arrays import Ints, Truths
@@ -46,6 +45,10 @@ One = Callable[[s.Motion, Values, Span | None], list[p.Statement]]
 
 _PLAIN: Final = np.array([Kind.JOINT, Kind.LINEAR, Kind.END], dtype=np.uint8)
 """Kinds of rows of a path by those of moves."""
+_ROWS: Final = {
+    word: path_kinds(np.array([kind == MVR]), _PLAIN[[kind]]) for kind, word in enumerate(KEYWORDS)
+}
+"""Word of a move → the kinds of its rows."""
 
 
 @dataclass(slots=True)
@@ -72,7 +75,7 @@ class Runs:
 
     single: of `used_once`. own: the file says itself which positions are paths. previous: where
     the robot stands, None if that is not known. arc_pending: the start of an arc was just read
-    from the robot.
+    from the robot. range: row of the heading's ranges that the path's last position is in.
     """
 
     def __init__(self, symbols: Symbols, single: Mapping[str, Ints], own: bool, one: One) -> None:
@@ -86,7 +89,8 @@ class Runs:
         self.names: set[str] = set()
         self.taken: list[tuple[str, int, int]] = []
         self.ranges = sorted(symbols.header.paths)
-        self.starts = [first for first, _, _ in self.ranges]
+        self.starts, self.stops = np.array([r[:2] for r in self.ranges]).reshape(-1, 2).T
+        self.range = -1
         self.single = single
 
     # ------------------------------------------------------------------------ gathering
@@ -94,35 +98,24 @@ class Runs:
     def rows(self, rows: MoveRows, values: Values, made: list[p.Statement]) -> None:
         """Moves in columns: runs of consecutive numbers go to the path, the rest one by one."""
         self.at = rows.span
-        if not all(sayable(values, joint) for joint in set((rows.kinds == MOV).tolist())):
-            self.one_by_one(rows, values, made)
-            return
+        known = all(sayable(values, joint) for joint in set((rows.kinds == MOV).tolist()))
         arc = rows.kinds == MVR
-        odd = arc & ((rows.start != rows.via - 1) | (rows.via != rows.end - 1))
         first = np.where(arc, rows.via, rows.end)
+        alone = ~(self.allowed(rows.stem, first) & self.allowed(rows.stem, rows.end)) | (not known)
+        alone |= arc & ((rows.start != rows.via - 1) | (rows.via != rows.end - 1))
+        ranges = self.ranges_of(rows.stem, first)
         breaks = np.ones(len(rows), dtype=bool)
-        breaks[1:] = (first[1:] != rows.end[:-1] + 1) | odd[1:] | odd[:-1]
-        breaks |= ~self.allowed(rows.stem, first) | ~self.allowed(rows.stem, rows.end)
-        starts = self.range_starts(rows.stem)
-        if len(starts):
-            breaks |= np.isin(first, starts)
-        edges = [*np.flatnonzero(breaks).tolist(), len(rows)]
-        for low, high in itertools.pairwise(edges):
-            self.run(rows.rows(slice(low, high)), values, made, bool(odd[low]))
-
-    def run(self, rows: MoveRows, values: Values, made: list[p.Statement], odd: bool) -> None:
-        """Rows of consecutive numbers."""
-        arc = bool(rows.kinds[0] == MVR)
-        first = int(rows.via[0] if arc else rows.end[0])
-        allowed = bool(self.allowed(rows.stem, np.array([first, int(rows.end[0])])).all())
-        starts_at = place(f"{rows.stem}{rows.start[0]}", values) if arc else None
-        if odd or not allowed or (arc and starts_at != self.previous):
-            self.one_by_one(rows.rows(slice(1)), values, made)
-            if len(rows) > 1:
-                self.run(rows.rows(slice(1, None)), values, made, False)
-            return
-        kinds = path_kinds(rows.kinds == MVR, _PLAIN[rows.kinds])
-        self.extend(rows.stem, first, kinds, values, self.at, made)
+        breaks[1:] = (first[1:] != rows.end[:-1] + 1) | alone[1:] | alone[:-1]
+        breaks[1:] |= ranges[1:] != ranges[:-1]
+        for low, high in itertools.pairwise([*np.flatnonzero(breaks).tolist(), len(rows)]):
+            for at in range(low, high):
+                kinds = path_kinds(arc[at:high], _PLAIN[rows.kinds[at:high]])
+                start = s.Variable(f"{rows.stem}{rows.start[at]}")
+                if not alone[at] and self.extend(
+                    rows.stem, int(first[at]), kinds, start, values, self.at, made
+                ):
+                    break
+                self.one_by_one(rows.rows(slice(at, at + 1)), values, made)
 
     def one_by_one(self, rows: MoveRows, values: Values, made: list[p.Statement]) -> None:
         self.flush(made)
@@ -135,31 +128,21 @@ class Runs:
     ) -> bool:
         """A single line that may go on with the path or begin one; False if it cannot."""
         node, values = unframed(node, values, self.symbols.header)
-        if node.type or node.append or node.keyword not in KEYWORDS:
+        if node.type or node.append or node.keyword not in _ROWS:
             return False
-        if not sayable(values, node.keyword == KEYWORDS[MOV]):
+        kinds, targets = _ROWS[node.keyword], node.arguments
+        names = [name for name in map(split_name, targets[-len(kinds) :]) if name is not None]
+        arc = len(kinds) == 2
+        if len(targets) != 1 + 2 * arc or len(names) != len(kinds):
             return False
-        names = [split_name(a) for a in node.arguments]
-        if node.keyword != "Mvr":
-            if len(names) != 1 or names[0] is None:
-                return False
-            stem, number = names[0]
-            kind = Kind.JOINT if node.keyword == KEYWORDS[MOV] else Kind.LINEAR
-            if not self.allowed(stem, np.array([number])).all():
-                return False
-            self.extend(stem, number, np.array([kind], np.uint8), values, span, made)
-            return True
-        if len(names) != 3 or names[1] is None or names[2] is None:
+        (stem, first), (other, last) = names[0], names[-1]
+        if stem != other or last != first + arc or not sayable(values, kinds[0] == Kind.JOINT):
             return False
-        (stem, via), (other, end) = names[1], names[2]
-        if stem != other or end != via + 1 or not self.is_here(node.arguments[0], values):
+        if arc and not self.own and not (self.chunks and first == self.last + 1):
             return False
-        if not self.allowed(stem, np.array([via, end])).all():
-            return False
-        if not self.own and not (self.chunks and via == self.last + 1):
-            return False
-        self.extend(stem, via, np.array([Kind.VIA, Kind.END], np.uint8), values, span, made)
-        return True
+        return bool(self.allowed(stem, np.array([first, last])).all()) and self.extend(
+            stem, first, kinds, targets[0], values, span, made
+        )
 
     def is_here(self, start: s.Expression | None, values: Values) -> bool:
         """Whether the robot stands at the start of an arc."""
@@ -173,50 +156,44 @@ class Runs:
         stem: str,
         first: int,
         kinds: NDArray[np.uint8],
+        start: s.Expression | None,
         values: Values,
         span: Span | None,
         made: list[p.Statement],
-    ) -> None:
-        """Puts rows to the path, which is begun anew if they do not go on with it."""
-        goes_on = (
-            bool(self.chunks)
-            and stem.upper() == self.stem.upper()
-            and first == self.last + 1
-            and self.range_of(stem, first) == self.range_of(stem, self.last)
-        )
-        if not goes_on:
+    ) -> bool:
+        """Puts rows to the path, which is begun anew if they do not go on with it.
+
+        start: of the arc that they may begin with; False if the robot does not stand there.
+        """
+        if kinds[0] == Kind.VIA and not self.is_here(start, values):
+            return False
+        last = first + len(kinds) - 1
+        begins, ends = self.ranges_of(stem, np.array([first, last])).tolist()
+        goes_on = bool(self.chunks) and stem.upper() == self.stem.upper()
+        if not goes_on or first != self.last + 1 or begins != self.range:
             self.flush(made)
             self.stem, self.first = stem, first
         self.arc_pending = False
-        self.last = first + len(kinds) - 1
+        self.last, self.range = last, ends
         self.chunks.append(_Chunk(kinds, values, span))
-        self.previous = place(f"{stem}{self.last}", values)
+        self.previous = place(f"{stem}{last}", values)
+        return True
 
     # -------------------------------------------------------------------------- limits
 
-    def range_of(self, stem: str, number: int) -> int:
-        """The row of the heading's ranges that holds a number, -1 for none."""
-        if not self.own or stem.upper() != "P":
-            return -1
-        at = bisect_right(self.starts, number) - 1
-        return at if at >= 0 and number <= self.ranges[at][1] else -1
-
-    def range_starts(self, stem: str) -> list[int]:
-        return self.starts if self.own and stem.upper() == "P" else []
+    def ranges_of(self, stem: str, numbers: Ints) -> Ints:
+        """(n,) the row of the heading's ranges that holds each number, -1 for none."""
+        if not self.own or stem.upper() != "P" or not self.ranges:
+            return np.full(len(numbers), -1, dtype=np.int64)
+        at = np.searchsorted(self.starts, numbers, side="right") - 1
+        return np.where((at >= 0) & (numbers <= self.stops[at]), at, -1)
 
     def allowed(self, stem: str, numbers: Ints) -> Truths:
         """Whether positions of a path: known, and in a range or used nowhere else."""
         _, _, known = self.symbols.positions.find(stem, numbers)
         if self.own:
-            if stem.upper() != "P" or not self.ranges:
-                return np.zeros(len(numbers), dtype=bool)
-            at = np.searchsorted(self.starts, numbers, side="right") - 1
-            ends = np.array([last for _, last, _ in self.ranges])
-            return known & (at >= 0) & (numbers <= ends[at])
-        single = self.single.get(stem.upper())
-        if single is None:
-            return np.zeros(len(numbers), dtype=bool)
-        return known & np.isin(numbers, single)
+            return known & (self.ranges_of(stem, numbers) >= 0)
+        return known & np.isin(numbers, self.single.get(stem.upper(), ()))
 
     def holds(self, key: str) -> bool:
         """Whether a position variable is a row of a path that was made."""
@@ -242,6 +219,11 @@ class Runs:
             return
         numbers = np.arange(self.first, self.last + 1, dtype=np.int64)
         symbols = self.symbols
+
+        def settings(part: int, joint: bool) -> Sequence[Any]:
+            given = chunks[part].settings  # the percentage counts for joint moves only
+            return speed_of(given, joint), *given[2:]
+
         values, flags, _ = symbols.positions.find(self.stem, numbers)
         width = (
             8 if not np.isnan(values[:, 7]).all() else 7 if not np.isnan(values[:, 6]).all() else 6
@@ -255,16 +237,14 @@ class Runs:
             kinds=kinds,
             configurations=configurations(flags, symbols.robot),
             external=external,
-            **_columns(chunks),
+            **settings_of_parts([chunk.kinds for chunk in chunks], settings),
         )
         span = over(chunks[0].span, chunks[-1].span)
         made.append(p.Follow(path, span=span))
 
     def name(self) -> str:
-        at = self.range_of(self.stem, self.first)
-        given = self.ranges[at][2] if at >= 0 else self.stem.rstrip("_")
-        if at < 0:
-            given = identifier(given, self.names)
+        (at,) = self.ranges_of(self.stem, np.array([self.first])).tolist()
+        given = self.ranges[at][2] if at >= 0 else identifier(self.stem.rstrip("_"), self.names)
         self.names.add(given)
         return given
 
@@ -280,18 +260,6 @@ class Runs:
 
 def place(name: str, values: Values) -> Place:
     return name.upper(), values[TOOL], values[FRAME]
-
-
-def _columns(chunks: list[_Chunk]) -> dict[str, Any]:
-    """Tables and index columns of a path; the percentage counts for joint moves only."""
-    ways = [2 * at + (chunk.kinds != Kind.JOINT) for at, chunk in enumerate(chunks)]
-    rows = np.concatenate(ways)
-    used = np.flatnonzero(np.bincount(rows))
-    settings = [
-        (speed_of(chunks[way // 2].settings, way % 2 == 0), *chunks[way // 2].settings[2:])
-        for way in used.tolist()
-    ]
-    return setting_columns(settings, np.searchsorted(used, np.arange(2 * len(chunks)))[rows])
 
 
 def used_once(code: Sequence[s.Entry]) -> dict[str, Ints]:
