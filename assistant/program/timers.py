@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
+from typing import Final
+
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.kept import Kept
 from assistant.program.program import Program
 from assistant.program.rewriting import head, records
 
@@ -18,4 +23,28 @@ def timers(program: Program) -> tuple[str, ...]:
     return tuple(found.values())
 
 
-_TIMED = (p.StartTimer, e.Elapsed)
+def numbered(
+    program: Program, numbers: Sequence[int], kept: re.Pattern[str]
+) -> tuple[dict[str, int], int]:
+    """A number for each timer by lower-case name, and one that no timer has, 0 if there is none.
+
+    A timer whose name says its number keeps it; of the others the first number is given last.
+    Timers beyond the numbers have none. kept: finds the number of a timer in kept text.
+    """
+    texts = [declaration.text for declaration in program.declarations]
+    for statement in program.statements():
+        texts += [part.text for part in records(head(statement)) if isinstance(part, Kept)]
+    taken = {int(n) for text in texts for n in kept.findall(text)}
+    wanted = [name.lower() for name in timers(program)]
+    said = ((name, _NUMBERED.fullmatch(name)) for name in wanted)
+    given = {name: int(match[1]) for name, match in said if match and int(match[1]) in numbers}
+    taken.update(given.values())
+    free = [n for n in (*numbers[1:], numbers[0]) if n not in taken]
+    left = [name for name in wanted if name not in given]
+    given.update(zip(left, free, strict=False))
+    taken.update(given.values())
+    return given, next((n for n in numbers if n not in taken), 0)
+
+
+_NUMBERED: Final = re.compile(r"timer_([0-9])")
+_TIMED: Final = (p.StartTimer, e.Elapsed)

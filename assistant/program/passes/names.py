@@ -10,7 +10,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.passes.legalising import Legalising
-from assistant.program.program import Procedure, Program, identifier
+from assistant.program.program import Procedure, Program, identifier, walk
 from assistant.program.rewriting import rewrite
 
 FIELDS: Final[dict[type, tuple[str, ...]]] = {
@@ -57,6 +57,17 @@ class Names:
             end = f"_{number}"
             name, number = base[: self.longest - len(end)] + end, number + 1
         return name
+
+
+def free_counters(program: Program, procedure: Procedure) -> tuple[str, ...]:
+    """Variables of a procedure's loops that are declared nowhere, once each."""
+    declared = {v.lower() for v in (*program.variables, *procedure.variables)}
+    loops = (x.variable for x in walk(procedure.body) if isinstance(x, p.For))
+    found: dict[str, str] = {}
+    for name in loops:
+        if name.lower() not in declared:
+            found.setdefault(name.lower(), name)
+    return tuple(found.values())
 
 
 def with_legal_names(job: Legalising) -> Program:

@@ -75,6 +75,11 @@ def is_called_with_arguments(procedure: Procedure, program: Program) -> bool:
     return first.name == procedure.name and all(q.mode == "in" for q in procedure.parameters)
 
 
+def units(program: Program) -> tuple[str, ...]:
+    """The units that are loaded when called, in order of their first procedure."""
+    return tuple(dict.fromkeys(p.unit for p in program.procedures if p.unit is not None))
+
+
 def procedures_of(program: Program, unit: str | None) -> tuple[Procedure | None, list[Procedure]]:
     """The procedure that a unit begins with, and those that it calls."""
     mine = [q for q in program.procedures if q.unit == unit]

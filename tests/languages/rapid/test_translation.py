@@ -12,7 +12,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant import languages
-from assistant.languages.rapid.lower.names import units
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -20,6 +19,7 @@ from assistant.program.comparison import Tolerance, compare
 from assistant.program.diagnostics import Severity
 from assistant.program.geometry import Pose, Target, Tool
 from assistant.program.motion import FULL_BLEND, MAXIMUM_SPEED, Blend, Speed
+from assistant.program.passes.procedures import units
 from assistant.program.path import Kind, Path
 from assistant.program.program import Procedure, Program, Signal, Variable
 from tests.languages.rapid.programs import full, path

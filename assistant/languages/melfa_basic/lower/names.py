@@ -16,7 +16,7 @@ from assistant.languages.melfa_basic.tables.dialects import PROGRAM_NAME, Dialec
 from assistant.languages.melfa_basic.tables.variables import LETTERS, is_external
 from assistant.languages.melfa_basic.tables.vocabulary.timers import MOST_TIMERS
 from assistant.languages.melfa_basic.tables.words import ARC_START, RESERVED, free
-from assistant.program import expressions as e
+from assistant.program.passes.names import free_counters
 from assistant.program.program import (
     Parameter,
     Procedure,
@@ -24,9 +24,8 @@ from assistant.program.program import (
     Variable,
     walk,
 )
-from assistant.program.rewriting import head, records
-from assistant.program.statements import For, Label, Opaque
-from assistant.program.timers import timers
+from assistant.program.statements import Label
+from assistant.program.timers import numbered
 
 MAIN: Final = "MAIN"
 """The `Function` that a program of MELFA-BASIC VI begins with."""
@@ -84,7 +83,7 @@ def naming(program: Program, dialect: Dialect, products: bool = False) -> Names:
                 taken.add(name.upper())
                 continue
             names.variables[owner, name.lower()] = _variable(name, letter, dialect.names, taken)
-        for name in _loop_variables(program, procedure):
+        for name in () if procedure is None else free_counters(program, procedure):
             short = _variable(name, "M", dialect.names, taken)
             names.loops[owner, name.lower()] = short
             names.original_loops[short] = name
@@ -105,54 +104,19 @@ def naming(program: Program, dialect: Dialect, products: bool = False) -> Names:
     for entry in program.procedures:
         if entry.unit is not None and entry.unit not in names.units:
             names.units[entry.unit] = program_name(entry.unit, files)
-    _number_timers(names, program)
+    names.timers, names.wait_timer = numbered(program, range(1, MOST_TIMERS + 1), _TIMER)
     numbers = (re.fullmatch(r"[PJ]([0-9]{1,8})", name) for name in taken)
     names.position = 1 + max((int(n.group(1)) for n in numbers if n), default=0)
     return names
 
 
 _TIMER: Final = re.compile(r"M_TIMER\s*\(\s*([0-9]+)", re.IGNORECASE)
-_NUMBERED: Final = re.compile(r"timer_([0-9])")
-
-
-def _number_timers(names: Names, program: Program) -> None:
-    """Numbers that no verbatim text has; a timer whose name says its number keeps it."""
-    texts = [d.text for d in program.declarations]
-    for statement in program.statements():
-        parts = records(head(statement))
-        texts += [part.text for part in parts if isinstance(part, e.Verbatim | Opaque)]
-    numbers = range(1, MOST_TIMERS + 1)
-    taken = {int(n) for text in texts for n in _TIMER.findall(text)}
-    wanted = [name.lower() for name in timers(program)]
-    for name in wanted:
-        match = _NUMBERED.fullmatch(name)
-        if match and int(match[1]) in numbers:
-            names.timers[name] = int(match[1])
-    taken |= set(names.timers.values())
-    free = [n for n in (*numbers[1:], 1) if n not in taken]
-    left = [name for name in wanted if name not in names.timers]
-    names.timers.update(zip(left, free, strict=False))
-    taken |= set(names.timers.values())
-    names.wait_timer = next((n for n in numbers if n not in taken), 0)
 
 
 def _owners(program: Program) -> Iterable[tuple[Procedure | None, str]]:
     yield None, ""
     for procedure in program.procedures:
         yield procedure, procedure.name.lower()
-
-
-def _loop_variables(program: Program, procedure: Procedure | None) -> Iterable[str]:
-    """Loop variables that are declared nowhere, once each."""
-    if procedure is None:
-        return
-    declared = {v.lower() for v in (*program.variables, *procedure.variables)}
-    seen: set[str] = set()
-    for statement in walk(procedure.body):
-        if isinstance(statement, For) and (name := statement.variable.lower()) not in declared:
-            if name not in seen:
-                yield statement.variable
-            seen.add(name)
 
 
 def _variable(given: str, letter: str, most: int, taken: set[str]) -> str:

@@ -11,7 +11,8 @@ import numpy as np
 from assistant.languages.melfa_basic.lower.expressions import joint_constant, position_constant
 from assistant.languages.melfa_basic.lower.heading import heading, named
 from assistant.languages.melfa_basic.lower.names import naming
-from assistant.languages.melfa_basic.lower.unit import Unit
+from assistant.languages.melfa_basic.lower.statements import STATEMENTS
+from assistant.languages.melfa_basic.lower.writer import Writer
 from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.languages.melfa_basic.tables.variables import LETTERS
@@ -49,7 +50,7 @@ def build(
     products: targets are multiplied by their frames, else `Base` is set.
     """
     dialect = DIALECTS[dialect_name]
-    lines = UnitLines(program, robot, unit, dialect, naming(program, dialect, products))
+    lines = UnitLines(program, dialect, naming(program, dialect, products), robot, unit)
     code = lines.code()
     findings = [f for f in lines.findings if f.severity == "error"]
     if findings:
@@ -57,8 +58,10 @@ def build(
     return lines.tree(code)
 
 
-class UnitLines(Unit):
+class UnitLines(Writer):
     """The code lines and the variable lines of a unit."""
+
+    write = STATEMENTS
 
     def code(self) -> list[s.Item]:
         """The code lines without step numbers."""
@@ -66,12 +69,12 @@ class UnitLines(Unit):
         if first is None and not others:
             self.definitions()
             self.initial_values()
-            return [*heading(self), *self.writer.items] if self.has_heading() else []
-        if self.writer.functions:
+            return [*heading(self), *self.items] if self.has_heading() else []
+        if self.functions:
             self.as_functions(first, others)
         else:
             self.as_subroutines(first, others)
-        return [*heading(self), *self.writer.items]
+        return [*heading(self), *self.items]
 
     def tree(self, code: list[s.Item]) -> s.File:
         """The file of its code lines, which it gave before, and its variable lines."""
@@ -80,34 +83,32 @@ class UnitLines(Unit):
 
     def as_subroutines(self, first: Procedure | None, others: list[Procedure]) -> None:
         """The first procedure, and what it calls behind its end."""
-        writer = self.writer
         if first is not None and first.parameters:
-            writer.add(s.FPrm(tuple(self.variable(first, q) for q in first.parameters)))
+            self.add(s.FPrm(tuple(self.variable(first, q) for q in first.parameters)))
         self.definitions()
         self.initial_values()
         if first is not None:
-            writer.enter(first)
-            writer.body(first.body)
-        writer.add(s.Command("End"))
+            self.enter(first)
+            self.body(first.body)
+        self.add(s.Command("End"))
         for procedure in others:
-            writer.label(self.names.procedures[procedure.name.lower()])
-            writer.enter(procedure)
-            writer.body(procedure.body)
+            self.label(self.names.procedures[procedure.name.lower()])
+            self.enter(procedure)
+            self.body(procedure.body)
             if procedure.parameters or procedure.result is not None:
-                writer.cannot(f"parameters or the result of `{procedure.name}`", "use variables")
-            writer.add(s.Command("Return"))
+                self.cannot(f"parameters or the result of `{procedure.name}`", "use variables")
+            self.add(s.Command("Return"))
 
     def as_functions(self, first: Procedure | None, others: list[Procedure]) -> None:
         """What all of them share, the entry as `Main`, and the others."""
-        writer = self.writer
         self.definitions()
         for procedure in [*([first] if first else []), *others]:
-            writer.add(self.head(procedure, procedure is first))
+            self.add(self.head(procedure, procedure is first))
             if procedure is first:
                 self.initial_values()
-            writer.enter(procedure)
-            writer.body(procedure.body)
-            writer.add(s.Command("FEnd"))
+            self.enter(procedure)
+            self.body(procedure.body)
+            self.add(s.Command("FEnd"))
 
     def head(self, procedure: Procedure, main: bool) -> s.Function:
         name = "Main" if main else self.names.procedures[procedure.name.lower()]
@@ -145,24 +146,23 @@ class UnitLines(Unit):
             if variable.size:
                 extents = tuple(s.Number(n) for n in variable.size)
                 arrays.append(s.Dim((replace(whole, arguments=extents),)))
-            elif variable.type == "integer" or (self.writer.functions and not owner):
+            elif variable.type == "integer" or (self.functions and not owner):
                 lines.setdefault(DEFINED[variable.type], []).append(whole)
         for word, variables in lines.items():
             for at in range(0, len(variables), MOST_DEFINED):
-                self.writer.add(s.DefNames(word, tuple(variables[at : at + MOST_DEFINED])))
+                self.add(s.DefNames(word, tuple(variables[at : at + MOST_DEFINED])))
         for dim in arrays:
-            self.writer.add(dim)
+            self.add(dim)
 
     def initial_values(self) -> None:
         """First values of the variables, in the order of the heading."""
-        writer = self.writer
         for owner, name, variable in self.variables():
             if isinstance(variable, Variable) and variable.initial is not None:
                 whole = _whole(self.names.variables[owner, name.lower()])
                 of = next((q for q in self.program.procedures if q.name.lower() == owner), None)
                 about = Declared(name, "variables", of.name if of else "", in_full=True)
-                with writer.findings.at(variable.span), writer.saying(about):
-                    writer.add(s.Assign(whole, writer.expressions.of(variable.initial)))
+                with self.findings.at(variable.span), self.saying(about):
+                    self.add(s.Assign(whole, self.expressions.of(variable.initial)))
 
     # ---------------------------------------------------------------------------- data
 
@@ -171,12 +171,12 @@ class UnitLines(Unit):
         for kind, table, members in named(self):
             for name in members:
                 yield s.Data(s.Variable(table[name.lower()]), self._constant(kind, name))
-        inline = self.writer.expressions.inline
+        inline = self.expressions.inline
         for number, target in inline.positions:
             yield s.Data(s.Variable(f"P{number}"), position_constant(target, self.robot))
         for number, joints in inline.joints:
             yield s.Data(s.Variable(f"J{number}"), joint_constant(joints, self.robot))
-        for first, path in self.writer.paths:
+        for first, path in self.paths:
             yield PositionRows(
                 "P",
                 first + np.arange(len(path), dtype=np.int64),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lower.expressions import (
@@ -22,8 +22,9 @@ from assistant.program import statements as p
 from assistant.program.diagnostics import Diagnostic, Findings, Span
 from assistant.program.geometry import BASE
 from assistant.program.kept import effect_of
+from assistant.program.passes.procedures import has_functions, procedures_of
 from assistant.program.path import Path
-from assistant.program.program import Procedure, Program
+from assistant.program.program import Parameter, Procedure, Program, Variable
 from assistant.program.rewriting import head, records
 from assistant.program.subjects import Declared
 
@@ -34,11 +35,14 @@ if TYPE_CHECKING:
 class Writer:
     """Writes the procedures of a unit.
 
-    write: how each kind of statement is written. functions: whether procedures are `Function`
-    blocks. items: code lines without step numbers. paths: first position number and path of
-    each `Follow`. used: names that the unit's code refers to. shared: the program's constants
-    that a unit needs a copy of. findings: what cannot be said. wanting: see `Adapted`.
+    unit: None for the main one. write: how each kind of statement is written. functions: whether
+    procedures are `Function` blocks. items: code lines without step numbers. paths: first position
+    number and path of each `Follow`. used: names that the unit's code refers to. shared: the
+    program's constants that a unit needs a copy of. findings: what cannot be said. wanting: see
+    `Adapted`.
     """
+
+    write: ClassVar[Mapping[type, Callable[[Any, Any], None]]] = {}
 
     def __init__(
         self,
@@ -47,11 +51,10 @@ class Writer:
         names: Names,
         robot: Robot | None,
         unit: str | None,
-        write: Mapping[type, Callable[[Writer, Any], None]],
     ) -> None:
-        self.program, self.dialect, self.names, self.unit = program, dialect, names, unit
-        self.write = write
-        self.functions = False
+        self.program, self.dialect, self.names = program, dialect, names
+        self.robot, self.unit = robot, unit
+        self.functions = has_functions(program, unit, dialect.functions)
         self.items: list[s.Item] = []
         self.paths: list[tuple[int, Path]] = []
         self.findings, self.wanting = Findings(), list[Diagnostic]()
@@ -86,6 +89,21 @@ class Writer:
             if w in table
         }
         return used, [v for v in self.program.variables if v.lower() in named]
+
+    def procedures(self) -> tuple[Procedure | None, list[Procedure]]:
+        """The one that the unit begins with, and the others."""
+        return procedures_of(self.program, self.unit)
+
+    def variables(self) -> Iterator[tuple[str, str, Variable | Parameter]]:
+        """Owner (a procedure's name in lower case or empty), name and variable."""
+        for name in self.program.variables if self.unit is None else self.shared:
+            yield "", name, self.program.variables[name]
+        for procedure in self.program.procedures:
+            if procedure.unit == self.unit:
+                for parameter in procedure.parameters:
+                    yield procedure.name.lower(), parameter.name, parameter
+                for name, variable in procedure.variables.items():
+                    yield procedure.name.lower(), name, variable
 
     # ------------------------------------------------------------------------- findings
 

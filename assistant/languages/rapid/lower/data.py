@@ -8,7 +8,6 @@ from typing import Final
 
 from assistant.languages.rapid.lift.timers import TYPE as CLOCK
 from assistant.languages.rapid.lower.expressions import RECORDS, Expressions, bracketed
-from assistant.languages.rapid.lower.names import Naming
 from assistant.languages.rapid.tables.motions import (
     speed_name,
     speed_values,
@@ -26,6 +25,7 @@ from assistant.languages.rapid.tables.words import (
 from assistant.languages.rapid.text.verbatim import LANGUAGE
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.runs import SIZES_PLACES
+from assistant.languages.scoped_names import Naming
 from assistant.program.analysis.motions import motions
 from assistant.program.geometry import BASE, FLANGE, Load
 from assistant.program.motion import Blend, Speed

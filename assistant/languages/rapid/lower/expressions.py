@@ -8,7 +8,6 @@ from typing import Any, Final
 
 from assistant.languages.patterns import Writing
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.lower.names import Naming
 from assistant.languages.rapid.tables import functions
 from assistant.languages.rapid.tables.operators import (
     AND,
@@ -33,6 +32,7 @@ from assistant.languages.rapid.tree.runs import (
     SIZES_PLACES,
 )
 from assistant.languages.records import Decimals, Values
+from assistant.languages.scoped_names import Naming
 from assistant.program import expressions as e
 from assistant.program.diagnostics import Refused, Rule
 

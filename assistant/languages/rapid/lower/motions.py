@@ -8,7 +8,6 @@ import numpy as np
 
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lower.expressions import refuse
-from assistant.languages.rapid.lower.names import Naming
 from assistant.languages.rapid.tables.motions import speed_name, zone_name
 from assistant.languages.rapid.tables.words import UNUSED
 from assistant.languages.rapid.text import verbatim
@@ -27,6 +26,7 @@ from assistant.languages.rapid.tree.runs import (
 from assistant.languages.runs.columns import Entries
 from assistant.languages.runs.names import Names
 from assistant.languages.runs.paths import setting_codes
+from assistant.languages.scoped_names import Naming
 from assistant.program import expressions as e
 from assistant.program.geometry import BASE
 from assistant.program.motion import Blend, Speed

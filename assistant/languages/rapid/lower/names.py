@@ -1,223 +1,24 @@
-"""Names that RAPID takes: at most 32 characters, one name space, none that is predefined.
-
-A name that does not fit gets another one; the header of the module keeps the original.
-"""
+"""Names that RAPID takes; the header of a module keeps the original of one that got another."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator
 from typing import Final
-from weakref import ReferenceType, ref
 
 from assistant.languages.rapid.tables.words import LONGEST_NAME, PREDEFINED, RESERVED
 from assistant.languages.rapid.text import verbatim
-from assistant.program.geometry import BASE, FLANGE
-from assistant.program.kept import effect_of
-from assistant.program.passes.names import Names
-from assistant.program.program import Procedure, Program, identifier, walk
-from assistant.program.statements import (
-    Follow,
-    For,
-    Label,
-    MoveStatement,
-    Opaque,
-    Statement,
-    Trigger,
-)
-from assistant.program.timers import timers
-
-_ROW: Final = re.compile(r"(.+)_([1-9][0-9]*)")
-
-KINDS: Final = (
-    "signals",
-    "procedures",
-    "tools",
-    "frames",
-    "speeds",
-    "blends",
-    "values",
-    "timers",
-    "modules",
-)
-
-HIDDEN: Final = ("values", "signals")
-"""Kinds whose names a loop's variable may have: it hides them in the loop."""
+from assistant.languages.scoped_names import Scopes
+from assistant.program.geometry import FLANGE
+from assistant.program.program import Program
 
 
-@dataclass(slots=True)
-class Naming:
-    """RAPID's name of everything in a program.
-
-    of: by kind and lower-case original. rows: stem of the targets of a Follow, by its id.
-    triggers: the variable of each output that moves set on their way.
-    inner, counters, labels: by procedure and lower-case original, its parameters and variables,
-    the variables of its loops, its labels.
-    changed: (kind, short, original).
-    """
-
-    of: dict[str, dict[str, str]] = field(default_factory=lambda: {k: {} for k in KINDS})
-    rows: dict[int, str] = field(default_factory=dict)
-    triggers: dict[Trigger, str] = field(default_factory=dict)
-    inner: dict[str, dict[str, str]] = field(default_factory=dict)
-    counters: dict[str, dict[str, str]] = field(default_factory=dict)
-    labels: dict[str, dict[str, str]] = field(default_factory=dict)
-    changed: list[tuple[str, str]] = field(default_factory=list)
-    _space: Names = field(default_factory=lambda: Names(LONGEST_NAME, PREDEFINED | RESERVED))
-    _numbered: dict[str, list[int]] = field(default_factory=dict)
-    _meant: dict[str, str] = field(default_factory=dict)
-
-    def get(self, kind: str, name: str) -> str:
-        """The name of something of that kind; unknown ones keep theirs."""
-        return spelt(self.of[kind], name)
-
-    def value(self, name: str) -> str:
-        """The name of a variable, target or signal."""
-        return self.get("values", self.get("signals", name))
-
-    def take(self, name: str) -> None:
-        self._space.take(name)
-        if (row := _ROW.fullmatch(name.lower())) is not None and len(row[2]) < 16:
-            self._numbered.setdefault(row[1], []).append(int(row[2]))
-
-    def declare(self, kind: str, name: str) -> None:
-        short = self._space.free(name)
-        self.of[kind][name.lower()] = short
-        self.take(short)
-        self._note(short, name)
-
-    def declare_inner(self, procedure: Procedure) -> None:
-        key = procedure.name.lower()
-        own: set[str] = set()
-        inner = self.inner[key] = {}
-        for name in (*(q.name for q in procedure.parameters), *procedure.variables):
-            if self.of["values"].get(name.lower(), "").lower() == name.lower():
-                inner[name.lower()] = name  # hides the value of that name, here as there
-                own.add(name.lower())
-            else:
-                self._declare_own(inner, name, own)
-        counters = self.counters[key] = {}
-        labels = self.labels[key] = {}
-        for statement in walk(procedure.body):
-            if isinstance(statement, Label):
-                self._declare_own(labels, statement.name, own)
-            elif isinstance(statement, For):
-                name = statement.variable.lower()
-                hidden = next(
-                    (t for t in (inner, *map(self.of.get, HIDDEN)) if t and name in t), None
-                )
-                if hidden is not None:
-                    counters[name] = hidden[name]
-                else:
-                    self._declare_own(counters, statement.variable, own)
-
-    def _declare_own(self, known: dict[str, str], name: str, own: set[str]) -> None:
-        if name.lower() in known:
-            return
-        short = known[name.lower()] = self._space.free(name, own)
-        own.add(short.lower())
-        if short != name:
-            self.take(short)
-        self._note(short, name)
-
-    def declare_triggers(self, statements: Sequence[Statement]) -> None:
-        """Before the rows of paths, which may have such names too."""
-        triggers = [t for x in statements if isinstance(x, MoveStatement) for t in x.triggers]
-        if not triggers:
-            return
-        hiding = {
-            n.lower() for x in statements if isinstance(x, Opaque) for n in effect_of(x).names
-        }
-        for table in (self.inner, self.counters, self.labels):
-            hiding.update(name.lower() for own in table.values() for name in own.values())
-        for trigger in triggers:
-            if trigger not in self.triggers:
-                wanted = f"at_{self.get('signals', trigger.signal)}"
-                self.triggers[trigger] = name = self._space.free(wanted, hiding)
-                self.take(name)
-
-    def declare_rows(self, follow: Follow) -> None:
-        count = len(follow.path)
-        room = LONGEST_NAME - 1 - len(str(count))
-        base = identifier(follow.path.name)[:room]
-        stem, number = base, 2
-        while self._rows_taken(stem.lower(), count) or self._means(stem, follow.path.name):
-            end = f"_p{number}"
-            stem, number = base[: room - len(end)] + end, number + 1
-        self._numbered.setdefault(stem.lower(), []).extend((1, count))
-        self.rows[id(follow)] = stem
-        self._note(stem, follow.path.name)
-
-    def _rows_taken(self, stem: str, count: int) -> bool:
-        return any(number <= count for number in self._numbered.get(stem, ()))
-
-    def _means(self, stem: str, name: str) -> bool:
-        """Whether a stem would be read as the name of something else, which was changed to it."""
-        return self._meant.get(stem.lower(), name) != name
-
-    def _note(self, short: str, name: str) -> None:
-        if short != name and (short, name) not in self.changed:
-            self.changed.append((short, name))
-            self._meant.setdefault(short.lower(), name)
-
-
-_latest: list[tuple[ReferenceType[Program], Naming]] = []
-"""The program that was named last: every unit of a long one asks for the same names."""
-
-
-def naming(program: Program) -> Naming:
-    """Names of a whole program; raises Refused if a verbatim declaration is no RAPID."""
-    for known, names in _latest:
-        if known() is program:
-            return names
-    names = _named(program)
-    _latest[:] = [(ref(program), names)]
-    return names
-
-
-def spelt(names: Mapping[str, str], name: str) -> str:
-    """RAPID's name of something; its own case where only that differs."""
-    short = names.get(name.lower(), name)
-    return name if short.lower() == name.lower() else short
-
-
-def _named(program: Program) -> Naming:
-    names = Naming()
-    for name in PREDEFINED:
-        if _ROW.fullmatch(name):
-            names.take(name)
+def _kept(program: Program) -> Iterator[str]:
+    """Names that declarations in the words of RAPID declare; raises Refused if they are none."""
     for declaration in program.declarations:
         if declaration.language == verbatim.LANGUAGE:
             for item in verbatim.items(declaration.text):
                 if hasattr(item, "name"):
-                    names.take(item.name)
-    for kind, table in (
-        ("signals", program.signals),
-        ("procedures", [p.name for p in program.procedures]),
-        ("tools", [t for t in program.tools if t != FLANGE]),
-        ("frames", [f for f in program.frames if f != BASE]),
-        ("speeds", program.speeds),
-        ("blends", program.blends),
-        ("values", [*program.targets, *program.joint_targets, *program.variables]),
-        ("timers", timers(program)),
-    ):
-        for name in table:
-            names.declare(kind, name)
-    names.of["tools"][FLANGE] = FLANGE
-    names.of["frames"][BASE] = ""
-    for name in (program.name, *units(program)):
-        names.declare("modules", name)
-    for procedure in program.procedures:
-        names.declare_inner(procedure)
-    statements = tuple(program.statements())
-    names.declare_triggers(statements)
-    for statement in statements:
-        if isinstance(statement, Follow):
-            names.declare_rows(statement)
-    return names
+                    yield item.name
 
 
-def units(program: Program) -> tuple[str, ...]:
-    """The units that are loaded when called, in order of their first procedure."""
-    return tuple(dict.fromkeys(p.unit for p in program.procedures if p.unit is not None))
+NAMES: Final = Scopes(LONGEST_NAME, PREDEFINED | RESERVED, _kept, flange=FLANGE, base="")

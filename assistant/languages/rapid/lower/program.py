@@ -9,13 +9,14 @@ from assistant.languages.rapid import rules
 from assistant.languages.rapid.lower.data import data, variable_node
 from assistant.languages.rapid.lower.expressions import refuse
 from assistant.languages.rapid.lower.motions import path_targets
-from assistant.languages.rapid.lower.names import Naming, naming, spelt
+from assistant.languages.rapid.lower.names import NAMES
 from assistant.languages.rapid.lower.statements import Body
 from assistant.languages.rapid.tables.words import TYPE_OF_VALUE
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.text.header import header_lines
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import gathered
+from assistant.languages.scoped_names import Naming, spelt
 from assistant.program import statements as p
 from assistant.program.diagnostics import Refused
 from assistant.program.program import Parameter, Procedure, Program, walk
@@ -23,7 +24,7 @@ from assistant.program.program import Parameter, Procedure, Program, walk
 
 def build(program: Program, unit: str | None = None) -> s.File:
     """The tree of one unit of an adapted program; raises Refused for what RAPID cannot say."""
-    names = naming(program)
+    names = NAMES.naming(program)
     here = [q for q in program.procedures if q.unit == unit]
     items: list[Any] = [s.CommentLine(x) for x in header_lines(program, unit, names.changed)]
     declared = _declared(program) if unit is None else []
@@ -39,7 +40,7 @@ def build(program: Program, unit: str | None = None) -> s.File:
 
 
 def module_name(program: Program, unit: str | None = None) -> str:
-    return naming(program).get("modules", unit or program.name)
+    return NAMES.naming(program).get("modules", unit or program.name)
 
 
 def _declared(program: Program) -> list[s.Item]:

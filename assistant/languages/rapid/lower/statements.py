@@ -10,7 +10,6 @@ from assistant.languages.patterns import Slot, Write
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lower.expressions import Expressions, refuse
 from assistant.languages.rapid.lower.motions import blend_in, frame_in, path_moves, speed_in
-from assistant.languages.rapid.lower.names import Naming, spelt
 from assistant.languages.rapid.lower.triggers import set_up, with_triggers
 from assistant.languages.rapid.tables.hands import signal_of
 from assistant.languages.rapid.tables.operators import OR, SUM, TERM
@@ -20,6 +19,7 @@ from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import arguments
 from assistant.languages.rapid.tree.gather import gathered
+from assistant.languages.scoped_names import Naming, spelt
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.kinds import is_value, kinds

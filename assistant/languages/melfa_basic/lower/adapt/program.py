@@ -146,11 +146,11 @@ def _written(
                 about = Declared(name, "frames")
                 findings.append(rules.SHARED_BRANCH(name=name, about=about))
     for unit in dict.fromkeys([None, *(q.unit for q in program.procedures)]):
-        writing = UnitLines(program, robot, unit, dialect, names)
+        writing = UnitLines(program, dialect, names, robot, unit)
         code = writing.code()
         findings += writing.findings
-        wanting += writing.writer.wanting
-        findings += _too_long(code, dialect, writing.writer.spans)
+        wanting += writing.wanting
+        findings += _too_long(code, dialect, writing.spans)
         if (count := steps_in(code)) > LAST_STEP:
             name, most = names.units[unit], LAST_STEP
             about = Declared(name)

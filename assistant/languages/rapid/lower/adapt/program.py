@@ -13,7 +13,7 @@ from assistant.languages.rapid.lift.places import with_places
 from assistant.languages.rapid.lower.adapt.data import POSITIONS
 from assistant.languages.rapid.lower.adapt.motions import Motions
 from assistant.languages.rapid.lower.adapt.statements import StatementAdapter
-from assistant.languages.rapid.lower.names import naming, units
+from assistant.languages.rapid.lower.names import NAMES
 from assistant.languages.rapid.lower.program import build
 from assistant.languages.rapid.tables.capabilities import capabilities
 from assistant.languages.rapid.tables.words import LONGEST_NAME, PREDEFINED, RESERVED
@@ -29,6 +29,7 @@ from assistant.program.passes.integers import with_one_kind_of_numbers
 from assistant.program.passes.legalising import Legalising, Pass, legalised, pure
 from assistant.program.passes.paths import with_paths
 from assistant.program.passes.places import with_measured_places
+from assistant.program.passes.procedures import units
 from assistant.program.passes.splitting import split
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import map_bodies
@@ -107,7 +108,7 @@ PASSES: Final[tuple[Pass, ...]] = (
 
 
 def _find_names(program: Program, findings: Findings) -> None:
-    for short, name in naming(program).changed:
+    for short, name in NAMES.naming(program).changed:
         why = _why(name)
         findings.append(rules.SHORTENED(name=name, short=short, why=why, about=Declared(name)))
 
