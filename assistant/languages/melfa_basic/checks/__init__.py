@@ -36,7 +36,7 @@ CHECKS: Final[tuple[Check[Look], ...]] = (
     Check(steps.labels, Needs.NAMES),
     Check(names.spelling),
     Check(names.program),
-    Check(names.declarations, Needs.NAMES),
+    Check(names.twice, Needs.NAMES),
     Check(undefined.variables, Needs.NAMES),
     Check(undefined.calls, Needs.NAMES),
     Check(unused.twice),

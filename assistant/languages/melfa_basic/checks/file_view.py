@@ -176,13 +176,17 @@ class Look(Memory):
         return source.finding(rule, span, **words)
 
     def at(self, rule: Rule, line: s.Item, what: str | Named, /, **words: Any) -> Diagnostic:
-        """The rule's finding at a word or node of an item; at all of it if that is not found."""
+        """The rule's finding at a word or node of an item; at all of it if that is not found.
+
+        A variable is what it is about, if `words` name no other.
+        """
         where = self.word(line, what) if isinstance(what, str) else self.place(line, what)
-        return self.finding(rule, where or line, **words)
+        name = {"name": what.name} if isinstance(what, s.Variable) else {}
+        return self.finding(rule, where or line, **(name | words))
 
     def place(self, item: s.Item, node: Named) -> Span | None:
         """Where the name of a node stands; a node that came from elsewhere is looked for."""
-        name = node.name + node.suffix if isinstance(node, s.Variable) else f"*{node.place}"
+        name = node.marked if isinstance(node, s.Variable) else f"*{node.place}"
         source, span = self.tree.source, node.span
         if source is not None and span is not None and item.span is not None:
             end = span.start + len(name)

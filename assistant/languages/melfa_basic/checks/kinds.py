@@ -3,68 +3,44 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Final, Literal
+from typing import Final
 
 from assistant.languages.checks.registry import Found
 from assistant.languages.melfa_basic.checks import value_rules as rules
 from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.tables import vocabulary
+from assistant.languages.melfa_basic.tables.variables import MARKS, TYPES, DataType
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.walk import declarations
 
-Kind = Literal["M", "C", "P", "J", "PJ", ""]
-"""A number, a text, a position, joints; either of the last two; not known."""
+Kind = str
+"""`M` (a number), `C` (a text), `P` (a position), `J` (joints), `PJ` (one of the last two); empty
+where it is not known.
+"""
 
-SPOKEN: Final[Mapping[str, str]] = {
+SPOKEN: Final[Mapping[Kind, str]] = {
     "M": "a number", "C": "a text", "P": "a position", "J": "joints",
     "PJ": "a position or joints", "JP": "a position or joints", "PM": "a position or a number",
 }  # fmt: skip
-DECLARED: Final[Mapping[str, Kind]] = {
-    "Inte": "M", "Long": "M", "Float": "M", "Double": "M", "Char": "C", "Pos": "P", "Jnt": "J",
-    "Work": "P",
-}  # fmt: skip
-MARKS: Final[Mapping[str, str]] = {
-    "$": "Char",
-    "%": "Inte",
-    "&": "Long",
-    "!": "Float",
-    "#": "Double",
-}
-NUMBERS: Final = {
-    "Inte": "16-bit integers", "Long": "32-bit integers", "Float": "single precision",
-    "Double": "double precision", "Char": "a text", "Pos": "a position", "Jnt": "joints",
-    "Work": "a work coordinate",
-}  # fmt: skip
-RANGES: Final = {
-    "Inte": (-(2**15), 2**15 - 1, "Def Long"),
-    "Long": (-(2**31), 2**31 - 1, "Def Double"),
-}
-"""Type → least and greatest whole number, and the type that reaches further."""
 COMPARISONS: Final = frozenset(("=", "<>", "><", "<", "<=", "=<", ">", ">=", "=>"))
 NUMERIC: Final = frozenset(("AND", "OR", "XOR", "MOD", "\\", "<<", ">>", "^"))
 
 
-def declared(look: Look) -> dict[str, str]:
+def declared(look: Look) -> dict[str, DataType]:
     """Variables by name in upper case → the type that Def gives them; of two the last."""
-    found: dict[str, str] = {}
+    found: dict[str, DataType] = {}
     for line in look.lines:
-        definition = line.statement
-        if isinstance(definition, s.Static):
-            definition = definition.definition
-        if isinstance(definition, s.DefNames):
-            found |= {variable.key: definition.type for variable in definition.variables}
-        elif isinstance(definition, s.DefIo):
-            found[definition.variable.key] = "Inte"
-        elif isinstance(definition, s.Const):
-            found[definition.variable.key] = definition.type or _const(definition)
-        elif isinstance(definition, s.Function):
-            for parameter in definition.parameters or ():
-                if not parameter.suffix:
-                    found.pop(parameter.name.upper(), None)
-    return {name: kind for name, kind in found.items() if kind}
-
-
-def _const(definition: s.Const) -> str:
-    return "Char" if isinstance(definition.value, s.String) else ""
+        match line.statement:
+            case s.DefIo(variable):
+                found[variable.key] = TYPES["Inte"]
+            case s.Function(parameters=parameters):
+                for parameter in parameters or ():
+                    if not parameter.suffix:
+                        found.pop(parameter.name.upper(), None)
+            case statement:
+                typed = declarations(statement)
+                found |= {variable.key: TYPES[word] for variable, word in typed if word}
+    return found
 
 
 def of_variable(look: Look, variable: s.Variable) -> Kind:
@@ -73,39 +49,27 @@ def of_variable(look: Look, variable: s.Variable) -> Kind:
     if variable.component:
         return "M"
     if variable.suffix:
-        return "C" if variable.suffix == "$" else "M"
+        return MARKS[variable.suffix].letter
     if variable.arguments is not None and (function := vocabulary.function(key)) is not None:
-        return _kind(function.result)
-    if key.startswith("FN") and key not in look.functions:
-        return {"M": "M", "C": "C", "P": "P", "J": "J"}.get(key[2:3], "")  # type: ignore[return-value]
+        return _sure(function.result)
     if key in look.functions:
         return _of_function(look.functions[key])
-    status = vocabulary.status(key)
-    if status is not None:
-        return _kind(status.type)
-    known = look.once(declared).get(key)
-    if known is not None:
-        return DECLARED.get(known, "")
-    if key[0] in "PJ":
-        return "P" if key[0] == "P" else "J"
-    if key[0] == "C" and key[1:2] == "_":
-        return "C"
-    return "M"
+    if key.startswith("FN"):
+        return _sure(key[2:3])
+    if (status := vocabulary.status(key)) is not None:
+        return _sure(status.type)
+    if (known := look.once(declared).get(key)) is not None:
+        return known.letter
+    return key[0] if key[0] in "PJ" or key.startswith("C_") else "M"
 
 
-def _kind(types: str) -> Kind:
-    return {"M": "M", "C": "C", "P": "P", "J": "J", "PJ": "PJ"}.get(types, "")  # type: ignore[return-value]
+def _sure(types: str) -> Kind:
+    return types if types in SPOKEN else ""
 
 
 def _of_function(function: s.Function) -> Kind:
-    if function.suffix:
-        return "C" if function.suffix == "$" else "M"
-    result = function.result.upper()
-    if not result:
-        return ""
-    if result.endswith("$"):
-        return "C"
-    return _kind(result[0])
+    mark = function.suffix or function.result[-1:]
+    return MARKS[mark].letter if mark in MARKS else _sure(function.result[:1].upper())
 
 
 def of(look: Look, value: s.Expression | None) -> Kind:
@@ -133,16 +97,13 @@ def _joined(operator: str, left: Kind, right: Kind) -> Kind:
         return "M"
     if left == right:
         return left
-    if {left, right} == {"P", "PJ"} or {left, right} == {"P", "M"}:
-        return "P"
-    if {left, right} == {"J", "PJ"} or {left, right} == {"J", "M"}:
-        return "J"
-    return ""
+    of_points = (one for one in "PJ" if {left, right} in ({one, "PJ"}, {one, "M"}))
+    return next(of_points, "")
 
 
 def fits(given: Kind, wanted: str) -> bool:
     """Whether a value of a type may stand where some types are wanted."""
-    return not given or not wanted or any(letter in wanted for letter in given)
+    return not given or not wanted or not set(given).isdisjoint(wanted)
 
 
 # --------------------------------------------------------------------------------------- rules
@@ -166,9 +127,9 @@ def _assigned(look: Look, item: s.Item, target: s.Variable, value: s.Expression)
         return
     plain = not target.suffix and not target.component and target.key not in look.once(declared)
     if given == "C" and wanted == "M" and plain:
-        yield look.at(rules.NO_TEXT_MARK, item, target, name=target.name)
+        yield look.at(rules.NO_TEXT_MARK, item, target)
         return
-    name = target.name + target.suffix + (f".{target.component}" if target.component else "")
+    name = target.marked + (f".{target.component}" if target.component else "")
     said, got = SPOKEN[wanted], SPOKEN[given]
     yield look.at(rules.ASSIGNED_TYPE, item, target, name=name, wanted=said, given=got)
 
@@ -180,28 +141,15 @@ def _is_function_result(look: Look, target: s.Variable) -> bool:
 
 
 def _range(look: Look, line: s.Item, target: s.Variable, value: s.Expression) -> Found:
-    kind = MARKS.get(target.suffix) or look.once(declared).get(target.key, "")
+    kind = MARKS.get(target.suffix) or look.once(declared).get(target.key)
     number = literal(value)
-    if kind not in RANGES or number is None or target.component:
+    if kind is None or kind.whole is None or number is None or target.component:
         return
-    low, high, wider = RANGES[kind]
-    if not low <= round(number) <= high and not _is_hex(value):
-        name = target.name + target.suffix
-        yield look.at(
-            rules.INTEGER_RANGE,
-            line,
-            target,
-            name=name,
-            value=f"{number:g}",
-            low=low,
-            high=high,
-            wider=wider,
-        )
-
-
-def _is_hex(value: s.Expression) -> bool:
-    """Hexadecimal and binary numbers are patterns of bits: &HFFFF fits into 16."""
-    return isinstance(value, s.Number) and value.base != 10
+    bits = isinstance(value, s.Number) and value.base != 10  # a pattern: &HFFFF fits into 16
+    low, high = kind.whole
+    if not low <= round(number) <= high and not bits:
+        words = {"name": target.marked, "value": f"{number:g}", "wider": kind.wider}
+        yield look.at(rules.INTEGER_RANGE, line, target, low=low, high=high, **words)
 
 
 def literal(value: s.Expression | None) -> float | None:
@@ -220,83 +168,64 @@ def operands(look: Look) -> Found:
     """Numbers and texts that are added or compared."""
     for line, node in look.all(s.Binary):
         left, right = of(look, node.left), of(look, node.right)
-        if {left, right} == {"M", "C"} or (
-            {"C"} & {left, right} and left and right and left != right
-        ):
+        if left and right and left != right and "C" in (left, right):
             named = next((n for n in (node.left, node.right) if isinstance(n, s.Variable)), None)
-            yield look.finding(
-                rules.OPERAND_TYPE,
-                (named and look.place(line, named)) or line,
-                operator=node.operator,
-                left=SPOKEN[left],
-                right=SPOKEN[right],
-            )
+            where = (named and look.place(line, named)) or line
+            kinds = {"left": SPOKEN[left], "right": SPOKEN[right]}
+            yield look.finding(rules.OPERAND_TYPE, where, operator=node.operator, **kinds)
 
 
 def suffixes(look: Look) -> Found:
     """Marks that say another type than the declaration."""
     seen: set[str] = set()
-    kinds = look.once(declared)
     for line, use in look.uses:
         variable = use.variable
-        kind, marked = kinds.get(variable.key), MARKS.get(variable.suffix)
+        kind, marked = look.once(declared).get(variable.key), MARKS.get(variable.suffix)
         if kind is None or marked is None or marked == kind or variable.key in seen:
             continue
-        if use.role == "declared" or {kind, marked} <= {"Float", "Double"}:
+        if use.role == "declared" or {kind.word, marked.word} <= {"Float", "Double"}:
             continue
         seen.add(variable.key)
-        name = variable.name + variable.suffix
-        yield look.at(
-            rules.SUFFIX,
-            line,
-            variable,
-            name=name,
-            marked=NUMBERS[marked],
-            declared=NUMBERS[kind],
-        )
+        words = {"name": variable.marked, "marked": marked.title, "declared": kind.title}
+        yield look.at(rules.SUFFIX, line, variable, **words)
 
 
 def dimensions(look: Look) -> Found:
     """Arrays of one to three dimensions of 1 to 999, and literal subscripts that fit."""
-    sizes: dict[str, tuple[int, ...]] = {}
+    sizes: dict[str, list[float | None]] = {}
     for line, dim in look.all(s.Dim):
         for variable in dim.variables:
-            bounds = [literal(a) for a in variable.arguments or ()]
-            what = ""
-            if not 1 <= len(bounds) <= MOST_DIMENSIONS:
-                what = f"has {len(bounds)} dimensions"
-            elif any(b is not None and not 1 <= b <= MOST_ELEMENTS for b in bounds):
-                what = "has a dimension of " + " and ".join(
-                    f"{b:g}" for b in bounds if b is not None and not 1 <= b <= MOST_ELEMENTS
-                )
-            elif all(b is not None for b in bounds):
-                sizes[variable.key] = tuple(int(b) for b in bounds if b is not None)
-            if what:
-                cure = f"use one to {MOST_DIMENSIONS} dimensions of 1 to {MOST_ELEMENTS}"
-                yield look.at(
-                    rules.DIMENSIONS, line, variable, name=variable.name, what=what, cure=cure
-                )
+            size = [literal(a) for a in variable.arguments or ()]
+            odd = [f"{n:g}" for n in size if n is not None and not 1 <= n <= MOST_ELEMENTS]
+            what = "has a dimension of " + " and ".join(odd)
+            if not 1 <= len(size) <= MOST_DIMENSIONS:
+                what = f"has {len(size)} dimensions"
+            elif not odd:
+                if None not in size:
+                    sizes[variable.key] = size
+                continue
+            cure = f"use one to {MOST_DIMENSIONS} dimensions of 1 to {MOST_ELEMENTS}"
+            yield look.at(rules.DIMENSIONS, line, variable, what=what, cure=cure)
     parameters = {p.name.upper() for f in look.functions.values() for p in f.parameters or ()}
     for line, use in look.uses:
         variable = use.variable
-        size = sizes.get(variable.key)
-        if size is None or use.role == "declared" or not variable.arguments:
+        most = [int(n) for n in sizes.get(variable.key, ()) if n is not None]
+        if not most or use.role == "declared" or not variable.arguments:
             continue
         if variable.key in parameters:
             continue
         given = [literal(a) for a in variable.arguments]
-        what = ""
-        if len(given) != len(size):
-            what = f"has {len(size)} dimensions, not {len(given)}"
-        elif bad := [
-            g for g, n in zip(given, size, strict=True) if g is not None and not 1 <= round(g) <= n
-        ]:
-            what = f"has no element {bad[0]:g}"
-        if what:
-            cure = f"it has the elements 1 to {' by '.join(map(str, size))}"
-            yield look.at(
-                rules.DIMENSIONS, line, variable, name=variable.name, what=what, cure=cure
-            )
+        missing = [
+            n for n, m in zip(given, most, strict=False) if n is not None and not 1 <= round(n) <= m
+        ]
+        cure = f"it has the elements 1 to {' by '.join(map(str, most))}"
+        if len(given) != len(most):
+            what = f"has {len(most)} dimensions, not {len(given)}"
+        elif missing:
+            what = f"has no element {missing[0]:g}"
+        else:
+            continue
+        yield look.at(rules.DIMENSIONS, line, variable, what=what, cure=cure)
 
 
 MOST_DIMENSIONS: Final = 3

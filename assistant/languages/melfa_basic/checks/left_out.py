@@ -30,7 +30,7 @@ def positions(look: Look) -> Found:
             left_out.append("FL1" if flags[0] is None else "FL2")
         if left_out and tuple(left_out) != FOUR_AXES:
             what = " and ".join(left_out)
-            yield look.at(rules.GAP, item, item.variable, name=item.variable.name, what=what)
+            yield look.at(rules.GAP, item, item.variable, what=what)
 
 
 NEEDED: Final = {"Plt": 3}
@@ -63,8 +63,7 @@ def lines(look: Look) -> Found:
             case s.Line(number=int(), label=None, statement=None, comment=None):
                 yield look.finding(rules.EMPTY_STEP, item, number=item.number)
             case s.Data(type=""):
-                name = item.variable.name
-                yield look.at(rules.AMONG_STEPS, item, item.variable, name=name)
+                yield look.at(rules.AMONG_STEPS, item, item.variable)
 
 
 def _is_step(look: Look, item: s.Item) -> bool:

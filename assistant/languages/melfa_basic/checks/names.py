@@ -15,6 +15,7 @@ from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import PROGRAM_NAME
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
+from assistant.languages.melfa_basic.tree.walk import declarations
 
 # ---------------------------------------------------------------------------------- as written
 
@@ -75,21 +76,10 @@ def program(look: Look) -> Found:
 # --------------------------------------------------------------------------------- definitions
 
 
-def declarations(look: Look) -> Found:
+def twice(look: Look) -> Found:
     """Variables that are declared twice."""
     for scope in look.scopes:
         lines = look.lines_of(scope)
-        declared = [(line, one) for line in lines for one in _declared(line.statement)]
+        declared = [(line, one) for line in lines for one, _ in declarations(line.statement)]
         for line, variable in repeated(declared, lambda one: one[1].key):
-            yield look.at(rules.DECLARED_TWICE, line, variable, name=variable.name)
-
-
-def _declared(statement: s.Statement | None) -> tuple[s.Variable, ...]:
-    match statement:
-        case s.DefNames(_, variables) | s.Dim(variables):
-            return variables
-        case s.Static(definition):
-            return _declared(definition)
-        case s.DefIo(variable) | s.Const(_, variable):
-            return (variable,)
-    return ()
+            yield look.at(rules.DECLARED_TWICE, line, variable)

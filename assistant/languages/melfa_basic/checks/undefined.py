@@ -39,16 +39,16 @@ def variables(look: Look) -> Found:
         if key[1:2] == "_":
             stranger = key not in names.declared and vocabulary.status(key) is None
             if stranger and not near_status(key):  # else it is told what is meant
-                yield look.at(rules.NO_EXTERNAL, line, variable, name=_named(variable))
+                yield look.at(rules.NO_EXTERNAL, line, variable, name=variable.marked)
         elif variable.arguments is not None:
             if key not in names.dimensioned:
-                yield look.at(rules.NO_DIM, line, variable, name=_named(variable))
+                yield look.at(rules.NO_DIM, line, variable, name=variable.marked)
         elif key in moved or re.fullmatch(r"[PJ][0-9]+", key):
             kind = "joint variable" if key[0] == "J" else "position"
             name = variable.name
             yield look.at(rules.NO_POSITION, line, name, kind=kind, name=name)
         else:
-            yield look.at(rules.NO_VALUE, line, variable, name=_named(variable))
+            yield look.at(rules.NO_VALUE, line, variable, name=variable.marked)
     for item in look.code:
         if isinstance(item, MoveRows):
             yield from _undefined_rows(look, item, names)
@@ -64,10 +64,6 @@ def _undefined_rows(look: Look, rows: MoveRows, names: Known) -> Found:
         name = f"{rows.stem}{number}"
         where = look.row(rows, int(np.argmax(fitting)), name)
         yield look.finding(rules.NO_POSITION, where, kind="position", name=name)
-
-
-def _named(variable: s.Variable) -> str:
-    return variable.name + variable.suffix
 
 
 def _is_call(look: Look, variable: s.Variable) -> bool:

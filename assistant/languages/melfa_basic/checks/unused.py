@@ -69,7 +69,7 @@ def unused(look: Look) -> Found:
     for line, use in look.uses:
         key = use.variable.key
         if use.role in ("written", "declared") and _is_own(look, use, names):
-            variables.setdefault(key, (line, use.variable.name + use.variable.suffix))
+            variables.setdefault(key, (line, use.variable.marked))
     what = "the variable" if len(variables) == 1 else "the variables"
     yield from _unused(look, what, list(variables.values()))
     yield from _unused_positions(look, names, set(variables))

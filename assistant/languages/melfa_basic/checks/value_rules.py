@@ -61,7 +61,7 @@ NO_TEXT_MARK: Final = error(
 INTEGER_RANGE: Final = error(
     "MB613",
     "{value} does not fit into `{name}`, which holds whole numbers from {low} to {high}",
-    "declare it with `{wider}`",
+    "declare it with `Def {wider}`",
 )
 DIMENSIONS: Final = error("MB614", "the array `{name}` {what} (controller error 4370)", "{cure}")
 SHORT_WAIT: Final = info(

@@ -134,19 +134,12 @@ def _names(look: Look) -> Found:
             yield _lacks(look, line, variable, f"`{row.name}`", cure)
         elif variable.suffix and variable.suffix not in look.dialect.suffixes:
             seen.add(key)
-            name = variable.name + variable.suffix
-            word = f"mark `{variable.suffix}` behind a name such as `{name}`"
+            word = f"mark `{variable.suffix}` behind a name such as `{variable.marked}`"
             cure = f"write `{variable.name}#`, whose numbers reach further"
             yield _lacks(look, line, variable, word, cure)
         elif row is None and key[1:2] == "_" and key[0] in "MPJC":
             near = near_status(key)
             if near and use.role == "read" and key not in names.given:
                 seen.add(key)
-                yield look.at(
-                    value_rules.UNKNOWN_STATUS,
-                    line,
-                    variable,
-                    name=variable.name,
-                    title=look.dialect.title,
-                    cure=f"write `{near}` if that is meant",
-                )
+                title, cure = look.dialect.title, f"write `{near}` if that is meant"
+                yield look.at(value_rules.UNKNOWN_STATUS, line, variable, title=title, cure=cure)

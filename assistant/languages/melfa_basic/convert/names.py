@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Final
+from typing import Any
 
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import Dialect
@@ -152,10 +152,6 @@ class _Change:
             return known.name.removesuffix("$")
         word = vocabulary.statement(name)
         return name if word is None else word.word
-
-
-SUFFIXES: Final = {"%": "Inte", "&": "Long", "!": "Float", "#": "Double"}
-"""Type mark → word of the declaration."""
 
 
 def declared_types(items: Iterable[s.Item]) -> dict[str, str]:

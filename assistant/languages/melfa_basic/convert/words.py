@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import Any, Final
 
 from assistant.languages.melfa_basic.convert.names import (
-    SUFFIXES,
     Names,
     declared_types,
     is_own,
@@ -17,6 +16,7 @@ from assistant.languages.melfa_basic.convert.names import (
 from assistant.languages.melfa_basic.convert.original_names import Memory
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
+from assistant.languages.melfa_basic.tables.variables import MARKS
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import is_word
@@ -177,7 +177,7 @@ class Words:
                 return node if self.types.get(node.key) != "Char" else replace(node, suffix="")
             kind = "Char"
         else:
-            kind = SUFFIXES[mark]
+            kind = MARKS[mark].word
         other = self.suffixes.setdefault(node.key, mark)
         if (other == "$") != (mark == "$"):
             self.complain(

@@ -1,8 +1,9 @@
-"""Variables: the letters that their names begin with, and those of all programs."""
+"""Variables: their types, the letters that their names begin with, and those of all programs."""
 
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from typing import Final
 
 from assistant.program.program import ValueType, Variable
@@ -11,6 +12,45 @@ LETTERS: Final[dict[ValueType, str]] = {
     "number": "M", "integer": "M", "truth": "M", "text": "C",
     "position": "P", "pose": "P", "joints": "J",
 }  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class DataType:
+    """A type that `Def` gives a variable.
+
+    letter: `M` (number), `C` (text), `P` (position) or `J` (joints). value: what it is in a
+    pseudo-program, None for nothing. mark: what stands behind names of the type. whole: least and
+    greatest of whole numbers. wider: the type that reaches further.
+    """
+
+    word: str
+    letter: str
+    value: ValueType | None
+    title: str
+    mark: str = ""
+    whole: tuple[int, int] | None = None
+    wider: str = ""
+
+
+TYPES: Final = {
+    row.word: row
+    for row in (
+        DataType("Inte", "M", "integer", "16-bit integers", "%", (-(2**15), 2**15 - 1), "Long"),
+        DataType("Long", "M", "integer", "32-bit integers", "&", (-(2**31), 2**31 - 1), "Double"),
+        DataType("Float", "M", "number", "single precision", "!"),
+        DataType("Double", "M", "number", "double precision", "#"),
+        DataType("Char", "C", "text", "a text", "$"),
+        DataType("Pos", "P", "position", "a position"),
+        DataType("Jnt", "J", "joints", "joints"),
+        DataType("Work", "P", None, "a work coordinate"),
+    )
+}
+"""By the word behind `Def`."""
+MARKS: Final = {row.mark: row for row in TYPES.values() if row.mark}
+VALUES: Final = {row.word: row.value for row in TYPES.values() if row.value}
+"""Word of a type → what it is in a pseudo-program."""
+MARKED: Final = {row.mark: row.value for row in MARKS.values() if row.value}
+"""Mark behind a name → what it is in a pseudo-program."""
 
 
 def is_external(name: str, variable: Variable) -> bool:

@@ -40,6 +40,11 @@ class Variable:
         """The name as the controller compares it."""
         return self.name.upper()
 
+    @property
+    def marked(self) -> str:
+        """The name with the mark of its type."""
+        return self.name + self.suffix
+
 
 @dataclass(frozen=True, slots=True)
 class Constant:

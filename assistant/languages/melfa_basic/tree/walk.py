@@ -1,4 +1,4 @@
-"""The nodes of lines, statements and expressions, and the words that statements begin with."""
+"""Nodes of lines, statements and expressions; what statements begin with and declare."""
 
 from __future__ import annotations
 
@@ -28,6 +28,21 @@ def word_of(statement: s.Statement | None) -> str:
         case None | s.Assign():
             return ""
     return _WORDS.get(type(statement), type(statement).__name__)
+
+
+def declarations(statement: s.Statement | None) -> Iterator[tuple[s.Variable, str]]:
+    """The variables that a statement declares, with the word of their type, empty for none."""
+    match statement:
+        case s.Static(definition):
+            yield from declarations(definition)
+        case s.DefNames(type, variables):
+            yield from ((variable, type) for variable in variables)
+        case s.Dim(variables):
+            yield from ((variable, "") for variable in variables)
+        case s.DefIo(variable):
+            yield variable, ""
+        case s.Const(type, variable, value):
+            yield variable, type or ("Char" if isinstance(value, s.String) else "")
 
 
 def statements_in(statement: s.Statement | s.Target | None) -> Iterator[s.Statement]:

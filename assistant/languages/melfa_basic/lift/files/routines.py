@@ -9,7 +9,6 @@ from assistant.languages.melfa_basic.lift.structure.blocks import Code
 from assistant.languages.melfa_basic.lift.structure.regions import Region
 from assistant.languages.melfa_basic.lift.structure.scopes import (
     LETTERS,
-    SUFFIXES,
     Scope,
     letter_type,
     scope_of,
@@ -22,6 +21,7 @@ from assistant.languages.melfa_basic.lift.values.symbols import (
     Symbols,
     Unliftable,
 )
+from assistant.languages.melfa_basic.tables.variables import MARKED
 from assistant.languages.melfa_basic.text import effects, printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.walk import nodes
@@ -58,7 +58,7 @@ def routine_of(code: Code, region: Region, name: str, symbols: Symbols) -> Routi
             return Routine(name, result_type(function, symbols), None)
         mode: Any = "inout" if given.mode == "ByRef" else "in"
         known = symbols.header.variables.get(key) if symbols.own else None
-        kind = known.type if known else SUFFIXES.get(given.suffix, letter_type(key))
+        kind = known.type if known else MARKED.get(given.suffix, letter_type(key))
         spelled = known.name if known else given.name
         parameters.append(Parameter(spelled, kind, mode, int(given.array)))
     return Routine(name, result_type(function, symbols), tuple(parameters))
@@ -82,7 +82,7 @@ def result_type(function: s.Function, symbols: Symbols) -> ValueType | None:
     stated = symbols.header.names["result"].get(function.name.upper()) if symbols.own else None
     if stated in ("truth", "integer", "pose"):
         return cast(ValueType, stated)
-    return SUFFIXES.get(written[-1], LETTERS.get(written[0], "number"))
+    return MARKED.get(written[-1], LETTERS.get(written[0], "number"))
 
 
 def inside_of(
@@ -180,9 +180,9 @@ def defined_functions(code: Code, symbols: Symbols) -> list[Procedure]:
             continue
         name = identifier(node.name, taken)
         key = node.name.upper()
-        kind = SUFFIXES.get(node.suffix, LETTERS.get(key[2:3], "number"))
+        kind = MARKED.get(node.suffix, LETTERS.get(key[2:3], "number"))
         parameters = tuple(
-            Parameter(v.name, SUFFIXES.get(v.suffix, letter_type(v.key))) for v in node.parameters
+            Parameter(v.name, MARKED.get(v.suffix, letter_type(v.key))) for v in node.parameters
         )
         names = {q.name.upper(): q.name for q in parameters}
         symbols.inside = Inside(key, names, {q.name.upper(): q.type for q in parameters}, {})

@@ -7,13 +7,13 @@ from dataclasses import replace
 from typing import Any
 
 from assistant.languages.melfa_basic.lift.statements.paths import Runs
-from assistant.languages.melfa_basic.lift.structure.scopes import TYPES
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
 from assistant.languages.melfa_basic.lift.values.operators import is_comparison
 from assistant.languages.melfa_basic.lift.values.reasons import DELAYED
 from assistant.languages.melfa_basic.lift.values.symbols import IO_BITS, SIGNALS, Unliftable
 from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.functions import ANALOG
+from assistant.languages.melfa_basic.tables.variables import VALUES
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import joints_of, target_of
 from assistant.languages.melfa_basic.tree.timers import timer_of
@@ -165,7 +165,7 @@ def define(variables: Sequence[s.Variable], lift: Expressions) -> list[p.Stateme
 
 def constant(node: s.Const, lift: Expressions) -> list[p.Statement]:
     """A constant of the program, with its value."""
-    if node.type and node.type not in TYPES:
+    if node.type and node.type not in VALUES:
         raise Unliftable
     value: Any = lift.m.value(node.value)
     name = lift.m.name(node.variable)

@@ -6,19 +6,12 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
+from assistant.languages.melfa_basic.tables.variables import MARKED, VALUES
 from assistant.languages.melfa_basic.tables.vocabulary import function, status
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.walk import nodes
+from assistant.languages.melfa_basic.tree.walk import declarations, nodes
 from assistant.program.program import ValueType
 
-TYPES: Final[dict[str, ValueType]] = {
-    "Inte": "integer", "Long": "integer", "Float": "number", "Double": "number",
-    "Char": "text", "Pos": "position", "Jnt": "joints",
-}  # fmt: skip
-"""Types of `Def …`; a work coordinate system has none here."""
-SUFFIXES: Final[dict[str, ValueType]] = {
-    "%": "integer", "&": "integer", "!": "number", "#": "number", "$": "text",
-}  # fmt: skip
 LETTERS: Final[dict[str, ValueType]] = {"P": "position", "J": "joints", "C": "text", "M": "number"}
 """Types by the first letter of a name; any other letter is a number's."""
 
@@ -52,27 +45,19 @@ def scope_of(items: Iterable[s.Entry], functions: Iterable[str]) -> Scope:
             if isinstance(node, s.Variable) and node.key not in own and is_variable(node):
                 scope.names.setdefault(node.key, node.name)
                 if node.suffix:
-                    marked.setdefault(node.key, SUFFIXES[node.suffix])
+                    marked.setdefault(node.key, MARKED[node.suffix])
     scope.types = {**marked, **scope.types}
     return scope
 
 
 def _declare(scope: Scope, statement: s.Statement) -> None:
-    match statement:
-        case s.DefNames(type=type_, variables=variables) if type_ in TYPES:
-            for variable in variables:
-                scope.types[variable.key] = TYPES[type_]
-                _size(scope, variable)
-        case s.Const(type=type_, variable=variable) if type_ in TYPES:
-            scope.types[variable.key] = TYPES[type_]
-        case s.Const(variable=variable, value=s.String()):
-            scope.types[variable.key] = "text"
-        case s.Dim(variables=variables):
-            for variable in variables:
-                _size(scope, variable)
-        case s.Static(definition=definition):
-            scope.static |= {v.key for v in definition.variables}
-            _declare(scope, definition)
+    for variable, word in declarations(statement):
+        if word in VALUES:
+            scope.types[variable.key] = VALUES[word]
+        if word in VALUES or not word:
+            _size(scope, variable)
+        if isinstance(statement, s.Static):
+            scope.static.add(variable.key)
 
 
 def _size(scope: Scope, variable: s.Variable) -> None:
