@@ -10,19 +10,24 @@ from assistant.languages.language import Tree
 from assistant.program.diagnostics import Diagnostic, Severity
 from assistant.program.text import SourceText
 
+NamesIn = Callable[[str], Iterable[str]]
+"""Names in a text that are no words of the language, in one spelling."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Damage:
     """What cannot be read in the files of a program.
 
-    lines: numbers of the lines, with their files. names: what stands on them and is no word of the
-    language. names_in: such names in any text, as `names` spells them. most_lines: of a finding
-    that are looked at; named_lines: those of them whose names are; None for all.
+    texts: the lines with a syntax error. lines: numbers of those that are damaged, with their
+    files. names: what stands on them and is no word of the language. names_in: such names in any
+    text. most_lines: of a finding that are looked at; named_lines: those of them whose names are;
+    None for all.
     """
 
+    texts: tuple[str, ...]
     lines: frozenset[tuple[str | None, int]]
     names: frozenset[str]
-    names_in: Callable[[str], Iterable[str]]
+    names_in: NamesIn
     most_lines: int | None = None
     named_lines: int | None = None
 
@@ -43,17 +48,41 @@ def lines_of(finding: Diagnostic) -> Iterator[int]:
     yield from range(first, (finding.end_line or first) + 1)
 
 
-def damaged(
-    trees: Iterable[Tree], most_lines: int | None = None
-) -> Iterator[tuple[str | None, int, str]]:
-    """Each line with a syntax error: its file, its number and its text, empty if not known."""
-    for tree in trees:
-        for finding in tree.findings:
-            if finding.severity is Severity.ERROR:
-                for line in islice(lines_of(finding), most_lines):
-                    source = tree.source
-                    text = source.line_text(line) if source is not None and line else ""
-                    yield finding.path, line, text
+def damage_of(
+    trees: Iterable[Tree],
+    names_in: NamesIn,
+    *,
+    hidden: NamesIn = lambda _: (),
+    near: int = 0,
+    most_lines: int | None = None,
+    named_lines: int | None = None,
+) -> Damage | None:
+    """What is damaged in the files of a program, None for nothing.
+
+    hidden: further names that a damaged line may hold. near: lines around a damaged one that its
+    statement may go on in. most_lines, named_lines: see `Damage`.
+    """
+    found = {
+        (finding.path, line): tree.source.line_text(line) if tree.source else ""
+        for tree in trees
+        for finding in tree.findings
+        if finding.severity is Severity.ERROR
+        for line in islice(lines_of(finding), most_lines)
+        if line
+    }
+    if not found:
+        return None
+    around = range(-near, near + 1)
+    return Damage(
+        texts=tuple(found.values()),
+        lines=frozenset((path, line + by) for path, line in found for by in around),
+        names=frozenset(
+            name for text in found.values() for name in (*names_in(text), *hidden(text))
+        ),
+        names_in=names_in,
+        most_lines=most_lines,
+        named_lines=named_lines,
+    )
 
 
 def sound(

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Final
 
-from assistant.languages.checks.damage import Damage, damaged
+from assistant.languages.checks import damage
+from assistant.languages.checks.damage import Damage
 from assistant.languages.checks.registry import Needs
 from assistant.languages.melfa_basic.tables.vocabulary import function, statements, status
 from assistant.languages.melfa_basic.tree import syntax as s
@@ -41,38 +41,34 @@ _BROKEN_NAME: Final = re.compile(
 DECLARING: Final = frozenset("CONST DEF DIM FPRM FUNCTION INPUT STATIC".split())  # noqa: SIM905
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class BasicDamage(Damage):
-    """steps: numbers of the lines.
-
-    spoils: `ORDER` if a line can be a jump, a label, part of a block or a setting; `NAMES` if one
-    can define what it does not name.
-    """
-
-    spoils: Needs
-    steps: frozenset[int]
-
-
-def damage_of(trees: Sequence[s.File]) -> BasicDamage | None:
+def damage_of(trees: Sequence[s.File]) -> Damage | None:
     """What is damaged in the files of a program, None for nothing."""
-    found = {(path, line): text for path, line, text in damaged(trees) if line}
-    if not found:
-        return None
-    parts = [part for text in found.values() if (part := _CODE.match(text.upper()))]
-    code = [part[2] for part in parts]
+    return damage.damage_of(trees, names_in)
+
+
+def spoiled(trees: Sequence[s.File], damage: Damage | None) -> Needs:
+    """What the files lack: `ORDER` if a damaged line can be a jump, a label, part of a block or a
+    setting; `NAMES` if one can define what it does not name.
+    """
+    if damage is None:
+        return Needs.NOTHING
+    code = [part[2] for part in _parts(damage)]
     spoils = Needs.WHOLE
     if not all(map(_is_plain, code)):
         spoils |= Needs.ORDER
     hidden = Needs.ORDER in spoils and any(map(_has_functions, trees))
     if hidden or any("#" in line or _is_broken(line) for line in code):
         spoils |= Needs.NAMES
-    return BasicDamage(
-        lines=frozenset(found),
-        names=frozenset(name for line in code for name in names_in(line)),
-        names_in=names_in,
-        spoils=spoils,
-        steps=frozenset(int(part[1]) for part in parts if part[1]),
-    )
+    return spoils
+
+
+def steps_of(damage: Damage | None) -> set[int]:
+    """The step numbers of the damaged lines."""
+    return set() if damage is None else {int(part[1]) for part in _parts(damage) if part[1]}
+
+
+def _parts(damage: Damage) -> list[re.Match[str]]:
+    return [part for text in damage.texts if (part := _CODE.match(text.upper()))]
 
 
 def names_in(text: str) -> Iterator[str]:

@@ -9,9 +9,9 @@ from functools import cached_property
 from pathlib import PurePath
 from typing import Any, Final, TypeVar
 
+from assistant.languages.checks.damage import Damage
 from assistant.languages.checks.places import Lines, row_of
 from assistant.languages.checks.views import Memory, by_type
-from assistant.languages.melfa_basic.checks.damage import BasicDamage
 from assistant.languages.melfa_basic.checks.uses import Use, uses
 from assistant.languages.melfa_basic.tables.dialects import Dialect
 from assistant.languages.melfa_basic.text import printer
@@ -69,7 +69,7 @@ class Look(Memory):
     """One file, as a rule sees it. calls: the files that stand beside it. damage: in them."""
 
     def __init__(
-        self, tree: s.File, dialect: Dialect, calls: Calls, damage: BasicDamage | None = None
+        self, tree: s.File, dialect: Dialect, calls: Calls, damage: Damage | None = None
     ) -> None:
         self.tree, self.dialect, self.calls, self.damage = tree, dialect, calls, damage
         self.code = tree.code

@@ -10,6 +10,7 @@ import numpy as np
 
 from assistant.languages.checks.repeats import repeated
 from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.checks.damage import steps_of
 from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.tables.dialects import LAST_STEP
 from assistant.languages.melfa_basic.tree import syntax as s
@@ -126,8 +127,7 @@ def _targets(look: Look, line: s.Line, labels: set[str | None], *, inside: bool)
 
 
 def _steps(look: Look) -> set[int]:
-    found = set(places_of_steps(look.code))
-    return found if look.damage is None else found | look.damage.steps
+    return steps_of(look.damage).union(places_of_steps(look.code))
 
 
 def _all_labels(look: Look) -> set[str | None]:

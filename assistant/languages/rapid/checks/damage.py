@@ -7,15 +7,14 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import Final
 
-from assistant.languages.checks.damage import Damage, damaged
+from assistant.languages.checks import damage
+from assistant.languages.checks.damage import Damage
 from assistant.languages.rapid.tables.standard import FUNCTIONS, INSTRUCTIONS, OF_OPTIONS
 from assistant.languages.rapid.tables.words import PREDEFINED, RESERVED, TYPES
 from assistant.languages.rapid.tree import syntax as s
 
 MOST_LINES: Final = 51
 """Of a statement; a finding of a whole routine or table is not of one damaged place."""
-NEAR: Final = 1
-"""Lines around a damaged one that its statement may go on in."""
 _NAME: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _KNOWN: Final = frozenset(
     word.lower()
@@ -30,21 +29,14 @@ def damage_of(trees: Sequence[s.File]) -> Damage | None:
     The lines around a damaged one are damaged as well, and so are names that a blank may have
     parted in two.
     """
-    lines: set[tuple[str | None, int]] = set()
-    names: set[str] = set()
-    for path, line, text in damaged(trees, MOST_LINES):
-        lines |= {(path, line + by) for by in range(-NEAR, NEAR + 1)}
-        parted = (one + other for one, other in pairwise(_NAME.findall(text)))
-        names |= {*_names(text), *(name.lower() for name in parted)}
-    if not lines:
-        return None
-    return Damage(
-        lines=frozenset(lines),
-        names=frozenset(names),
-        names_in=_names,
-        most_lines=MOST_LINES,
-        named_lines=1,
+    return damage.damage_of(
+        trees, _names, hidden=_parted, near=1, most_lines=MOST_LINES, named_lines=1
     )
+
+
+def _parted(text: str) -> Iterator[str]:
+    """What two words beside each other would be as one."""
+    yield from ((one + other).lower() for one, other in pairwise(_NAME.findall(text)))
 
 
 def _names(text: str) -> Iterator[str]:
