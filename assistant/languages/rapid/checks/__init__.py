@@ -19,7 +19,6 @@ from assistant.languages.rapid.checks import (
     orientations,
     storage,
     timing,
-    triggers,
     undeclared,
     unused,
 )
@@ -48,8 +47,8 @@ CHECKS: Final[tuple[Check[Look], ...]] = (
     Check(orientations.quaternions),
     Check(configurations.configurations),
     Check(motions.arguments),
-    Check(triggers.never_set_up, Needs.ORDER),
-    Check(triggers.long_times),
+    Check(timing.never_set_up, Needs.ORDER),
+    Check(timing.long_times),
     Check(by_construct.uses),
     Check(flow.jumps, Needs.ORDER),
     Check(flow.handled, Needs.ORDER),

@@ -12,6 +12,7 @@ from assistant.languages.checks.wording import as_of_more
 from assistant.languages.rapid.checks import plain_rules as rules
 from assistant.languages.rapid.checks.module_view import Look
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.calls import name_of, option, positional
 from assistant.languages.rapid.tree.gather import literal_target
 from assistant.languages.rapid.tree.runs import CIRCULAR, LINEAR, MotionNames, TargetRun
 from assistant.languages.rapid.tree.walk import lists
@@ -89,15 +90,12 @@ def _frame(motion: MotionNames) -> Frame:
 def _targets(call: s.ProcedureCall) -> tuple[list[s.Expression], Frame] | None:
     """Targets of a plain move, with its tool and work object; None for anything else."""
     count = TARGETS.get(str(call.name).lower())
-    plain = [a.value for a in call.arguments if isinstance(a, s.Positional)]
+    plain = positional(call)
     if count is None or len(plain) != count + 3:
         return None
-    frames = [a for a in call.arguments if isinstance(a, s.Option) and a.name.lower() == "wobj"]
-    frame = frames[0].value if frames else s.NameRef("wobj0")
-    tool = plain[-1]
-    if not isinstance(tool, s.NameRef) or not isinstance(frame, s.NameRef):
-        return None
-    return plain[:count], (tool.name.lower(), frame.name.lower())
+    given = option(call, "wobj")
+    tool, frame = name_of(plain[-1]), "wobj0" if given is None else name_of(given.value)
+    return (plain[:count], (tool.lower(), frame.lower())) if tool and frame else None
 
 
 def _found(look: Look, moves: Moves[s.Node]) -> Found:

@@ -47,25 +47,28 @@ def _ends(body: Body) -> list[str]:
     for statement in body:
         if found[-1] and any(isinstance(n, s.LabelMark) for n in nodes(statement)):
             found[-1] = ""
-        leaves = not found[-1] and not isinstance(statement, SILENT) and not _goes_on(statement)
-        found.append(_named(statement) if leaves else found[-1])
+        found.append(found[-1] or _leaves(statement))
     return found
 
 
-def _goes_on(statement: s.StatementNode) -> bool:
-    """Whether what stands behind a statement can be reached through it."""
+def _leaves(statement: s.StatementNode) -> str:
+    """What keeps all ways through a statement from what stands behind it; empty for most."""
     match statement:
-        case s.ReturnFrom() | s.RaiseError() | s.Word() | s.GotoLabel():
-            return False
-        case s.ProcedureCall(str(name)):
-            return name.lower() not in ENDING
-        case s.IfThen(branches, otherwise) | s.TestOf(cases=branches, otherwise=otherwise):
-            if otherwise is None:
-                return True
-            return any(falls_through(b.body) for b in branches) or falls_through(otherwise)
-        case s.WhileLoop(condition):
-            return _bare(condition) != s.BoolLiteral(True)
-    return True
+        case s.ReturnFrom():
+            return "RETURN"
+        case s.RaiseError():
+            return "RAISE"
+        case s.GotoLabel():
+            return "GOTO"
+        case s.Word(word):
+            return word
+        case s.ProcedureCall(str(name)) if name.lower() in ENDING:
+            return name
+        case s.WhileLoop(condition) if _bare(condition) == s.BoolLiteral(True):
+            return "a loop that never ends"
+        case s.IfThen(otherwise=tuple()) | s.TestOf(otherwise=tuple()):
+            return "" if any(map(falls_through, blocks(statement))) else "branches that all leave"
+    return ""
 
 
 def _bare(value: s.Expression) -> s.Expression:
@@ -78,23 +81,6 @@ def _bare(value: s.Expression) -> s.Expression:
 def falls_through(body: Body) -> bool:
     """Whether the end of a list of statements can be reached."""
     return not _ends(body)[-1]
-
-
-def _named(statement: s.StatementNode) -> str:
-    match statement:
-        case s.ReturnFrom():
-            return "RETURN"
-        case s.RaiseError():
-            return "RAISE"
-        case s.Word(word):
-            return word
-        case s.GotoLabel():
-            return "GOTO"
-        case s.ProcedureCall(name):
-            return str(name)
-        case s.WhileLoop():
-            return "a loop that never ends"
-    return "branches that all leave"
 
 
 def returns(look: Look) -> Found:
@@ -148,14 +134,12 @@ def _placed(
 def handled(look: Look) -> Found:
     """RETRY, TRYNEXT and bare RAISE where no error is being handled."""
     for routine in look.routines:
-        for handler in (None, *routine.handlers):
-            inside = handler is not None and handler.kind == "ERROR"
-            for node in nodes(routine.body if handler is None else handler.body):
-                if isinstance(node, s.Word) and node.word != "EXIT" and not inside:
-                    yield look.finding(rules.OUTSIDE_HANDLER, node, what=node.word)
-                elif isinstance(node, s.RaiseError) and node.value is None and not inside:
-                    what = "RAISE without a number"
-                    yield look.finding(rules.OUTSIDE_HANDLER, node, what=what)
+        for node in nodes((routine.body, *(h.body for h in routine.handlers if h.kind != "ERROR"))):
+            if isinstance(node, s.Word) and node.word != "EXIT":
+                yield look.finding(rules.OUTSIDE_HANDLER, node, what=node.word)
+            elif isinstance(node, s.RaiseError) and node.value is None:
+                what = "RAISE without a number"
+                yield look.finding(rules.OUTSIDE_HANDLER, node, what=what)
 
 
 def choices(look: Look) -> Found:

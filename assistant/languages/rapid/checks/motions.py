@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Final
 
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.checks.module_view import Look
 from assistant.languages.rapid.tables.words import SPEEDS, ZONES
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.calls import name_of, option, positional
 from assistant.languages.rapid.tree.runs import MOVES
 from assistant.program.diagnostics import Diagnostic, Rule, Severity
 
@@ -29,48 +30,26 @@ def arguments(look: Look) -> Found:
     for run in look.all(s.MoveRunNode):
         for motion in run.run.motions.table:
             given = (motion.speed, motion.zone, motion.tool, motion.frame)
-            yield from _motion(look, named, {}, run, *given)
+            yield from _motion(look, named, [(name, run) for name in given])
     for call in look.all(s.ProcedureCall):
-        if str(call.name).lower() in WORDS:
-            yield from _call(look, named, call)
+        plain = positional(call)
+        if str(call.name).lower() in WORDS and len(plain) >= 4:
+            wobj = option(call, "wobj")
+            frame = name_of(wobj.value) if wobj else ""
+            places = [(name_of(value), value) for value in plain[-3:]]
+            yield from _motion(look, named, [*places, (frame, call)])
 
 
-def _call(look: Look, named: set[str], node: s.ProcedureCall) -> Found:
-    given = [a.value for a in node.arguments if isinstance(a, s.Positional)]
-    frame = next(
-        (
-            a.value.name
-            for a in node.arguments
-            if isinstance(a, s.Option)
-            and a.name.lower() == "wobj"
-            and isinstance(a.value, s.NameRef)
-        ),
-        "",
-    )
-    names = [v.name if isinstance(v, s.NameRef) else "" for v in given[-3:]]
-    places = {v.name: v for v in given[-3:] if isinstance(v, s.NameRef)}
-    if len(given) >= 4:
-        speed, zone, tool = names
-        yield from _motion(look, named, places, node, speed, zone, tool, frame)
-
-
-def _motion(
-    look: Look,
-    named: set[str],
-    places: Mapping[str, s.NameRef],
-    node: s.Node,
-    *given: str,
-) -> Found:
-    """given: names of speed, zone, tool and frame. places: where they stand, if not all over."""
-    speed, zone, tool, frame = given
-    for name, type in ((speed, "speeddata"), (zone, "zonedata")):
+def _motion(look: Look, named: set[str], given: Sequence[tuple[str, s.Node]]) -> Found:
+    """given: names of speed, zone, tool and frame, each with the node to tell of it at."""
+    *values, tool, frame = given
+    for (name, node), type in zip(values, PREDEFINED, strict=True):
         if name and name.lower() not in named and not look.find(name):
-            yield from unknown(look, places.get(name, node), name, type)
-    for name, role, own in ((tool, "tool", "tool0"), (frame, "work object", "wobj0")):
+            yield from unknown(look, node, name, type)
+    for (name, node), role, own in ((tool, "tool", "tool0"), (frame, "work object", "wobj0")):
         found = look.find(name) if name and name.lower() != own else None
         if found is not None and found.kind in ("VAR", "CONST"):
-            place = places.get(name, node)
-            yield look.finding(rules.NOT_PERSISTENT, place, name=name, role=role)
+            yield look.finding(rules.NOT_PERSISTENT, node, name=name, role=role)
 
 
 def unknown(look: Look, node: s.Node, name: str, type: str) -> Found:

@@ -1,14 +1,20 @@
-"""Rules of timing: what runs before the robot is there, and waits without an end."""
+"""Rules of timing: what runs before the robot is there, waits, outputs on the way of a move."""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import Final, Literal
 
 from assistant.languages.rapid.checks import plain_rules as rules
-from assistant.languages.rapid.checks.module_view import Look
+from assistant.languages.rapid.checks.module_view import Look, Task
+from assistant.languages.rapid.tables.triggers import LONGEST_TIME, SETUPS, TYPE
+from assistant.languages.rapid.tables.triggers import MOVES as TRIGGERED
 from assistant.languages.rapid.tables.words import ZONES
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.calls import name_of, option, positional
+from assistant.languages.rapid.tree.gather import literal_number
+from assistant.languages.rapid.tree.triggers import taken
 from assistant.languages.rapid.tree.walk import blocks, nodes
 from assistant.program.diagnostics import Diagnostic
 
@@ -40,8 +46,7 @@ def endless_waits(look: Look) -> Found:
     for call in look.all(s.ProcedureCall):
         if str(call.name).lower() in WAITS:
             given = {a.name.lower() for a in call.arguments if not isinstance(a, s.Positional)}
-            plain = [a.value for a in call.arguments if isinstance(a, s.Positional)]
-            if "maxtime" not in given and plain != [s.BoolLiteral(True)]:
+            if "maxtime" not in given and positional(call) != [s.BoolLiteral(True)]:
                 yield look.finding(rules.ENDLESS_WAIT, call, word=call.name)
 
 
@@ -84,13 +89,13 @@ def _reads(statement: s.Assignment | s.ProcedureCall) -> bool:
 
 
 def _of_move(look: Look, call: s.ProcedureCall, name: str, routine: s.Routine) -> Going:
-    if any(isinstance(a, s.Option) and a.name.lower() == "conc" for a in call.arguments):
+    if option(call, "conc"):
         return "aside"
-    if any(isinstance(a, s.Option) and a.name.lower() in ("z", "inpos") for a in call.arguments):
+    if option(call, "z", "inpos"):
         return ""
-    plain = [a.value for a in call.arguments if isinstance(a, s.Positional)]
-    zone = plain[MOVES[name]] if len(plain) >= -MOVES[name] else None
-    return _through(look, zone.name, routine) if isinstance(zone, s.NameRef) else ""
+    plain = positional(call)
+    zone = name_of(plain[MOVES[name]]) if len(plain) >= -MOVES[name] else ""
+    return _through(look, zone, routine) if zone else ""
 
 
 def _through(look: Look, zone: str, routine: s.Routine) -> Going:
@@ -101,3 +106,43 @@ def _through(look: Look, zone: str, routine: s.Routine) -> Going:
     value = found.node.value if isinstance(found.node, s.Data) else None
     rounded = isinstance(value, s.AggregateNode) and value.items[0] == s.BoolLiteral(False)
     return "on the fly" if rounded and found.kind == "CONST" else ""
+
+
+# Outputs on the way
+
+
+def never_set_up(look: Look) -> Found:
+    """Data that moves are given though nothing sets them up."""
+    if not any(str(call.name).lower() in TRIGGERED for call in look.all(s.ProcedureCall)):
+        return
+    elsewhere = look.task.once(_elsewhere)
+    for routine in look.routines:
+        for node in nodes(routine):
+            for one in taken(node):
+                declared = look.find(one.name, routine)
+                own = declared is not None and isinstance(declared.node, s.Data)
+                if declared is None or not own or declared.type.lower() != TYPE:
+                    continue
+                if one.name.lower() not in elsewhere:
+                    yield look.finding(rules.NEVER_SET_UP, one, name=one.name)
+
+
+def _elsewhere(task: Task) -> set[str]:
+    """Lower-case names that are mentioned other than where a move takes them."""
+    named: Counter[str] = Counter()
+    for node in nodes(task.modules):
+        if isinstance(node, s.NameRef):
+            named[node.name.lower()] += 1
+        elif isinstance(node, s.ProcedureCall):
+            named.subtract(one.name.lower() for one in taken(node))
+    return {name for name, count in named.items() if count > 0}
+
+
+def long_times(look: Look) -> Found:
+    """Times before the end of a move that no controller looks ahead."""
+    for call in look.all(s.ProcedureCall):
+        if str(call.name).lower() in SETUPS and option(call, "time"):
+            given = positional(call)
+            seconds = literal_number(given[1]) if len(given) > 1 else None
+            if seconds is not None and seconds > LONGEST_TIME:
+                yield look.finding(rules.LONG_TIME, given[1], most=LONGEST_TIME)

@@ -29,6 +29,22 @@ def called(node: s.Node) -> Called[s.Expression] | None:
     return Called(word, given, options)
 
 
+def positional(call: s.FunctionCall | s.ProcedureCall) -> list[s.Expression]:
+    """The values that are given by their places."""
+    return [one.value for one in call.arguments if isinstance(one, s.Positional)]
+
+
+def option(call: s.FunctionCall | s.ProcedureCall, *names: str) -> s.Option | None:
+    """The first option of one of some names, which are in lower case."""
+    given = (one for one in call.arguments if isinstance(one, s.Option))
+    return next((one for one in given if one.name.lower() in names), None)
+
+
+def name_of(value: s.Expression | None) -> str:
+    """The name that an expression is, empty for any other one."""
+    return value.name if isinstance(value, s.NameRef) else ""
+
+
 def function_call(call: Called[s.Expression]) -> s.FunctionCall:
     return s.FunctionCall(call.word, arguments(call))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from assistant.languages.rapid.tables.triggers import MORE, MOVES, SETUPS
 from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.calls import positional
 
 
 def set_up(node: s.Node) -> str:
@@ -21,7 +22,7 @@ def taken(node: s.Node) -> tuple[s.NameRef, ...]:
     move = MOVES.get(str(node.name).lower()) if isinstance(node, s.ProcedureCall) else None
     if move is None or not isinstance(node, s.ProcedureCall):
         return ()
-    given = [x.value for x in node.arguments if isinstance(x, s.Positional)]
+    given = positional(node)
     more = [x.value for x in node.arguments if isinstance(x, s.Option) and x.name.lower() in MORE]
     named = (*given[move.place : move.place + 1], *more)
     return tuple(one for one in named if isinstance(one, s.NameRef))
