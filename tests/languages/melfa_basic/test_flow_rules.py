@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from assistant import languages
 from tests.languages.melfa_basic.ruled import Row, found
 
 BLOCKS: dict[str, Row] = {
@@ -145,3 +146,11 @@ WAYS: dict[str, Row] = {
 @pytest.mark.parametrize(("text", "expected"), WAYS.values(), ids=WAYS)
 def test_ways_through_a_program(text: str, expected: list[str]) -> None:
     assert found(5, text) == expected
+
+
+def test_a_subroutine_without_a_label_has_the_name_of_its_step() -> None:
+    language = languages.get("melfa-basic-4")
+    text = "10 GOSUB 30\n20 END\n30 DLY 30\n40 END\n"
+    (finding,) = (f for f in language.check([language.parse(text)]) if f.code == "MB138")
+    assert finding.message == "the subroutine `30` never comes to a `Return`"
+    assert (finding.line, finding.column) == (3, 4)

@@ -13,9 +13,9 @@ from assistant.languages.melfa_basic.checks import flow_rules as rules
 from assistant.languages.melfa_basic.checks.file_view import Look, Scope
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import CLOSING, block_word, blocks_of, statement_of
-from assistant.languages.melfa_basic.tree.targets import graph_of, places_of_steps
+from assistant.languages.melfa_basic.tree.targets import first_step, graph_of, places_of_steps
 from assistant.languages.melfa_basic.tree.walk import statements_in, word_of
-from assistant.program.diagnostics import Diagnostic
+from assistant.program.diagnostics import Diagnostic, Rule
 
 Found = Iterator[Diagnostic]
 
@@ -168,7 +168,7 @@ def into_blocks(look: Look) -> Found:
                 line = look.code[place]
                 if missed and isinstance(line, s.Line):
                     kind = missed[-1].kind
-                    name = f"*{line.label}" if line.label else str(line.number)
+                    name = _name(look, place)
                     loop = kind in ("For", "While")
                     error = f" (controller error {NUMBERS[kind]})" if loop else ""
                     yield look.at(
@@ -192,9 +192,18 @@ def _returns(look: Look, places: Iterable[int]) -> list[tuple[int, s.Command]]:
     ]
 
 
-def _label(look: Look, at: int) -> str:
-    """The label of a line, empty if it has none."""
-    return getattr(look.code[at], "label", None) or ""
+def _name(look: Look, at: int) -> str:
+    """What jumps call a line: its label, else its step number."""
+    line = look.code[at]
+    label = line.label if isinstance(line, s.Line) else None
+    return str(first_step(line)) if label is None else f"*{label}"
+
+
+def _told(look: Look, rule: Rule, at: int) -> Diagnostic:
+    """The rule's finding at a line that is called."""
+    line, name = look.code[at], _name(look, at)
+    where = look.word(line, name) if name.startswith("*") else None
+    return look.finding(rule, where or line, name=name)
 
 
 def _entered(look: Look, start: int, ways: Graph) -> Found:
@@ -203,10 +212,11 @@ def _entered(look: Look, start: int, ways: Graph) -> Found:
     doors = {sub for sub in subs if _returns(look, ways.reached([sub]))}
     into, flow = ways.entered(start, doors)
     for at, before in sorted(into.items()):
-        name = _label(look, at)
-        jumped = at in ways.jumps.get(before, ())
-        rule, line = (rules.JUMPED_INTO, before) if jumped else (rules.FALLS_IN, at)
-        yield look.at(rule, look.code[line], f"*{name}", name=name)
+        if at in ways.jumps.get(before, ()):
+            name = _name(look, at)
+            yield look.at(rules.JUMPED_INTO, look.code[before], name, name=name)
+        else:
+            yield _told(look, rules.FALLS_IN, at)
     for at, _ in _returns(look, flow):
         yield look.at(rules.RETURN_ALONE, look.code[at], "Return")
 
@@ -216,17 +226,16 @@ def _left(look: Look, ways: Graph) -> Found:
     handlers = sorted(at for at, (_, called) in ways.handlers.items() if called)
     for at in (*sorted(ways.called), *handlers):
         if not _returns(look, ways.reached([at])) and isinstance(look.code[at], s.Line):
-            name = _label(look, at)
-            yield look.at(rules.NO_RETURN, look.code[at], f"*{name}", name=name)
+            yield _told(look, rules.NO_RETURN, at)
     normal = ways.reached(ways.called)
-    handled = {place: _label(look, at) for at in handlers for place in ways.reached([at])}
+    handled = {place: _name(look, at) for at in handlers for place in ways.reached([at])}
     for at, command in _returns(look, handled):
         if not command.arguments and at not in normal:
             yield look.at(rules.HANDLER_RETURN, look.code[at], "Return", name=handled[at])
     for at in sorted(ways.called - set(handled)):
         for place, command in _returns(look, ways.reached([at])):
             if command.arguments and place not in handled:
-                name = _label(look, at)
+                name = _name(look, at)
                 yield look.at(rules.NUMBERED_RETURN, look.code[place], "Return", name=name)
 
 

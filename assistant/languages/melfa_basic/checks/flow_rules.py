@@ -33,12 +33,12 @@ INTO_BLOCK: Final = warning(
 )
 FALLS_IN: Final = warning(
     "MB135",
-    "control can run into the subroutine `*{name}` from above (controller error 3840 at `Return`)",
+    "control can run into the subroutine `{name}` from above (controller error 3840 at `Return`)",
     "write `End` or a `GoTo` in front of the label",
 )
 JUMPED_INTO: Final = warning(
     "MB136",
-    "`GoTo` leads into the subroutine `*{name}` (controller error 3840 at its `Return`)",
+    "`GoTo` leads into the subroutine `{name}` (controller error 3840 at its `Return`)",
     "call it with `GoSub`",
 )
 RETURN_ALONE: Final = warning(
@@ -48,17 +48,17 @@ RETURN_ALONE: Final = warning(
 )
 NO_RETURN: Final = warning(
     "MB138",
-    "the subroutine `*{name}` never comes to a `Return`",
+    "the subroutine `{name}` never comes to a `Return`",
     "end it with `Return`, or go there with `GoTo`",
 )
 HANDLER_RETURN: Final = error(
     "MB139",
-    "the interrupt's subroutine `*{name}` ends with a `Return` without number",
+    "the interrupt's subroutine `{name}` ends with a `Return` without number",
     "write `Return 0` to redo the interrupted line, `Return 1` to go on with the next one",
 )
 NUMBERED_RETURN: Final = warning(
     "MB140",
-    "`Return` has a number, but `*{name}` is no subroutine of an interrupt",
+    "`Return` has a number, but `{name}` is no subroutine of an interrupt",
     "write `Return` alone",
 )
 UNREACHABLE: Final = warning(
