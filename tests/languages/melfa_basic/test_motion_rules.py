@@ -12,6 +12,11 @@ MOVES: dict[str, Row] = {
         "1 Mov P1\n2 Mov P2\nP1=(1,2,3,0,0,0)(7,0)\nP2=(0,0,0,0,0,0)(0,0)",
         ["MB701 2:7"],
     ),
+    "zeros of a line and of a row": (
+        "1 Mov PA\n2 Mov P1\n3 Mov P2\nPA=(0,0,0,0,0,0)(0,0)\n"
+        "P1=(1,2,3,0,0,0)(7,0)\nP2=(0,0,0,0,0,0)(0,0)",
+        ["MB701 1:7", "MB701 3:7"],
+    ),
     "zeros that are assigned": ("P1=P_Curr\nMov P1\nP1=(0,0,0,0,0,0)(0,0)", []),
     "a product with zeros": ("Mov P2*P1\nP1=(0,0,0,0,0,0)(0,0)\n" + taught("P2"), []),
     "flags that differ": (

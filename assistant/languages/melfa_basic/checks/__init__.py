@@ -8,21 +8,20 @@ from typing import Final
 from assistant.languages.checks.damage import sound
 from assistant.languages.checks.registry import Check, Needs, findings
 from assistant.languages.melfa_basic.checks import (
-    corners,
     flow,
     kinds,
     left_out,
     motions,
     names,
     programs,
-    pulses,
     steps,
+    timing,
     undefined,
     unused,
     values,
     words,
 )
-from assistant.languages.melfa_basic.checks.damage import damage_of
+from assistant.languages.melfa_basic.checks.damage import damage_of, spoiled
 from assistant.languages.melfa_basic.checks.file_view import Calls, Look
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
 from assistant.languages.melfa_basic.tree import syntax as s
@@ -54,7 +53,7 @@ CHECKS: Final[tuple[Check[Look], ...]] = (
     Check(values.counts),
     Check(values.types, Needs.NAMES),
     Check(values.status),
-    Check(pulses.at_a_time),
+    Check(timing.at_a_time),
     Check(left_out.positions),
     Check(left_out.arguments),
     Check(left_out.lines),
@@ -68,8 +67,8 @@ CHECKS: Final[tuple[Check[Look], ...]] = (
     Check(programs.interrupts, Needs.ORDER),
     Check(programs.files, Needs.ORDER),
     Check(unused.unused, Needs.WHOLE, advice=True),
-    Check(corners.corners, Needs.ORDER, advice=True),
-    Check(corners.tools, Needs.ORDER, advice=True),
+    Check(timing.corners, Needs.ORDER, advice=True),
+    Check(timing.tools, Needs.ORDER, advice=True),
     Check(values.units, advice=True),
     Check(values.waits, advice=True),
 )
@@ -84,7 +83,7 @@ def check(trees: Sequence[s.File], dialect: Dialect | None = None) -> tuple[Diag
     """
     calls = Calls(trees)
     damage = damage_of(trees)
-    lacks = Needs.NOTHING if damage is None else damage.spoils
+    lacks = spoiled(trees, damage)
     found: list[Diagnostic] = []
     for tree in trees:
         look = Look(tree, dialect or DIALECTS[tree.dialect], calls, damage)

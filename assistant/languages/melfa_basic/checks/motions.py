@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import islice
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 
@@ -19,8 +18,8 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import KEYWORDS, MOV, MVR, MoveRows
 from assistant.languages.melfa_basic.tree.positions import NO_FLAGS, Positions
 from assistant.program.arcs import ArcMeasures
-from assistant.program.arrays import Floats, Ints
-from assistant.program.diagnostics import Diagnostic, Span
+from assistant.program.arrays import Floats, Ints, Truths
+from assistant.program.diagnostics import Diagnostic, Rule, Span
 
 Found = Iterator[Diagnostic]
 
@@ -177,14 +176,10 @@ def _is_given_elsewhere(look: Look, key: str) -> bool:
 
 def _zero_rows(look: Look) -> Found:
     run = look.once(moves)
-    if run is None:
-        return
-    zero = (run.ends == 0).all(axis=1)
-    for item, row in islice(run.where(zero), 1):
-        if isinstance(item, MoveRows):
-            name, where = _named(look, item, row, "end")
-            what, more = "it lies in the origin", like_it(int(zero.sum()) - 1)
-            yield look.finding(rules.NEVER_TAUGHT, where, name=name, what=what, more=more)
+    if run is not None:
+        in_tables = np.array([isinstance(item, MoveRows) for item in run.items])[run.item]
+        zero = in_tables & (run.ends == 0).all(axis=1)
+        yield from _told(look, rules.NEVER_TAUGHT, run, zero, what="it lies in the origin")
 
 
 def flags(look: Look) -> Found:
@@ -195,22 +190,33 @@ def flags(look: Look) -> Found:
     before = np.concatenate([[NO_FLAGS], run.postures[:-1]])
     straight = (run.kinds > MOV) & run.follows & ~run.turning
     known = (before != NO_FLAGS) & (run.postures != NO_FLAGS)
-    hits = np.flatnonzero(straight & known & (before != run.postures))
-    for count, at in enumerate(hits[:MOST].tolist(), 1):
-        name, where = _named(look, run.items[run.item[at]], int(run.row[at]), "end")
-        yield look.finding(
-            rules.FLAGS,
-            where,
-            word=KEYWORDS[run.kinds[at]],
-            before=int(before[at]),
-            after=int(run.postures[at]),
-            name=name,
-            more=like_it(len(hits) - MOST if count == MOST else 0),
-        )
+    hits = straight & known & (before != run.postures)
+    words = np.array(KEYWORDS)[run.kinds]
+    yield from _told(
+        look, rules.FLAGS, run, hits, most=MOST, word=words, before=before, after=run.postures
+    )
 
 
 MOST: Final = 5
 """Moves of one kind of mistake that are told one by one."""
+
+
+def _told(
+    look: Look,
+    rule: Rule,
+    run: Moves[s.Entry],
+    hits: Truths,
+    point: Literal["start", "end"] = "end",
+    most: int = 1,
+    **words: Any,
+) -> Found:
+    """The rule's finding at the first of some moves (n,). words: a column (n,), or one for all."""
+    rows = np.flatnonzero(hits).tolist()
+    for count, at in enumerate(rows[:most], 1):
+        name, where = _named(look, run.items[run.item[at]], int(run.row[at]), point)
+        said = {key: v[at] if isinstance(v, np.ndarray) else v for key, v in words.items()}
+        more = like_it(len(rows) - most if count == most else 0)
+        yield look.finding(rule, where, name=name, more=more, **said)
 
 
 def _named(
@@ -241,16 +247,9 @@ def arcs(look: Look) -> Found:
         (arc & near, "two points of the arc are the same"),
         (arc & ~near & (beside < STRAIGHT), "the points of the arc lie in a line"),
     ):
-        for item, row in islice(run.where(hits), 1):
-            _, where = _named(look, item, row, "end")
-            more = like_it(int(hits.sum()) - 1)
-            yield look.finding(rules.ARC_STRAIGHT, where, what=what, more=more)
+        yield from _told(look, rules.ARC_STRAIGHT, run, hits, what=what)
     gap = np.linalg.norm(run.starts - run.before, axis=1)
-    hits = arc & (gap > NEAR)
-    for item, row in islice(run.where(hits), 1):
-        name, where = _named(look, item, row, "start")
-        distance, more = float(gap[hits][0]), like_it(int(hits.sum()) - 1)
-        yield look.finding(rules.ARC_START, where, name=name, distance=distance, more=more)
+    yield from _told(look, rules.ARC_START, run, arc & (gap > NEAR), "start", distance=gap)
 
 
 def circles(look: Look) -> Found:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
 
 from assistant.languages.checks.call_graph import depth, way_to
 from assistant.languages.checks.repeats import firsts
@@ -13,7 +14,7 @@ from assistant.languages.melfa_basic.checks.kinds import literal
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.walk import statements_in
-from assistant.program.diagnostics import Diagnostic
+from assistant.program.diagnostics import Diagnostic, Rule
 
 Found = Iterator[Diagnostic]
 
@@ -99,37 +100,38 @@ def _moves(item: s.Entry) -> bool:
 # ----------------------------------------------------------------------------------- interrupts
 
 
-Numbers = dict[float, s.Line]
+@dataclass(frozen=True, slots=True)
+class Numbers:
+    """The first line of each number with its word, and whether there are numbers not known."""
+
+    first: dict[float, tuple[s.Line, str]] = field(default_factory=dict)
+    unsure: bool = False
+
+    @staticmethod
+    def of(places: Iterable[tuple[s.Line, str, float | None]]) -> Numbers:
+        """places: None for a number that is worked out."""
+        listed = list(places)
+        known = {n: (line, word) for line, word, n in reversed(listed) if n is not None}
+        return Numbers(known, any(n is None for _, _, n in listed))
 
 
-def _numbered(
-    places: Iterable[tuple[s.Line, s.Expression | None]],
-) -> tuple[Numbers, bool]:
-    """The first line of each number, and whether there are numbers that are worked out."""
-    found: Numbers = {}
-    worked_out = False
-    for line, value in places:
-        number = literal(value)
-        if number is None:
-            worked_out = True
-        else:
-            found.setdefault(number, line)
-    return found, worked_out
+def _without(look: Look, rule: Rule, some: Numbers, others: Numbers) -> Found:
+    """The rule's finding at each number that certainly is not among others."""
+    for number, (line, word) in () if others.unsure else some.first.items():
+        if number not in others.first:
+            yield look.at(rule, line, word, word=word, number=f"{number:g}")
 
 
 def interrupts(look: Look) -> Found:
     """Interrupts that are switched but not defined, or defined but not switched on."""
-    defined, unsure = _numbered((line, act.number) for line, act in look.all(s.DefAct))
     switches = list(_switches(look))
-    every = any(n is None or (n == 0 and state != 0) for _, n, state in switches)
-    certain = [(line, number, state) for line, number, state in switches if number]
-    for line, number, _ in firsts(certain, lambda switch: switch[1]):
-        if number not in defined and not unsure:
-            yield look.at(motion_rules.NO_ACT, line, "Act", number=f"{number:g}")
-    on = {number for _, number, state in certain if state != 0}
-    for number, line in defined.items():
-        if number not in on and not every:
-            yield look.at(motion_rules.ACT_OFF, line, "Act", number=f"{number:g}")
+    defined = Numbers.of((line, "Act", literal(act.number)) for line, act in look.all(s.DefAct))
+    switched = Numbers.of((line, "Act", n) for line, n, _ in switches if n)
+    on = Numbers.of(
+        (line, "Act", n or None) for line, n, state in switches if n is None or state != 0
+    )
+    yield from _without(look, motion_rules.NO_ACT, switched, defined)
+    yield from _without(look, motion_rules.ACT_OFF, defined, on)
 
 
 def _switches(look: Look) -> Iterator[tuple[s.Line, float | None, float | None]]:
@@ -146,24 +148,24 @@ def _switches(look: Look) -> Iterator[tuple[s.Line, float | None, float | None]]
 
 def files(look: Look) -> Found:
     """Lines that are used without being opened, opened twice, or never closed."""
-    opened, unsure = _numbered((line, node.number) for line, node in look.all(s.Open))
-    closes = look.all(s.Close)
-    closed, every = _numbered((line, n) for line, close in closes for n in close.numbers)
-    every = every or any(not close.numbers for _, close in closes)
+    printed = ((line, "Print", literal(node.number)) for line, node in look.all(s.Print))
+    read = ((line, "Input", literal(node.number)) for line, node in look.all(s.Input))
+    used = Numbers.of((*printed, *read))
+    opened = Numbers.of((line, "Open", literal(node.number)) for line, node in look.all(s.Open))
+    closed = Numbers.of(
+        (line, "Close", number)
+        for line, node in look.all(s.Close)
+        for number in map(literal, node.numbers or (None,))
+    )
     others = any(
         isinstance(item, s.Line) and isinstance(item.statement, s.Open)
         for tree in look.calls.trees
         if tree is not look.tree
         for item in tree.items
     )
-    uses = [("Print", line, literal(node.number)) for line, node in look.all(s.Print)]
-    uses += [("Input", line, literal(node.number)) for line, node in look.all(s.Input)]
-    for word, line, number in firsts(uses, lambda use: use[2]):
-        if number is not None and number not in opened and not unsure and not others:
-            yield look.at(motion_rules.NOT_OPENED, line, word, word=word, number=f"{number:g}")
-    for number, line in opened.items():
-        if number not in closed and not every:
-            yield look.at(motion_rules.NOT_CLOSED, line, "Open", number=f"{number:g}")
+    if not others:
+        yield from _without(look, motion_rules.NOT_OPENED, used, opened)
+    yield from _without(look, motion_rules.NOT_CLOSED, opened, closed)
     yield from _twice(look)
 
 

@@ -1,4 +1,4 @@
-"""Rules of the state that moves run in: corners that are left on at a stop, and the tool."""
+"""Rules of what stands in a row: corners that are left on at a stop, the tool, pulses at a time."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from assistant.languages.melfa_basic.checks import motion_rules as rules
+from assistant.languages.melfa_basic.checks import value_rules
 from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.checks.kinds import literal
 from assistant.languages.melfa_basic.tree import syntax as s
@@ -68,3 +69,24 @@ def _sets_tool(look: Look) -> bool:
         for tree in look.calls.trees
         for item in tree.items
     ) or any(use.variable.key == "M_TOOL" and use.role == "written" for _, use in look.uses)
+
+
+MOST_PULSES: Final = 4
+"""Pulses that run at a time; one more is an error (COSIROP help: DLY)."""
+
+
+def at_a_time(look: Look) -> Found:
+    """More pulses in a row than run beside each other, with nothing between that takes time."""
+    count = 0
+    for item in look.code:
+        statement = item.statement if isinstance(item, s.Line) else None
+        if not isinstance(item, s.Line) or item.label is not None:
+            count = 0
+        if statement is None:
+            continue
+        if not isinstance(statement, s.Assign):
+            count = 0
+        elif statement.delay is not None:
+            count += 1
+            if count == MOST_PULSES + 1:
+                yield look.finding(value_rules.MANY_PULSES, item, most=MOST_PULSES)
