@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Final
 
+from assistant.languages.checks.registry import Found
 from assistant.languages.line_blocks import Block, Blocks, Misfit
 from assistant.languages.line_graph import Graph
 from assistant.languages.melfa_basic.checks import flow_rules as rules
@@ -16,8 +17,6 @@ from assistant.languages.melfa_basic.tree.blocks import CLOSING, block_word, blo
 from assistant.languages.melfa_basic.tree.targets import first_step, graph_of, places_of_steps
 from assistant.languages.melfa_basic.tree.walk import statements_in, word_of
 from assistant.program.diagnostics import Diagnostic, Rule
-
-Found = Iterator[Diagnostic]
 
 NUMBERS: Final = {"For": 3230, "While": 3250, "If": 3252, "Select": 3254}
 """Kind of a block → what the controller shows where its words do not fit."""

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any, Final, Literal
 
 import numpy as np
 
 from assistant.languages.checks.moves import Follower, Moves
+from assistant.languages.checks.registry import Found
 from assistant.languages.checks.wording import like_it
 from assistant.languages.melfa_basic.checks import motion_rules as rules
 from assistant.languages.melfa_basic.checks.file_view import Look
@@ -19,9 +19,7 @@ from assistant.languages.melfa_basic.tree.columnar import KEYWORDS, MOV, MVR, Mo
 from assistant.languages.melfa_basic.tree.positions import NO_FLAGS, Positions
 from assistant.program.arcs import ArcMeasures
 from assistant.program.arrays import Floats, Ints, Truths
-from assistant.program.diagnostics import Diagnostic, Rule, Span
-
-Found = Iterator[Diagnostic]
+from assistant.program.diagnostics import Rule, Span
 
 NEAR: Final = 0.05
 """mm: points that are nearer to each other are the same one."""

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 from assistant.languages.checks.call_graph import depth, way_to
+from assistant.languages.checks.registry import Found
 from assistant.languages.checks.repeats import firsts
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks import flow_rules, motion_rules
@@ -14,9 +15,7 @@ from assistant.languages.melfa_basic.checks.kinds import literal
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.walk import statements_in
-from assistant.program.diagnostics import Diagnostic, Rule
-
-Found = Iterator[Diagnostic]
+from assistant.program.diagnostics import Rule
 
 
 def called(tree: s.File) -> Iterator[tuple[s.Line, str, int | None]]:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
 
+from assistant.languages.checks.registry import Found
 from assistant.languages.checks.repeats import repeated
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks.damage import steps_of
@@ -16,9 +16,7 @@ from assistant.languages.melfa_basic.tables.dialects import LAST_STEP
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.targets import exits_of, places_of_steps
-from assistant.program.diagnostics import Diagnostic, Span
-
-Found = Iterator[Diagnostic]
+from assistant.program.diagnostics import Span
 
 MOST_ROWS: Final = 20
 """Findings about rows of one table; more say nothing new."""

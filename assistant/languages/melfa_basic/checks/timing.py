@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Final
 
+from assistant.languages.checks.registry import Found
 from assistant.languages.melfa_basic.checks import motion_rules as rules
 from assistant.languages.melfa_basic.checks import value_rules
 from assistant.languages.melfa_basic.checks.file_view import Look
@@ -12,9 +12,6 @@ from assistant.languages.melfa_basic.checks.kinds import literal
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import is_word
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
-from assistant.program.diagnostics import Diagnostic
-
-Found = Iterator[Diagnostic]
 
 STOPS: Final = frozenset({"Hlt", "End", "Dly", "HOpen", "HClose"})
 LISTENS: Final = frozenset({"Wait"})

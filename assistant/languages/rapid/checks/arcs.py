@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
 
 from assistant.languages.checks.moves import Follower, Moves, Point
+from assistant.languages.checks.registry import Found
 from assistant.languages.checks.wording import as_of_more
 from assistant.languages.rapid.checks import plain_rules as rules
 from assistant.languages.rapid.checks.module_view import Look
@@ -20,9 +21,6 @@ from assistant.languages.runs.columns import Entries
 from assistant.languages.runs.names import Index, Names
 from assistant.program.arcs import ArcMeasures
 from assistant.program.arrays import Floats
-from assistant.program.diagnostics import Diagnostic
-
-Found = Iterator[Diagnostic]
 
 LEAST_APART: Final = 0.1
 """mm between start, circle point and end (instruction manual, MoveC)."""

@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Final
 
+from assistant.languages.checks.registry import Found
 from assistant.languages.rapid import rules as names
 from assistant.languages.rapid.checks import plain_rules as rules
 from assistant.languages.rapid.checks.module_view import Look
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
 from assistant.languages.rapid.tree.walk import blocks, nodes
-from assistant.program.diagnostics import Diagnostic
 
-Found = Iterator[Diagnostic]
 Body = Sequence[s.StatementNode]
 
 ENDING: Final = frozenset({"exitcycle"})

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
+from assistant.languages.checks.registry import Found
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.checks.module_view import Look
 from assistant.languages.rapid.tables.words import SPEEDS, ZONES
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import name_of, option, positional
 from assistant.languages.rapid.tree.runs import MOVES
-from assistant.program.diagnostics import Diagnostic, Rule, Severity
+from assistant.program.diagnostics import Rule, Severity
 
 WORDS: Final = frozenset(word.lower() for word in (*MOVES, "MoveAbsJ"))
 """The moves that the pseudo-program has words for, lower case."""
@@ -20,8 +21,6 @@ PREDEFINED: Final[Mapping[str, tuple[Mapping[str, Any], Rule]]] = {
     "zonedata": (ZONES, rules.UNKNOWN_ZONE),
 }
 """By type: the values that every controller knows, and the rule of names that look like them."""
-
-Found = Iterator[Diagnostic]
 
 
 def arguments(look: Look) -> Found:

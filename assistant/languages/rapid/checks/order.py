@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any, Final
 
+from assistant.languages.checks.registry import Found
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.checks import plain_rules
 from assistant.languages.rapid.checks.module_view import Look
 from assistant.languages.rapid.tree import syntax as s
-from assistant.program.diagnostics import Diagnostic
 
 RANKS: Final[tuple[tuple[Any, int, str], ...]] = (
     (s.Record | s.Alias, 0, "a record"),
@@ -18,8 +18,6 @@ RANKS: Final[tuple[tuple[Any, int, str], ...]] = (
 )
 AFTER: Final = {1: "data", 2: "a routine"}
 KINDS: Final = ("BACKWARD", "ERROR", "UNDO")
-
-Found = Iterator[Diagnostic]
 
 
 def declarations(look: Look) -> Found:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Final, Literal
 
+from assistant.languages.checks.registry import Found
 from assistant.languages.rapid.checks import plain_rules as rules
 from assistant.languages.rapid.checks.module_view import Look, Task
 from assistant.languages.rapid.tables.triggers import LONGEST_TIME, SETUPS, TYPE
@@ -16,9 +17,7 @@ from assistant.languages.rapid.tree.calls import name_of, option, positional
 from assistant.languages.rapid.tree.gather import literal_number
 from assistant.languages.rapid.tree.triggers import taken
 from assistant.languages.rapid.tree.walk import blocks, nodes
-from assistant.program.diagnostics import Diagnostic
 
-Found = Iterator[Diagnostic]
 Going = Literal["on the fly", "aside", ""]
 """How the move before goes on: through its corner, beside the program, or it has ended."""
 
