@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import fields, is_dataclass, replace
 from typing import Any, Final, TypeVar
 
@@ -10,7 +10,7 @@ from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Span
 from assistant.program.path import Path
-from assistant.program.program import Procedure, bodies
+from assistant.program.program import Procedure, Program, bodies
 
 T = TypeVar("T")
 Body = tuple[p.Statement, ...]
@@ -39,6 +39,20 @@ def map_bodies(statement: Any, body: Callable[[Body], Body]) -> Any:
             selected = tuple(replace(c, body=body(c.body)) for c in cases)
             return replace(statement, cases=selected, otherwise=body(otherwise))
     return statement
+
+
+def exchanged(program: Program, made: Callable[[p.Opaque], Iterable[p.Statement]]) -> Program:
+    """The program with what is made of each statement that is kept as its text."""
+
+    def body(statements: Body) -> Body:
+        return tuple(
+            part
+            for node in statements
+            for part in (made(node) if isinstance(node, p.Opaque) else (map_bodies(node, body),))
+        )
+
+    procedures = (replace(q, body=body(q.body)) for q in program.procedures)
+    return replace(program, procedures=tuple(procedures))
 
 
 def map_spans(body: Body, change: Callable[[Span], Span | None]) -> Body:

@@ -59,6 +59,16 @@ def names_in(node: Any) -> Iterator[str]:
             yield from sorted(effect_of(part).names)
 
 
+def declared(program: Program) -> Iterator[str]:
+    """Names of all that a program and its procedures declare, in lower case."""
+    tables = (program.variables, program.targets, program.joint_targets, program.signals)
+    for table in (*tables, program.tools, program.frames):
+        yield from (name.lower() for name in table)
+    for procedure in program.procedures:
+        yield procedure.name.lower()
+        yield from locals_of(procedure)
+
+
 def mentioned(program: Program) -> dict[str, frozenset[str]]:
     """Variables of the program that each procedure, or one that it calls, names: lower case."""
     own = {q.name.lower(): named(q) for q in program.procedures}

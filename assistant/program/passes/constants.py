@@ -1,14 +1,16 @@
-"""Predefined constants of a language whose values mean the same to every controller."""
+"""What every controller of a language has: constants whose values mean the same, variables."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.program import Program
-from assistant.program.rewriting import records, rewrite
+from assistant.program.analysis.uses import declared, names_in
+from assistant.program.program import Program, ValueType, Variable
+from assistant.program.rewriting import rewrite
 
 
 def with_constants(program: Program, predefined: Mapping[str, float]) -> Program:
@@ -16,7 +18,8 @@ def with_constants(program: Program, predefined: Mapping[str, float]) -> Program
 
     predefined: by lower-case name.
     """
-    taken = set(_declared(program))
+    loops = (x.variable.lower() for x in program.statements() if isinstance(x, p.For))
+    taken = {*declared(program), *loops}
     values = {name: e.Number(value) for name, value in predefined.items() if name not in taken}
     if not values:
         return program
@@ -27,14 +30,13 @@ def with_constants(program: Program, predefined: Mapping[str, float]) -> Program
     return rewrite(program, meant)
 
 
-def _declared(program: Program) -> Iterator[str]:
-    """Names of all data, in lower case."""
-    tables = (program.variables, program.targets, program.joint_targets, program.signals)
-    for table in tables:
-        yield from (name.lower() for name in table)
-    for procedure in program.procedures:
-        yield from (name.lower() for name in procedure.variables)
-        yield from (parameter.name.lower() for parameter in procedure.parameters)
-        for record in records(procedure.body):
-            if isinstance(record, p.For):
-                yield record.variable.lower()
+def with_predefined(program: Program, types: Mapping[str, tuple[str, ValueType]]) -> Program:
+    """The program with the variables that every controller has, where it declares none.
+
+    types: by lower-case name the name as it is spelled, and the type.
+    """
+    taken = set(declared(program))
+    used = (name.lower() for name in names_in(program.procedures))
+    found = dict(types[name] for name in used if name in types and name not in taken)
+    made = {name: Variable(type) for name, type in found.items()}
+    return replace(program, variables={**program.variables, **made}) if made else program

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import Final
 
 from assistant.languages.rapid.tables.signatures import signature
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program.analysis.ways import Step
+
+STANDING: Final = {("waitrob", "inpos"), ("waitrob", "zerospeed"), ("waittime", "inpos")}
+"""Instructions behind which the robot stands at its target, with their options (RAPID manual)."""
 
 
 def steps(text: str) -> Sequence[Step] | None:
@@ -22,9 +26,10 @@ def _step(node: s.StatementNode) -> Step:
         case s.Data():
             return Step.NOTHING
         case s.ProcedureCall(str(name), arguments):
+            given = options(arguments)
             if name.lower() == "confl":
-                return Step.OPENS if "off" in options(arguments) else Step.WATCHES
-            if stands_at_target(node):
+                return Step.OPENS if "off" in given else Step.WATCHES
+            if (name.lower(), *given) in STANDING:
                 return Step.STOPS
             known = signature(name)
             if known is None:
@@ -33,21 +38,6 @@ def _step(node: s.StatementNode) -> Step:
             tools = any(q.type == "tooldata" for slot in slots for q in slot.alternatives)
             return Step.MOVES if known.open or tools else Step.NOTHING
     return Step.CALLS
-
-
-def stands_at_target(node: s.StatementNode) -> bool:
-    r"""Whether a program goes on behind it only once the robot has stopped at its target.
-
-    `WaitRob`, or `WaitTime` with `\InPos` (RAPID reference manual).
-    """
-    match node:
-        case s.ProcedureCall(str(name), arguments):
-            given = options(arguments)
-            word = name.lower()
-            return (word == "waitrob" and given in (["inpos"], ["zerospeed"])) or (
-                word == "waittime" and given == ["inpos"]
-            )
-    return False
 
 
 def options(arguments: Iterable[s.Argument]) -> list[str]:

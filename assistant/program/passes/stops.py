@@ -1,0 +1,59 @@
+"""Waits for the robot to stand still, as stops at the targets of the moves before them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from typing import Any
+
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.analysis.ways import CORNER, STOP, UNKNOWN, Kept, Step, Ways, corner_of
+from assistant.program.motion import FINE
+from assistant.program.program import Program, walk
+from assistant.program.rewriting import Body, map_bodies
+
+
+def with_stops(
+    program: Program,
+    kept: Kept,
+    left: Callable[[p.Opaque], Iterable[p.Statement]],
+    in_corner: e.Reason,
+) -> Program:
+    """The program with stops for those of its kept texts that only wait for the robot to stand.
+
+    A move stops if all that may follow it in its corner waits for that. kept: what kept texts do.
+    left: what a wait does besides. in_corner: why one stays that may find the robot in a corner.
+    """
+
+    def waits(node: Any) -> bool:
+        return isinstance(node, p.Opaque) and [*(kept(node.text) or ())] == [Step.STOPS]
+
+    ways = Ways(program, waits, kept)
+    corners = {
+        id(node): ways.at(procedure, node)[CORNER]
+        for procedure in program.procedures
+        for node in walk(procedure.body)
+        if waits(node)
+    }
+    stopping = frozenset().union(*corners.values()) - ways.cut - {UNKNOWN, STOP}
+
+    def said(body: Body) -> Body:
+        made: list[p.Statement] = []
+        for node in body:
+            if isinstance(node, p.MoveStatement) and corner_of(node) in stopping:
+                made.append(stopped(node))
+            elif isinstance(node, p.Opaque) and id(node) in corners:
+                stands = corners[id(node)] <= {STOP, *stopping}
+                made += left(node) if stands else [replace(node, reason=in_corner)]
+            else:
+                made.append(map_bodies(node, said))
+        return tuple(made)
+
+    procedures = tuple(replace(q, body=said(q.body)) for q in program.procedures)
+    return replace(program, procedures=procedures) if corners else program
+
+
+def stopped(move: p.MoveStatement) -> p.MoveStatement:
+    """A move that ends at its target."""
+    return replace(move, motion=replace(move.motion, blend=FINE))
