@@ -18,7 +18,7 @@ class Word:
 
     opens: kind of the block that it begins, of a form. parts: kind of the block that it begins a
     further part of. closes: kinds of the blocks that it ends, the inner one first. certain: what
-    it asks for always holds. bounds: no block goes on across it.
+    it asks for always holds. bounds: it begins or ends a routine, and no block goes on across it.
     """
 
     opens: str = ""
@@ -26,7 +26,7 @@ class Word:
     parts: str = ""
     closes: tuple[str, ...] = ()
     certain: bool = False
-    bounds: bool = False
+    bounds: Literal["", "begins", "ends"] = ""
 
     @property
     def is_of_block(self) -> bool:

@@ -6,8 +6,7 @@ are known by a number. Of a table that changed the rows that did not keep their 
 
 from __future__ import annotations
 
-import abc
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -17,53 +16,21 @@ from assistant.languages.runs.merging import merged
 from assistant.languages.runs.names import rows_of
 from assistant.languages.texts.alignment import same
 from assistant.languages.texts.changed_lines import (
-    Code,
     Indentation,
     Line,
     changed_line,
     partners,
     parts_of,
 )
+from assistant.languages.texts.lines import Lines
 from assistant.program.text import SourceText, dominant_newline
 
 
-class Lines(Code, abc.ABC):
-    """How a language writes files of lines.
-
-    step: blanks of a level of blocks. table: many lines of the program. numbers: of each kind of
-    tables the column that tells which row is which; lines of the program begin with theirs.
-    """
-
-    step: int
-    table: type[Run]
-    numbers: Mapping[type[Run], str]
-
-    @abc.abstractmethod
-    def line(self, item: Any) -> Line | None:
-        """What a line of the program says, None for any other item; its code can be hashed."""
-
-    @abc.abstractmethod
-    def levels(self, items: Sequence[Any]) -> Sequence[int]:
-        """The level of blocks that each item stands at."""
-
-    @abc.abstractmethod
-    def texts(self, items: Sequence[Any], newline: str) -> Callable[[int], str]:
-        """Prints the item at an index, with its line ends and no indentation."""
-
-    @abc.abstractmethod
-    def rows(self, table: Any, newline: str, indent: int) -> Callable[[Any], str]:
-        """Prints rows of a table. indent: blanks more behind the numbers of lines."""
-
-    @abc.abstractmethod
-    def as_data(self, item: Any) -> Run | None:
-        """A table of data as it is, a line that could be in one as a table, None for others."""
-
-
-def render(source: SourceText, old: Sequence[Any], new: Sequence[Any], lines: Lines) -> str:
-    """The text of the items `new`, made from `old`, which were read from the source."""
+def render(source: SourceText, old: Sequence[Any], lines: Lines) -> str:
+    """The text of items that were made from old ones, which were read from the source."""
     newline = dominant_newline(source.text) if "\n" in source.text else source.newline
     parts: list[str] = []
-    for part in _Changes(source.text, old, new, lines, newline).texts():
+    for part in _Changes(source.text, old, lines, newline).texts():
         if parts and parts[-1] and not parts[-1].endswith("\n"):
             parts.append(newline)  # the last line of a file may have no line end
         parts.append(part)
@@ -73,15 +40,14 @@ def render(source: SourceText, old: Sequence[Any], new: Sequence[Any], lines: Li
 class _Changes:
     """The items of a file against those that were read from its text. newline: of new lines."""
 
-    def __init__(
-        self, text: str, old: Sequence[Any], new: Sequence[Any], lines: Lines, newline: str
-    ) -> None:
-        self._text, self._old, self._new = text, old, new
+    def __init__(self, text: str, old: Sequence[Any], lines: Lines, newline: str) -> None:
+        self._text, self._old, self._new = text, old, lines.items
         self._lines, self._newline = lines, newline
-        self._partner = partners(old, new, self._said)
+        self._as_line = {id(item): lines.line(item) for item in (*old, *self._new)}
+        self._partner = partners(old, self._new, self._said)
         kept = {
             at
-            for at, item in zip(self._partner, new, strict=True)
+            for at, item in zip(self._partner, self._new, strict=True)
             if at is not None and same(old[at], item)
         }
         self._lost = [
@@ -89,16 +55,19 @@ class _Changes:
             for at, item in enumerate(old)
             if at not in kept and (rows := lines.as_data(item)) is not None
         ]
-        self._indents = Indentation(lines.step)
-        for item, level in zip(old, lines.levels(old), strict=True):
+        self._indents = Indentation()
+        for item, level in zip(old, self._levels(old), strict=True):
             if level not in self._indents:
                 self._note(item, self._source(item), level)
+
+    def _levels(self, items: Sequence[Any]) -> Sequence[int]:
+        return self._lines.levels([self._as_line[id(item)] for item in items])
 
     def _said(self, item: Any) -> object:
         """What an item says, whatever its numbers; it can be compared and hashed."""
         if isinstance(item, self._lines.table):
             return item.said({self._lines.numbers[self._lines.table]})
-        line = self._lines.line(item)
+        line = self._as_line[id(item)]
         return item if line is None else (line.code, line.comment)
 
     def _note(self, item: Any, text: str, level: int) -> None:
@@ -106,13 +75,12 @@ class _Changes:
         if isinstance(item, self._lines.table):
             first = parts_of(text[: text.index("\n")], Line(0, None, None))
             self._indents.note(level, first.indent)
-        elif (line := self._lines.line(item)) is not None and line.code is not None:
+        elif (line := self._as_line[id(item)]) is not None and line.code is not None:
             self._indents.note(level, parts_of(text, line).indent)
 
     def texts(self) -> Iterator[str]:
         """The text of each item, with its line ends."""
-        printed = self._lines.texts(self._new, self._newline)
-        levels = self._lines.levels(self._new)
+        levels = self._levels(self._new)
         for k, (item, at, level) in enumerate(zip(self._new, self._partner, levels, strict=True)):
             old = None if at is None else self._old[at]
             if old is not None and same(old, item):
@@ -121,14 +89,14 @@ class _Changes:
                 yield text
             else:
                 changed = self._changed(item, old, level)
-                yield self._indented(item, printed(k), level) if changed is None else changed
+                yield self._indented(k, level) if changed is None else changed
 
     def _source(self, item: Any) -> str:
         return self._text[item.span.start : item.span.end]
 
     def _changed(self, item: Any, old: Any, level: int) -> str | None:
         """An item that is not what it was, None for one that is new."""
-        was, now = self._lines.line(old), self._lines.line(item)
+        was, now = self._as_line.get(id(old)), self._as_line[id(item)]
         if was is not None and now is not None:
             text = changed_line(parts_of(self._source(old), was), was, now, self._lines)
             self._note(item, text, level)
@@ -156,9 +124,10 @@ class _Changes:
             at = rows_of(getattr(old, numbers), getattr(new, numbers))
         return merged(new, old, text, at, fresh, numbers if numbered else None)
 
-    def _indented(self, item: Any, printed: str, level: int) -> str:
-        """A new line as deep as those around it."""
-        line = self._lines.line(item)
+    def _indented(self, at: int, level: int) -> str:
+        """A new item, a line as deep as those around it."""
+        printed = self._lines.text(at, self._newline)
+        line = self._as_line[id(self._new[at])]
         if line is None or not (line.code or line.comment):
             return printed
         number = "" if line.number is None else str(line.number)

@@ -15,6 +15,7 @@ from difflib import SequenceMatcher
 from typing import Any, Final
 
 from assistant.languages.texts.alignment import aligned
+from assistant.languages.texts.laying_out import INDENT
 from assistant.languages.texts.words import Word
 from assistant.program.text import one_line
 
@@ -32,6 +33,11 @@ class Line:
     code: Any
     comment: str | None
 
+    @property
+    def is_comment(self) -> bool:
+        """Whether it is a comment and nothing else."""
+        return self.code is None and self.comment is not None
+
 
 class Code(abc.ABC):
     """How a language writes the code of a line."""
@@ -43,6 +49,10 @@ class Code(abc.ABC):
     @abc.abstractmethod
     def words(self, text: str) -> Sequence[Word]:
         """The words of code that can be read."""
+
+    @abc.abstractmethod
+    def spaced(self, words: Sequence[Word]) -> str:
+        """Words of code as they are to be spelled, with the blanks that belong between them."""
 
     @abc.abstractmethod
     def key(self, word: Word) -> object:
@@ -169,10 +179,9 @@ def edited_words(
 
 
 class Indentation:
-    """How deep lines are indented that stand at some level of blocks. step: blanks of a level."""
+    """How deep lines are indented that stand at some level of blocks."""
 
-    def __init__(self, step: int) -> None:
-        self._step = step
+    def __init__(self) -> None:
         self._known: dict[int, str] = {}
 
     def __contains__(self, level: int) -> bool:
@@ -186,9 +195,9 @@ class Indentation:
         """The blanks in front of a new line's code, as they are written around."""
         known = [one for one in self._known if one <= level]
         if not known:
-            return " " * (1 + self._step * level)
+            return " " * (1 + INDENT * level)
         nearest = max(known)
-        return self._known[nearest] + " " * (self._step * (level - nearest))
+        return self._known[nearest] + " " * (INDENT * (level - nearest))
 
 
 def partners(

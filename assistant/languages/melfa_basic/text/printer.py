@@ -8,11 +8,10 @@ from typing import Any, Final
 
 from assistant.languages.melfa_basic.tables.operators import NOT, POWER, PRECEDENCE, SIGN
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.texts.laying_out import INDENT
 from assistant.languages.texts.templates import Templates
 from assistant.program.text import one_line
 
-INDENT: Final = 4
-"""Blanks of a level (what RT ToolBox's editor indents by)."""
 SIGNS: Final = ("+", "-")
 SYMBOLS: Final = frozenset({"+", "-", "*", "/", "\\", "<<", ">>", "MOD"})
 """Operators that no sign follows without brackets."""

@@ -16,14 +16,14 @@ _COMMANDS: Final[Mapping[str, Word]] = {
     "While": Word("While", "loop"),
     "Else": Word(parts="If", certain=True),
     "Default": Word(parts="Select", certain=True),
-    "FEnd": Word(bounds=True),
+    "FEnd": Word(bounds="ends"),
 }
 _STATEMENTS: Final[Mapping[type, Word]] = {
     s.For: Word("For", "loop"),
     s.Select: Word("Select", "choice"),
     s.ElseIf: Word(parts="If"),
     s.Case: Word(parts="Select"),
-    s.Function: Word(bounds=True),
+    s.Function: Word(bounds="begins"),
 }
 
 
