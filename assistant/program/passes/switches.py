@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import reduce
+from typing import Literal
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.passes.legalising import Legalising
 from assistant.program.passes.rewording import Rewording
-from assistant.program.rewriting import records
+from assistant.program.rewriting import Body, records
 
 
 def plain_switch(r: Rewording, node: p.Switch) -> Iterator[p.Statement]:
@@ -50,10 +51,40 @@ def _is_of_numbers(node: p.Switch) -> bool:
     )
 
 
+Test = tuple[tuple[str, e.Expression], ...]
+"""Comparisons of a value that must all hold: operators, and what it is compared with."""
+
+
+def chosen(
+    value: e.Expression,
+    cases: Sequence[tuple[Sequence[Test], Body]],
+    otherwise: Body,
+) -> p.Switch | p.If:
+    """What a choice does whose cases each ask for one of some tests.
+
+    It is a `switch` if all of them are single values, else an `if` that works the value out anew.
+    """
+    if all(len(one) == 1 and one[0][0] == "=" for tests, _ in cases for one in tests):
+        made = (p.Case(tuple(one[0][1] for one in tests), body) for tests, body in cases)
+        return p.Switch(value, tuple(made), otherwise)
+
+    def holds(operator: str, other: e.Expression) -> e.Expression:
+        return e.Binary(operator, value, other)  # type: ignore[arg-type]
+
+    def branch(tests: Sequence[Test], body: Body) -> p.Branch:
+        every = [_joined("and", [holds(*part) for part in one]) for one in tests]
+        return p.Branch(_joined("or", every), body)
+
+    return p.If(tuple(branch(*case) for case in cases), otherwise)
+
+
+def _joined(operator: Literal["and", "or"], parts: Sequence[e.Expression]) -> e.Expression:
+    return reduce(lambda one, other: e.Binary(operator, one, other), parts)
+
+
 def _as_if(node: p.Switch) -> p.If:
     def chosen(case: p.Case) -> e.Expression:
-        tests: list[e.Expression] = [e.Binary("=", node.subject, v) for v in case.values]
-        return reduce(lambda one, other: e.Binary("or", one, other), tests)
+        return _joined("or", [e.Binary("=", node.subject, v) for v in case.values])
 
     branches = (p.Branch(chosen(case), case.body) for case in node.cases)
     return p.If(tuple(branches), node.otherwise)

@@ -11,7 +11,6 @@ from assistant.languages.melfa_basic.lift.files.parts import File
 from assistant.languages.melfa_basic.lift.settings.along_lines import Ways, lines_of
 from assistant.languages.melfa_basic.lift.settings.held import INITIAL, Settings
 from assistant.languages.melfa_basic.lift.statements import data
-from assistant.languages.melfa_basic.lift.statements.control import Control
 from assistant.languages.melfa_basic.lift.statements.paths import used_once
 from assistant.languages.melfa_basic.lift.statements.procedure import Reader
 from assistant.languages.melfa_basic.lift.structure import regions
@@ -169,11 +168,6 @@ class Unit:
         source = self.file.tree.source
         calls = dict(self.main.header.names["unit"]), dict(self.main.header.names["first"])
         reader = Reader(code, symbols, ways, listed, calls, self.is_main, kept, source)
-        reader.control = Control(
-            code, ways.structure.places, reader.expressions, reader.body, reader.branch,
-            reader.enter,
-            ways.breaks,
-        )  # fmt: skip
         reading = _Reading(symbols, ways.settings, reader, local)
         for node in _statements(code, s.DefIo):
             if (io := data.io_of(node, expressions)) is not None:

@@ -3,78 +3,54 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Mapping
+from abc import abstractmethod
+from collections.abc import Mapping
 from typing import Any, Final
 
-from assistant.languages.melfa_basic.lift.statements import waits
-from assistant.languages.melfa_basic.lift.structure.blocks import Code
-from assistant.languages.melfa_basic.lift.values.expressions import Expressions
+from assistant.languages.melfa_basic.lift.statements import data, waits
+from assistant.languages.melfa_basic.lift.statements.lines import Block, Lift, Statements
+from assistant.languages.melfa_basic.lift.values import pallets
 from assistant.languages.melfa_basic.lift.values.operators import operator_name
-from assistant.languages.melfa_basic.lift.values.reasons import NO_LABEL
-from assistant.languages.melfa_basic.lift.values.symbols import Symbols, Unliftable
+from assistant.languages.melfa_basic.lift.values.reasons import NO_LABEL, NO_PROCEDURE
+from assistant.languages.melfa_basic.lift.values.symbols import Unliftable
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import block_word
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.passes.switches import Test, chosen
 from assistant.program.program import identifier
 from assistant.program.rewriting import is_repeatable
 
 DEEPEST: Final = 50
 """Blocks inside one another that are read as such; controllers stop at 16."""
 
-Body = Callable[[int, int], tuple[p.Statement, ...]]
-Single = Callable[[s.Statement], list[p.Statement]]
 
+class Control(Statements):
+    """Lifts what decides the order of the lines; raises Unliftable."""
 
-class Control:
-    """Lifts what decides the order of the lines; raises Unliftable.
+    @abstractmethod
+    def body(self, low: int, high: int) -> tuple[p.Statement, ...]:
+        """The statements of a range of lines."""
 
-    body: lifts a range of lines. single: lifts one statement, the branch of an `If`. enter: sets
-    what holds where a line begins.
-    labels: those of the procedure that is read, upper case → name. refused: why blocks, by their
-    first line, stay as their text.
-    """
-
-    def __init__(
-        self,
-        code: Code,
-        structure: Mapping[int, list[int]],
-        expressions: Expressions,
-        body: Body,
-        single: Single,
-        enter: Callable[[int], Any],
-        asks_for_breaks: bool,
-    ) -> None:
-        self.code, self.structure, self.expressions = code, structure, expressions
-        self.body, self.single, self.enter = body, single, enter
-        self.labels: dict[str, str] = {}
-        self.refused: dict[int, p.Reason | None] = {}
-        self.depth = 0
-        self.leaving: list[_Block] = []
-        self.asks_for_breaks = asks_for_breaks
-
-    @property
-    def symbols(self) -> Symbols:
-        return self.expressions.m
+    @abstractmethod
+    def enter(self, at: int) -> Any:
+        """Sets what holds where a line begins."""
 
     # ------------------------------------------------------------------------------ blocks
 
     def block(self, at: int, high: int, made: list[p.Statement]) -> int:
         """A whole block that begins here; gives the place after it, 0 if there is none."""
-        found = self.structure.get(at)
-        if found is None or found[-1] > high or self.depth > DEEPEST:
+        found, item = self.blocks.get(at), self.code[at]
+        if found is None or found[-1] > high or len(self.leaving) > DEEPEST:
             return 0
-        item = self.code[at]
         if not isinstance(item, s.Line):
             return 0
-        self.leaving.append(_Block(block_word(item.statement).opens, set(found[1:])))
-        self.depth += 1
+        self.leaving.append(Block(block_word(item.statement).opens, found[1:]))
         try:
             statement = self.whole(item.statement, found)
         except Unliftable as found_why:
             statement = None
             self.refused[at] = found_why.reason
-        self.depth -= 1
         block = self.leaving.pop()
         if statement is None:
             return 0
@@ -173,36 +149,23 @@ class Control:
                 raise Unliftable  # a Default before other cases
             else:
                 otherwise = inside
-        if all(_single(item) is not None for case, _ in cases for item in case.items):
-            made = tuple(p.Case(self._singles(case), inside) for case, inside in cases)
-            return p.Switch(value, made, otherwise)
-        if not is_repeatable(value):
+        single = all(_is_single(item) for case, _ in cases for item in case.items)
+        if not single and not is_repeatable(value):
             raise Unliftable
-        branches = tuple(p.Branch(self._test(value, case), inside) for case, inside in cases)
-        return p.If(branches, otherwise)
+        return chosen(value, [(self._tests(case), inside) for case, inside in cases], otherwise)
 
-    def _singles(self, case: s.Case) -> tuple[e.Expression, ...]:
-        values = map(_single, case.items)
-        return tuple(self.expressions.plain(value) for value in values if value is not None)
-
-    def _test(self, value: e.Expression, case: s.Case) -> e.Expression:
-        """Whether a value is what a case asks for."""
-        tests = [self._one_test(value, item) for item in case.items]
-        condition = tests[0]
-        for test in tests[1:]:
-            condition = e.Binary("or", condition, test)
-        return condition
-
-    def _one_test(self, value: e.Expression, item: s.CaseRange | s.CaseIs) -> e.Expression:
+    def _tests(self, case: s.Case) -> list[Test]:
+        """What a case asks of the value: one of these."""
         plain = self.expressions.plain
-        if isinstance(item, s.CaseIs):
-            operator: Any = operator_name(item.operator)
-            return e.Binary(operator, value, plain(item.value))
-        first = plain(item.first)
-        if item.last is None:
-            return e.Binary("=", value, first)
-        last = plain(item.last)
-        return e.Binary("and", e.Binary(">=", value, first), e.Binary("<=", value, last))
+        found: list[Test] = []
+        for item in case.items:
+            if isinstance(item, s.CaseIs):
+                found.append(((operator_name(item.operator), plain(item.value)),))
+            elif item.last is None:
+                found.append((("=", plain(item.first)),))
+            else:
+                found.append(((">=", plain(item.first)), ("<=", plain(item.last))))
+        return found
 
     # ------------------------------------------------------------------------------- jumps
 
@@ -212,43 +175,54 @@ class Control:
         condition = self.expressions.condition(node.condition)
         then = self.branch(node.then)
         otherwise = () if node.otherwise is None else self.branch(node.otherwise)
-        if not then and not otherwise:
-            return []
-        return [p.If((p.Branch(condition, then),), otherwise)]
+        self.runs.forget()
+        return [p.If((p.Branch(condition, then),), otherwise)] if then or otherwise else []
 
     def branch(self, node: s.Statement | s.Target) -> tuple[p.Statement, ...]:
         if isinstance(node, s.Target):
             node = s.Jump("GoTo", node)
         return tuple(self.single(node))
 
-    def goto(self, target: s.Target) -> p.Statement:
-        place = target.place
-        if isinstance(place, int) or place.upper() not in self.labels:
-            raise Unliftable(NO_LABEL)
-        return p.Goto(self.labels[place.upper()])
+    def jump(self, node: s.Jump) -> list[p.Statement]:
+        return [self.go(node.keyword, node.target)]
 
-    def on_jump(self, node: s.OnJump, go: Callable[[s.Target], p.Statement]) -> list[p.Statement]:
+    def go(self, keyword: str, target: s.Target) -> p.Statement:
+        """`GoTo` or `GoSub`."""
+        place = str(target.place).upper()
+        if keyword == "GoSub":
+            callee = self.by_label.get(place)
+            if callee is None:
+                raise Unliftable(NO_PROCEDURE)
+            assert self.form is not None
+            self.runs.forget()
+            return p.Call(self.form.called[self.at][callee].name)
+        if isinstance(target.place, int) or place not in self.label_names:
+            raise Unliftable(NO_LABEL)
+        return p.Goto(self.label_names[place])
+
+    def on_jump(self, node: s.OnJump) -> list[p.Statement]:
         """`On n GoTo` and `On n GoSub`; a number that there is none for goes on below."""
         subject = self.expressions.rounded(node.subject)
         if any(target is None for target in node.targets):
             raise Unliftable
         cases = tuple(
-            p.Case((e.Number(k),), (go(target),))
+            p.Case((e.Number(k),), (self.go(node.keyword, target),))
             for k, target in enumerate(node.targets, 1)
             if target is not None
         )
+        self.runs.forget()
         return [p.Switch(subject, cases)]
 
-    def left(self, at: int) -> list[p.Statement]:
+    def broken(self, _: s.Command) -> list[p.Statement]:
         """`Break`: out of the innermost block; at the end of a branch it says nothing."""
         if not self.leaving or self.asks_for_breaks:
             raise Unliftable
         block = self.leaving[-1]
-        if block.kind in ("If", "Select") and self._next_word(at) in block.places:
+        if block.kind in ("If", "Select") and self._next_word(self.at) in block.places:
             return []
         if block.label is None:
-            block.label = identifier("leave", set(self.labels.values()))
-            self.labels[f"*{block.label}"] = block.label  # no label of the file's own
+            block.label = identifier("leave", set(self.label_names.values()))
+            self.label_names[f"*{block.label}"] = block.label  # no label of the file's own
         return [p.Goto(block.label)]
 
     def _next_word(self, at: int) -> int:
@@ -262,16 +236,32 @@ class Control:
         return at
 
 
-class _Block:
-    """kind: its word. places: of the words that divide and end it. label: behind it."""
-
-    def __init__(self, kind: str, places: set[int]) -> None:
-        self.kind, self.places = kind, places
-        self.label: str | None = None
+def _is_single(item: s.CaseRange | s.CaseIs) -> bool:
+    """Whether it asks for one value."""
+    return item.operator == "=" if isinstance(item, s.CaseIs) else item.last is None
 
 
-def _single(item: s.CaseRange | s.CaseIs) -> s.Expression | None:
-    """The one value that a case asks for, None if there are others."""
-    if isinstance(item, s.CaseIs):
-        return item.value if item.operator == "=" else None
-    return item.first if item.last is None else None
+LIFTS: Final[Mapping[type, Lift]] = {
+    s.Motion: lambda reader, node: reader.moves.move(node, reader.values),
+    s.Command: Statements.command,
+    s.Assign: lambda reader, node: data.assign(node, reader.expressions, reader.runs),
+    s.If: Control.one_line_if,
+    s.Jump: Control.jump,
+    s.OnJump: Control.on_jump,
+    s.Call: Statements.call,
+    s.CallP: Statements.callp,
+    s.DefNames: lambda reader, node: data.define(node.variables, reader.expressions),
+    s.Dim: lambda reader, node: data.define(node.variables, reader.expressions),
+    s.Static: lambda reader, node: data.define(node.definition.variables, reader.expressions),
+    s.Const: lambda reader, node: data.constant(node, reader.expressions),
+    s.DefIo: lambda reader, node: data.known_io(node, reader.expressions),
+    s.DefOther: lambda reader, node: pallets.define(node, reader.symbols),
+    s.DefFunction: lambda reader, node: data.known_function(node, reader.expressions),
+}
+COMMANDS: Final[Mapping[str, Lift]] = {
+    "Wait": Statements.wait,
+    "End": Statements.end,
+    "Return": Statements.returned,
+    "Exit Function": Statements.left,
+    "Break": Control.broken,
+}

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, Final
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 from assistant.languages.melfa_basic.lift.settings.along_lines import Ways, depends
 from assistant.languages.melfa_basic.lift.settings.held import IN_WORDS
-from assistant.languages.melfa_basic.lift.statements import data, waits
-from assistant.languages.melfa_basic.lift.statements.control import Control
+from assistant.languages.melfa_basic.lift.statements import waits
 from assistant.languages.melfa_basic.lift.statements.moves import Moves
 from assistant.languages.melfa_basic.lift.statements.paths import Runs, Values
 from assistant.languages.melfa_basic.lift.structure.blocks import Code
 from assistant.languages.melfa_basic.lift.structure.regions import Region
 from assistant.languages.melfa_basic.lift.values import reasons
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
-from assistant.languages.melfa_basic.lift.values.pallets import define as define_pallet
 from assistant.languages.melfa_basic.lift.values.symbols import Routine, Symbols, Unliftable
 from assistant.languages.melfa_basic.tables.statements import ROWS
 from assistant.languages.melfa_basic.text import effects
@@ -32,16 +31,33 @@ from assistant.program.program import identifier
 from assistant.program.text import SourceText
 
 
+@dataclass(slots=True)
+class Block:
+    """An open block, by its word. places: of those that divide and end it. label: behind it."""
+
+    kind: str
+    places: Collection[int]
+    label: str | None = None
+
+
+Lift = Callable[[Any, Any], list[p.Statement]]
+"""What a statement says, given the reader and it; raises Unliftable."""
+
+
 class Statements:
     """Lifts what is no block.
 
     routines: what each region is called, and what `GoSub` and functions mean. units, firsts:
     the programs that `CallP` names, and the procedures that those begin with. kept: lines whose
     setting has to stay, because something depends on it that is kept as its text. source: the
-    text that the code was read from. control: what blocks and jumps are read by.
+    text that the code was read from. label_names: of the procedure that is read, upper case → name.
+    refused: why blocks, by their first line, stay as their text. leaving: the blocks around the
+    line. lifts, commands: what statements by their kinds and commands by
+    their words are read by.
     """
 
-    control: Control
+    lifts: ClassVar[Mapping[type, Lift]] = {}
+    commands: ClassVar[Mapping[str, Lift]] = {}
 
     def __init__(
         self,
@@ -70,6 +86,10 @@ class Statements:
             }
         )
         self.labels = labels_of(code)
+        self.blocks, self.asks_for_breaks = ways.structure.places, ways.breaks
+        self.label_names: dict[str, str] = {}
+        self.refused: dict[int, p.Reason | None] = {}
+        self.leaving: list[Block] = []
         self.by_label = {r.label: k for k, r in enumerate(self.regions) if r.label}
         self.form: Form | None = None
         self.region = Region(0, 0)
@@ -84,7 +104,7 @@ class Statements:
         assert self.form is not None
         return tuple(held.value for held in self.called.at(self.at, self.form))
 
-    def branch(self, node: s.Statement) -> list[p.Statement]:
+    def single(self, node: s.Statement) -> list[p.Statement]:
         """The branch of an `If` in one line, or its text as that of a line of its own.
 
         Raises Unliftable for `Break`, which would leave the `If` if that becomes a block.
@@ -103,7 +123,7 @@ class Statements:
         """A statement that is no block; raises Unliftable."""
         if isinstance(node, s.Command) and self.effect(node) is not None:
             return []  # how the moves that follow are made
-        lift = STATEMENTS.get(type(node))
+        lift = self.lifts.get(type(node))
         if lift is None:
             raise Unliftable
         return lift(self, node)
@@ -156,35 +176,6 @@ class Statements:
         result = inside.result if inside is not None else None
         return [p.Return(None if result is None else e.Name(result))]
 
-    def move(self, node: s.Motion) -> list[p.Statement]:
-        return self.moves.move(node, self.values)
-
-    def one_line_if(self, node: s.If) -> list[p.Statement]:
-        made = self.control.one_line_if(node)
-        self.runs.forget()
-        return made
-
-    def jump(self, node: s.Jump) -> list[p.Statement]:
-        return [
-            self.go_to_sub(node.target)
-            if node.keyword == "GoSub"
-            else self.control.goto(node.target)
-        ]
-
-    def on_jump(self, node: s.OnJump) -> list[p.Statement]:
-        go = self.go_to_sub if node.keyword == "GoSub" else self.control.goto
-        made = self.control.on_jump(node, go)
-        self.runs.forget()
-        return made
-
-    def go_to_sub(self, target: s.Target) -> p.Statement:
-        callee = self.by_label.get(str(target.place).upper())
-        if callee is None:
-            raise Unliftable(reasons.NO_PROCEDURE)
-        assert self.form is not None
-        self.runs.forget()
-        return p.Call(self.form.called[self.at][callee].name)
-
     def call(self, node: s.Call) -> list[p.Statement]:
         key = node.function.key
         routine = self.symbols.routines.get(key)
@@ -204,7 +195,7 @@ class Statements:
         return [p.Call(first, tuple(self.expressions.plain(a) for a in node.arguments), unit)]
 
     def command(self, node: s.Command) -> list[p.Statement]:
-        lift = COMMANDS.get(node.keyword)
+        lift = self.commands.get(node.keyword)
         if lift is not None:
             return lift(self, node)
         called: Called[s.Expression] = Called(node.keyword, node.arguments)
@@ -239,30 +230,3 @@ def _exactly(arguments: tuple[Any, ...], count: int) -> tuple[Any, ...]:
     if len(arguments) != count or (count == 1 and arguments[0] is None):
         raise Unliftable
     return arguments
-
-
-COMMANDS: Final[dict[str, Callable[[Statements, s.Command], list[p.Statement]]]] = {
-    "Wait": Statements.wait,
-    "End": Statements.end,
-    "Return": Statements.returned,
-    "Exit Function": Statements.left,
-    "Break": lambda reader, _: reader.control.left(reader.at),
-}
-
-STATEMENTS: Final[dict[type, Callable[[Statements, Any], list[p.Statement]]]] = {
-    s.Motion: Statements.move,
-    s.Command: Statements.command,
-    s.Assign: lambda reader, node: data.assign(node, reader.expressions, reader.runs),
-    s.If: Statements.one_line_if,
-    s.Jump: Statements.jump,
-    s.OnJump: Statements.on_jump,
-    s.Call: Statements.call,
-    s.CallP: Statements.callp,
-    s.DefNames: lambda reader, node: data.define(node.variables, reader.expressions),
-    s.Dim: lambda reader, node: data.define(node.variables, reader.expressions),
-    s.Static: lambda reader, node: data.define(node.definition.variables, reader.expressions),
-    s.Const: lambda reader, node: data.constant(node, reader.expressions),
-    s.DefIo: lambda reader, node: data.known_io(node, reader.expressions),
-    s.DefOther: lambda reader, node: define_pallet(node, reader.symbols),
-    s.DefFunction: lambda reader, node: data.known_function(node, reader.expressions),
-}

@@ -7,7 +7,7 @@ from typing import Final
 
 from assistant.languages.melfa_basic.lift.settings.held import FRAME, TOOL
 from assistant.languages.melfa_basic.lift.statements import waits
-from assistant.languages.melfa_basic.lift.statements.lines import Statements
+from assistant.languages.melfa_basic.lift.statements.control import COMMANDS, LIFTS, Control
 from assistant.languages.melfa_basic.lift.statements.paths import Values
 from assistant.languages.melfa_basic.lift.structure.regions import Region
 from assistant.languages.melfa_basic.lift.values import reasons
@@ -24,12 +24,13 @@ from assistant.program.program import identifier
 from assistant.program.rewriting import head, records
 
 
-class Reader(Statements):
+class Reader(Control):
     """Reads the procedures of one file.
 
     own_labels: those of the lines that are read, upper case → name.
     """
 
+    lifts, commands = LIFTS, COMMANDS
     names: PassLabels | None = None
     own_labels: Mapping[str, str]
 
@@ -42,7 +43,7 @@ class Reader(Statements):
         self.runs.previous, self.runs.arc_pending = None, False
         made: list[p.Statement] = []
         for at in range(*region.notes):
-            made += self.control.note(at)
+            made += self.note(at)
         if form.passes:
             made += self.in_passes(form)
         else:
@@ -55,14 +56,14 @@ class Reader(Statements):
 
     def _take_labels(self, region: Region) -> None:
         taken: set[str] = set()
-        self.control.labels = {}
+        self.label_names = {}
         for low, high in (region.before, (region.low, region.high)):
             for label in sorted(labels_of(self.code, range(low, high))):
                 given = self.symbols.header.names["label"].get(label)
                 name = given or identifier(self._spelled(label), taken)
-                self.control.labels[label] = name
+                self.label_names[label] = name
                 taken.add(name)
-        self.own_labels = self.control.labels
+        self.own_labels = self.label_names
 
     def in_passes(self, head: Form) -> list[p.Statement]:
         """The statements of a divided procedure."""
@@ -74,10 +75,10 @@ class Reader(Statements):
             self.runs.forget()
             self.own_labels = self.names.of(one)
             # names made for blocks are unique among all passes
-            self.control.labels = {f"**{n}": n for n in self.names.taken} | self.own_labels
+            self.label_names = {f"**{n}": n for n in self.names.taken} | self.own_labels
             high = one.places[-1] + 1
             made += self.statements(one.places[0], high)
-            self.names.taken |= set(self.control.labels.values())
+            self.names.taken |= set(self.label_names.values())
             if _leaves(made) or one.falls is below:
                 continue
             if one.falls is not None:
@@ -105,9 +106,9 @@ class Reader(Statements):
         if region.high < len(self.code):
             item = self.code[region.high]
             if isinstance(item, s.Line) and item.statement in ENDS:
-                made += self.control.note(region.high)
+                made += self.note(region.high)
         for at in range(*region.behind):
-            made += self.control.note(at)
+            made += self.note(at)
         inside = self.symbols.inside
         if inside is not None and inside.result is not None:
             made.append(p.Return(e.Name(inside.result)))
@@ -143,7 +144,7 @@ class Reader(Statements):
         for to in self.form.goes.get(at, {}).values():
             item = self.code[to.places[0]]
             if isinstance(item, s.Line) and item.label is not None:
-                self.control.labels[item.label.upper()] = self._label_at(to)
+                self.label_names[item.label.upper()] = self._label_at(to)
         return values
 
     def _function_key(self, region: int) -> str:
@@ -175,7 +176,7 @@ class Reader(Statements):
             if self.runs.motion(item.statement, values, item.span, made):
                 return at + 1
         self.runs.flush(made)
-        after = self.control.block(at, high, made) or self.result(at, item.statement, made)
+        after = self.block(at, high, made) or self.result(at, item.statement, made)
         if after:
             return after
         made += self.one(item.statement, at, item.span)
@@ -197,7 +198,7 @@ class Reader(Statements):
                 raise Unliftable(reasons.DEPENDED_ON)
             lifted = self.simple(node)
         except Unliftable as found:
-            lifted = [self.opaque(node, found.reason or self.control.refused.get(at))]
+            lifted = [self.opaque(node, found.reason or self.refused.get(at))]
         if not isinstance(node, s.Motion) and _has_verbatim(lifted):
             self.note_dependence(node)
         return [waits.spanned(statement, span) for statement in lifted]
@@ -219,7 +220,7 @@ class Reader(Statements):
         made.append(p.Return(value, span=span))
         after = at + 1
         if after < self.region.high:
-            made += self.control.note(after)
+            made += self.note(after)
             after += 1  # `Exit Function`
         return after
 
