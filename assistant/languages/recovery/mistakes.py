@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 class Mistake:
     """A row of the table.
 
-    examples: statements, items or whole files with `¦` at the place that a finding must show.
+    example: a statement, an item or a file, `¦` at the place that a finding must show.
     before: regular expression for what ends at the error, or with `block` stands anywhere from
     the begin of the open block on; its group `at`, if it has one, is the place.
     after: for what begins at the error. repair: for the kind and the word of the change that
@@ -29,7 +29,7 @@ class Mistake:
     """
 
     cure: str
-    examples: tuple[str, ...]
+    example: str
     before: str = ""
     after: str = ""
     repair: str = ""

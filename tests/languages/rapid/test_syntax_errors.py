@@ -13,8 +13,8 @@ from assistant import languages
 from assistant.languages.rapid.reading.parser import parse
 from assistant.languages.rapid.reading.recovery.statement_mistakes import MISTAKES
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.recovery.mistakes import Mistake
 from assistant.languages.recovery.reading import MOST_FINDINGS
+from tests.languages.rapid.mistakes import FURTHER
 
 RAPID = languages.get("rapid")
 PLACE = "¦"
@@ -33,16 +33,19 @@ def framed(example: str) -> str:
 
 
 @pytest.mark.parametrize(
-    ("mistake", "example"),
-    [(mistake, example) for mistake in MISTAKES for example in mistake.examples],
+    ("cure", "example"),
+    [
+        *((mistake.cure, mistake.example) for mistake in MISTAKES),
+        *((cure, example) for cure, examples in FURTHER.items() for example in examples),
+    ],
 )
-def test_a_usual_mistake_has_one_finding_with_its_cure(mistake: Mistake, example: str) -> None:
+def test_a_usual_mistake_has_one_finding_with_its_cure(cure: str, example: str) -> None:
     marked = framed(example)
     text = marked.replace(PLACE, "")
     (finding,) = RAPID.parse(text).findings
     assert finding.span is not None
     assert finding.span.start == marked.index(PLACE)
-    assert finding.cure == mistake.cure
+    assert finding.cure == cure
     assert finding.excerpt == text.split("\n")[(finding.line or 0) - 1]
     assert RAPID.render(RAPID.parse(text)) == text
 
