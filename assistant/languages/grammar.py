@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
@@ -50,6 +51,27 @@ class Grammar:
     terminals: Mapping[str, Terminal]
     order: tuple[str, ...]
     tables: Mapping[str, Tables]
+
+    @property
+    def words(self) -> dict[str, tuple[str, ...]]:
+        """Words of the language in lower case → the terminals that each may be."""
+        found: dict[str, tuple[str, ...]] = {}
+        for name, terminal in self.terminals.items():
+            pattern = terminal.pattern.removesuffix(r"\b")
+            if _WORDS.fullmatch(pattern):
+                for word in pattern.split("|"):
+                    found[word] = (*found.get(word, ()), name)
+        return found
+
+    @property
+    def marks(self) -> dict[str, str]:
+        """What stands for each terminal that is no word and written in one way, in backticks."""
+        plain = ((t.name, t.pattern) for t in self.terminals.values() if t.plain)
+        return {name: f"`{text}`" for name, text in plain if not _WORDS.fullmatch(text)}
+
+
+_WORDS: Final = re.compile(r"#?[a-z]+(?:[ |][a-z]+)*")
+"""A terminal that is one word or several."""
 
 
 def load(name: str, starts: tuple[str, ...]) -> Grammar:

@@ -119,11 +119,11 @@ def _put_in(syntax: LineSyntax, text: str, stop: Stop, fitting: frozenset[str]) 
     """A word put in before the one that does not fit."""
     at, word = stop.word.start, stop.word
     behind = len(text[:at].rstrip()) if word.type in (END, *syntax.comments) else at
-    for terminal, (written, what, cure, cost) in syntax.missing.items():
+    for terminal, (written, named, cure, cost) in syntax.missing.items():
         if terminal in fitting and not (terminal == "EQUALS" and "=" in text[:at]):
             found = text[word.start : word.end]
             before = f" before `{found}`" if found and word.type != "COMMENT" else ""
-            yield Edit(behind, behind, written, what + before, cure, cost)
+            yield Edit(behind, behind, written, f"{named} is missing{before}", cure, cost)
 
 
 def _taken_out(

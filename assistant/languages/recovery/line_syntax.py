@@ -15,10 +15,10 @@ from assistant.program.diagnostics import Rule
 
 
 class Missing(NamedTuple):
-    """What is put in for a terminal: its text, what is said, the cure and the cost."""
+    """What is put in for a terminal: its text, what it is called, the cure and the cost."""
 
     text: str
-    what: str
+    named: str
     cure: str
     cost: int
 

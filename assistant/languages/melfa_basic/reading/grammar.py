@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from functools import cache
-from typing import Final
 
 from assistant.languages.grammar import Grammar, load
 from assistant.languages.melfa_basic.tables.vocabulary import words
@@ -20,18 +18,9 @@ def grammar() -> Grammar:
 @cache
 def keywords() -> Mapping[str, tuple[str, ...]]:
     """The terminals that a word in upper case may be; the first that has room is meant."""
-    found: dict[str, tuple[str, ...]] = {}
-    for terminal in grammar().terminals.values():
-        if _WORDS.fullmatch(terminal.pattern):
-            for word in _WORD.findall(terminal.pattern.upper()):
-                found[word] = (*found.get(word, ()), terminal.name)
+    found = {word.upper(): terminals for word, terminals in grammar().words.items()}
     for word in words("motion"):
         found[word.upper()] = ("MOTION", *found.get(word.upper(), ()))
     for word in words("command"):
         found[word.upper()] = (*found.get(word.upper(), ()), "COMMAND")
     return found
-
-
-_WORDS: Final = re.compile(r"#?[a-z]+(?:[ |][a-z]+)*")
-"""A terminal that is one word or several."""
-_WORD: Final = re.compile(r"#?[A-Z]+(?: [A-Z]+)*")

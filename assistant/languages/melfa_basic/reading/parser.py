@@ -77,33 +77,23 @@ def _with_data(items: list[s.Item]) -> list[s.Item]:
     In a source without step numbers they are what follows the last other statement.
     """
     numbered = any(isinstance(item, s.Line) and item.number is not None for item in items)
-    first = len(items)
+    first = 0
     if not numbered and not any(isinstance(item, MoveRows) for item in items):
+        first = len(items)
         while first and (
             isinstance(items[first - 1], s.Blank | PositionRows) or _datum(items[first - 1])
         ):
             first -= 1
-    else:
-        first = 0
-    for at in range(first, len(items)):
-        datum = _datum(items[at])
-        if datum is not None:
-            items[at] = datum
-    return items
+    return items[:first] + [_datum(item) or item for item in items[first:]]
 
 
 def _datum(item: s.Item) -> s.Data | None:
     """An unnumbered assignment of a constant, or declaration of one, as a variable line."""
-    if not isinstance(item, s.Line) or item.number is not None or item.label or item.comment:
-        return None
-    value: object = None
-    match item.statement:
-        case s.Assign(target=target, value=value, delay=None) if not target.component:
-            plain = (
-                value.operand if isinstance(value, s.Unary) and value.operator in "+-" else value
-            )
-            if isinstance(plain, s.Constant | s.Number | s.String) and isinstance(
-                value, s.Constant | s.Number | s.String | s.Unary
-            ):
-                return s.Data(target, value, "", item.span)
+    match item:
+        case s.Line(None, None, s.Assign(s.Variable(component="") as target, value, None), None):
+            match value:
+                case (s.Constant() | s.Number() | s.String()) | s.Unary(
+                    "+" | "-", s.Constant() | s.Number() | s.String()
+                ):
+                    return s.Data(target, value, "", item.span)
     return None

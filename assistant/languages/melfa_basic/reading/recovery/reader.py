@@ -12,7 +12,8 @@ from assistant.languages.melfa_basic.reading.grammar import keywords
 from assistant.languages.melfa_basic.reading.line import line_grammar, parts, placed
 from assistant.languages.melfa_basic.reading.nodes import Nodes
 from assistant.languages.melfa_basic.reading.recovery.mistakes import MISTAKES, foreign
-from assistant.languages.melfa_basic.tables.vocabulary import statement, words
+from assistant.languages.melfa_basic.tables.vocabulary import statement
+from assistant.languages.melfa_basic.tables.words import spelled
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.recovery.line_syntax import LineSyntax, Missing, Phrase
 from assistant.languages.recovery.lines import LineReader
@@ -21,29 +22,21 @@ _MISSING, _UNCLEAR, _TEXT = 4, 5, 6
 """Costs of what is put in: how sure it is that it is meant."""
 
 MISSING: Final = {
-    "_THEN": Missing(" Then ", "`Then` is missing", "write `Then` behind the condition", _MISSING),
-    "RPAR": Missing(
-        ")", "a `)` is missing", "write it, or take out the `(` that it belongs to", _MISSING
-    ),
-    "COMMA": Missing(",", "a comma is missing", "write `,` between the two", _MISSING),
-    "EQUALS": Missing("=", "a `=` is missing", "write `=` between the two", _UNCLEAR),
-    "_TO": Missing(" To ", "`To` is missing", "write `To` between first and last value", _MISSING),
-    "_AS": Missing(
-        " As ", "`As` is missing", "write `As #1` with the number of the line", _MISSING
-    ),
-    "NUMBER": Missing(" 1 ", "a value is missing", "write a number or a variable", _UNCLEAR),
-    "NAME": Missing(" M1 ", "a name is missing", "write a variable", _UNCLEAR),
-    "GOTO": Missing(
-        " GoTo ", "`GoTo` is missing", "write `GoTo` or `GoSub` before the label", _UNCLEAR
-    ),
-    "TIMES": Missing(
-        "*", "an operator is missing", "write `+`, `-`, `*` or `/` between the two", _TEXT
-    ),
-    "HASH": Missing("#", "a `#` is missing", "write `#` before the number", _MISSING),
-    "LABEL": Missing("*L", "a label is missing", "write `*` and the label's name", _UNCLEAR),
-    "STRING": Missing('"x"', "a text is missing", "write it between quotes", _UNCLEAR),
-    "SKIP": Missing(" Skip ", "a statement is missing", "write what is to be done", _UNCLEAR),
-    "POSITION": Missing("(0,0)", "a constant is missing", "write the constant", _UNCLEAR),
+    "_THEN": Missing(" Then ", "`Then`", "write `Then` behind the condition", _MISSING),
+    "RPAR": Missing(")", "a `)`", "write it, or take out the `(` that it belongs to", _MISSING),
+    "COMMA": Missing(",", "a comma", "write `,` between the two", _MISSING),
+    "EQUALS": Missing("=", "a `=`", "write `=` between the two", _UNCLEAR),
+    "_TO": Missing(" To ", "`To`", "write `To` between first and last value", _MISSING),
+    "_AS": Missing(" As ", "`As`", "write `As #1` with the number of the line", _MISSING),
+    "NUMBER": Missing(" 1 ", "a value", "write a number or a variable", _UNCLEAR),
+    "NAME": Missing(" M1 ", "a name", "write a variable", _UNCLEAR),
+    "GOTO": Missing(" GoTo ", "`GoTo`", "write `GoTo` or `GoSub` before the label", _UNCLEAR),
+    "TIMES": Missing("*", "an operator", "write `+`, `-`, `*` or `/` between the two", _TEXT),
+    "HASH": Missing("#", "a `#`", "write `#` before the number", _MISSING),
+    "LABEL": Missing("*L", "a label", "write `*` and the label's name", _UNCLEAR),
+    "STRING": Missing('"x"', "a text", "write it between quotes", _UNCLEAR),
+    "SKIP": Missing(" Skip ", "a statement", "write what is to be done", _UNCLEAR),
+    "POSITION": Missing("(0,0)", "a constant", "write the constant", _UNCLEAR),
 }
 
 _VALUE: Final = frozenset(("a value", "a statement"))
@@ -88,8 +81,8 @@ def reader() -> LineReader:
         foreign=foreign(),
         branch=_BRANCH,
         keywords=keywords(),
-        words=_words(),
-        spelled=_spelled,
+        words=tuple(word for word in keywords() if len(word) > 1),
+        spelled=spelled,
         begins=lambda word: statement(word) is not None,
         parted=_parted,
         is_whole=lambda node: isinstance(node, s.Line) and node.statement is not None,
@@ -100,16 +93,6 @@ def reader() -> LineReader:
         wrong=rules.SYNTAX,
     )
     return LineReader(syntax)
-
-
-def _words() -> tuple[str, ...]:
-    known = [word for word in keywords() if len(word) > 1]
-    known += [word.upper() for word in (*words("motion"), *words("command"))]
-    return tuple(dict.fromkeys(known))
-
-
-def _spelled(word: str) -> str:
-    return word if (row := statement(word)) is None else row.word
 
 
 def _parted(written: str) -> int | None:
