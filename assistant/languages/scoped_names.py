@@ -6,11 +6,12 @@ A name that does not fit gets another one. Names are compared without case.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 from weakref import ReferenceType, ref
 
+from assistant.program.diagnostics import Diagnostic, Rule
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.kept import effect_of
 from assistant.program.passes.names import Names
@@ -25,6 +26,7 @@ from assistant.program.statements import (
     Statement,
     Trigger,
 )
+from assistant.program.subjects import Declared
 from assistant.program.timers import timers
 
 _ROW: Final = re.compile(r"(.+)_([1-9][0-9]*)")
@@ -173,7 +175,8 @@ class Scopes:
 
     longest: characters of one. reserved: lower-case names that have a meaning. kept: those that
     kept declarations of a program declare. flange, base: what the bare flange and the robot's base
-    are called.
+    are called. renamed: tells of a name that is written as another one (short), and why. language:
+    its title.
     """
 
     longest: int
@@ -181,6 +184,8 @@ class Scopes:
     kept: Callable[[Program], Iterable[str]]
     flange: str
     base: str
+    renamed: Rule
+    language: str
     _latest: tuple[ReferenceType[Program], Naming] | None = field(default=None, init=False)
     """The program that was named last: every unit of a long one asks for the same names."""
 
@@ -189,6 +194,20 @@ class Scopes:
         if self._latest is None or self._latest[0]() is not program:
             self._latest = ref(program), self._named(program)
         return self._latest[1]
+
+    def findings(self, program: Program) -> Iterator[Diagnostic]:
+        """Tells of each name that became another one."""
+        for short, name in self.naming(program).changed:
+            about = Declared(name)
+            yield self.renamed(name=name, short=short, why=self._why(name), about=about)
+
+    def _why(self, name: str) -> str:
+        """Why something cannot have its own name."""
+        if len(name) > self.longest:
+            return f"it has more than {self.longest} characters"
+        return (
+            f"it is a word of {self.language}" if name.lower() in self.reserved else "it is taken"
+        )
 
     def _named(self, program: Program) -> Naming:
         names = Naming(Names(self.longest, self.reserved))

@@ -69,6 +69,24 @@ def declared(program: Program) -> Iterator[str]:
         yield from locals_of(procedure)
 
 
+def texts_in(value: Any) -> set[str]:
+    """Every name that statements refer to, in lower case, and every other text in them."""
+    found: set[str] = set()
+    for record in records(value):
+        if isinstance(record, p.Follow):
+            found.update(n.lower() for n in (*record.path.tools, *record.path.frames))
+        for part in type(record).__dataclass_fields__:
+            if isinstance(text := getattr(record, part), str):
+                found.add(text.lower())
+    return found
+
+
+def shared_between_units(program: Program) -> Iterator[str]:
+    """Variables of the program that units with procedures use, which are loaded when called."""
+    texts = [texts_in(q.body) for q in program.procedures if q.unit is not None]
+    yield from (n for n in program.variables if any(n.lower() in found for found in texts))
+
+
 def mentioned(program: Program) -> dict[str, frozenset[str]]:
     """Variables of the program that each procedure, or one that it calls, names: lower case."""
     own = {q.name.lower(): named(q) for q in program.procedures}

@@ -13,6 +13,7 @@ from typing import Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.signals import read_by_another_name
 from assistant.program.passes.endings import FOR_GOOD
 from assistant.program.passes.legalising import Legalising
 from assistant.program.program import Procedure, Program, Signal, Variable
@@ -36,6 +37,16 @@ def with_checked_outputs(job: Legalising) -> Program:
         program,
         procedures=tuple(_Checking(program, q, taken).checked() for q in program.procedures),
     )
+
+
+def find_outputs_of_two_names(job: Legalising) -> None:
+    """Errors where what is read has another name where it is set, for signals known by names."""
+    for statement, name, other in read_by_another_name(job.program):
+        with job.findings.at(statement.span):
+            job.cannot(
+                f"that `{name}` is read, which is set as part of `{other}`",
+                "read and set the output by one name, or keep its value in a variable",
+            )
 
 
 class _Checking:

@@ -11,7 +11,6 @@ import numpy as np
 
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lower.expressions import Unsayable
-from assistant.languages.melfa_basic.lower.settings import changes
 from assistant.languages.melfa_basic.lower.triggers import appended
 from assistant.languages.melfa_basic.tables.words import ARC_START
 from assistant.languages.melfa_basic.tree import syntax as s
@@ -80,9 +79,8 @@ def _settings(
     """Writes what does not hold already."""
     if isinstance(speed, e.Name) or isinstance(blend, e.Name):
         raise Unsayable("a speed or blend by name", "declare its value")
-    base = BASE if w.names.products else frame
-    for command in changes(w.state, speed, blend, tool, base, w.names, w.dialect):
-        w.add(command)
+    w.mount(tool, frame)
+    w.move_by(speed, blend)
 
 
 def _placed(w: Writer, target: s.Expression, frame: str) -> s.Expression:

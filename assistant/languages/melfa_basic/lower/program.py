@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
@@ -20,12 +21,9 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import PositionRows
 from assistant.languages.melfa_basic.tree.line_tables import gathered
 from assistant.languages.melfa_basic.tree.targets import numbered
-from assistant.program import expressions as e
-from assistant.program import statements as p
+from assistant.program.analysis.motions import branches_by_frame
 from assistant.program.diagnostics import Refused
-from assistant.program.path import configuration_row
 from assistant.program.program import Parameter, Procedure, Program, ValueType, Variable
-from assistant.program.rewriting import records
 from assistant.program.subjects import Declared
 
 if TYPE_CHECKING:
@@ -195,35 +193,9 @@ class UnitLines(Writer):
         pose = program.frames[name].pose
         if not self.names.products:
             return s.Constant(poses.plain_values(pose.inverse()), (0, 0))
-        branches = list(branches_in(program, self.robot).get(name.lower(), ()))
-        return s.Constant(poses.plain_values(pose), branches[0] if branches else USUAL)
-
-
-def branches_in(program: Program, robot: Robot | None) -> dict[str, dict[tuple[int, int], None]]:
-    """The flags of the targets in each frame (lower case), in the order of their first use.
-
-    A product of positions has those of its left factor, the frame.
-    """
-    found: dict[str, dict[tuple[int, int], None]] = {}
-    targets = {name.lower(): target for name, target in program.targets.items()}
-    for node in program.statements():
-        if isinstance(node, p.Follow):
-            path = node.path
-            flags = poses.flags_of(path.configurations, robot)
-            for row, name in enumerate(path.frames):
-                branches = found.setdefault(name.lower(), {})
-                for first, second in np.unique(flags[path.frame == row], axis=0):
-                    branches[int(first), int(second)] = None
-        elif isinstance(node, p.Move | p.MoveCircular):
-            for value in records((node.target, getattr(node, "via", None))):
-                target = value.target if isinstance(value, e.TargetValue) else None
-                if isinstance(value, e.Name):
-                    target = targets.get(value.name.lower())
-                if target is not None:
-                    branch = np.array([configuration_row(target.configuration)], dtype=np.int8)
-                    first, second = poses.flags_of(branch, robot)[0].tolist()
-                    found.setdefault(node.motion.frame.lower(), {})[first, second] = None
-    return found
+        flags = branches_by_frame(program, partial(poses.flags_of, robot=self.robot))
+        first, second = next(iter(flags.get(name.lower(), ())), USUAL)
+        return s.Constant(poses.plain_values(pose), (first, second))
 
 
 USUAL: Final = (7, 0)

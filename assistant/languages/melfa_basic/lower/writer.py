@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -12,16 +13,18 @@ from assistant.languages.melfa_basic.lower.expressions import (
     NoNumber,
     Undeclared,
     Unsayable,
+    numeric,
 )
 from assistant.languages.melfa_basic.lower.names import Names
-from assistant.languages.melfa_basic.lower.settings import Settings, places
 from assistant.languages.melfa_basic.tables.dialects import Dialect
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.analysis.uses import texts_in
 from assistant.program.diagnostics import Diagnostic, Findings, Span
 from assistant.program.geometry import BASE
 from assistant.program.kept import effect_of
+from assistant.program.motion import Blend, Speed
 from assistant.program.passes.procedures import has_functions, procedures_of
 from assistant.program.path import Path
 from assistant.program.program import Parameter, Procedure, Program, Variable
@@ -58,7 +61,8 @@ class Writer:
         self.items: list[s.Item] = []
         self.paths: list[tuple[int, Path]] = []
         self.findings, self.wanting = Findings(), list[Diagnostic]()
-        self.state = Settings()
+        self.state: dict[str, object] = {}
+        """What the word of each setting has set, where that is known."""
         self.previous: tuple[str, str, str] | None = None
         """Position variable, tool and frame of the move before, if that is known."""
         self.number = names.position
@@ -80,7 +84,7 @@ class Writer:
         if self.unit is None:
             return set(), []
         mine = tuple(q for q in self.program.procedures if q.unit == self.unit)
-        named = mentioned(mine)
+        named = texts_in(mine)
         n = self.names
         used = {
             table[w]
@@ -147,7 +151,7 @@ class Writer:
 
     def forget(self) -> None:
         """Nothing is known any more: another way may lead here."""
-        self.state.forget()
+        self.state.clear()
         self.previous = None
 
     def next_number(self) -> int:
@@ -175,7 +179,7 @@ class Writer:
 
     def statement(self, statement: p.Statement) -> None:
         """Writes a statement; one that reads the position, under the tool and frame it names."""
-        if not isinstance(statement, p.MoveStatement):  # which hold under their own, see `places`
+        if not isinstance(statement, p.MoveStatement):  # which hold under their own
             self.stand(head(statement))
         if (write := self.write.get(type(statement))) is None:
             raise Unsayable(f"a {type(statement).__name__} statement", "say it in other statements")
@@ -195,11 +199,36 @@ class Writer:
         """Sets the tool and frame in which a value reads the position, if it does."""
         for record in records(value):
             if isinstance(record, e.Here):
-                frame = BASE if self.names.products else record.frame
-                self.items += (
-                    s.Line(statement=command)
-                    for command in places(self.state, record.tool, frame, self.names, self.dialect)
-                )
+                self.mount(record.tool, record.frame)
+
+    def mount(self, tool: str, frame: str) -> None:
+        """Sets the tool, and the base to the frame where targets are no products with it."""
+        names, frame = self.names, BASE if self.names.products else frame
+        for word, name, table, status in (
+            ("Tool", tool, names.tools, "P_NTool"),
+            ("Base", frame, names.frames, "P_NBase"),
+        ):
+            known = table.get(name.lower(), self.expressions.word(status))
+            self._set(word, name, s.Variable(known))
+
+    def move_by(self, speed: Speed, blend: Blend) -> None:
+        """Sets the speed and the corner of the moves that follow."""
+        if speed.joint is not None:
+            self._set("JOvrd", speed.joint, numeric(speed.joint))
+        else:  # `Mov` does not depend on it
+            fastest = s.Variable(self.expressions.word("M_NSpd"))
+            self._set("Spd", speed.tcp, fastest if math.isinf(speed.tcp) else numeric(speed.tcp))
+        corner: list[s.Expression] = [s.Number(0 if blend.radius is None else 1)]
+        if blend.radius is not None and not math.isinf(blend.radius):
+            leave = blend.radius if blend.exit is None else blend.exit
+            corner += [numeric(blend.radius), numeric(leave)]
+        self._set("Cnt", blend, *corner)
+
+    def _set(self, word: str, value: object, *arguments: s.Expression) -> None:
+        """A setting, if it does not hold already."""
+        if self.state.get(word) != value:
+            self.state[word] = value
+            self.add(s.Command(word, arguments))
 
     def _note(self) -> None:
         """The lines since the last time are those of the statement at hand."""
@@ -212,15 +241,3 @@ class Writer:
         if procedure.unit is None:
             return procedure.name.lower() == (self.program.entry or "").lower()
         return procedure is next(q for q in self.program.procedures if q.unit == procedure.unit)
-
-
-def mentioned(value: Any) -> set[str]:
-    """Every name that statements refer to, in lower case."""
-    found: set[str] = set()
-    for record in records(value):
-        if isinstance(record, p.Follow):
-            found.update(n.lower() for n in (*record.path.tools, *record.path.frames))
-        for part in type(record).__dataclass_fields__:
-            if isinstance(text := getattr(record, part), str):
-                found.add(text.lower())
-    return found

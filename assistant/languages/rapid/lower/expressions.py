@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, Final
+from typing import Final
 
 from assistant.languages.patterns import Writing
 from assistant.languages.rapid import rules
@@ -34,15 +34,16 @@ from assistant.languages.rapid.tree.runs import (
 from assistant.languages.records import Decimals, Values
 from assistant.languages.scoped_names import Naming
 from assistant.program import expressions as e
-from assistant.program.diagnostics import Refused, Rule
+from assistant.program.diagnostics import Refused
 
 RECORDS: Final = Decimals(
     POSITION_PLACES, QUATERNION_PLACES, JOINT_PLACES, SIZES_PLACES, rules.NOT_FINITE
 )
 
 
-def refuse(rule: Rule, **fields: Any) -> Refused:
-    return Refused(rule(**fields))
+def cannot(what: str, cure: str) -> Refused:
+    """RAPID has no words for it."""
+    return Refused(rules.NO_MEANING(what=what, cure=cure))
 
 
 class Expressions:
@@ -109,32 +110,25 @@ class Expressions:
         node = self.lower(x, PRIMARY)
         if isinstance(node, s.NameRef | s.Component | s.Element):
             return node
-        raise refuse(
-            rules.NO_MEANING,
-            what="a component of an expression",
-            cure="put the value into a variable first",
-        )
+        raise cannot("a component of an expression", "put the value into a variable first")
 
     def _apply(self, function: str, given: tuple[e.Expression, ...]) -> s.FunctionCall:
         if function in e.FUNCTIONS:
-            raise refuse(
-                rules.NO_MEANING,
-                what=f"the function `{function}` of {len(given)} arguments",
-                cure="compute the value otherwise",
-            )
+            what = f"the function `{function}` of {len(given)} arguments"
+            raise cannot(what, "compute the value otherwise")
         name = self._names.get("procedures", function)
         return s.FunctionCall(name, tuple(s.Positional(self.lower(a)) for a in given))
 
     def _verbatim(self, x: e.Verbatim) -> tuple[s.Expression, int]:
         if x.language != verbatim.LANGUAGE:
-            raise refuse(rules.OTHER_LANGUAGE, **verbatim.foreign(x))
+            raise Refused(rules.OTHER_LANGUAGE(**verbatim.foreign(x)))
         node = verbatim.expression(x.text)
         return node, OR if isinstance(node, s.Prefix | s.Infix) else PRIMARY
 
 
 def number(value: float) -> tuple[s.Expression, int]:
     if not math.isfinite(value):
-        raise refuse(rules.NOT_FINITE, what="an expression")
+        raise Refused(rules.NOT_FINITE(what="an expression"))
     size = abs(value)
     written = str(int(size)) if size == int(size) and size < 1e15 else repr(float(size))
     literal = s.NumberLiteral("9E9" if size == UNUSED else written)
@@ -147,11 +141,7 @@ def text(value: str) -> s.StringLiteral:
     if len(value) > LONGEST_STRING:
         raise Refused(rules.LONG_STRING(length=len(value), place=value[:20]))
     if any(ord(c) > 255 for c in value):
-        raise refuse(
-            rules.NO_MEANING,
-            what=f"the characters of {value[:30]!a}",
-            cure="use letters of Latin-1 only",
-        )
+        raise cannot(f"the characters of {value[:30]!a}", "use letters of Latin-1 only")
     return s.StringLiteral(value)
 
 

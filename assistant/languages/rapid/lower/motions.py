@@ -7,7 +7,6 @@ from typing import Final
 import numpy as np
 
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.lower.expressions import refuse
 from assistant.languages.rapid.tables.motions import speed_name, zone_name
 from assistant.languages.rapid.tables.words import UNUSED
 from assistant.languages.rapid.text import verbatim
@@ -28,6 +27,7 @@ from assistant.languages.runs.names import Names
 from assistant.languages.runs.paths import setting_codes
 from assistant.languages.scoped_names import Naming
 from assistant.program import expressions as e
+from assistant.program.diagnostics import Refused
 from assistant.program.geometry import BASE
 from assistant.program.motion import Blend, Speed
 from assistant.program.path import Kind, Path
@@ -70,7 +70,7 @@ def frame_in(names: Naming, frame: str) -> str:
 def _targets(path: Path, stem: str) -> TargetRun:
     """The targets of a path, rounded as they are printed."""
     if not (np.isfinite(path.positions).all() and np.isfinite(path.quaternions).all()):
-        raise refuse(rules.NOT_FINITE, what=f"the path `{path.name}`")
+        raise Refused(rules.NOT_FINITE(what=f"the path `{path.name}`"))
     values = np.empty((len(path), 17))
     np.round(path.positions, POSITION_PLACES, out=values[:, 0:3])
     np.round(path.quaternions, QUATERNION_PLACES, out=values[:, 3:7])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
+from assistant.languages.rapid import rules
 from assistant.languages.rapid.tables.words import LONGEST_NAME, PREDEFINED, RESERVED
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.scoped_names import Scopes
@@ -21,4 +22,12 @@ def _kept(program: Program) -> Iterator[str]:
                     yield item.name
 
 
-NAMES: Final = Scopes(LONGEST_NAME, PREDEFINED | RESERVED, _kept, flange=FLANGE, base="")
+NAMES: Final = Scopes(
+    longest=LONGEST_NAME,
+    reserved=PREDEFINED | RESERVED,
+    kept=_kept,
+    flange=FLANGE,
+    base="",
+    renamed=rules.SHORTENED,
+    language="RAPID",
+)

@@ -7,7 +7,6 @@ from typing import Any
 
 from assistant.languages.rapid import rules
 from assistant.languages.rapid.lower.data import data, variable_node
-from assistant.languages.rapid.lower.expressions import refuse
 from assistant.languages.rapid.lower.motions import path_targets
 from assistant.languages.rapid.lower.names import NAMES
 from assistant.languages.rapid.lower.statements import Body
@@ -48,7 +47,7 @@ def _declared(program: Program) -> list[s.Item]:
     found: list[s.Item] = []
     for declaration in program.declarations:
         if declaration.language != verbatim.LANGUAGE:
-            raise refuse(rules.OTHER_LANGUAGE, **verbatim.foreign(declaration))
+            raise Refused(rules.OTHER_LANGUAGE(**verbatim.foreign(declaration)))
         found += verbatim.items(declaration.text)
     return found
 

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from assistant.languages.patterns import Slot, Write
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.lower.expressions import Expressions, refuse
+from assistant.languages.rapid.lower.expressions import Expressions, cannot
 from assistant.languages.rapid.lower.motions import blend_in, frame_in, path_moves, speed_in
 from assistant.languages.rapid.lower.triggers import set_up, with_triggers
 from assistant.languages.rapid.tables.hands import signal_of
@@ -64,7 +64,7 @@ class Body:
                 try:
                     if (lower := STATEMENTS.get(type(statement))) is None:
                         what = f"a {type(statement).__name__} statement"
-                        raise refuse(rules.NO_MEANING, what=what, cure="say it in other statements")
+                        raise cannot(what, "say it in other statements")
                     yield from lower(self, statement)
                 except Refused as refused:
                     self.findings += refused.findings
@@ -120,7 +120,7 @@ def _plain(b: Body, x: p.Statement) -> Iterator[s.ProcedureCall]:
     """A statement that is a row of `tables.statements`."""
     call = ROWS.write(x, b.writing)
     if call is None:
-        raise refuse(rules.NO_MEANING, what=f"such a {type(x).__name__}", cure="say it otherwise")
+        raise cannot(f"such a {type(x).__name__}", "say it otherwise")
     yield s.ProcedureCall(call.word, arguments(call))
 
 
@@ -139,17 +139,11 @@ def _set_signal(b: Body, x: p.SetSignal) -> Lowered:
 def _check_pulse(b: Body, x: p.SetSignal, seconds: e.Expression) -> None:
     signal = b.signals.get(x.signal.lower())
     if x.value != e.Number(1) or (signal is not None and signal.kind != "digital"):
-        raise refuse(
-            rules.NO_MEANING,
-            what=f"a pulse of `{x.signal}` to anything but 1 of one bit",
-            cure="set the signal, wait and set it back",
-        )
+        what = f"a pulse of `{x.signal}` to anything but 1 of one bit"
+        raise cannot(what, "set the signal, wait and set it back")
     if isinstance(seconds, e.Number) and not SHORTEST_PULSE <= seconds.value <= LONGEST_PULSE:
-        raise refuse(
-            rules.NO_MEANING,
-            what=f"a pulse of `{x.signal}` that is not {SHORTEST_PULSE} to {LONGEST_PULSE} s",
-            cure="give a time in that range",
-        )
+        what = f"a pulse of `{x.signal}` that is not {SHORTEST_PULSE} to {LONGEST_PULSE} s"
+        raise cannot(what, "give a time in that range")
 
 
 def _call(b: Body, x: p.Call) -> Lowered:
@@ -167,9 +161,7 @@ def _call(b: Body, x: p.Call) -> Lowered:
 def _assign(b: Body, x: p.Assign) -> Lowered:
     target = b.lower(x.target)
     if not isinstance(target, s.NameRef | s.Component | s.Element):
-        raise refuse(
-            rules.NO_MEANING, what="an assignment to an expression", cure="name a variable"
-        )
+        raise cannot("an assignment to an expression", "name a variable")
     yield s.Assignment(target, b.lower(x.value))
 
 
@@ -233,7 +225,7 @@ def _message(b: Body, x: p.Message) -> Lowered:
 
 def _opaque(_: Body, x: p.Opaque) -> Lowered:
     if x.language != verbatim.LANGUAGE:
-        raise refuse(rules.OTHER_LANGUAGE, **verbatim.foreign(x))
+        raise Refused(rules.OTHER_LANGUAGE(**verbatim.foreign(x)))
     yield from verbatim.statements(x.text)
 
 

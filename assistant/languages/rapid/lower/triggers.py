@@ -6,8 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Final
 
-from assistant.languages.rapid import rules
-from assistant.languages.rapid.lower.expressions import refuse
+from assistant.languages.rapid.lower.expressions import cannot
 from assistant.languages.rapid.tables.triggers import (
     EQUIPPED,
     LONGEST_TIME,
@@ -39,7 +38,7 @@ def with_triggers(
     names: of the variables. set_up: see `set_up`.
     """
     for what, cure in _unsayable(str(move.name), triggers):
-        raise refuse(rules.NO_MEANING, what=what, cure=cure)
+        raise cannot(what, cure)
     kind = _MOVES[str(move.name)]
     variables = [s.NameRef(names[trigger]) for trigger in triggers]
     yield from map(set_up, triggers, variables)

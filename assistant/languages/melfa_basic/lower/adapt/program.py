@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from assistant.languages.computed_targets import with_computed_targets
@@ -12,14 +13,16 @@ from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lower.adapt.statements import Plain
 from assistant.languages.melfa_basic.lower.adapt.vendor_text import check_names
 from assistant.languages.melfa_basic.lower.names import Names, naming
-from assistant.languages.melfa_basic.lower.program import UnitLines, branches_in
-from assistant.languages.melfa_basic.lower.writer import mentioned
+from assistant.languages.melfa_basic.lower.program import UnitLines
+from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.capabilities import capabilities
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP, Dialect
 from assistant.languages.melfa_basic.tables.variables import is_external
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.targets import steps_in
+from assistant.program.analysis.motions import branches_by_frame
+from assistant.program.analysis.uses import shared_between_units
 from assistant.program.diagnostics import Diagnostic, Findings, Span, has_errors
 from assistant.program.geometry import BASE
 from assistant.program.passes.arrays import (
@@ -73,7 +76,7 @@ def adapt(
     adapted = legalised(job, LAST)
     if adapted.procedures and adapted.entry is None:
         findings.append(rules.NO_ENTRY(name=adapted.name))
-    findings += _shared(adapted)
+    findings += _own_variables(adapted)
     findings += _long(adapted, dialect)
     names = naming(adapted, dialect, products)
     trees, wanting = _written(adapted, robot, dialect, names, findings)
@@ -110,15 +113,11 @@ LAST: Final[tuple[Pass, ...]] = (
 """Plain statements, which paths become."""
 
 
-def _shared(program: Program) -> Iterator[Diagnostic]:
+def _own_variables(program: Program) -> Iterator[Diagnostic]:
     """Variables that several programs use, which each of them would have for itself."""
-    units: dict[str | None, set[str]] = {}
-    for procedure in program.procedures:
-        if procedure.unit is not None:
-            units.setdefault(procedure.unit, set()).update(mentioned(procedure.body))
-    for name, variable in program.variables.items():
-        own = variable.storage != "constant" and not is_external(name, variable)
-        if own and any(name.lower() in w for w in units.values()):
+    for name in shared_between_units(program):
+        variable = program.variables[name]
+        if variable.storage != "constant" and not is_external(name, variable):
             yield rules.LOCAL_DATA(name=name, about=Declared(name, "variables"))
 
 
@@ -141,7 +140,8 @@ def _written(
     wanting: list[Diagnostic] = []
     check_names(program, names, findings)
     if names.products:
-        for name, branches in branches_in(program, robot).items():
+        flags = branches_by_frame(program, partial(poses.flags_of, robot=robot))
+        for name, branches in flags.items():
             if name != BASE and len(branches) > 1:
                 about = Declared(name, "frames")
                 findings.append(rules.SHARED_BRANCH(name=name, about=about))

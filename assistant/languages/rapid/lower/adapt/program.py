@@ -16,24 +16,23 @@ from assistant.languages.rapid.lower.adapt.statements import StatementAdapter
 from assistant.languages.rapid.lower.names import NAMES
 from assistant.languages.rapid.lower.program import build
 from assistant.languages.rapid.tables.capabilities import capabilities
-from assistant.languages.rapid.tables.words import LONGEST_NAME, PREDEFINED, RESERVED
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree.syntax import File
 from assistant.program import statements as p
-from assistant.program.analysis.signals import read_by_another_name, uses, with_used
+from assistant.program.analysis.signals import uses, with_used
 from assistant.program.diagnostics import Diagnostic, Findings, Refused, has_errors
 from assistant.program.geometry import BASE, FLANGE, JointTarget, Target
 from assistant.program.passes.comments import lines
 from assistant.program.passes.counted_loops import counted_loops
 from assistant.program.passes.integers import with_one_kind_of_numbers
 from assistant.program.passes.legalising import Legalising, Pass, legalised, pure
+from assistant.program.passes.outputs import find_outputs_of_two_names
 from assistant.program.passes.paths import with_paths
 from assistant.program.passes.places import with_measured_places
 from assistant.program.passes.procedures import units
 from assistant.program.passes.splitting import split
 from assistant.program.program import Procedure, Program
 from assistant.program.rewriting import map_bodies
-from assistant.program.subjects import Declared
 
 
 def adapt(program: Program, most_targets: int | None = None) -> Adapted:
@@ -42,8 +41,8 @@ def adapt(program: Program, most_targets: int | None = None) -> Adapted:
     try:
         job = Legalising(program, capabilities(most_targets), findings)
         adapted = legalised(job, PASSES)
-        _find_names(adapted, findings)
-        _find_shared_outputs(adapted, job)
+        findings += NAMES.findings(adapted)
+        find_outputs_of_two_names(replace(job, program=adapted))
         trees = _built(adapted, findings)
     except Refused as refused:
         findings += refused.findings
@@ -105,28 +104,6 @@ PASSES: Final[tuple[Pass, ...]] = (
     split,
 )
 """Parts of a program as RAPID has them, and then what it says in other words, in this order."""
-
-
-def _find_names(program: Program, findings: Findings) -> None:
-    for short, name in NAMES.naming(program).changed:
-        why = _why(name)
-        findings.append(rules.SHORTENED(name=name, short=short, why=why, about=Declared(name)))
-
-
-def _find_shared_outputs(program: Program, job: Legalising) -> None:
-    for statement, name, other in read_by_another_name(program):
-        with job.findings.at(statement.span):
-            job.cannot(
-                f"that `{name}` is read, which is set as part of `{other}`",
-                "read and set the output by one name, or keep its value in a variable",
-            )
-
-
-def _why(name: str) -> str:
-    """Why something cannot have its own name."""
-    if len(name) > LONGEST_NAME:
-        return "it has more than 32 characters"
-    return "it is a word of RAPID" if name.lower() in RESERVED | PREDEFINED else "it is taken"
 
 
 def _built(program: Program, findings: Findings) -> dict[str | None, File]:
