@@ -21,6 +21,7 @@ from assistant.program.analysis.uses import (
     altered,
     base,
     called_by,
+    declared,
     handed_over,
     mentioned,
     read_before,
@@ -86,12 +87,13 @@ class _Forms:
     """
 
     def __init__(self, job: Legalising, formed: Iterable[Procedure]) -> None:
-        self.whole, self.findings, self.cannot_say = job.program, job.findings, job.can.cannot_say
+        self.job, self.whole = job, job.program
         program = job.program
         self.called = {q.name.lower(): q for q in formed}
         self.variables = dict(program.variables)
         self.spelled = {name.lower(): name for name in program.variables}
-        self.taken = _names(program)
+        counters = (x.variable for x in program.statements() if isinstance(x, p.For))
+        self.taken = {*declared(program), *counters}
         self.titles = {q.name for q in program.procedures}
         self.alters, self.mentions = altered(program), mentioned(program)
         alone = {q.name.lower(): frozenset([q.name.lower()]) for q in program.procedures}
@@ -163,13 +165,13 @@ class _Forms:
         key = procedure.name.lower(), places if any(places) else ()
         if key not in self.made and len(self.made) >= MOST_COPIES:
             key = key[0], ()
-            with self.findings.at(procedure.span):
-                self.findings.append(self.cannot_say(
+            with self.job.findings.at(procedure.span):
+                self.job.cannot(
                     what=f"so many calls of `{procedure.name}` with variables that it uses by "
                     "another name as well",
                     cure="hand over variables of their own, and assign them after the call",
                     about=Declared(procedure.name, "procedures"),
-                ))  # fmt: skip
+                )
         if key not in self.made:
             again = any(made.procedure is procedure for made in self.made.values())
             name = identifier(procedure.name, self.titles) if again else procedure.name
@@ -186,7 +188,7 @@ class _Forms:
         procedure = form.procedure
         moved = self._moved(form)
         names = {**form.names, **{key: e.Name(name) for key, name in moved.items()}}
-        with self.findings.at(procedure.span):
+        with self.job.findings.at(procedure.span):
             body = self._renamed(procedure.body, names)
         has = procedure.name.lower() in self.called
         kept = {n: v for n, v in procedure.variables.items() if n.lower() not in moved}
@@ -231,10 +233,10 @@ class _Forms:
                     counted = names[variable.lower()]
                     if isinstance(counted, e.Name):
                         return replace(node, variable=counted.name)
-                    self.findings.append(self.cannot_say(
+                    self.job.cannot(
                         what=f"a loop that counts `{variable}`, a part of the caller's variable",
                         cure="count a variable of its own",
-                    ))  # fmt: skip
+                    )
             return node
 
         return rewrite(body, visit)
@@ -250,22 +252,22 @@ class _Forms:
                 self._refuse_once(node)
             alone = [b.condition for b in node.branches] if isinstance(node, p.If) else [head(node)]
             read = [pair for x in alone for pair in read_before(x, self.called, alters)]
-            with self.findings.at(node.span):
+            with self.job.findings.at(node.span):
                 for name, function in dict.fromkeys(read):
-                    self.findings.append(self.cannot_say(
+                    self.job.cannot(
                         what=f"that {called_by(name)} is read before `{function}` changes it",
                         cure="assign it to a variable in a statement before, and read that",
-                    ))  # fmt: skip
+                    )
 
     def _refuse_once(self, node: p.WaitUntil) -> None:
         """An error at a wait with a limit for what a call tells: it would be called once only."""
         for record in records(node.condition):
             if isinstance(record, e.Apply) and record.function.lower() in self.called:
-                with self.findings.at(node.span):
-                    self.findings.append(self.cannot_say(
+                with self.job.findings.at(node.span):
+                    self.job.cannot(
                         what=f"a wait with a limit that calls `{record.function}` again and again",
                         cure="call it in a loop that waits a little and reads a clock",
-                    ))  # fmt: skip
+                    )
 
 
 class _Calls:
@@ -388,15 +390,3 @@ def _is_steady(index: e.Expression, changing: frozenset[str]) -> bool:
     parts = list(records(index))
     plain = all(isinstance(x, e.Number | e.Name | e.Unary | e.Binary) for x in parts)
     return plain and not any(isinstance(x, e.Name) and x.name.lower() in changing for x in parts)
-
-
-def _names(program: Program) -> set[str]:
-    """Every name that a variable may not have."""
-    names = {
-        *program.targets, *program.joint_targets, *program.signals, *program.variables,
-        *program.tools, *program.frames,
-    }  # fmt: skip
-    for procedure in program.procedures:
-        names.update((*procedure.variables, *(q.name for q in procedure.parameters)))
-    names.update(r.variable for r in program.statements() if isinstance(r, p.For))
-    return names
