@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence, Sized
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
 
 from assistant.languages.runs.names import Names, split
-from assistant.program.arrays import Ints, Rows, Truths
+from assistant.program.arrays import Ints, Truths
 
 
 class NameSet:
@@ -50,20 +50,23 @@ class NameSet:
         return found
 
 
-def places(columns: Sequence[Sized]) -> tuple[Rows, Rows]:
-    """Of each row of columns one behind the other: its column, and the row in that."""
-    owner = np.repeat(np.arange(len(columns)), [len(column) for column in columns])
-    rows = [np.empty(0, np.intp), *(np.arange(len(column)) for column in columns)]
-    return owner, np.concatenate(rows)
+Row = tuple[int, int]
+"""A column of names, and a row of it."""
 
 
-def repeats(names: Names, scopes: Ints | None = None) -> tuple[Rows, Rows]:
-    """Rows with the name of the row before them, in the order of names: (before, row).
+def repeated_rows(columns: Sequence[Names], scopes: Sequence[int] = ()) -> list[tuple[Row, Row]]:
+    """Rows whose name, in any case, an earlier row has, with that row, in the order of names.
 
-    names: with stems of one case. scopes: (n,) of each row; only rows of one scope are compared.
+    scopes: of each column; only rows of one scope are compared.
     """
-    around = np.zeros(len(names), dtype=np.int64) if scopes is None else scopes
+    lowered = [Names(tuple(t.lower() for t in n.stems), n.stem, n.number) for n in columns]
+    names = Names.joined(lowered)
+    owner = np.repeat(np.arange(len(columns)), [len(column) for column in columns])
+    row = np.concatenate([np.empty(0, np.intp), *(np.arange(len(column)) for column in columns)])
+    around = np.array(scopes)[owner] if scopes else np.zeros(len(names), dtype=np.int64)
     order = np.lexsort((names.number, names.stem, around))
     keys = np.stack([names.number[order], names.stem[order], around[order]])
     same = np.flatnonzero((keys[:, 1:] == keys[:, :-1]).all(axis=0))
-    return order[same], order[same + 1]
+    places = np.stack([owner, row], axis=1)
+    pairs = zip(places[order[same]].tolist(), places[order[same + 1]].tolist(), strict=True)
+    return [((one, at), (other, again)) for (one, at), (other, again) in pairs]

@@ -46,11 +46,6 @@ NOT_UNIT: Final = error(
     "the quaternion of `{name}` is off unit length by {off:.2g}",
     "normalise it: the sum of the squares must be 1 within 0.00001",
 )
-NOT_LITERAL: Final = error(
-    "RA207",
-    "the initial value of PERS `{name}` is no literal",
-    "write numbers, strings, TRUE or FALSE; assign anything else in a routine",
-)
 NOT_PERSISTENT: Final = error(
     "RA208", "`{name}` is handed over as {role}, but is no PERS", "declare it with PERS"
 )

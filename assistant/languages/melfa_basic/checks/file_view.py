@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import PurePath
 from typing import Any, Final, TypeVar
@@ -45,18 +45,13 @@ class Scope:
     function: s.Function | None = None
 
 
-@dataclass(slots=True)
 class Calls:
-    """What the files of a program call: name in upper case → the tree, and whether several came."""
+    """What the files of a program call: name in upper case → the first tree of that name."""
 
-    trees: Sequence[s.File]
-    by_name: dict[str, s.File] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        for tree in self.trees:
-            name = program_name(tree)
-            if name:
-                self.by_name.setdefault(name.upper(), tree)
+    def __init__(self, trees: Sequence[s.File]) -> None:
+        self.trees = trees
+        named = ((program_name(tree).upper(), tree) for tree in reversed(trees))
+        self.by_name = {name: tree for name, tree in named if name}
 
 
 def program_name(tree: s.File) -> str:
@@ -102,22 +97,17 @@ class Look(Memory):
     def scopes(self) -> list[Scope]:
         """The main part first, then each Function."""
         main: list[int] = []
-        inner: list[int] | None = None
-        function: s.Function | None = None
-        found: list[Scope] = []
+        inner = main
+        found: list[tuple[list[int], s.Function]] = []
         for at, item in enumerate(self.code):
             statement = item.statement if isinstance(item, s.Line) else None
             if isinstance(statement, s.Function):
-                if inner is not None:
-                    found.append(Scope(tuple(inner), function))
-                inner, function = [], statement
-            (main if inner is None else inner).append(at)
-            if inner is not None and statement == s.Command("FEnd"):
-                found.append(Scope(tuple(inner), function))
-                inner, function = None, None
-        if inner is not None:
-            found.append(Scope(tuple(inner), function))
-        return [Scope(tuple(main)), *found]
+                inner = []
+                found.append((inner, statement))
+            inner.append(at)
+            if statement == s.Command("FEnd"):
+                inner = main
+        return [Scope(tuple(main)), *(Scope(tuple(entries), of) for entries, of in found)]
 
     def lines_of(self, scope: Scope) -> list[s.Line]:
         """The lines of a scope that stand in no table."""
@@ -134,28 +124,27 @@ class Look(Memory):
         return found
 
     @cached_property
-    def included(self) -> list[s.File]:
-        """The file itself and the files that it includes, as far as they are there."""
-        found, pending = [self.tree], [self.tree]
-        while pending:
-            for item in pending.pop().items:
+    def _including(self) -> tuple[list[s.File], bool]:
+        found, lacking = [self.tree], False
+        for tree in found:
+            for item in tree.items:
                 if isinstance(item, s.Line) and isinstance(item.statement, s.Include):
                     other = self.calls.by_name.get(item.statement.program.upper())
-                    if other is not None and not any(other is one for one in found):
+                    if other is None:
+                        lacking = True
+                    elif not any(other is one for one in found):
                         found.append(other)
-                        pending.append(other)
-        return found
+        return found, lacking
 
-    @cached_property
+    @property
+    def included(self) -> list[s.File]:
+        """The file itself and the files that it includes, as far as they are there."""
+        return self._including[0]
+
+    @property
     def has_strangers(self) -> bool:
         """Whether the file includes one that is not among those that are checked."""
-        return any(
-            isinstance(item, s.Line)
-            and isinstance(item.statement, s.Include)
-            and item.statement.program.upper() not in self.calls.by_name
-            for tree in self.included
-            for item in tree.items
-        )
+        return self._including[1]
 
     @cached_property
     def compiled(self) -> bool:

@@ -6,7 +6,7 @@ from collections import Counter
 
 import numpy as np
 
-from assistant.languages.checks.name_sets import NameSet, places, repeats
+from assistant.languages.checks.name_sets import NameSet, repeated_rows
 from assistant.languages.checks.registry import Found
 from assistant.languages.checks.wording import SHOWN, listed
 from assistant.languages.melfa_basic import rules
@@ -33,16 +33,16 @@ def twice(look: Look) -> Found:
             items.setdefault(printer.expression(item.variable).upper(), []).append(item)
     single = [name for name in items if name.isascii()]
     columns = [*map(names_of, tables), Names.of(single)]
-    names = Names.joined(columns)
-    owner, row = places(columns)
-    before, again = repeats(names)
-    told: Counter[int] = Counter()
-    for at in again[~np.isin(again, before)].tolist():
-        told[int(names.stem[at])] += 1
-        if told[int(names.stem[at])] <= MOST_ROWS:
-            name = names.name(at)
-            table = tables[owner[at]] if owner[at] < len(tables) else None
-            where = look.row(table, int(row[at])) if table is not None else items.pop(name)[-1]
+    pairs = repeated_rows(columns)
+    earlier = {before for before, _ in pairs}
+    told: Counter[str] = Counter()
+    for owner, row in (again for _, again in pairs if again not in earlier):
+        name = columns[owner].name(row)
+        stem = name.rstrip("0123456789")
+        told[stem] += 1
+        if told[stem] <= MOST_ROWS:
+            inside = owner < len(tables)
+            where = look.row(tables[owner], row) if inside else items.pop(name)[-1]
             yield look.finding(rules.TWO_POSITIONS, where, name=name)
     for name, several in items.items():
         if len(several) > 1:

@@ -1,13 +1,11 @@
-"""Rules of names: declared twice, too long, taken by the language."""
+"""Rules of names and strings: declared twice, too long, taken by the language."""
 
 from __future__ import annotations
 
 from itertools import chain
 from typing import Any, Final
 
-import numpy as np
-
-from assistant.languages.checks.name_sets import places, repeats
+from assistant.languages.checks.name_sets import repeated_rows
 from assistant.languages.checks.registry import Found
 from assistant.languages.checks.repeats import repeated
 from assistant.languages.rapid import rules
@@ -19,9 +17,8 @@ from assistant.languages.rapid.checks.module_view import (
     declaration,
     parameters,
 )
-from assistant.languages.rapid.tables.words import LONGEST_NAME, SPEEDS, ZONES
+from assistant.languages.rapid.tables.words import LONGEST_NAME, LONGEST_STRING, SPEEDS, ZONES
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.runs.names import Names
 from assistant.program.diagnostics import Severity
 
 DECLARING: Final[tuple[Any, ...]] = (s.Data, s.Routine, s.Record, s.Alias, s.ParameterNode)
@@ -64,7 +61,7 @@ def duplicates(look: Look) -> Found:
             severity = Severity.ERROR if sure else Severity.WARNING
             yield look.finding(rules.DUPLICATE, item, severity=severity, name=declared.name)
         own.add(name)
-    for module, item, row in look.task.once(repeated_rows):
+    for module, item, row in look.task.once(again_declared):
         if module is look.module:
             name = item.run.names.name(row)
             yield look.finding(rules.DUPLICATE, item, row=row, name=name)
@@ -83,22 +80,15 @@ def _key(declared: Declared) -> str | None:
     return declared.name.lower() or None
 
 
-def repeated_rows(task: Task) -> list[tuple[s.Module, s.TargetRunNode, int]]:
+def again_declared(task: Task) -> list[tuple[s.Module, s.TargetRunNode, int]]:
     """Rows of runs whose name an earlier row has: the first one of each run."""
-    if not task.runs:
-        return []
     modules = {id(module): at for at, module in enumerate(task.modules, 1)}
     scopes = [modules[id(of)] if node.scope == "LOCAL" else 0 for of, node in task.runs]
-    columns = [node.run.names for _, node in task.runs]
-    lowered = [Names(tuple(t.lower() for t in n.stems), n.stem, n.number) for n in columns]
-    owners, rows = places(columns)
-    pairs = repeats(Names.joined(lowered), np.array(scopes)[owners])
     found: dict[int, tuple[s.Module, s.TargetRunNode, int]] = {}
-    for one, other in zip(*pairs, strict=True):
-        module, node = task.runs[int(owners[other])]
-        before = task.runs[int(owners[one])][0]
-        if before is module or not task.mixed:
-            found.setdefault(id(node), (module, node, int(rows[other])))
+    for (one, _), (other, row) in repeated_rows([n.run.names for _, n in task.runs], scopes):
+        module, node = task.runs[other]
+        if task.runs[one][0] is module or not task.mixed:
+            found.setdefault(id(node), (module, node, row))
     return list(found.values())
 
 
@@ -114,6 +104,13 @@ def spelling(look: Look) -> Found:
         yield from _name(look, loop, loop.variable)
     for mark in look.all(s.LabelMark):
         yield from _name(look, mark, mark.name)
+
+
+def strings(look: Look) -> Found:
+    """No string is longer than 80 characters."""
+    for node in look.all(s.StringLiteral):
+        if len(node.value) > LONGEST_STRING:
+            yield look.finding(rules.LONG_STRING, node, length=len(node.value))
 
 
 def _name(look: Look, node: s.Node, name: str) -> Found:

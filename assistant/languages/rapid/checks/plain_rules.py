@@ -36,6 +36,11 @@ NOT_CONSTANT: Final = error(
     "the initial value of `{name}` uses {what}",
     "write literals and constants; assign anything else in a routine",
 )
+NOT_LITERAL: Final = error(
+    "RA207",
+    "the initial value of PERS `{name}` is no literal",
+    "write numbers, strings, TRUE or FALSE; assign anything else in a routine",
+)
 NO_VALUE: Final = error(
     "RA218", "the constant `{name}` has no value", "write `:=` and a value behind its name"
 )

@@ -38,8 +38,10 @@ def assignments(look: Look) -> Found:
 
 
 def initial_values(look: Look) -> Found:
-    """Initial values of VAR and CONST are constant expressions: literals and constants."""
+    """Those of PERS are literals, those of VAR and CONST constant expressions."""
     for node, scope in placed(look, s.Data):
+        if node.storage == "PERS" and node.value is not None and not _is_literal(node.value):
+            yield look.finding(rules.NOT_LITERAL, node, name=node.name)
         if id(node) not in look.once(_in_place):
             continue
         if node.value is None:
@@ -61,6 +63,15 @@ def initial_values(look: Look) -> Found:
             if what:
                 yield look.finding(rules.NOT_CONSTANT, node, name=node.name, what=what)
                 break
+
+
+def _is_literal(value: s.Expression) -> bool:
+    if isinstance(value, s.AggregateNode):
+        return all(_is_literal(v) for v in value.items)
+    return (
+        isinstance(value, s.BoolLiteral | s.StringLiteral | s.Placeholder)
+        or literal_number(value) is not None
+    )
 
 
 def _kind(scope: Scope, name: str) -> str:
