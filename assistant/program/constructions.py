@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 
 from assistant.program.arrays import Floats
+from assistant.program.geometry import Pose, Target
 
 STRAIGHT: Final = 1e-6
 """Sine of an angle below which three points are on a line."""
@@ -41,6 +42,14 @@ def halfway_around(start: Floats, end: Floats, centre: Floats, most: float) -> F
         return None
     middle: Floats = centre + between * (radii[0] + radii[1]) / 2 / length
     return middle
+
+
+def between(first: Target, last: Target, middle: Floats) -> Target:
+    """A point on the way between two targets: turned halfway, in the branch of the first."""
+    one, two = np.array(first.pose.quaternion), np.array(last.pose.quaternion)
+    turned = one + (two if one @ two >= 0 else -two)
+    pose = Pose.of(middle, turned / np.linalg.norm(turned))
+    return Target(pose, first.configuration, first.external)
 
 
 def grid(corners: Floats, columns: int, rows: int, zigzag: bool) -> Iterator[Floats]:

@@ -2,12 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.program import Program, Signal
 from assistant.program.rewriting import head, records
+
+
+class Addressed:
+    """Signals that a language names by their addresses: each gets one name.
+
+    signals: those that have one, by name; the others are put there. free: gives a free name near to
+    another one.
+    """
+
+    def __init__(self, signals: dict[str, Signal], free: Callable[[str], str]) -> None:
+        self.signals, self.free = signals, free
+        self.names = {signal: name for name, signal in signals.items()}
+
+    def name(self, signal: Signal, wanted: str = "") -> str:
+        """The name of a signal, made of its address if none is wanted: `do_5`, `gi_16_32`."""
+        if signal not in self.names:
+            width = f"{signal.bits}_" if signal.kind == "group" else ""
+            letters = f"{signal.kind[0]}{signal.direction[0]}"
+            self.names[signal] = self.free(wanted or f"{letters}_{width}{signal.number}")
+            self.signals[self.names[signal]] = signal
+        return self.names[signal]
 
 
 def with_used(

@@ -146,9 +146,7 @@ def _all_elements(size: tuple[int, ...], found: Elements, symbols: Symbols) -> e
         constant = found.get(at)
         if constant is None:
             return e.NEVER_GIVEN if placed else None
-        if constant.flags is None:
-            return e.JointValue(joints_of(constant, symbols.robot))
-        return e.TargetValue(target_of(constant, symbols.robot))
+        return symbols.value_of(constant, "joints" if constant.flags is None else "position")
 
     return nested(size, value)
 

@@ -15,8 +15,7 @@ from assistant.languages.melfa_basic.lift.values.symbols import Symbols, Unlifta
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import target_of
 from assistant.program import expressions as e
-from assistant.program.constructions import halfway_across, halfway_around
-from assistant.program.geometry import Pose, Target
+from assistant.program.constructions import between, halfway_across, halfway_around
 from assistant.program.statements import Reason
 
 KEPT: Final = Reason(
@@ -49,7 +48,4 @@ def via_of(
         middle = halfway_around(start, end, other, SAME_RADIUS)
         if middle is None:
             raise Unliftable(KEPT)
-    one, two = np.array(first.pose.quaternion), np.array(last.pose.quaternion)
-    between = one + (two if one @ two >= 0 else -two)
-    pose = Pose.of(middle, between / np.linalg.norm(between))
-    return e.TargetValue(Target(pose, first.configuration, first.external))
+    return e.TargetValue(between(first, last, middle))

@@ -15,7 +15,6 @@ from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tables.functions import ANALOG
 from assistant.languages.melfa_basic.tables.variables import VALUES
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.positions import joints_of, target_of
 from assistant.languages.melfa_basic.tree.timers import timer_of
 from assistant.program import expressions as e
 from assistant.program import statements as p
@@ -65,11 +64,7 @@ def value_of(node: s.Assign, lift: Expressions) -> e.Expression:
     """The value of an assignment; constants mean what the variable's type says."""
     value, kind = node.value, lift.type_of(node.target)
     if isinstance(value, s.Constant):
-        if kind == "joints":
-            return e.JointValue(joints_of(value, lift.m.robot))
-        if kind == "pose":
-            return e.PoseValue(poses.plain_pose(value.values))
-        return e.TargetValue(target_of(value, lift.m.robot))
+        return lift.m.value_of(value, kind)
     if lift.m.own:
         return lift.of(value)
     if lift.type_of(value) == "truth" and kind != "truth":

@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from assistant.languages import kept_reasons
 from assistant.languages.melfa_basic.lift.settings.along_lines import Ways, depends
 from assistant.languages.melfa_basic.lift.settings.held import IN_WORDS
 from assistant.languages.melfa_basic.lift.statements import waits
@@ -112,7 +113,7 @@ class Statements:
         setting = isinstance(node, s.Command) and self.effect(node) is not None
         try:
             if setting and self.at in self.kept:
-                raise Unliftable(reasons.DEPENDED_ON)
+                raise Unliftable(kept_reasons.DEPENDED_ON)
             return self.simple(node)
         except Unliftable as found:
             if isinstance(node, s.Command) and node.keyword == "Break":
@@ -140,7 +141,7 @@ class Statements:
         self.runs.forget()
         self.runs.arc_pending = False
         self.note_dependence(statement)
-        if found is reasons.WAYS and self.form is not None:
+        if found is kept_reasons.WAYS and self.form is not None:
             state = self.called.at(self.at, self.form)
             found = self.unknown.reason(state, depends(statement)) or found
         dialect = self.symbols.dialect
@@ -216,7 +217,7 @@ class Statements:
         """`End` ends a cycle of the main program; one that was called goes back to its caller."""
         _exactly(node.arguments, 0)
         if not self.region.is_first:
-            raise Unliftable(reasons.ENDS_CYCLE if self.main else reasons.NOT_FIRST)
+            raise Unliftable(kept_reasons.ENDS_CYCLE if self.main else kept_reasons.NOT_FIRST)
         return [p.Return()]
 
     def returned(self, node: s.Command) -> list[p.Statement]:

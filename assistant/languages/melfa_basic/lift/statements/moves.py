@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from assistant.languages.kept_reasons import WAYS
 from assistant.languages.melfa_basic.lift.settings.framed_targets import unframed
 from assistant.languages.melfa_basic.lift.settings.held import BLEND, FRAME, TOOL
 from assistant.languages.melfa_basic.lift.statements.arcs import via_of
@@ -16,7 +17,7 @@ from assistant.languages.melfa_basic.lift.statements.paths import (
 )
 from assistant.languages.melfa_basic.lift.statements.triggers import triggers
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
-from assistant.languages.melfa_basic.lift.values.reasons import TYPE, WAYS
+from assistant.languages.melfa_basic.lift.values.reasons import TYPE
 from assistant.languages.melfa_basic.lift.values.symbols import Unliftable
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
+from assistant.languages import kept_reasons
 from assistant.languages.melfa_basic.lift.settings.held import FRAME, TOOL
 from assistant.languages.melfa_basic.lift.statements import waits
 from assistant.languages.melfa_basic.lift.statements.control import COMMANDS, LIFTS, Control
 from assistant.languages.melfa_basic.lift.statements.paths import Values
 from assistant.languages.melfa_basic.lift.structure.regions import Region
-from assistant.languages.melfa_basic.lift.values import reasons
 from assistant.languages.melfa_basic.lift.values.symbols import Unliftable
 from assistant.languages.melfa_basic.tables.words import ARC_START
 from assistant.languages.melfa_basic.tree import syntax as s
@@ -195,7 +195,7 @@ class Reader(Control):
         """A statement that is no block, or its text."""
         try:
             if at in self.kept and not isinstance(node, s.If):
-                raise Unliftable(reasons.DEPENDED_ON)
+                raise Unliftable(kept_reasons.DEPENDED_ON)
             lifted = self.simple(node)
         except Unliftable as found:
             lifted = [self.opaque(node, found.reason or self.refused.get(at))]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, Final
 
+from assistant.languages.kept_reasons import WAYS
 from assistant.languages.melfa_basic.lift.values.constants import INITIAL
 from assistant.languages.melfa_basic.lift.values.moved_targets import (
     amounts,
@@ -19,7 +20,6 @@ from assistant.languages.melfa_basic.lift.values.operators import (
     operator_name,
 )
 from assistant.languages.melfa_basic.lift.values.pallets import declared
-from assistant.languages.melfa_basic.lift.values.reasons import WAYS
 from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS, Unliftable
 from assistant.languages.melfa_basic.lift.values.timers import elapsed, timed
 from assistant.languages.melfa_basic.lift.values.types import Types

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from typing import Final
 
+from assistant.languages import kept_reasons as kept
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.statements import Reason
 
-WAYS: Final = Reason(
-    "its settings differ with the way that leads here", "set them where the ways meet"
-)
-PLAIN: Final = Reason("no statement of other languages says it", "say it in plain statements")
 TYPE: Final = Reason(
     "the move's `Type` asks for another way than usual", "leave `Type` out, or set points between"
 )
@@ -27,72 +24,30 @@ NO_LABEL: Final = Reason(
     "it jumps into another subroutine, into a block, or to a line that there is none of",
     "jump to a label of the same subroutine that stands in no block, or call it with GoSub",
 )
-NOT_FIRST: Final = Reason(
-    "it ends a called program from within a subroutine", "set a variable and return, end above"
-)
-ENDS_CYCLE: Final = Reason(
-    "it ends the cycle of the whole program from within a subroutine",
-    "set a variable and return, ask for it in the main program, end there",
-)
 NO_SUBROUTINE: Final = Reason(
     "it returns from lines that are no subroutine",
     "begin the subroutine with a label that GoSub calls, behind End, Return or GoTo",
 )
 DELAYED: Final = Reason("the assignment comes late, by `Dly`", "put Dly above a plain assignment")
-STATUS: Final = Reason(
-    "it reads or writes a state of the controller itself", "keep the state in a variable of its own"
-)
-DEPENDED_ON: Final = Reason(
-    "something below depends on this setting and stays as its text",
-    "see to that first",
-    serves=True,
-)
-_INTERRUPTS: Final = Reason(
-    "it belongs to an interrupt, which works beside the program",
-    "write the interrupt in the other language, or ask for the signal where it matters",
-)
-_TASKS: Final = Reason(
-    "it controls programs that run beside this one",
-    "let the cell's controller start them, or say it in the other language",
-)
-_VISION: Final = Reason(
-    "it talks to a camera in the maker's own protocol",
-    "read the camera over a line in the other language",
-)
-_LINES: Final = Reason(
-    "it talks over a line or to a file", "write the communication in the other language"
-)
-_SOFT: Final = Reason(
-    "it makes the arm soft or asks for force, which each maker does in an own way",
-    "use the other robot's soft or force control",
-)
-_TRACKING: Final = Reason(
-    "it follows a conveyor in the maker's own way", "use the other robot's conveyor tracking"
-)
-_GUARD: Final = Reason(
-    "it sets how the controller watches or tunes the arm",
-    "leave it out, or set the other's own",
-)
 _HANDS: Final = Reason(
     "it drives a hand of the maker's with its own motor",
     "open and close with HOpen and HClose, or by signals",
 )
 _ERRORS: Final = Reason("it raises or clears an error", "set a signal, or stop with Hlt")
 _PALLETS: Final = Reason("it counts places of a pallet", "work the positions out with M variables")
-_SERVO: Final = Reason("it switches motors or brakes", "leave that to the operator")
 
 _WORDS: Final = {
-    _INTERRUPTS: "Act",
-    _TASKS: "GetM Priority RelM XClr XLoad XRst XRun XStp Skip",
-    _VISION: "EBRead EBWrite NVClose NVIn NVLoad NVOpen NVPst NVRun NVTrg SetCalFrm V3Calc V3Calib"
-    " V3Close V3Open V3Run VSCalClr VSRegCD VSSetCP TlCal2D TlCal3D TlClrPt TlSetPt",
-    _SOFT: "Cmp CmpG Fsc FsCTrg FsGChg FsGetDat FsHndEst FsLog FsOutLog FsTAlgo FsTBat FsTCond"
-    " FsTest",
-    _TRACKING: "TrBase TrClr Trk TrkArc TrkChk TrkFine TrkMv TrkTrg TrkWait TrOut TrRd TrWrt",
-    _GUARD: "CavChk ColChk ColLvl Fine LoadSet MvTune Mxt Oadl Prec SpdOpt Torq JRC",
+    kept.INTERRUPTS: "Act",
+    kept.TASKS: "GetM Priority RelM XClr XLoad XRst XRun XStp Skip",
+    kept.CAMERAS: "EBRead EBWrite NVClose NVIn NVLoad NVOpen NVPst NVRun NVTrg SetCalFrm V3Calc"
+    " V3Calib V3Close V3Open V3Run VSCalClr VSRegCD VSSetCP TlCal2D TlCal3D TlClrPt TlSetPt",
+    kept.SOFT: "Cmp CmpG Fsc FsCTrg FsGChg FsGetDat FsHndEst FsLog FsOutLog FsTAlgo FsTBat"
+    " FsTCond FsTest",
+    kept.CONVEYORS: "TrBase TrClr Trk TrkArc TrkChk TrkFine TrkMv TrkTrg TrkWait TrOut TrRd TrWrt",
+    kept.TUNING: "CavChk ColChk ColLvl Fine LoadSet MvTune Mxt Oadl Prec SpdOpt Torq JRC",
     _HANDS: "EHClose EHHold EHMov EHOpen EHOrg EHServo EHStop EHTbl",
     _ERRORS: "Error Reset",
-    _SERVO: "Servo BrkLock",
+    kept.SERVO: "Servo BrkLock",
     Reason("its condition has no other words", "ask with M variables and signals"): "Wait",
     Reason("its values have no other words", "give one plain number for each"): (
         "Ovrd JOvrd Spd Accel Cnt Tool Base"
@@ -112,13 +67,13 @@ _MOTIONS: Final = {
 }
 
 _NODES: Final[dict[type, Reason]] = {
-    s.DefAct: _INTERRUPTS,
-    s.OnCom: _INTERRUPTS,
-    s.Com: _INTERRUPTS,
-    s.Open: _LINES,
-    s.Close: _LINES,
-    s.Print: _LINES,
-    s.Input: _LINES,
+    s.DefAct: kept.INTERRUPTS,
+    s.OnCom: kept.INTERRUPTS,
+    s.Com: kept.INTERRUPTS,
+    s.Open: kept.COMMUNICATION,
+    s.Close: kept.COMMUNICATION,
+    s.Print: kept.COMMUNICATION,
+    s.Input: kept.COMMUNICATION,
     s.DefOther: _PALLETS,
     s.FPrm: Reason(
         "a called program's arguments stand in its first line only", "take the arguments there"
@@ -151,16 +106,16 @@ def reason_for(node: s.Statement, found: Reason | None) -> Reason:
     if found is not None:
         return found
     if isinstance(node, s.Motion):
-        return _MOTIONS.get(node.keyword, PLAIN)
+        return _MOTIONS.get(node.keyword, kept.PLAIN)
     if isinstance(node, s.Command):
-        return _COMMANDS.get(node.keyword.split()[0], PLAIN)
+        return _COMMANDS.get(node.keyword.split()[0], kept.PLAIN)
     if isinstance(node, s.If) and node.then is not None:
         for branch in (node.then, node.otherwise):
             if branch is not None and not isinstance(branch, s.Target):
                 inner = reason_for(branch, None)
-                if inner is not PLAIN:
+                if inner is not kept.PLAIN:
                     return inner
-    return _NODES.get(type(node), PLAIN)
+    return _NODES.get(type(node), kept.PLAIN)
 
 
 def text_of(statement: s.Statement, dialect: str) -> str:

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Final, cast
+from typing import TYPE_CHECKING, Any, Final
 
+from assistant.languages.kept_reasons import STATUS
 from assistant.languages.melfa_basic.lift.structure.scopes import Scope, letter_type
 from assistant.languages.melfa_basic.lift.values.constants import Constants
-from assistant.languages.melfa_basic.lift.values.reasons import STATUS
+from assistant.languages.melfa_basic.tables.poses import plain_pose
 from assistant.languages.melfa_basic.tables.vocabulary import status
 from assistant.languages.melfa_basic.text.header import Header
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import Positions, joints_of, target_of
 from assistant.program import expressions as e
+from assistant.program.analysis.signals import Addressed
 from assistant.program.geometry import BASE, FLANGE, Target
 from assistant.program.program import Parameter, Signal, ValueType, Variable, identifier
 from assistant.program.statements import Reason
@@ -78,9 +80,7 @@ class Symbols:
     inside: Inside | None = None
 
     def __post_init__(self) -> None:
-        self.by_address = {
-            (s_.kind, s_.direction, s_.bits, s_.number): n for n, s_ in self.signals.items()
-        }
+        self.addressed = Addressed(self.signals, self.free)
         self.pallets: dict[int, tuple[str, tuple[Target, ...]]] = {}
         """Arrays of the pallets whose points are known, by number."""
         self.timers: dict[int, str] = {}
@@ -120,9 +120,7 @@ class Symbols:
             constant = self.positions.constant(key)
             if constant is None:
                 raise Unliftable
-            if key[0] == "J":
-                return e.JointValue(joints_of(constant, self.robot))
-            return e.TargetValue(target_of(constant, self.robot))
+            return self.value_of(constant, "joints" if key[0] == "J" else "position")
         for kind in ("target", "joints", "loop"):
             if key in names[kind]:
                 return e.Name(names[kind][key])
@@ -157,10 +155,8 @@ class Symbols:
         kind = self.type_of_key(key)
         constant = None if self.own else self.positions.constant(node.name)
         initial: e.Expression | None = None
-        if constant is not None and kind == "joints":
-            initial = e.JointValue(joints_of(constant, self.robot))
-        elif constant is not None and kind == "position":
-            initial = e.TargetValue(target_of(constant, self.robot))
+        if constant is not None and kind in ("joints", "position"):
+            initial = self.value_of(constant, kind)
         elif not self.own and key in self.positions.plain:
             initial = self.positions.plain[key][1].get(())
         kept = shared or initial is not None  # stands in the file or the controller
@@ -168,6 +164,14 @@ class Symbols:
             kind, initial, self.scope.sizes.get(key, ()), "persistent" if kept else "variable"
         )
         return name
+
+    def value_of(self, constant: s.Constant, kind: ValueType) -> e.Expression:
+        """What a constant means to a variable of a type."""
+        if kind == "joints":
+            return e.JointValue(joints_of(constant, self.robot))
+        if kind == "pose":
+            return e.PoseValue(plain_pose(constant.values))
+        return e.TargetValue(target_of(constant, self.robot))
 
     def type_of_key(self, key: str) -> ValueType:
         """The type of a variable or function of the user's own, or a status variable."""
@@ -203,18 +207,8 @@ class Symbols:
         kind, direction, bits = SIGNALS[key]
         return self.signal_at(kind, direction, bits, number)
 
-    def signal_at(
-        self, kind: str, direction: str, bits: int, number: int, name: str | None = None
-    ) -> str:
-        address = (cast(Any, kind), cast(Any, direction), bits, number)
-        if address not in self.by_address:
-            letter = {"digital": "d", "group": "g", "analog": "a"}[kind]
-            width = f"{bits}_" if kind == "group" else ""
-            made = name or f"{letter}{'o' if direction == 'output' else 'i'}_{width}{number}"
-            made = self.free(made)
-            self.signals[made] = Signal(address[0], address[1], number, bits)
-            self.by_address[address] = made
-        return self.by_address[address]
+    def signal_at(self, kind: Any, direction: Any, bits: int, number: int, wanted: str = "") -> str:
+        return self.addressed.name(Signal(kind, direction, number, bits), wanted)
 
     def io_signal(self, node: s.Variable, direction: str) -> str:
         """The input or output behind a name that `Def Io` gave."""

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final
-
+from assistant.languages.melfa_basic.lift.structure.scopes import LETTERS
 from assistant.languages.melfa_basic.lift.values.operators import (
     WHOLE,
     are_truths,
@@ -16,13 +15,6 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program import expressions as e
 from assistant.program.program import ValueType
-
-FROM_LETTER: Final[dict[str, ValueType]] = {
-    "P": "position",
-    "J": "joints",
-    "C": "text",
-    "M": "number",
-}
 
 
 class Types:
@@ -65,9 +57,9 @@ class Types:
         if node.arguments is not None and (known := function(key)) is not None:
             if key in ("CINT", "FIX", "INT", "LEN", "ASC"):
                 return "integer"
-            return FROM_LETTER[known.result[0]]
+            return LETTERS[known.result[0]]
         if (known_status := status(key)) is not None:
-            return "integer" if key in SIGNALS else FROM_LETTER[known_status.type]
+            return "integer" if key in SIGNALS else LETTERS[known_status.type]
         return self.m.type_of_key(key)
 
     def is_truth(self, node: s.Expression) -> bool:
