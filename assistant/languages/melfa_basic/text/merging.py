@@ -7,7 +7,7 @@ that can go is tried out, and a try counts only if the outcome says what the bui
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import islice
 from typing import Any, Final
@@ -17,11 +17,11 @@ import numpy as np
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP
 from assistant.languages.melfa_basic.tables.vocabulary import commands
 from assistant.languages.melfa_basic.text import header
-from assistant.languages.melfa_basic.text.merged_data import merged_data
+from assistant.languages.melfa_basic.text.printer import expression
 from assistant.languages.melfa_basic.text.printer import statement as printed
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
-from assistant.languages.melfa_basic.tree.line_tables import rows_as_lines
+from assistant.languages.melfa_basic.tree.line_tables import gathered, rows_as_lines
 from assistant.languages.melfa_basic.tree.targets import (
     first_step,
     retargeted,
@@ -29,6 +29,7 @@ from assistant.languages.melfa_basic.tree.targets import (
     with_steps,
 )
 from assistant.languages.melfa_basic.tree.walk import nodes
+from assistant.languages.texts.merged_data import Data
 from assistant.languages.texts.merged_lines import Lines, Part
 from assistant.program.rewriting import rewrite
 
@@ -42,7 +43,7 @@ def merge(tree: s.File, before: s.File, after: s.File, says: Callable[[s.File], 
     """
     old, new = (_named_as(file, tree) for file in (before, after))
     for lines in _LINES.merged(tree.items, old, new):
-        items = merged_data(lines, old, new)
+        items = _DATA.merged(lines, old, new)
         numbered = None if items is None else _numbered(items, tree.dialect)
         if numbered is not None and says(merged := replace(tree, items=numbered)):
             return merged
@@ -69,7 +70,39 @@ class _Lines(Lines):
         return rows_as_lines(rows)
 
 
+class _Data(Data):
+    line, table, number = s.Data, PositionRows, "numbers"
+
+    def name(self, line: s.Data) -> str:
+        return expression(line.variable).upper()
+
+    def stem(self, table: PositionRows) -> str:
+        return table.stem.upper()
+
+    def rows_as_lines(self, table: PositionRows) -> Iterable[s.Item]:
+        return rows_as_lines(table)
+
+    def gathered(self, lines: Iterable[s.Item]) -> Iterable[s.Item]:
+        return gathered(lines)
+
+    def changed(self, here: s.Data, old: s.Data | None, new: s.Data) -> s.Data:
+        """A line with the numbers of the new one where it differs from the old one."""
+        was, now, mine = (None if d is None else d.value for d in (old, new, here))
+        if not (
+            isinstance(was, s.Constant)
+            and isinstance(now, s.Constant)
+            and isinstance(mine, s.Constant)
+            and len(was.values) == len(now.values) == len(mine.values)
+        ):
+            return replace(here, value=new.value)
+        three = zip(mine.values, was.values, now.values, strict=True)
+        values = tuple(m if w == n else n for m, w, n in three)
+        flags = mine.flags if was.flags == now.flags else now.flags
+        return replace(here, value=s.Constant(values, flags))
+
+
 _LINES: Final = _Lines()
+_DATA: Final = _Data()
 
 
 # Names
