@@ -16,8 +16,8 @@ import pytest
 
 from assistant import languages
 from assistant.languages.melfa_basic.tables import vocabulary
-from assistant.languages.rapid.tables import signatures
-from assistant.languages.rapid.tables.words import PREDEFINED_DATA, RESERVED, TYPES
+from assistant.languages.rapid.tables.predefined import taken
+from assistant.languages.rapid.tables.words import RESERVED, SPEEDS, ZONES
 from assistant.robots import programming
 
 PACKAGE = FilePath(__file__).parent.parent / "assistant"
@@ -60,7 +60,7 @@ EXCEPTIONS: Final = {
 
 def vendor_words() -> frozenset[str]:
     """Lower-case words of every language's tables, and what the languages are called."""
-    found = {*signatures.rows(), *RESERVED, *TYPES, *PREDEFINED_DATA}
+    found = {*taken(), *RESERVED} - {*SPEEDS, *ZONES}
     for row in vocabulary.statements().values():
         found.update(row.word.lower().split())
     found |= {name.lower() for name in (*vocabulary.functions(), *vocabulary.variables())}

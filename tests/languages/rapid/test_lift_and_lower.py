@@ -11,7 +11,7 @@ from assistant.languages.rapid.tree.syntax import File
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.geometry import Pose
-from assistant.program.program import Program
+from assistant.program.program import Program, Variable
 from assistant.program.pseudo import parse as parse_pseudo
 from assistant.program.pseudo import print_program
 from tests.languages.rapid.sameness import differences
@@ -231,3 +231,12 @@ def test_letters_beyond_ascii_come_back_in_names() -> None:
     assert again == adapted
     assert {q.name for q in again.procedures} == {"main", "größer"}
     assert set(again.variables) == {"höhe"}
+
+
+@pytest.mark.parametrize("name", ["pi", "vmax", "z10", "robtarget", "SetDO", "err_overflow"])
+def test_what_every_controller_knows_gives_its_name_to_nothing_else(name: str) -> None:
+    """An error number of RobotWare is as much a name of its own as a speed or a type."""
+    variables = {name: Variable("number", e.Number(1))}
+    adapted = RAPID.adapt(Program("cell", variables=variables)).program
+    text = RAPID.render(RAPID.build(adapted))
+    assert f" num {name}_2" in text and f" num {name}:" not in text

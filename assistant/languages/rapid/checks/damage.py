@@ -9,18 +9,14 @@ from typing import Final
 
 from assistant.languages.checks import damage
 from assistant.languages.checks.damage import Damage
-from assistant.languages.rapid.tables.standard import FUNCTIONS, INSTRUCTIONS, OF_OPTIONS
-from assistant.languages.rapid.tables.words import PREDEFINED, RESERVED, TYPES
+from assistant.languages.rapid.tables.predefined import taken
+from assistant.languages.rapid.tables.words import RESERVED
 from assistant.languages.rapid.tree import syntax as s
 
 MOST_LINES: Final = 51
 """Of a statement; a finding of a whole routine or table is not of one damaged place."""
 _NAME: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
-_KNOWN: Final = frozenset(
-    word.lower()
-    for table in (INSTRUCTIONS, FUNCTIONS, OF_OPTIONS, PREDEFINED, RESERVED, TYPES)
-    for word in table
-)
+_KNOWN: Final = RESERVED | taken()
 
 
 def damage_of(trees: Sequence[s.File]) -> Damage | None:

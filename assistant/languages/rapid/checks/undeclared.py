@@ -15,9 +15,9 @@ from assistant.languages.rapid import rules
 from assistant.languages.rapid.checks.module_view import Look, Task
 from assistant.languages.rapid.checks.motions import WORDS
 from assistant.languages.rapid.tables.hands import hand_of
+from assistant.languages.rapid.tables.predefined import taken
 from assistant.languages.rapid.tables.standard import INSTRUCTIONS, OF_OPTIONS
 from assistant.languages.rapid.tables.statements import ROWS
-from assistant.languages.rapid.tables.words import PREDEFINED
 from assistant.languages.rapid.text.header import opening
 from assistant.languages.rapid.tree import syntax as s
 
@@ -38,7 +38,7 @@ def names(look: Look) -> Found:
         own = frozenset(look.frame(item).names) if isinstance(item, s.Routine) else frozenset()
         for used in _used(item, own):
             low = used.name.lower()
-            if low in seen or low in PREDEFINED or low in signals or hand_of(low):
+            if low in seen or low in taken() or low in signals or hand_of(low):
                 continue
             seen.add(low)
             if look.find(low) is None:

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from typing import Final
 
 from assistant.languages.rapid import rules
-from assistant.languages.rapid.tables.words import LONGEST_NAME, PREDEFINED, RESERVED
+from assistant.languages.rapid.tables.predefined import taken
+from assistant.languages.rapid.tables.words import LONGEST_NAME, RESERVED
 from assistant.languages.rapid.text import verbatim
 from assistant.languages.scoped_names import Scopes
 from assistant.program.geometry import FLANGE
@@ -24,7 +25,7 @@ def _kept(program: Program) -> Iterator[str]:
 
 NAMES: Final = Scopes(
     longest=LONGEST_NAME,
-    reserved=PREDEFINED | RESERVED,
+    reserved=taken() | RESERVED,
     kept=_kept,
     flange=FLANGE,
     base="",

@@ -14,6 +14,7 @@ from importlib.resources import files
 from typing import Final
 
 from assistant.languages.named_types import Type
+from assistant.languages.rapid.tables.standard import FUNCTIONS, INSTRUCTIONS, OF_OPTIONS
 
 WORDS: Final = ("VALUE", "OTHER", "ALIAS", "HANDLE", "DEVICE", "RECORD")
 _LINE: Final = re.compile(r"^([A-Z]+)(?: (\w+))?: (.*)$", re.MULTILINE)
@@ -53,6 +54,12 @@ def data() -> Mapping[str, Datum]:
         if word not in WORDS
         for name in text.split()
     }
+
+
+@cache
+def taken() -> frozenset[str]:
+    """Lower-case names that mean something on every controller: nothing else may have them."""
+    return frozenset((*types(), *data(), *INSTRUCTIONS, *FUNCTIONS, *OF_OPTIONS))
 
 
 def _types() -> Iterator[tuple[str, Type]]:

@@ -1,4 +1,4 @@
-"""Data of RAPID: limits, reserved words, predefined speeds and zones, types, operators.
+"""Data of RAPID: limits, reserved words, predefined speeds and zones, types of values.
 
 Sources: the RAPID kernel manual (3HAC050946) for words and limits; the instruction and
 data type manual (3HAC050917) for predefined data, checked against two open tables
@@ -11,7 +11,6 @@ import math
 from collections.abc import Mapping
 from typing import Final
 
-from assistant.languages.rapid.tables import standard
 from assistant.program.motion import Blend, Speed
 from assistant.program.program import ValueType
 
@@ -50,30 +49,6 @@ RESERVED: Final = frozenset(
     endmodule endproc endrecord endtest endtrap endwhile error exit false for from func goto if
     inout local mod module nostepin not noview or pers proc raise readonly record retry return
     step sysmodule task test then to trap true trynext undo var viewonly while with xor
-    """.split()  # noqa: SIM905
-)
-
-TYPES: Final = frozenset(
-    """
-    num dnum bool string byte errnum pos orient pose confdata extjoint robjoint robtarget
-    jointtarget speeddata zonedata tooldata wobjdata loaddata stoppointdata listitem tasks
-    identno taskid clock iodev socketdev dir rawbytes triggdata shapedata trapdata mecunit
-    egmident syncident loadsession wztemporary wzstationary corrdescr rmqslot rmqmessage
-    signaldi signaldo signalgi signalgo signalai signalao switch anytype intnum dionum symnum
-    opnum event_type exec_level datapos datetime egm_minmax egmframetype egmstopmode errdomain
-    errtype errstr buttondata icondata iodev paridnum paridvalidnum progdisp robtype tunetype
-    triggios triggiosdnum triggstrgo tpnum uishownum zonedata socketstatus inposdata
-    """.split()  # noqa: SIM905
-)
-
-PREDEFINED_DATA: Final = frozenset(
-    """
-    tool0 wobj0 load0 reg1 reg2 reg3 reg4 reg5 clock1 pi stempty diskhome disktemp diskram eof
-    eof_bin eof_num wait_max str_digit str_lower str_upper str_white rob_1 rob_2 rob_3 rob_4
-    inpos20 inpos50 inpos100 stoptime0_5 stoptime1_0 stoptime1_5 fllwtime0_5 fllwtime1_0
-    fllwtime1_5 edge high low intno errno
-    vrot1 vrot2 vrot5 vrot10 vrot20 vrot50 vrot100
-    vlin10 vlin20 vlin50 vlin100 vlin200 vlin500 vlin1000
     """.split()  # noqa: SIM905
 )
 
@@ -127,19 +102,6 @@ def usual_sizes(radius: float) -> tuple[float, float, float, float, float]:
     length, angle = round(1.5 * radius, 3), round(0.15 * radius, 3)
     return length, length, angle, length, angle
 
-
-PREDEFINED: Final = frozenset(
-    {
-        *TYPES,
-        *PREDEFINED_DATA,
-        *SPEEDS,
-        *ZONES,
-        *standard.INSTRUCTIONS,
-        *standard.FUNCTIONS,
-        *standard.OF_OPTIONS,
-    }
-)
-"""Lower-case names that are taken on every controller."""
 
 TYPE_OF_VALUE: Final[Mapping[ValueType, str]] = {
     "number": "num",
