@@ -17,8 +17,9 @@ class Word:
     """What a statement is to blocks.
 
     opens: kind of the block that it begins, of a form. parts: kind of the block that it begins a
-    further part of. closes: kinds of the blocks that it ends, the inner one first. certain: what
-    it asks for always holds. bounds: it begins or ends a routine, and no block goes on across it.
+    further part of. closes: kinds of the blocks that it ends, the inner one first, ANY for one of
+    whichever kind. certain: what it asks for always holds. bounds: it begins or ends a routine,
+    and no block goes on across it.
     """
 
     opens: str = ""
@@ -33,6 +34,7 @@ class Word:
         return bool(self.opens or self.parts or self.closes)
 
 
+ANY: Final = "any"
 NO_WORD: Final = Word()
 """What most statements are."""
 
@@ -131,7 +133,7 @@ def blocks_of(lines: Iterable[tuple[int, Word]]) -> Blocks:
         if word.certain and inner is not None:
             inner.certain.add(at)
         for kind in word.closes:
-            if inner is not None and inner.kind == kind:
+            if inner is not None and kind in (ANY, inner.kind):
                 inner.last = at
                 inner = inner.around
             else:

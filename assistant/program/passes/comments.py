@@ -5,11 +5,13 @@ from __future__ import annotations
 import unicodedata
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import ClassVar
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.passes.legalising import Legalising
-from assistant.program.passes.rewording import Rewording
+from assistant.program.passes.rewording import Changes, Rewording
+from assistant.program.program import Program
 
 
 def plain_comment(r: Rewording, node: p.Comment) -> Iterator[p.Statement]:
@@ -24,6 +26,21 @@ def as_comment(r: Rewording, node: p.Message) -> Iterator[p.Statement]:
     if r.job.can.comments.message is not None:
         r.job.findings.append(r.job.can.comments.message(text=line))
     yield p.Comment(line)
+
+
+class _InLines(Rewording):
+    changes: ClassVar[Changes] = {p.Comment: plain_comment}
+
+
+def with_plain_comments(job: Legalising) -> Program:
+    """The program with comments, and the name of its robot, in lines that the language takes."""
+    said, program = _InLines(job), job.program
+    return replace(
+        program,
+        comments=tuple(line for text in program.comments for line in lines(text, job)),
+        robot=program.robot and " ".join(lines(program.robot, job)),
+        procedures=tuple(map(said.procedure, program.procedures)),
+    )
 
 
 def lines(text: str, job: Legalising) -> list[str]:

@@ -16,7 +16,8 @@ from assistant.program.passes.legalising import Corners, Legalising
 from assistant.program.passes.legalising import Motions as MotionTable
 from assistant.program.passes.path_tables import table_of
 from assistant.program.path import Kind, Path
-from assistant.program.program import identifier
+from assistant.program.program import Program, identifier
+from assistant.program.rewriting import rewrite
 from assistant.program.statements import Motion
 
 T = TypeVar("T")
@@ -34,6 +35,18 @@ def meant(value: T | e.Name, declared: Mapping[str, T]) -> T | e.Name:
     if not isinstance(value, e.Name):
         return value
     return next((v for n, v in declared.items() if n.lower() == value.name.lower()), value)
+
+
+def with_stated_motions(program: Program) -> Program:
+    """The program with the values of speeds and blends for the names that are declared."""
+
+    def stated(part: Any) -> Any:
+        if not isinstance(part, Motion):
+            return part
+        speed, blend = meant(part.speed, program.speeds), meant(part.blend, program.blends)
+        return replace(part, speed=speed, blend=blend)
+
+    return replace(rewrite(program, stated), speeds={}, blends={})
 
 
 def without_axes(speed: Speed) -> tuple[Speed, list[str]]:

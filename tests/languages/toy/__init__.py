@@ -2,7 +2,7 @@
 
 Text goes to the tree in `reading.py` and back in `text.py`, the tree to a pseudo-program in
 `lift.py`; `adapt.py` makes of any pseudo-program one that can be said, and `lower.py` its tree.
-`tables.py` has the limits, words and findings, `checks.py` the rules of its own.
+`tables.py` has the limits, words, statements and findings, `checks.py` the rules of its own.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import re
 from collections.abc import Sequence
 
 from assistant.languages import Adapted, Language, Precision
+from assistant.languages.adapting import adapted
 from assistant.program.diagnostics import Diagnostic, has_errors
 from assistant.program.program import Program
 from assistant.program.text import SourceText
@@ -50,7 +51,7 @@ class Toy(Language[File]):
     def adapt(
         self, program: Program, robot: Robot | None = None, *, most_targets: int | None = None
     ) -> Adapted:
-        return adapt.adapt(program)
+        return adapted(self, program, adapt.CAN, adapt.PASSES)
 
     def build(self, program: Program, robot: Robot | None = None, unit: str | None = None) -> File:
         return lower.build(program)

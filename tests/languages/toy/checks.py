@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
 from assistant.languages.checks.registry import Check, Needs, findings
 from assistant.languages.checks.repeats import repeated
+from assistant.languages.line_blocks import ANY
 from assistant.program.diagnostics import Diagnostic, Rule, Span, has_errors
 from assistant.program.geometry import BASE, FLANGE
 
 from . import tables
-from .tree import File, Line, Value
-
-Wrong = tuple[Line, Rule, dict[str, Value]]
-"""The line that breaks a rule, and what the rule's sentences are filled with."""
-
+from .tree import File, Line, Value, blocks_of
 
 BUILT_IN = (Line("tool", (FLANGE,)), Line("frame", (BASE,)))
 """What need not be declared, as lines would declare it."""
@@ -25,65 +22,46 @@ def check(file: File) -> Iterator[Diagnostic]:
     return findings(CHECKS, file, lacks)
 
 
-def _told(file: File, found: Iterable[Wrong]) -> Iterator[Diagnostic]:
-    for line, rule, fields in found:
-        if file.source is None:
-            yield rule(**fields)
-        else:
-            yield file.source.finding(rule, line.span or Span(0, 0), **fields)
+def _told(file: File, line: Line, rule: Rule, **fields: Value) -> Diagnostic:
+    if file.source is None:
+        return rule(**fields)
+    return file.source.finding(rule, line.span or Span(0, 0), **fields)
 
 
 def blocks(file: File) -> Iterator[Diagnostic]:
     """Each begins and ends, and stands where it may."""
-    return _told(file, _blocks(file))
+    found = blocks_of(file.lines)
+    wrong = {at: "belongs to no `if`" for block in found.all for at in block.parts[1:]}
+    for misfit in found.wrong:
+        wrong[misfit.at] = f"belongs to no {'block' if misfit.kind == ANY else '`if`'}"
+    for block in found.all:
+        if block.last is None:
+            yield _told(file, file.lines[block.first], tables.NOT_ENDED)
+        if block.depth > tables.MOST_BLOCKS + 1:
+            wrong[block.first] = "is in too many blocks"
+    for at, line in enumerate(file.lines):
+        if line.word in tables.INSIDE and found.around[at] is None:
+            wrong[at] = "stands in no procedure"
+        if at in wrong:
+            yield _told(file, line, tables.MISPLACED, word=line.word, why=wrong[at])
 
 
 def names(file: File) -> Iterator[Diagnostic]:
     """Each is declared, and declared once."""
-    return _told(file, _names(file))
-
-
-CHECKS = (Check(blocks, Needs.ORDER), Check(names, Needs.NAMES))
-
-
-def _blocks(file: File) -> Iterator[Wrong]:
-    blocks: list[Line] = []
-    for line in file.lines:
-        why = ""
-        match line.word:
-            case "procedure":
-                yield from ((block, tables.NOT_ENDED, {}) for block in blocks)
-                blocks = [line]
-            case "else" if not blocks or blocks[-1].word != "if":
-                why = "belongs to no `if`"
-            case "else":
-                blocks[-1] = line
-            case "end" if not blocks:
-                why = "belongs to no block"
-            case "end":
-                blocks.pop()
-            case word if word in tables.INSIDE:
-                why = "" if blocks else "stands in no procedure"
-                if word in ("if", "while"):
-                    why = "is in too many blocks" if len(blocks) > tables.MOST_BLOCKS else why
-                    blocks.append(line)
-        if why:
-            yield line, tables.MISPLACED, {"word": line.word, "why": why}
-    yield from ((block, tables.NOT_ENDED, {}) for block in blocks)
-
-
-def _names(file: File) -> Iterator[Wrong]:
     declaring = [*BUILT_IN, *(line for line in file.lines if line.word in tables.DECLARES)]
     for line in repeated(declaring, _declared):
         kind, name = _declared(line)
-        yield line, tables.TWICE, {"kind": kind, "name": name}
+        yield _told(file, line, tables.TWICE, kind=kind, name=name)
     declared = set(map(_declared, declaring))
     for line in file.lines:
         for kind, name in zip(tables.USES.get(line.word, ()), line.values, strict=False):
             if kind and (kind, name) not in declared:
-                yield line, tables.UNDECLARED, {"kind": kind, "name": name}
+                yield _told(file, line, tables.UNDECLARED, kind=kind, name=name)
 
 
 def _declared(line: Line) -> tuple[str, Value]:
     """The kind and the name of what a line declares."""
     return tables.DECLARES[line.word], line.values[0]
+
+
+CHECKS = (Check(blocks, Needs.ORDER), Check(names, Needs.NAMES))

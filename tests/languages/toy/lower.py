@@ -3,120 +3,121 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import replace
-from typing import Any
+from typing import Any, Final
 
+from assistant.languages.patterns import Slot, Writing
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.diagnostics import Findings, Refused
 from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
 from assistant.program.motion import Blend, Speed
 from assistant.program.program import Procedure, Program, Signal, bodies
 from assistant.program.pseudo.parts import part_text
+from assistant.program.rewriting import Body
 
 from . import tables
-from .lift import TABLES
 from .tree import File, Line, Value
 
 
 def build(program: Program) -> File:
     """The tree of an adapted program; raises Refused with all that it cannot say."""
-    refused: list[Diagnostic] = []
-    lines = tuple(_program(program, refused))
-    if refused:
-        raise Refused(*refused)
-    return File(lines)
-
-
-def _program(program: Program, refused: list[Diagnostic]) -> Iterator[Line]:
-    yield from (Line("#", (text,)) for text in program.comments)
+    made = _Lines()
+    made.lines += (Line("#", (text,)) for text in program.comments)
     named = {"program": program.name, "robot": program.robot, "start": program.entry}
-    yield from (Line(word, (name,)) for word, name in named.items() if name)
-    for word, table in {**TABLES, "signal": "signals", "variable": "variables"}.items():
+    made.lines += (Line(word, (name,)) for word, name in named.items() if name)
+    for word, table in {**tables.TABLES, "signal": "signals", "variable": "variables"}.items():
         for name, part in getattr(program, table).items():
-            yield from _tried(refused, part, word, name)
+            made.say(part, _declared(part, word, name))
     for part in program.declarations:
-        yield from _tried(refused, part)
+        made.say(part, None)
     for procedure in program.procedures:
-        yield from _tried(refused, procedure)
-        yield from _body(procedure.body, refused)
-        yield Line("end")
+        plain = Procedure(procedure.name, procedure.body, span=procedure.span)
+        made.say(procedure, Line("procedure", (plain.name,)) if plain == procedure else None)
+        made.body(procedure.body)
+        made.lines.append(Line("end"))
+    if made.refused:
+        raise Refused(*made.refused)
+    return File(tuple(made.lines))
 
 
-def _body(body: tuple[p.Statement, ...], refused: list[Diagnostic]) -> Iterator[Line]:
-    for statement in body:
-        yield from _tried(refused, statement)
-        for row, inner in enumerate(bodies(statement)):
-            if row and inner:
-                yield Line("else")
-            yield from _body(inner, refused)
-        if bodies(statement):
-            yield Line("end")
+class _Lines:
+    def __init__(self) -> None:
+        self.lines: list[Line] = []
+        self.refused = Findings()
+
+    def say(self, part: Any, line: Line | None) -> None:
+        if line is not None:
+            self.lines.append(line)
+            return
+        with self.refused.at(getattr(part, "span", None)):
+            self.refused.append(tables.UNSAYABLE(what=part_text(part)))
+
+    def body(self, body: Body) -> None:
+        for statement in body:
+            self.say(statement, _statement(statement))
+            inside = bodies(statement)
+            for row, inner in enumerate(inside):
+                self.lines += [Line("else")] if row and inner else []
+                self.body(inner)
+            self.lines += [Line("end")] if inside else []
 
 
-def _tried(refused: list[Diagnostic], part: Any, word: str = "", name: str = "") -> Iterator[Line]:
-    """The line that a part begins with, none where it is refused."""
-    try:
-        yield _line(part, word, name)
-    except Refused as error:
-        refused += (replace(f, span=getattr(part, "span", None)) for f in error.findings)
-
-
-def _line(part: Any, word: str, name: str) -> Line:
+def _declared(part: Any, word: str, name: str) -> Line | None:
     match part:
         case Tool(pose, None, True) | Frame(pose, Pose((0, 0, 0), (1, 0, 0, 0)), False, ""):
-            return Line(word, (name, *_numbers(*pose.position, *pose.quaternion)))
+            return _numbered(word, name, *pose.position, *pose.quaternion)
         case Target(pose, None) if part == Target(pose):
-            return Line(word, (name, *_numbers(*pose.position, *pose.quaternion)))
+            return _numbered(word, name, *pose.position, *pose.quaternion)
         case JointTarget((_, *_) as joints) if part == JointTarget(joints):
-            return Line(word, (name, *_numbers(*joints)))
+            return _numbered(word, name, *joints)
         case Signal("digital", direction, number) if 0 <= (number or 0) <= tables.LARGEST:
             return Line(direction, (name,) if number is None else (name, number))
-        case Procedure(parameters=(), result=None, unit=None) if not part.variables:
-            return Line("procedure", (part.name,))
-        case p.Move(kind, e.Name(to), motion):
-            return Line("go" if kind == "joint" else "line", (to, *_motion(motion)))
-        case p.MoveJoints(e.Name(to), motion):
-            return Line("turn", (to, *_motion(motion)))
-        case p.Wait(e.Number(seconds)):
-            return Line("wait", _numbers(seconds))
-        case p.SetSignal(signal, e.Number(0 | 1 as bit), None):
-            return Line("set", (signal, _state(bit)))
-        case p.WaitSignal(signal, e.Number(0 | 1 as bit), None):
-            return Line("await", (signal, _state(bit)))
-        case p.If((p.Branch(e.Binary("=", e.Name(signal), e.Number(0 | 1 as bit))),)):
-            return Line("if", (signal, _state(bit)))
-        case p.While(e.Binary("=", e.Name(signal), e.Number(0 | 1 as bit))):
-            return Line("while", (signal, _state(bit)))
-        case p.Call(procedure, (), None):
-            return Line("call", (procedure,))
-        case p.Stop(end=False):
-            return Line("stop")
+    return None
+
+
+def _statement(part: p.Statement) -> Line | None:
+    match part:
+        case p.If((p.Branch(condition),)):
+            return _row(condition, "if")
+        case p.While(condition):
+            return _row(condition, "while")
         case p.Comment(text):
             return Line("#", (text,))
-    raise _refusal(part)
+    return _row(part)
 
 
-def _motion(motion: p.Motion) -> tuple[Value, ...]:
-    match motion:
-        case p.Motion(Speed(tcp), Blend(radius), tool, frame):
-            (speed,) = ("max",) if tcp == math.inf else _numbers(tcp)
-            (blend,) = ("fine",) if radius is None else _numbers(radius)
-            return speed, blend, tool, frame
-    raise _refusal(motion)
+def _row(record: Any, word: str = "") -> Line | None:
+    called = tables.ROWS.write(record, WRITING)
+    return called and Line(word or called.word, tuple(v for v in called.given if v is not None))
 
 
-def _numbers(*values: float) -> tuple[float, ...]:
-    for value in values:
-        if not abs(value) <= tables.LARGEST:  # nor is a NaN
-            raise _refusal(e.Number(value))
-    return tuple(round(float(value), tables.DECIMALS) for value in values)
+def _numbered(word: str, name: str, *values: float) -> Line | None:
+    numbers = [rounded for value in values if (rounded := _number(value)) is not None]
+    return Line(word, (name, *numbers)) if len(numbers) == len(values) else None
 
 
-def _state(bit: float) -> str:
-    return "on" if bit else "off"
+def _number(value: float) -> float | None:
+    """None where it is too large to be written, or none."""
+    return round(float(value), tables.DECIMALS) if abs(value) <= tables.LARGEST else None
 
 
-def _refusal(part: object) -> Refused:
-    return Refused(tables.UNSAYABLE(what=part_text(part)))
+def _written(value: Any, _: Slot) -> Value | None:
+    match value:
+        case str():
+            return value
+        case e.Name(name):
+            return name
+        case e.Number(number):
+            return _number(number)
+        case Speed(tcp):
+            return "max" if tcp == math.inf else _number(tcp)
+        case Blend(radius):
+            return "fine" if radius is None else _number(radius)
+    return None
+
+
+def _state(value: Any, _: Slot) -> str | None:
+    return {0: "off", 1: "on"}.get(value.value) if isinstance(value, e.Number) else None
+
+
+WRITING: Final[Writing[Value]] = Writing({"value": _written, "state": _state})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from functools import cache
 from typing import Final
@@ -34,12 +35,8 @@ def parse(source: SourceText | str) -> File:
 
 def _spans(text: str) -> Iterator[Span]:
     """The lines that are not blank, without the blanks around them."""
-    at, newline = 0, "\n" if "\n" in text else "\r"
-    for line in text.split(newline):
-        if bare := line.strip():
-            start = at + line.index(bare)
-            yield Span(start, start + len(bare))
-        at += len(line) + len(newline)
+    newline = r"\n" if "\n" in text else r"\r"
+    return (Span(*found.span()) for found in re.finditer(rf"\S(?:[^{newline}]*\S)?", text))
 
 
 def _line(source: SourceText, span: Span, findings: list[Diagnostic]) -> Line:

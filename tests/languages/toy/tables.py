@@ -5,31 +5,50 @@ from __future__ import annotations
 import re
 from typing import Final
 
+from assistant.languages.patterns import MotionRow, Row, Rows, slots
+from assistant.program import expressions as e
+from assistant.program import statements as p
 from assistant.program.diagnostics import error, info, warning
 
 NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,19}")
-STEM: Final = 16
-"""Characters of a longer name that stay, so that a number behind them still fits."""
 DECIMALS: Final = 6
 LARGEST: Final = 999_999_999
 MOST_BLOCKS: Final = 50
 """Blocks inside each other."""
 
-INSIDE: Final = ("call", "go", "line", "turn", "wait", "set", "await", "if", "while", "stop")
-"""Words of lines that stand in a procedure only."""
+TABLES: Final = {"tool": "tools", "frame": "frames", "point": "targets", "joints": "joint_targets"}
+"""Word of a line → the table of a program that it is a row of."""
+_HOW: Final = "{speed}, {blend}, {tool:value tool}, {frame:value frame}"
+CONDITION: Final = "asked"
+"""Word of the row of what `if` and `while` ask for."""
+_LINES: Final = (
+    MotionRow(f"go {{target:named point}}, {_HOW}", p.Move, kind="joint"),
+    MotionRow(f"line {{target:named point}}, {_HOW}", p.Move, kind="linear"),
+    MotionRow(f"turn {{target:named joints}}, {_HOW}", p.MoveJoints),
+    Row("wait {seconds:number}", p.Wait),
+    Row("set {signal:value signal} {value:state}", p.SetSignal),
+    Row("await {signal:value signal} {value:state}", p.WaitSignal),
+    Row("call {procedure:value procedure}", p.Call),
+    Row("stop", p.Stop),
+    Row(f"{CONDITION} {{left:named signal}} {{right:state}}", e.Binary, operator="="),
+)
+"""Statements. What stands in a slot is of a kind, and where it is a name, of a kind of things."""
+ROWS: Final = Rows(*_LINES)
 DECLARES: Final = {
     **{word: word for word in ("procedure", "tool", "frame", "point", "joints")},
     "input": "signal",
     "output": "signal",
 }
 """Word of a line → the kind of thing that it declares."""
+_USES: Final = {row.pattern.word: [slot.of for slot in slots(row.pattern)] for row in _LINES}
 USES: Final = {
-    **dict.fromkeys(("start", "call"), ("procedure",)),
-    **dict.fromkeys(("go", "line"), ("point", "", "", "tool", "frame")),
-    "turn": ("joints", "", "", "tool", "frame"),
-    **dict.fromkeys(("set", "await", "if", "while"), ("signal",)),
+    "start": ["procedure"],
+    **dict.fromkeys(("if", "while"), _USES.pop(CONDITION)),
+    **_USES,
 }
 """Word of a line → the kinds of things that its values name, empty for what is no name."""
+INSIDE: Final = USES.keys() - {"start"}
+"""Words of lines that stand in a procedure only."""
 EXPECTED: Final = {
     "NAME": "a name of at most 20 letters, digits and `_`",
     "NUMBER": "a number of at most 6 decimals",
@@ -55,8 +74,5 @@ LEFT_OUT = warning(
     "the toy language has no {what}; it is left out",
     "check what the controller takes instead",
 )
-REWRITTEN = info(
-    "TY303",
-    "`{given}` is written `{name}`",
-    "use ASCII, in a name at most 20 letters, digits and `_`",
-)
+RENAMED = info("TY303", "`{given}` is written `{name}`", "use at most 20 letters, digits and `_`")
+CHANGED = info("TY304", "{what} is written as {instead}", "{cure}")

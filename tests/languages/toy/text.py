@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from . import tables
-from .tree import File, Value
+from .tree import File, Value, word_of
 
 
 def render(file: File) -> str:
@@ -26,9 +26,10 @@ def _lines(file: File) -> Iterator[str]:
     for line in file.lines:
         if line.word == "procedure":
             yield ""
-        depth -= line.word in ("else", "end")
+        word = word_of(line)
+        depth -= bool(word.parts or word.closes)
         yield ("  " * depth + " ".join((line.word, *map(_value, line.values)))).rstrip()
-        depth += line.word in ("procedure", "if", "while", "else")
+        depth += bool(word.opens or word.parts)
 
 
 def _value(value: Value) -> str:

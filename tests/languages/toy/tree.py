@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
+from assistant.languages import line_blocks
+from assistant.languages.line_blocks import ANY, NO_WORD, Blocks, Word
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.text import SourceText
 
 Value = str | float
+BLOCKS = {
+    "procedure": Word("procedure", bounds=True),
+    "if": Word("if"),
+    "while": Word("while", "loop"),
+    "else": Word(parts="if", certain=True),
+    "end": Word(closes=(ANY,)),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,3 +41,13 @@ class File:
     findings: tuple[Diagnostic, ...] = field(default=(), compare=False, repr=False)
     source: SourceText | None = field(default=None, compare=False, repr=False)
     read: tuple[Line, ...] = field(default=(), compare=False, repr=False)
+
+
+def word_of(line: Line) -> Word:
+    """What a line is to blocks."""
+    return BLOCKS.get(line.word, NO_WORD)
+
+
+def blocks_of(lines: Iterable[Line]) -> Blocks:
+    """The blocks of lines, by their places."""
+    return line_blocks.blocks_of(enumerate(map(word_of, lines)))
