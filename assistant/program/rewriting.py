@@ -85,6 +85,8 @@ def renamed(procedure: Procedure, names: Mapping[str, str]) -> Procedure:
                 return replace(part, function=names[name.lower()])
         return part
 
+    if not names:
+        return procedure
     name = names.get(procedure.name.lower(), procedure.name)
     return replace(procedure, name=name, body=rewrite(procedure.body, named))
 

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import chain
-from typing import Any
+from typing import Any, TypeVar
 
 from assistant.languages.rapid.lift.expressions import lift
-from assistant.languages.rapid.tables.motions import BLENDS, SPEEDS, speed_of, zone_of
+from assistant.languages.rapid.tables.motions import speed_of, zone_of
 from assistant.languages.rapid.tables.words import VALUE_OF_TYPE
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.gather import literal_number
-from assistant.languages.rapid.tree.walk import lists
+from assistant.languages.rapid.tree.walk import lists, root
 from assistant.languages.records import Values, frame_of, shape, tool_of
 from assistant.program import expressions as e
 from assistant.program.geometry import BASE, FLANGE, Frame, JointTarget, Target, Tool
 from assistant.program.motion import Blend, Speed
+from assistant.program.passes.motions import Words
 from assistant.program.program import Variable
+
+T = TypeVar("T", Speed, Blend)
 
 
 class DataLift:
@@ -56,13 +59,9 @@ class DataLift:
     def holds(self, item: s.Data) -> bool:
         return id(item) in self._held
 
-    def named_speeds(self) -> dict[str, Speed]:
-        named = SPEEDS.named(self.speeds)
-        return {self.original(self._spelled[n]): v for n, v in named.items()}
-
-    def named_blends(self) -> dict[str, Blend]:
-        named = BLENDS.named(self.blends)
-        return {self.original(self._spelled[n]): v for n, v in named.items()}
+    def named(self, table: Words[T], values: Mapping[str, T]) -> dict[str, T]:
+        """Those of some speeds or blends that have names."""
+        return {self.original(self._spelled[n]): v for n, v in table.named(values).items()}
 
     def _take(self, item: s.Data, constant: bool) -> bool:
         """Whether the pseudo-program has a place for the data."""
@@ -130,9 +129,7 @@ def numbers(node: s.Expression | None) -> Values:
     match node:
         case s.AggregateNode(items):
             return [numbers(i) for i in items]
-        case s.BoolLiteral(value):
-            return value
-        case s.StringLiteral(value):
+        case s.BoolLiteral(value) | s.StringLiteral(value):
             return value
         case None:
             return None
@@ -144,10 +141,6 @@ def _assigned(modules: Sequence[s.Module]) -> set[str]:
     routines = (i for m in modules for i in m.items if isinstance(i, s.Routine))
     found: set[str] = set()
     for statement in chain.from_iterable(chain.from_iterable(map(lists, routines))):
-        if isinstance(statement, s.Assignment):
-            variable = statement.target
-            while isinstance(variable, s.Component | s.Element):
-                variable = variable.value
-            if isinstance(variable, s.NameRef):
-                found.add(variable.name.lower())
+        if isinstance(statement, s.Assignment) and (variable := root(statement.target)):
+            found.add(variable.name.lower())
     return found

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import chain
-from typing import Any, TypeVar
+from typing import Any
 
 from assistant.languages.rapid.lift.data import DataLift
 from assistant.languages.rapid.lift.instructions import Meaning
@@ -14,6 +14,7 @@ from assistant.languages.rapid.lift.places import with_places
 from assistant.languages.rapid.lift.statements import StatementLift, handler, opaque
 from assistant.languages.rapid.lift.timers import clocks
 from assistant.languages.rapid.lift.triggers import REASONS, Triggers
+from assistant.languages.rapid.tables.motions import BLENDS, SPEEDS
 from assistant.languages.rapid.tables.standard import FUNCTIONS
 from assistant.languages.rapid.tables.words import PREDEFINED_VALUES, VALUE_OF_TYPE
 from assistant.languages.rapid.text import effects, verbatim
@@ -23,7 +24,6 @@ from assistant.languages.rapid.tree.walk import nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.signals import uses, with_used
-from assistant.program.geometry import JointTarget
 from assistant.program.passes.constants import with_constants
 from assistant.program.passes.counted_loops import apart
 from assistant.program.passes.messages import with_values
@@ -39,8 +39,6 @@ from assistant.program.program import (
 )
 from assistant.program.rewriting import counted_on, renamed
 from assistant.program.text import starts_of
-
-T = TypeVar("T")
 
 
 def lift(files: Sequence[s.File]) -> Program:
@@ -68,18 +66,26 @@ class _Lift:
         self.names: dict[str, str] = {}
         for header in self.headers:
             self.names.update(header.names)
-        routines = (i for m in modules for i in m.items if isinstance(i, s.Routine))
+        routines = tuple(i for m in modules for i in m.items if isinstance(i, s.Routine))
         self.own = {r.name.lower() for r in routines}
         self.data = DataLift(modules, starts, self.original)
         self.paths = PathLift(modules, self.data, self.original)
         self.clocks = clocks(modules)
+        numbers = {
+            n.lower(): v.initial
+            for n, v in self.data.variables.items()
+            if v.storage == "constant" and isinstance(v.initial, e.Number)
+        }
+        known = self.data.joint_targets.items()
+        alone = {n.lower() for n, j in known if not any(v == v for v in j.external)}
+        inner = set(self._inner_names(routines)) if numbers or alone else set()
         self.meaning = Meaning(
             self.original,
             self.data.speeds,
             self.data.blends,
-            self._plain(self._numbers()),
+            {name: number for name, number in numbers.items() if name not in inner},
             self.clocks,
-            frozenset(self._plain(self._alone())),
+            alone - inner,
         )
         self.statements = StatementLift(self.meaning, self.paths, self.own)
         self.procedures: list[Procedure] = []
@@ -96,52 +102,26 @@ class _Lift:
     def original(self, name: str) -> str:
         return self.names.get(name.lower(), name)
 
-    def _numbers(self) -> dict[str, e.Number]:
-        """Numbers of constants, by lower-case name."""
-        return {
-            n.lower(): v.initial
-            for n, v in self.data.variables.items()
-            if v.storage == "constant" and isinstance(v.initial, e.Number)
-        }
-
-    def _alone(self) -> dict[str, JointTarget]:
-        """Joint targets that say nothing of external axes, by lower-case name."""
-        known = self.data.joint_targets.items()
-        return {n.lower(): j for n, j in known if not any(v == v for v in j.external)}
-
-    def _plain(self, values: dict[str, T]) -> dict[str, T]:
-        """Those by names that no routine declares or counts with."""
-        if not values:
-            return values
-        for node in nodes(tuple(i for m in self.modules for i in m.items)):
+    def _inner_names(self, routines: tuple[s.Routine, ...]) -> Iterator[str]:
+        """Names that some routine declares or counts with, in lower case."""
+        for node in nodes(routines):
             match node:
-                case s.Routine(body=body):
-                    for inner in body:
-                        if isinstance(inner, s.Data):
-                            values.pop(self.original(inner.name).lower(), None)
-                case s.ParameterNode(name=name):
-                    values.pop(self.original(name).lower(), None)
+                case s.Data(name=str(name)) | s.ParameterNode(name=name):
+                    yield self.original(name).lower()
                 case s.ForLoop(variable=str(name)):
-                    values.pop(self.original(name).lower(), None)
-        return values
+                    yield self.original(name).lower()
 
     def program(self) -> Program:
         header = self.headers[self.main]
         self.comments += header.comments
         for module, start, own in zip(self.modules, self.starts, self.headers, strict=True):
-            before = len(self.procedures), len(self.declarations)
             self.data.start = start
-            self.module(module, own)
-            self.procedures[before[0] :] = [
-                counted_on(q, start) for q in self.procedures[before[0] :]
+            procedures, declarations = self.module(module, own)
+            hidden = self._hidden(module)
+            self.procedures += [renamed(counted_on(q, start), hidden) for q in procedures]
+            self.declarations += [
+                replace(d, span=d.span and d.span.moved(start)) for d in declarations
             ]
-            self.declarations[before[1] :] = [
-                replace(d, span=d.span and d.span.moved(start))
-                for d in self.declarations[before[1] :]
-            ]
-            if hidden := self._hidden(module):
-                mine = self.procedures[before[0] :]
-                self.procedures[before[0] :] = [renamed(q, hidden) for q in mine]
         entry = header.entry or ("main" if "main" in self.own else "")
         found = (q.name for q in self.procedures if q.name.lower() == entry.lower())
         targets = self.paths.targets()  # first: those without orientation become variables
@@ -153,8 +133,8 @@ class _Lift:
             comments=tuple(self.comments),
             frames=self.data.frames,
             tools=self.data.tools,
-            speeds=self.data.named_speeds(),
-            blends=self.data.named_blends(),
+            speeds=self.data.named(SPEEDS, self.data.speeds),
+            blends=self.data.named(BLENDS, self.data.blends),
             targets=targets,
             joint_targets=self.data.joint_targets,
             variables=self.data.variables,
@@ -178,8 +158,10 @@ class _Lift:
         taken = {*elsewhere, *own, *(name.lower() for name in self.data.variables)}
         return {r.name.lower(): identifier(f"{module.name}_{r.name}", taken) for r in hidden}
 
-    def module(self, module: s.Module, header: Header) -> None:
-        """Takes the routines of a module, and what of its other items is no data."""
+    def module(self, module: s.Module, header: Header) -> tuple[list[Procedure], list[Declaration]]:
+        """The routines of a module, and what of its other items is no data."""
+        procedures: list[Procedure] = []
+        declarations: list[Declaration] = []
         unit = self.original(module.name) if header.unit else None
         pending: list[str] = []
         for item in module.items[header.lines :]:
@@ -190,19 +172,20 @@ class _Lift:
                 case s.Routine():
                     lifted = self.routine(item, unit, pending)
                     if isinstance(lifted, Procedure):
-                        self.procedures.append(lifted)
+                        procedures.append(lifted)
                         pending = []
                     else:
-                        self.declarations.append(lifted)
+                        declarations.append(lifted)
                 case s.TargetRunNode():
                     pass
                 case s.Data() if self.data.holds(item) or item.name.lower() in self.clocks:
                     pass
                 case _:
-                    self.declarations.append(_declaration(item))
+                    declarations.append(_declaration(item))
             self.comments += pending
             pending = []
         self.comments += pending
+        return procedures, declarations
 
     def routine(
         self, node: s.Routine, unit: str | None, notes: Sequence[str]
