@@ -19,10 +19,12 @@ from assistant.languages.language import (
     Precision,
     Setting,
 )
-from assistant.languages.melfa_basic.reading.files import READ, TOKENISED
+from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.reading.files import TOKENISED
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.lazy import offered
-from assistant.program.diagnostics import Diagnostic, Severity, has_errors
+from assistant.program import code_pages
+from assistant.program.diagnostics import Diagnostic, Severity, Unreadable, has_errors
 from assistant.program.effects import Effect, KeptKind
 from assistant.program.program import Program
 from assistant.program.text import SourceText
@@ -58,7 +60,7 @@ class MelfaBasic(Language["File"]):
     """One dialect of MELFA-BASIC."""
 
     suffixes = (".prg", ".mb4", ".mb5", ".mb6", ".pos")
-    encodings = READ
+    encodings = code_pages.READ
     begins = TOKENISED
     # half a unit of the second decimal; the angle is that of three Euler angles together
     precision = Precision(position=0.00501, angle=0.0151)
@@ -102,18 +104,16 @@ class MelfaBasic(Language["File"]):
         return recognises(data, self.dialect.level, suffix)
 
     def decode(self, data: bytes, path: str | None = None) -> SourceText:
-        from assistant.languages.melfa_basic.reading.files import read_text
-
-        return read_text(data, path)
+        if data.startswith(TOKENISED):
+            raise Unreadable(rules.TOKENISED(path=path))
+        return code_pages.decode(data, path)
 
     def encode(self, tree: File) -> bytes:
         """The rendered text in the encoding that it was read in, new text as controllers take it.
 
         Raises Refused where a character is not in that encoding.
         """
-        from assistant.languages.melfa_basic.reading.files import write_text
-
-        return write_text(self.render(tree), tree.source)
+        return code_pages.encode(self.render(tree), tree.source)
 
     def parse(self, source: SourceText | str) -> File:
         from assistant.languages.melfa_basic.reading.parser import parse

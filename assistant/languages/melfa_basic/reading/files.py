@@ -1,31 +1,19 @@
-"""Files of MELFA-BASIC as bytes: whether they look like it, which version, which encoding."""
+"""Files of MELFA-BASIC as bytes: whether they look like it, and which version."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import cache
 from typing import Final
 
-from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.tables.vocabulary import functions, statements, variables
-from assistant.program import japanese
-from assistant.program.diagnostics import Unreadable
-from assistant.program.text import SourceText, decode, dominant_newline, encode
 
 TOKENISED: Final = b"ROBPRG"
 """What a controller's own .MB4, .MB5 and .MB6 files begin with."""
 
 LEVELS: Final = {".mb4": 4, ".mb5": 5, ".mb6": 6}
 """Suffixes that say the version."""
-
-JAPANESE: Final = ("cp932", japanese.CODEC)
-WESTERN: Final = ("cp1252", "cp1250", "cp1254")
-READ: Final = ("ascii", "utf-8-sig", "utf-8", *JAPANESE, *WESTERN, "latin-1")
-"""What the maker's tools write is in the code page of their Windows."""
-WRITTEN: Final = (WESTERN[0], JAPANESE[0], "utf-8")
-"""New text beyond ASCII: the first that has all its characters, and is read as what it is."""
 
 _MARK: Final = re.compile(r"' robot-assistant: melfa-basic-([456])")
 _LOOKED_AT: Final = 1 << 17
@@ -35,9 +23,6 @@ _RAPID: Final = re.compile(
 )
 LEAST: Final = 0.5
 """Share of a file's lines, blank ones and comments aside, that look like the language."""
-
-
-# ------------------------------------------------------------------------- recognition
 
 
 def recognises(data: bytes, level: int, suffix: str = "") -> bool:
@@ -140,63 +125,3 @@ def _of(level: int) -> Iterator[str]:
     called = [f.name.removesuffix("$") for f in functions().values() if new(f.dialects)]
     yield rf"\b(?:{'|'.join(called)})\$?\("
     yield rf"\b(?:{'|'.join(v.name for v in variables().values() if new(v.dialects))})\b"
-
-
-# --------------------------------------------------------------------------- encodings
-
-
-def read_text(data: bytes, path: str | None) -> SourceText:
-    """The text of a file; raises Unreadable for what a controller keeps, which is none.
-
-    What European programs hold is not taken for Japanese.
-    """
-    if data.startswith(TOKENISED):
-        raise Unreadable(rules.TOKENISED(path=path))
-    source = decode(data, path, READ)
-    if source.encoding in JAPANESE and not _is_japanese(source.text):
-        others = [name for name in WESTERN if _fits(data, name)]
-        source = decode(data, path, others or JAPANESE)
-    if source.encoding == "cp1252":
-        for encoding, sign in _ELSEWHERE.items():
-            if sign.search(source.text) and _fits(data, encoding):
-                source = replace(source, text=data.decode(encoding), encoding=encoding)
-                break
-    return replace(source, newline=dominant_newline(source.text))
-
-
-_ELSEWHERE: Final = {
-    "cp1250": re.compile(r"[A-Za-z][\xb9\xb3\xbf\xbe\x9f]|[\xb9\xb3\xbf\xbe][a-z]"),
-    "cp1254": re.compile(r"[A-Za-z][\xf0\xfe\xfd\xdd\xde\xd0]|[\xfe\xde][a-z]"),
-}
-"""Code pages by what their letters look like in cp1252: signs and Icelandic inside of words."""
-
-
-def _is_japanese(text: str) -> bool:
-    """Japanese stands in rows; a letter with an accent stands among plain ones."""
-    rows = re.findall(r"[^\x00-\x7f]+", text)
-    if any("\ue000" <= character <= "\uf8ff" for row in rows for character in row):
-        return False  # of nobody's language
-    return 2 * sum(len(row) for row in rows if len(row) > 1) > sum(map(len, rows))
-
-
-def _fits(data: bytes, encoding: str) -> bool:
-    try:
-        return data.decode(encoding).encode(encoding) == data
-    except UnicodeError:
-        return False
-
-
-def write_text(text: str, source: SourceText | None) -> bytes:
-    """The bytes of a text: in its source's encoding, else in one that controllers take.
-
-    Raises Refused where that of the source does not have all the characters.
-    """
-    if source is not None and source.encoding != "ascii":
-        return encode(replace(source, text=text))
-    if text.isascii():
-        return text.encode("ascii")
-    for encoding in WRITTEN:
-        data = text.encode(encoding, errors="ignore")
-        if read_text(data, None).text == text:
-            return data
-    return encode(replace(source or SourceText(""), text=text, encoding="utf-8"))
