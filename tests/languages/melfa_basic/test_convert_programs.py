@@ -59,7 +59,7 @@ def normal(tree: s.File) -> list[s.Item]:
     items, _ = original_names.taken_out(tree.items)
     items, _ = labelled(items)
     order = {label: f"LABEL{n}" for n, label in enumerate(_defined(items))}
-    items = names.renamed(items, names.Names(labels=order), upper=True)
+    items = names.renamed(items, names.Names(labelled=order), upper=True)
     return [
         _without_step(i)
         for item in gathered(items)

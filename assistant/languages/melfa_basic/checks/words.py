@@ -20,11 +20,6 @@ from assistant.program.diagnostics import Diagnostic
 LEVELS: Final = {4: "MELFA-BASIC IV", 5: "MELFA-BASIC V", 6: "MELFA-BASIC VI"}
 JUMPS: Final = "write `If … Then GoTo` over the lines"
 NEWER: Final = "compile for a newer version of the language"
-GROUPS: Final = {
-    "M_IN8": "M_INB", "M_IN16": "M_INW", "M_OUT8": "M_OUTB", "M_OUT16": "M_OUTW",
-    "M_IN32": "two M_INW", "M_OUT32": "two M_OUTW",
-}  # fmt: skip
-"""Status variable → what an older version has."""
 
 
 def missing(look: Look) -> Found:
@@ -57,11 +52,16 @@ def _statements(look: Look, line: s.Line) -> Found:
         if isinstance(statement, s.If) and statement.then is None and not look.dialect.blocks:
             yield _lacks(look, line, "If", "`If` block", JUMPS)
         word = word_of(statement)
-        row = vocabulary.statement(word)
-        if row is not None and look.dialect.level not in row.dialects:
-            at = word.removeprefix("Def ").removeprefix("#")
-            cure = f"write {row.instead}" if row.instead else _of_versions(row.dialects)
-            yield _lacks(look, line, at, f"`{row.word}`", cure)
+        at = word.removeprefix("Def ").removeprefix("#")
+        if (row := vocabulary.statement(word)) is not None:
+            yield from _has(look, line, at, row.word, row)
+
+
+def _has(look: Look, line: s.Line, at: str | s.Variable, word: str, row: vocabulary.Row) -> Found:
+    """What is found of a word that not every version has."""
+    if look.dialect.level not in row.dialects:
+        cure = f"write {row.instead}" if row.instead else _of_versions(row.dialects)
+        yield _lacks(look, line, at, f"`{word}`", cure)
 
 
 def _of_versions(levels: frozenset[int]) -> str:
@@ -112,7 +112,6 @@ def _is_narrow(condition: s.Expression | None) -> bool:
 
 def _names(look: Look) -> Found:
     """Functions and status variables of other versions, and status variables that are none."""
-    level = look.dialect.level
     names = look.once(known)
     seen: set[str] = set()
     for line, use in look.uses:
@@ -121,17 +120,11 @@ def _names(look: Look) -> Found:
         own = key in names.declared or key in look.functions
         if key in seen or own or use.role == "declared":
             continue
-        function = vocabulary.function(key) if variable.arguments is not None else None
-        row = vocabulary.status(key)
-        if function is not None and level not in function.dialects:
+        row = vocabulary.known(key, called=variable.arguments is not None)
+        lacks = list(_has(look, line, variable, row.name, row)) if row else []
+        if lacks:
             seen.add(key)
-            cure = f"write {function.instead}" if function.instead else ""
-            cure = cure or _of_versions(function.dialects)
-            yield _lacks(look, line, variable, f"`{function.name}`", cure)
-        elif row is not None and level not in row.dialects:
-            seen.add(key)
-            cure = f"write {GROUPS[key]}" if key in GROUPS else _of_versions(row.dialects)
-            yield _lacks(look, line, variable, f"`{row.name}`", cure)
+            yield from lacks
         elif variable.suffix and variable.suffix not in look.dialect.suffixes:
             seen.add(key)
             word = f"mark `{variable.suffix}` behind a name such as `{variable.marked}`"

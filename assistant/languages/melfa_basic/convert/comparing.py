@@ -75,11 +75,11 @@ def _plain(tree: s.File, lowest: int) -> s.File:
     if lowest == 4 and DIALECTS[tree.dialect].level > 4:
         lower = DIALECTS["melfa-basic-4"]
         items = words.Words(lower, Memory(), _silent).lines(comments.fitted(items, lower))
-    named = {short: name.upper() for short, name in memory.named.items()}
-    labels = {short: name.upper() for short, name in memory.labelled.items()}
-    stems = {short: name.upper() for short, name in memory.stems.items()}
-    table = names.Names(named, stems, labels | numbers)
-    items = original_names.renamed(names.renamed(items, table, upper=True), named)
+    table = names.Names(
+        *({k: v.upper() for k, v in getattr(memory, kind).items()} for kind in names.KINDS)
+    )
+    table.labelled |= numbers
+    items = original_names.renamed(names.renamed(items, table, upper=True), table.named)
     return replace(tree, items=tuple(items), parsed=())
 
 

@@ -135,31 +135,34 @@ class _File:
         items = to_blocks(steps.bare(items), self.dialect)
         items = words.Words(self.dialect, self.memory, self.complain).lines(items)
         items = words.restored(items, self.memory)
-        known = self.memory
-        given = {n.upper() for n in names.variables_of(items)}
-        back = {k: v for k, v in known.named.items() if v.upper() not in given}
-        labels = labels_of(items)
-        tags = {k: v for k, v in known.labelled.items() if v.upper() not in labels}
-        table = names.Names(back, dict(known.stems), tags)
-        self.items = original_names.renamed(names.renamed(items, table, upper=False), back)
-        for kind, used in (("named", back), ("stems", known.stems), ("labelled", tags)):
-            left = {k: v for k, v in getattr(known, kind).items() if k not in used}
-            setattr(known, kind, left)
+        given = {
+            "named": {n.upper() for n in names.variables_of(items)},
+            "stems": set(),
+            "labelled": set(labels_of(items)),
+        }
+        back = names.Names()
+        for kind, there in given.items():
+            known = getattr(self.memory, kind)
+            free = {k: v for k, v in known.items() if v.upper() not in there}
+            setattr(back, kind, free)
+            setattr(self.memory, kind, {k: v for k, v in known.items() if k not in free})
+        items = names.renamed(items, back, upper=False)
+        self.items = original_names.renamed(items, back.named)
 
     def shorten(self, short: names.Names) -> None:
         """Names that the dialect takes; what they were goes into the heading."""
         if self.before.level == 4:
             return
-        stems = names.stems_of(self.items)
-        for kept, written, shorter in (
-            (self.memory.named, names.variables_of(self.items), short.variables),
-            (self.memory.stems, stems, short.stems),
-            (self.memory.labelled, labels_written(self.items), short.labels),
+        for kind, written in (
+            ("named", names.variables_of(self.items)),
+            ("stems", names.stems_of(self.items)),
+            ("labelled", labels_written(self.items)),
         ):
             known = {name.upper(): name for name in written}
-            kept.update((made, known[name]) for name, made in shorter.items() if name in known)
+            made = getattr(short, kind).items()
+            getattr(self.memory, kind).update((new, known[n]) for n, new in made if n in known)
         self.items = names.renamed(self.items, short, upper=self.dialect.upper)
-        self.items = original_names.renamed(self.items, short.variables)
+        self.items = original_names.renamed(self.items, short.named)
 
     # -------------------------------------------------------------------------- writing
 

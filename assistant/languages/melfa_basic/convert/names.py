@@ -4,26 +4,30 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Final
 
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import Dialect
 from assistant.languages.melfa_basic.tables.words import RESERVED, free
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
+from assistant.languages.melfa_basic.tree.targets import labels_named, labels_written
 from assistant.program.rewriting import records, rewrite
+
+KINDS: Final = ("named", "stems", "labelled")
 
 
 @dataclass(slots=True)
 class Names:
-    """Upper-case name → the name that it gets, apart for variables and labels.
+    """Name in upper case → the name that it gets; KINDS are its tables.
 
-    stems: of tables of positions, whose names differ in the number behind the stem.
+    named: of variables. stems: of tables of positions, whose names differ in the number behind
+    the stem. labelled: of labels.
     """
 
-    variables: dict[str, str] = field(default_factory=dict)
+    named: dict[str, str] = field(default_factory=dict)
     stems: dict[str, str] = field(default_factory=dict)
-    labels: dict[str, str] = field(default_factory=dict)
+    labelled: dict[str, str] = field(default_factory=dict)
 
 
 def is_own(name: str) -> bool:
@@ -70,12 +74,13 @@ def shortened(files: Sequence[Sequence[s.Item]], dialect: Dialect) -> Names:
             names.stems[stem] = free(stem, dialect.names - digits, stems)
     for name in sorted(written):
         if len(name) > dialect.names and name.rstrip("0123456789") not in names.stems:
-            names.variables[name] = free(name, dialect.names, taken)
-    labels = {label for items in files for label in _labels(items)}
+            names.named[name] = free(name, dialect.names, taken)
+    labels = {n.upper() for items in files for n in labels_written(items)}
+    labels.update(*(labels_named(items) for items in files))
     short = {n for n in labels if _plain_label(n, dialect)} | RESERVED
     for name in sorted(labels - short):
         plain = name.replace("_", "") if dialect.upper else name
-        names.labels[name] = free(plain, dialect.labels, short)
+        names.labelled[name] = free(plain, dialect.labels, short)
     return names
 
 
@@ -84,74 +89,46 @@ def _plain_label(name: str, dialect: Dialect) -> bool:
     return len(name) <= dialect.labels and plain
 
 
-def _labels(items: Sequence[s.Item]) -> Iterator[str]:
-    for item in items:
-        if isinstance(item, s.Line):
-            if item.label is not None:
-                yield item.label.upper()
-            for record in records(item.statement):
-                if isinstance(record, s.Target) and isinstance(record.place, str):
-                    yield record.place.upper()
-
-
 def _numbered(name: str, stem: str) -> bool:
     return name.startswith(stem) and name[len(stem) :].isdigit()
 
 
-def renamed(items: Sequence[s.Item], names: Names, *, upper: bool) -> list[s.Item]:
+def renamed(items: Iterable[s.Item], names: Names, *, upper: bool) -> list[s.Item]:
     """The lines with their names exchanged; upper: and all of them in upper case."""
-    change = _Change(names, upper)
-    return [change.item(item) for item in items]
 
+    def exchanged(name: str, table: Mapping[str, str]) -> str:
+        return table.get(name.upper(), name.upper() if upper else name)
 
-class _Change:
-    def __init__(self, names: Names, upper: bool) -> None:
-        self.names, self.upper = names, upper
-
-    def item(self, item: s.Item) -> s.Item:
-        match item:
-            case s.Line():
-                changed: s.Line = rewrite(item, self.record)
-                if item.label is not None:
-                    label = self.name(item.label, self.names.labels)
-                    changed = changed if label == item.label else replace(changed, label=label)
-                return changed
-            case s.Data():
-                return rewrite(item, self.record)
-            case PositionRows() | MoveRows():
-                stem = self.name(item.stem, self.names.stems)
-                return item if stem == item.stem else replace(item, stem=stem, span=None)
-        return item
-
-    def name(self, name: str, table: Mapping[str, str]) -> str:
-        return table.get(name.upper(), name.upper() if self.upper else name)
-
-    def variable(self, name: str) -> str:
-        stem = name.rstrip("0123456789")
-        if stem.upper() in self.names.stems:
-            return self.names.stems[stem.upper()] + name[len(stem) :]
-        return self.name(name, self.names.variables)
-
-    def record(self, record: Any) -> Any:
-        match record:
-            case s.Variable() | s.DefFunction() | s.Function() | s.FunctionParameter():
-                name = self.spelled(record.name)
-                return record if name == record.name else replace(record, name=name)
-            case s.Target(place=str() as place):
-                label = self.name(place, self.names.labels)
-                return record if label == place else s.Target(label)
-        return record
-
-    def spelled(self, name: str) -> str:
+    def spelled(name: str) -> str:
         """The controller's own names are spelled as its tool does."""
         if is_own(name):
-            return self.variable(name)
-        if self.upper:
+            stem = name.rstrip("0123456789")
+            short = names.stems.get(stem.upper())
+            return exchanged(name, names.named) if short is None else short + name[len(stem) :]
+        if upper:
             return name.upper()
-        if known := vocabulary.status(name) or vocabulary.function(name):
-            return known.name.removesuffix("$")
+        if row := vocabulary.known(name):
+            return row.name.removesuffix("$")
         word = vocabulary.statement(name)
         return name if word is None else word.word
+
+    def change(part: Any) -> Any:
+        match part:
+            case s.Variable() | s.DefFunction() | s.Function() | s.FunctionParameter():
+                name = spelled(part.name)
+                return part if name == part.name else replace(part, name=name)
+            case s.Target(place=str() as place):
+                label = exchanged(place, names.labelled)
+                return part if label == place else s.Target(label)
+            case s.Line(label=str() as label):
+                new = exchanged(label, names.labelled)
+                return part if new == label else replace(part, label=new)
+            case PositionRows() | MoveRows():
+                stem = exchanged(part.stem, names.stems)
+                return part if stem == part.stem else replace(part, stem=stem, span=None)
+        return part
+
+    return [rewrite(item, change) for item in items]
 
 
 def declared_types(items: Iterable[s.Item]) -> dict[str, str]:

@@ -17,34 +17,31 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
+from assistant.languages.melfa_basic.convert.names import KINDS, Names
 from assistant.languages.melfa_basic.text import header as headers
 from assistant.languages.melfa_basic.tree import syntax as s
 
-PAIRS: Final = ("named", "stems", "labelled")
 LISTS: Final = ("steps", "long", "constant")
 
 
 @dataclass(slots=True)
-class Memory:
-    """named, stems, labelled: short name in upper case → the name that it stands for.
+class Memory(Names):
+    """What short names stand for, and more that a dialect does not say; all in upper case.
 
     steps: labels that stand for step numbers. long: numbers that were whole ones of 32 bits.
-    constant: assigned variables that were constants. All in upper case.
+    constant: assigned variables that were constants.
     """
 
-    named: dict[str, str] = field(default_factory=dict)
-    stems: dict[str, str] = field(default_factory=dict)
-    labelled: dict[str, str] = field(default_factory=dict)
     steps: dict[str, None] = field(default_factory=dict)
     long: dict[str, None] = field(default_factory=dict)
     constant: dict[str, None] = field(default_factory=dict)
 
     def __bool__(self) -> bool:
-        return any(getattr(self, kind) for kind in (*PAIRS, *LISTS))
+        return any(getattr(self, kind) for kind in (*KINDS, *LISTS))
 
     def lines(self) -> Iterator[str]:
         """The comment texts, without their mark."""
-        for kind in PAIRS:
+        for kind in KINDS:
             yield from headers.packed(kind, (f"{k} = {v}" for k, v in getattr(self, kind).items()))
         for kind in LISTS:
             yield from headers.packed(kind, getattr(self, kind))
@@ -80,10 +77,9 @@ def put_in(
     told = [_comment(text) for text in memory.lines()]
     start, end = _heading(items)
     if end > start:
-        line = items[start]
-        mark = "' " + headers.MARK + dialect
-        first = replace(line, comment=mark) if isinstance(line, s.Line) else _comment(mark)
-        first = line if first == line else first  # type: ignore[assignment]
+        mark, first = "' " + headers.MARK + dialect, items[start]
+        if isinstance(first, s.Line) and first.comment != mark:
+            first = replace(first, comment=mark)
         return [*items[:start], first, *items[start + 1 : end], *told, *items[end:]]
     if not told and not marked:
         return list(items)
@@ -133,7 +129,7 @@ def _comment(text: str) -> s.Line:
 
 def _remembered(text: str | None, memory: Memory) -> bool:
     key, _, value = (text or "").partition(": ")
-    if key in PAIRS:
+    if key in KINDS:
         pairs = (_PAIR.fullmatch(entry) for entry in value.split(", "))
         getattr(memory, key).update({p.group(1): p.group(2) for p in pairs if p})
         return True

@@ -62,10 +62,12 @@ class Words:
         if not self.declared:
             return made
         at = next((i for i, item in enumerate(made) if not _is_comment(item)), len(made))
-        kinds: dict[str, list[s.Variable]] = {}
-        for name, kind in self.declared.items():
-            kinds.setdefault(kind, []).append(s.Variable(name))
-        news = [s.Line(statement=s.DefNames(k, (v,))) for k, vs in kinds.items() for v in vs]
+        news = [
+            s.Line(statement=s.DefNames(kind, (s.Variable(name),)))
+            for kind in dict.fromkeys(self.declared.values())
+            for name, of in self.declared.items()
+            if of == kind
+        ]
         return [*made[:at], *news, *made[at:]]
 
     def line(self, item: s.Line) -> list[s.Item]:
@@ -92,80 +94,47 @@ class Words:
             case s.DefIo(type=kind):
                 known = IO_TYPES[self.dialect.level].get(kind.upper())
                 return record if known is None else replace(record, type=known)
-            case s.Command() | s.Motion() | s.DefAct() if self.dialect.level == 4:
-                record = self.narrowed(record)
-        if isinstance(record, s.Statement):
-            self.known(record)
-        return record
-
-    def known(self, statement: s.Statement) -> None:
-        if self.dialect.level == 4 and isinstance(statement, s.Const):
-            return  # becomes an assignment
-        row = vocabulary.statement(word_of(statement))
-        if row is not None:
-            self.has(row.dialects, row.word, row.instead)
-
-    def has(
-        self, levels: frozenset[int], name: str, instead: str = "", otherwise: str = STAY
-    ) -> None:
-        """Complains of a word that the dialect lacks."""
-        if self.dialect.level not in levels:
-            cure = f"write instead: {instead}" if instead else otherwise
-            self.complain(self.here, f"`{name}`", cure)
-
-    def narrowed(self, record: Any) -> Any:
-        """What IV has, but not in this form."""
-        match record:
-            case s.Command(keyword="Tool" | "Base" as word, arguments=(s.Number(value=number),)):
-                if number == 0:
-                    return replace(record, arguments=(s.Variable(INITIAL[word]),))
-                said = printer.statement(record)
-                self.complain(
-                    self.here, f"`{said}`, a number", f"write its values: {word} (x,y,z,a,b,c)"
-                )
-            case s.Command(keyword="Fine", arguments=(_, s.Variable() as unit, *_)) if unit.key in (
-                "P",
-                "J",
+            case s.Command("Tool" | "Base" as word, (s.Number(value=0),)) if (
+                self.dialect.level == 4
             ):
-                said = printer.statement(record)
-                self.complain(
-                    self.here, f"`{said}`, in mm or degrees", "write encoder pulses: Fine 100"
-                )
-            case s.Motion(type=(_, s.Number(value=2))):
-                self.complain(
-                    self.here,
-                    "`Type …,2`, a way through singular points",
-                    "move with Mov past them",
-                )
-            case s.DefAct(stop="F"):
-                self.complain(self.here, "`Def Act …,F`", "write S or L, or neither")
+                return replace(record, arguments=(s.Variable(INITIAL[word]),))
+            case s.Const() if self.dialect.level == 4:
+                return record  # becomes an assignment
+        if self.dialect.level == 4 and (form := _later_form(record)) is not None:
+            self.lacks(*form)
+        if isinstance(record, s.Statement):
+            row = vocabulary.statement(word_of(record))
+            if row is not None:
+                self.has(row.word, row)
         return record
+
+    def has(self, name: str, row: vocabulary.Row, otherwise: str = STAY) -> None:
+        """Complains of a word that the dialect lacks."""
+        if self.dialect.level not in row.dialects:
+            cure = f"write instead: {row.instead}" if row.instead else otherwise
+            self.lacks(f"`{name}`", cure)
+
+    def lacks(self, what: str, cure: str) -> None:
+        self.complain(self.here, what, cure)
 
     # ----------------------------------------------------------------- variables
 
     def variable(self, node: s.Variable) -> s.Variable:
-        level = self.dialect.level
         group = GROUPS.get(node.key)
         if group is not None:
             bits, out = group
             names = self.dialect.groups.get(bits)
             if names is None:
-                self.complain(
-                    self.here,
-                    f"`{node.name}`",
-                    f"read or write {max(self.dialect.groups)} bits at a time",
-                )
+                most = max(self.dialect.groups)
+                self.lacks(f"`{node.name}`", f"read or write {most} bits at a time")
                 return node
             return node if names[out].upper() == node.key else replace(node, name=names[out])
-        status = vocabulary.status(node.name)
-        called = vocabulary.function(node.name) if node.arguments is not None else None
-        if status is not None:
-            self.has(status.dialects, status.name)
+        row = vocabulary.known(node.name, called=node.arguments is not None)
+        if row is not None:
+            is_function = isinstance(row, vocabulary.Function)
+            self.has(row.name, row, "compute it another way" if is_function else STAY)
             return node
-        if called is not None:
-            self.has(called.dialects, called.name, called.instead, "compute it another way")
-            return node
-        return self.plain(node) if level == 4 and is_own(node.name) else node
+        return self.plain(node) if self.dialect.level == 4 and is_own(node.name) else node
 
     def plain(self, node: s.Variable) -> s.Variable:
         """Without a type mark, which is a declaration instead."""
@@ -180,15 +149,11 @@ class Words:
             kind = MARKS[mark].word
         other = self.suffixes.setdefault(node.key, mark)
         if (other == "$") != (mark == "$"):
-            self.complain(
-                self.here, f"both `{node.name}{other}` and `{node.name}{mark}`", "rename one"
-            )
+            self.lacks(f"both `{node.name}{other}` and `{node.name}{mark}`", "rename one")
         if node.key not in self.types:
             if node.arguments is not None:
-                self.complain(
-                    self.here, f"the array `{node.name}{mark}`",
-                    "name it by its type: M… for numbers, C…$ for texts",
-                )  # fmt: skip
+                cure = "name it by its type: M… for numbers, C…$ for texts"
+                self.lacks(f"the array `{node.name}{mark}`", cure)
             if kind == "Long":
                 self.memory.long[node.key] = None
             self.declared[node.key] = "Double" if kind == "Long" else kind
@@ -201,11 +166,27 @@ class Words:
         self.memory.constant[node.variable.key] = None
         made: list[s.Item] = []
         if node.type:
-            definition = s.DefNames(
-                "Double" if node.type == "Long" else node.type, (node.variable,)
-            )
-            made.append(s.Line(statement=definition, span=line.span))
+            kind = "Double" if node.type == "Long" else node.type
+            made.append(s.Line(statement=s.DefNames(kind, (node.variable,)), span=line.span))
         return [*made, replace(line, statement=s.Assign(node.variable, node.value))]
+
+
+def _later_form(record: Any) -> tuple[str, str] | None:
+    """What IV has, but not in this form, and what to write."""
+    match record:
+        case s.Command("Tool" | "Base" as word, (s.Number(),)):
+            return (
+                f"`{printer.statement(record)}`, a number",
+                f"write its values: {word} (x,y,z,a,b,c)",
+            )
+        case s.Command("Fine", (_, s.Variable(key="P" | "J"), *_)):
+            said = printer.statement(record)
+            return f"`{said}`, in mm or degrees", "write encoder pulses: Fine 100"
+        case s.Motion(type=(_, s.Number(value=2))):
+            return "`Type …,2`, a way through singular points", "move with Mov past them"
+        case s.DefAct(stop="F"):
+            return "`Def Act …,F`", "write S or L, or neither"
+    return None
 
 
 def reworded(line: s.Line, dialect: Dialect) -> s.Line | None:

@@ -91,7 +91,7 @@ class Status:
 
     type: `M`, `C`, `P` or `J`. index: what each subscript counts, `slot` or `mechanism` and so on.
     readable, writable: by a program. dialects: as in Statement. setter: the statement that sets
-    what it shows, empty for none.
+    what it shows, empty for none. instead: as in Statement.
     """
 
     name: str
@@ -101,8 +101,10 @@ class Status:
     writable: bool
     dialects: frozenset[int]
     setter: str = ""
+    instead: str = ""
 
 
+Row = Statement | Function | Status
 ANY: Final = "MCPJ"
 
 
@@ -120,6 +122,11 @@ def function(name: str) -> Function | None:
 def status(name: str) -> Status | None:
     """The status variable of that name in any case, with or without its `$`."""
     return variables().get(name.upper().removesuffix("$"))
+
+
+def known(name: str, *, called: bool = True) -> Function | Status | None:
+    """The status variable of that name, or the function if it is called."""
+    return status(name) or (function(name) if called else None)
 
 
 @cache
@@ -190,9 +197,11 @@ def _argument(text: str) -> Argument:
 
 
 def _variable(cells: tuple[str, ...]) -> Status:
-    name, index, access, levels, setter = (*cells, "")[:5]
+    name, index, access, levels, setter, instead = (*cells, "", "")[:6]
     counted = () if index == "-" else tuple(index.split())
-    return Status(name, name[0], counted, "R" in access, "W" in access, _levels(levels), setter)
+    return Status(
+        name, name[0], counted, "R" in access, "W" in access, _levels(levels), setter, instead
+    )
 
 
 def _levels(text: str) -> frozenset[int]:
