@@ -17,7 +17,7 @@ from assistant.languages.melfa_basic.convert.chains import chained
 from assistant.languages.melfa_basic.tables.dialects import Dialect
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import blocks_of
-from assistant.languages.melfa_basic.tree.jumping import THEN, branches, goes_to, waited
+from assistant.languages.melfa_basic.tree.jumping import goes_to, jumping_ifs, waited
 from assistant.languages.melfa_basic.tree.targets import labels_named, labels_of, lone_labels
 
 _LEFT: Final = re.compile(r"B[0-9]+Z")
@@ -86,19 +86,11 @@ def _waits(items: list[s.Item]) -> list[s.Item]:
 
 def _ifs(items: Sequence[s.Item], refused: set[str]) -> tuple[list[s.Item], dict[int, str]]:
     """The lines with `If` blocks, and by the identity of an `EndIf` the label that was there."""
-    labels = lone_labels(items)
     lines: list[s.Item | None] = list(items)
     ends: dict[int, str] = {}
-    for at, item in enumerate(items):
-        match item:
-            case s.Line(label=None, statement=s.If(then=s.Target(place=str() as name))):
-                found = THEN.fullmatch(name.upper())
-                if found is None or found.group(1) + "Z" in refused:
-                    continue
-                places = branches(items, labels, at, found.group(1))
-                if places:
-                    end = _replaced(lines, items, places)
-                    ends[id(end)] = found.group(1) + "Z"
+    for name, places in jumping_ifs(items).values():
+        if name + "Z" not in refused:
+            ends[id(_replaced(lines, items, places))] = name + "Z"
     return [line for line in lines if line is not None], ends
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Final
 
 from assistant.languages.melfa_basic.tree import syntax as s
@@ -28,60 +29,59 @@ def chained(items: Sequence[s.Item], ends: dict[int, str]) -> list[s.Item]:
 
 def _at(lines: list[s.Item], at: int, ends: dict[int, str]) -> list[s.Item] | None:
     """All lines with the row that begins here as a block, None if none begins here."""
-    name = _name(lines[at])
-    if name is None:
+    aimed = _aimed(lines[at])
+    found = _FIRST.fullmatch(aimed[1]) if aimed is not None else None
+    if found is None:
         return None
+    name = found[1]
     labels = lone_labels(lines)
     last = labels.get(name + "Z", -1)
     row = _row(lines, at, name)
     if row is None:
         return None
     cases, subject, after, default = row
-    count = len(cases) + (default is not None)
-    starts = [labels.get(f"{name}C{number}", -1) for number in range(1, count + 1)]
+    heads = [s.Line(statement=case, comment=comment) for case, comment in cases]
+    if default is not None:
+        heads.append(s.Line(statement=s.Command("Default"), comment=default.comment))
+    names = [f"{name}C{number}" for number in range(1, len(heads) + 1)]
+    starts = [labels.get(one, -1) for one in names]
     edges = [*starts, last]
     if sorted(edges) != edges or edges[0] < after:
         return None
     bodies: list[list[s.Item]] = []
-    for low, high in zip(starts, edges[1:], strict=True):
+    for low, high in pairwise(edges):
         if not goes_to(lines[high - 1], name + "Z") or high - 1 <= low:
             return None
         bodies.append(lines[low + 1 : high - 1])
     first = lines[at]
     head = s.Line(statement=s.Select(subject))
-    before = lines[:at]
+    before, behind = lines[:at], lines[last + 1 :]
     match before[-1] if before else None:
         case s.Line(label=None, statement=s.Assign(target=held, value=value)) as line if (
             held == s.Variable("M" + name) == subject
         ):
             head = replace(line, statement=s.Select(value))
             before.pop()
+    if head.span is None:
+        head = replace(head, span=first.span)
     block: list[s.Item] = [head, *lines[after : starts[0]]]
-    for (case, comment), body in zip(cases, bodies, strict=False):
-        block += [s.Line(statement=case, comment=comment), *body]
-    if default is not None:
-        block += [s.Line(statement=s.Command("Default"), comment=default.comment), *bodies[-1]]
+    for case, body in zip(heads, bodies, strict=True):
+        block += [case, *body]
     closing = s.Line(statement=s.Command("End Select"))
-    made = [*before, *block, closing, *lines[last + 1 :]]
-    gone = {name + "Z", *(f"{name}C{number}" for number in range(1, count + 1))}
-    outside = labels_named([*before, *lines[last + 1 :]])
-    if not gone.isdisjoint(outside) or (gone - {name + "Z"}).intersection(labels_named(block)):
+    outside = labels_named([*before, *behind])
+    if not {name + "Z", *names}.isdisjoint(outside) or set(names).intersection(labels_named(block)):
         return None
-    if isinstance(first, s.Line) and first.span is not None and head.span is None:
-        made[len(before)] = replace(head, span=first.span)
     ends[id(closing)] = name + "Z"
-    return made
+    return [*before, *block, closing, *behind]
 
 
-def _name(item: s.Item) -> str | None:
+def _aimed(item: s.Item) -> tuple[s.Expression | None, str] | None:
+    """Where a line goes, in upper case, and on what condition; None if it does anything else."""
     match item:
-        case s.Line(
-            label=None,
-            statement=s.If(then=s.Target(place=str() as place), otherwise=None)
-            | s.Jump("GoTo", s.Target(place=str() as place)),
-        ):
-            found = _FIRST.fullmatch(place.upper())
-            return found.group(1) if found else None
+        case s.Line(label=None, statement=s.If(condition, s.Target(place=str() as place), None)):
+            return condition, place.upper()
+        case s.Line(label=None, statement=s.Jump("GoTo", s.Target(place=str() as place))):
+            return None, place.upper()
     return None
 
 
@@ -92,37 +92,27 @@ def _row(lines: Sequence[s.Item], at: int, name: str) -> Row | None:
     """The cases, what is selected by, the place behind the row, the jump to the default."""
     cases: list[tuple[s.Case, str | None]] = []
     subject: s.Expression | None = None
-    while at < len(lines):
-        match lines[at]:
-            case s.Line(
-                label=None,
-                comment=comment,
-                statement=s.If(
-                    condition=condition, then=s.Target(place=str() as place), otherwise=None
-                ),
-            ):
-                tested = _test(condition)
-                if tested is None or (subject is not None and tested[0] != subject):
-                    return None
-                subject, item = tested
-                if cases and place.upper() == f"{name}C{len(cases)}" and comment is None:
-                    old, said = cases[-1]
-                    cases[-1] = s.Case((*old.items, item)), said
-                elif place.upper() == f"{name}C{len(cases) + 1}":
-                    cases.append((s.Case((item,)), comment))
-                else:
-                    return None
-            case (
-                s.Line(label=None, statement=s.Jump("GoTo", s.Target(place=str() as place))) as line
-            ) if subject is not None:
-                if place.upper() == name + "Z":
-                    return cases, subject, at + 1, None
-                if place.upper() == f"{name}C{len(cases) + 1}":
-                    return cases, subject, at + 1, line
+    for behind, line in enumerate(lines[at:], at + 1):
+        aimed = _aimed(line)
+        if aimed is None or not isinstance(line, s.Line):
+            return None
+        condition, label = aimed
+        following = f"{name}C{len(cases) + 1}"
+        if condition is None:
+            if subject is None or label not in (following, name + "Z"):
                 return None
-            case _:
-                return None
-        at += 1
+            return cases, subject, behind, line if label == following else None
+        tested = _test(condition)
+        if tested is None or (subject is not None and tested[0] != subject):
+            return None
+        subject, item = tested
+        if cases and label == f"{name}C{len(cases)}" and line.comment is None:
+            old, said = cases[-1]
+            cases[-1] = s.Case((*old.items, item)), said
+        elif label == following:
+            cases.append((s.Case((item,)), line.comment))
+        else:
+            return None
     return None
 
 

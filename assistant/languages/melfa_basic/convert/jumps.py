@@ -27,6 +27,7 @@ from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.dialects import EMITTED_LINE, Dialect
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.jumping import is_plain_wait, waiting
 from assistant.languages.melfa_basic.tree.targets import labels_of
 from assistant.languages.melfa_basic.tree.walk import nodes
 
@@ -37,6 +38,9 @@ _NUMBERED: Final = re.compile(r"[A-Z]\d+")
 
 Part = tuple[s.Line, range]
 """The line that begins a part of a block, and the places of those in it."""
+
+Written = tuple[s.Line, list[s.Item]]
+"""The same with the lines that its lines have become."""
 
 PLAIN: Final = (s.Assign, s.Jump, s.CallP, s.Print, s.Input, s.Open, s.Close, s.Command)
 """Statements that may follow `THEN` on its line."""
@@ -131,31 +135,24 @@ class Jumps:
 
     def if_block(self, block: Block, selecting: bool) -> list[s.Item]:
         """An `If` block on one line if it fits there, else with jumps."""
-        heads = [head for head, _ in self.parts(block)]
-        places = [inside for _, inside in self.parts(block)]
-        if all(len(inside) == 1 for inside in places):
-            counts = dict(self.counts)
-            out = Leave("If", selecting, "I")
-            short = self.on_one_line(block, heads, [self.lines(inside, out) for inside in places])
+        parts = self.parts(block)
+        if all(len(inside) == 1 for _, inside in parts):
+            counts, out = dict(self.counts), Leave("If", selecting, "I")
+            short = self.on_one_line(block, [(head, self.lines(x, out)) for head, x in parts])
             if short is not None and out.label is None:
                 return [short]
             self.counts = counts
-        out = Leave("If", selecting, "I", self.name("I") + "Z")
-        bodies = [self.lines(inside, out) for inside in places]
-        return self.jumping(str(out.label), heads, bodies, self.end(block))
+        last = self.name("I") + "Z"
+        out = Leave("If", selecting, "I", last)
+        written = [(head, self.lines(inside, out)) for head, inside in parts]
+        return [*self.jumping(last, written), *_said_at(self.end(block))]
 
-    def jumping(
-        self,
-        last: str,
-        heads: Sequence[s.Line],
-        bodies: Sequence[list[s.Item]],
-        end: s.Line | None,
-    ) -> list[s.Item]:
+    def jumping(self, last: str, parts: Sequence[Written]) -> list[s.Item]:
         """The lines of an `If` with jumps. last: the label at its end, `I1Z`."""
         name = last[:-1]
         made: list[s.Item] = []
         branch = 0
-        for head, body in zip(heads, bodies, strict=True):
+        for head, body in parts:
             node = head.statement
             if isinstance(node, s.If | s.ElseIf):
                 branch += 1
@@ -165,24 +162,18 @@ class Jumps:
                 made += [_goto(last), s.Line(label=other)]
             else:  # its comment goes to the jump, which stands where the word stood
                 made[-2:] = [replace(_goto(last), comment=head.comment), made[-1], *body]
-        made.append(s.Line(label=last))
-        if end is not None and end.comment is not None:
-            made.append(s.Line(comment=end.comment))
-        return made
+        return [*made, s.Line(label=last)]
 
-    def on_one_line(
-        self, block: Block, heads: Sequence[s.Line], bodies: Sequence[list[s.Item]]
-    ) -> s.Line | None:
-        others = [*heads[1:], _line(self.items[block.words[-1]])]
-        first = heads[0].statement
-        if len(heads) > 2 or not isinstance(first, s.If) or any(line.comment for line in others):
+    def on_one_line(self, block: Block, parts: Sequence[Written]) -> s.Line | None:
+        (head, _), *others = parts
+        words = [*(line for line, _ in others), _line(self.items[block.words[-1]])]
+        plain = [line.statement for line, _ in others] in ([], [s.Command("Else")])
+        if not plain or not isinstance(head.statement, s.If) or any(w.comment for w in words):
             return None
-        if len(heads) == 2 and heads[1].statement != s.Command("Else"):
-            return None
-        branches = [self.alone(body) for body in bodies]
+        branches = [self.alone(body) for _, body in parts]
         if None in branches:
             return None
-        line = replace(heads[0], statement=s.If(first.condition, *branches))
+        line = replace(head, statement=s.If(head.statement.condition, *branches))
         text = printer.line(line, self.dialect.upper)
         return line if len(text) < EMITTED_LINE - 10 else None
 
@@ -250,10 +241,7 @@ class Jumps:
         if not default:
             made.append(_goto(last))
         made += [*self.lines(above, out), *bodies, s.Line(label=last)]
-        end = self.end(block)
-        if end is not None and end.comment is not None:
-            made.append(s.Line(comment=end.comment))
-        return made
+        return [*made, *_said_at(self.end(block))]
 
     # ----------------------------------------------------------------------- one line
 
@@ -264,9 +252,11 @@ class Jumps:
             case s.Command(keyword="Break"):
                 return [replace(item, statement=self.left(item, leave))]
             case s.Command(keyword="Wait", arguments=(condition,)) if (
-                condition is not None and self.loops(condition)
+                condition is not None
+                and not self.dialect.wide_wait
+                and not is_plain_wait(condition)
             ):
-                return self.waited(item, condition)
+                return [*waiting(self.name("W"), condition, item)]
             case s.If(then=then) if then is not None and not self.dialect.blocks:
                 return self.one_line_if(item, item.statement, leave)
         return [item]
@@ -281,21 +271,6 @@ class Jumps:
             leave.label = self.name(leave.letter) + "Z"
         return s.Jump("GoTo", s.Target(leave.label))
 
-    def loops(self, condition: s.Expression) -> bool:
-        if self.dialect.wide_wait:
-            return False
-        match condition:
-            case s.Binary(operator="=", left=s.Variable(), right=s.Number()):
-                return False
-        return True
-
-    def waited(self, item: s.Line, condition: s.Expression) -> list[s.Item]:
-        label = self.name("W")
-        test = s.If(condition, s.Target(label + "Z"), s.Target(label))
-        return [
-            s.Line(label=label), replace(item, statement=test), s.Line(label=label + "Z")
-        ]  # fmt: skip
-
     def one_line_if(self, item: s.Line, node: s.If, leave: Leave | None) -> list[s.Item]:
         """An `If` of one line; as a block where a branch needs several."""
         given = [b for b in (node.then, node.otherwise) if b is not None]
@@ -304,8 +279,8 @@ class Jumps:
             goto = s.Jump("GoTo", branch) if isinstance(branch, s.Target) else branch
             bodies.append(self.line(s.Line(statement=goto, span=item.span), leave))
         if any(len(body) > 1 for body in bodies):
-            heads = [item, s.Line(statement=s.Command("Else"))][: len(bodies)]
-            return self.jumping(self.name("I") + "Z", heads, bodies, None)
+            heads = [item, s.Line(statement=s.Command("Else"))]
+            return self.jumping(self.name("I") + "Z", list(zip(heads, bodies, strict=False)))
         branches = [
             branch
             if isinstance(branch, s.Target) or not isinstance(line, s.Line)
@@ -318,6 +293,11 @@ class Jumps:
 
 def _selecting(leave: Leave | None) -> bool:
     return leave is not None and leave.selecting
+
+
+def _said_at(end: s.Line | None) -> list[s.Item]:
+    """The comment of a line that ends a block."""
+    return [] if end is None or end.comment is None else [s.Line(comment=end.comment)]
 
 
 def _goto(label: str) -> s.Line:

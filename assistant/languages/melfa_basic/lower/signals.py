@@ -9,6 +9,7 @@ from assistant.languages.melfa_basic.tables.statements import ROWS
 from assistant.languages.melfa_basic.tables.vocabulary import timers
 from assistant.languages.melfa_basic.tables.vocabulary.timers import MOST_TIMERS
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.jumping import is_plain_wait, waiting
 from assistant.languages.melfa_basic.tree.timers import timer
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.languages.patterns import Write, Writing
@@ -55,21 +56,10 @@ def _wait(w: Writer, condition: s.Expression, timeout: e.Expression | None) -> N
     if timeout is not None:
         _limited(w, condition, timeout)
         return
-    if w.dialect.wide_wait or _is_plain(condition):
+    if w.dialect.wide_wait or is_plain_wait(condition):
         w.add(s.Command("Wait", (condition,)))
-        return
-    label = w.made_label("W")
-    w.items.append(s.Line(label=label))
-    w.add(s.If(condition, s.Target(label + "Z"), s.Target(label)))
-    w.items.append(s.Line(label=label + "Z"))
-
-
-def _is_plain(condition: s.Expression) -> bool:
-    """Whether it is `variable = constant`, which every dialect waits for."""
-    match condition:
-        case s.Binary("=", s.Variable(), s.Number()):
-            return True
-    return False
+    else:
+        w.items += waiting(w.made_label("W"), condition, s.Line())
 
 
 def _limited(w: Writer, condition: s.Expression, timeout: e.Expression) -> None:

@@ -13,14 +13,30 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Final
 
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.targets import lone_labels
 
 THEN: Final = re.compile(r"(I[0-9]+)T1")
 """The label of the first branch, in upper case; the group is what all its labels begin with."""
 WAIT: Final = re.compile(r"W[0-9]+", re.IGNORECASE)
 """The label at the top of a loop that waits."""
+
+
+def jumping_ifs(lines: Sequence[object]) -> dict[int, tuple[str, list[int]]]:
+    """By the place of its first line what the labels of each begin with, and its `branches`."""
+    labels = lone_labels(lines)
+    found: dict[int, tuple[str, list[int]]] = {}
+    for at, line in enumerate(lines):
+        match line:
+            case s.Line(label=None, statement=s.If(then=s.Target(place=str() as name))):
+                first = THEN.fullmatch(name.upper())
+                places = branches(lines, labels, at, first[1]) if first else None
+                if first and places:
+                    found[at] = first[1], places
+    return found
 
 
 def branches(
@@ -58,6 +74,20 @@ def _tests(line: object, then: str, other: str) -> bool:
         ):
             return (yes.upper(), no.upper()) == (then, other)
     return False
+
+
+def is_plain_wait(condition: s.Expression | None) -> bool:
+    """Whether it is `variable = constant`, which every version waits for."""
+    match condition:
+        case s.Binary("=", s.Variable(), s.Number()):
+            return True
+    return False
+
+
+def waiting(label: str, condition: s.Expression, line: s.Line) -> list[s.Line]:
+    """A loop that only waits for a condition. line: that the test stands in."""
+    test = s.If(condition, s.Target(label + "Z"), s.Target(label))
+    return [s.Line(label=label), replace(line, statement=test), s.Line(label=label + "Z")]
 
 
 def waited(lines: Sequence[object]) -> tuple[str, s.Expression] | None:

@@ -8,8 +8,7 @@ from collections.abc import Sequence
 from assistant.languages.line_blocks import Blocks
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import blocks_of
-from assistant.languages.melfa_basic.tree.jumping import THEN, branches
-from assistant.languages.melfa_basic.tree.targets import lone_labels
+from assistant.languages.melfa_basic.tree.jumping import jumping_ifs
 
 Code = Sequence[s.Entry]
 
@@ -24,7 +23,10 @@ class Structure:
 
     def __init__(self, code: Code) -> None:
         self.blocks: Blocks = blocks_of(code)
-        self.places = _jumping(code) | {
+        jumping = jumping_ifs(code).items()
+        self.places = {
+            at: places for at, (_, places) in jumping if getattr(code[at], "comment", None) is None
+        } | {
             block.first: block.words
             for block in self.blocks.all
             if block.last is not None
@@ -44,19 +46,3 @@ def is_command(item: s.Entry, keyword: str) -> bool:
 
 def is_blank(item: s.Entry) -> bool:
     return isinstance(item, s.Line) and not (item.statement or item.label or item.comment)
-
-
-def _jumping(code: Code) -> dict[int, list[int]]:
-    """The places of an `If` that is written with jumps: see `branches`."""
-    labels = lone_labels(code)
-    found: dict[int, list[int]] = {}
-    for at, item in enumerate(code):
-        match item:
-            case s.Line(
-                label=None, comment=None, statement=s.If(then=s.Target(place=str() as name))
-            ):
-                first = THEN.fullmatch(name)
-                places = branches(code, labels, at, first.group(1)) if first else None
-                if places:
-                    found[at] = places
-    return found
