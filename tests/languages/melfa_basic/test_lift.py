@@ -424,6 +424,14 @@ def test_programs_of_several_files_keep_their_own_tools_and_frames(word: str, ki
     assert heights == [100, 101, 5, 200, 201]
 
 
+def test_a_program_that_is_called_may_change_the_tool_by_its_number() -> None:
+    language = languages.get("melfa-basic-5")
+    sub = SourceText("1 M_Tool=2\n2 End\n", "SUB.prg")
+    lines = '1 Tool (0,0,100,0,0,0)\n2 Mov P1\n3 CallP "SUB"\n4 Mov P1\n'
+    program = language.lift([language.parse(lines + AGAIN), language.parse(sub)])
+    assert opaque(program) == ["Mov P1", "M_Tool=2"]
+
+
 def test_comments_keep_their_places() -> None:
     program = lifted(
         "If M1=1 Then 'a\nDly 1 'b\nElse 'c\nDly 2\nEndIf 'd\nFor M2=1 To 2 'e\nNext 'f\nEnd 'g\n"

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from assistant.languages.melfa_basic.lift.settings.held import ALL_SETTINGS, SETTINGS
+from assistant.languages.melfa_basic.lift.settings.held import ALL_SETTINGS, set_by
 from assistant.languages.melfa_basic.lift.statements.waits import comment_text
 from assistant.languages.melfa_basic.lift.structure.order import in_order
 from assistant.languages.melfa_basic.text import header as headers
@@ -30,11 +30,8 @@ class File:
 
     def touched(self) -> frozenset[int]:
         """Settings that the file makes itself."""
-        return frozenset(
-            SETTINGS[node.keyword][0]
-            for node in self._nodes()
-            if isinstance(node, s.Command) and node.keyword in SETTINGS
-        )
+        made = map(set_by, self._nodes())
+        return frozenset(number for number in made if number is not None)
 
     def called(self) -> frozenset[str | None]:
         """Programs that it calls, in upper case; None for one whose name is worked out."""

@@ -60,13 +60,12 @@ class Settings:
 
     def effect(self, node: s.Statement | None) -> tuple[int, Any] | None:
         """Which setting a statement makes, and the value: UNKNOWN if the program works it out."""
-        match node:
-            case s.Command(keyword=keyword, arguments=arguments) if keyword in SETTINGS:
-                slot, read = SETTINGS[keyword]
-                return slot, read(self, arguments)
-            case s.Assign(target=target) if target.key == "M_TOOL":
-                return TOOL, UNKNOWN
-        return None
+        number = set_by(node)
+        if number is None:
+            return None
+        if isinstance(node, s.Command):
+            return number, SETTINGS[node.keyword][1](self, node.arguments)
+        return number, UNKNOWN
 
     def _number(self, node: Any) -> float | None:
         value = self.constants.value(node)
@@ -160,6 +159,16 @@ SETTINGS: Final[dict[str, tuple[int, Callable[[Settings, tuple[Any, ...]], Any]]
     "Tool": (TOOL, Settings.tool),
     "Base": (FRAME, Settings.frame),
 }
+
+
+def set_by(node: s.Statement | None) -> int | None:
+    """The number of the setting that a statement makes, None if it makes none."""
+    match node:
+        case s.Command(keyword=keyword) if keyword in SETTINGS:
+            return SETTINGS[keyword][0]
+        case s.Assign(target=target) if target.key == "M_TOOL":
+            return TOOL
+    return None
 
 
 def _speed(value: float) -> str:
