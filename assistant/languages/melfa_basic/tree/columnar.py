@@ -11,7 +11,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Final, TypeVar
+from typing import ClassVar, Final, TypeVar
 
 import numpy as np
 
@@ -57,8 +57,12 @@ class MoveRows(Run):
     steps: (n,) step numbers. kinds: (n,) rows of KEYWORDS.
     start, via: (n,) numbers of an arc's first two positions, -1 for other moves.
     end: (n,) number of the position that is reached.
+    label, statement, comment: what a single line may have.
     """
 
+    label: ClassVar[None] = None
+    statement: ClassVar[None] = None
+    comment: ClassVar[None] = None
     stem: str
     steps: Ints
     kinds: Ints

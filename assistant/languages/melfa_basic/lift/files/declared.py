@@ -43,8 +43,7 @@ class OwnVariables:
         """Takes out the definitions at the start; gives the parameters of the program."""
         parameters: tuple[s.Variable, ...] = ()
         while self.code:
-            item = self.code[0]
-            statement = item.statement if isinstance(item, s.Line) else None
+            statement = self.code[0].statement
             if not isinstance(statement, s.FPrm | s.DefNames | s.Dim):
                 break
             if not all(v.key in self.header.variables for v in statement.variables):
@@ -76,11 +75,9 @@ class OwnVariables:
 
     def _first_value(self, short: str) -> s.Assign | None:
         """Takes out the first line of the program if it gives that variable a value."""
-        first = self.code[0] if self.code else None
-        inner = isinstance(first, s.Line) and isinstance(first.statement, s.Function)
+        inner = bool(self.code) and isinstance(self.code[0].statement, s.Function)
         at = 1 if inner else 0
-        item = self.code[at] if at < len(self.code) else None
-        statement = item.statement if isinstance(item, s.Line) else None
+        statement = self.code[at].statement if at < len(self.code) else None
         if isinstance(statement, s.Assign) and statement.target.key == short:
             del self.code[at]
             self.moved = True
@@ -104,7 +101,7 @@ def first_parameters(code: list[s.Entry]) -> tuple[s.Variable, ...]:
     """The same, with the line taken out."""
     found = parameters_of(code)
     for at, item in enumerate(code):
-        if found and isinstance(item, s.Line) and item.statement is not None:
+        if found and item.statement is not None:
             code[at] = s.Line(comment=item.comment, span=item.span)
             break
     return found

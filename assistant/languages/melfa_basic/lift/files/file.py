@@ -353,13 +353,13 @@ def _with(known: dict[str, Any], more: dict[str, Any]) -> dict[str, Any]:
 
 
 def _statements(code: list[s.Entry], kind: type) -> list[Any]:
-    return [i.statement for i in code if isinstance(i, s.Line) and isinstance(i.statement, kind)]
+    return [item.statement for item in code if isinstance(item.statement, kind)]
 
 
 def _spelled(code: list[s.Entry], region: Region) -> str:
     """The label of a subroutine as it is written."""
     for at in (region.low - 1, region.low):
-        item = code[at] if at >= 0 else None
-        if isinstance(item, s.Line) and item.label and item.label.upper() == region.label:
-            return item.label
+        label = code[at].label if at >= 0 else None
+        if label and label.upper() == region.label:
+            return label
     return region.label or "unnamed"

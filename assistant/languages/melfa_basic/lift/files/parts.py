@@ -43,8 +43,7 @@ class File:
 
     def _nodes(self) -> Iterator[Any]:
         for item in self.code:
-            if isinstance(item, s.Line) and item.statement is not None:
-                yield from nodes(item.statement)
+            yield from nodes(item.statement)
 
 
 def touching(files: Mapping[str, File]) -> dict[str, frozenset[int]]:

@@ -46,7 +46,7 @@ def routine_of(code: Code, region: Region, name: str, symbols: Symbols) -> Routi
     assigned = {
         key
         for item in code[region.low : region.high]
-        if isinstance(item, s.Line) and item.statement is not None
+        if item.statement is not None
         for key in changed(item.statement, kept)
     }
     parameters: list[Parameter] = []
@@ -68,7 +68,7 @@ def _extents(code: Code) -> dict[str, set[int]]:
     """Numbers of subscripts that names stand with, in upper case."""
     found: dict[str, set[int]] = {}
     for item in code:
-        for part in nodes(item.statement) if isinstance(item, s.Line) else ():
+        for part in nodes(item.statement):
             if isinstance(part, s.Variable) and part.arguments is not None:
                 found.setdefault(part.key, set()).add(len(part.arguments))
     return found
@@ -131,7 +131,7 @@ def _defined(code: Code) -> set[str]:
     """Variables that some lines declare, in upper case."""
     found: set[str] = set()
     for item in code:
-        statement = item.statement if isinstance(item, s.Line) else None
+        statement = item.statement
         if isinstance(statement, s.Static):
             statement = statement.definition
         if isinstance(statement, s.DefNames | s.Dim):
@@ -143,14 +143,12 @@ def _direct(code: Code, region: Region, key: str) -> bool:
     """Whether each result is given right before the function is left, so that it is `return`."""
     left: set[int] = set()
     for at in range(region.low, region.high):
-        item = code[at]
-        statement = item.statement if isinstance(item, s.Line) else None
+        statement = code[at].statement
         if statement is None:
             continue
         if isinstance(statement, s.Assign) and _is_result(statement.target, key):
             following = code[at + 1]
-            plain = isinstance(following, s.Line) and following.label is None
-            if not plain or not isinstance(following, s.Line):
+            if not isinstance(following, s.Line) or following.label is not None:
                 return False
             if following.statement != EXIT and at + 1 != region.high:
                 return False
@@ -175,7 +173,7 @@ def defined_functions(code: Code, symbols: Symbols) -> list[Procedure]:
     made = []
     taken = {r.name for r in symbols.routines.values()}
     for item in code:
-        node = item.statement if isinstance(item, s.Line) else None
+        node = item.statement
         if not isinstance(node, s.DefFunction) or node.name.upper() in symbols.routines:
             continue
         name = identifier(node.name, taken)
@@ -192,9 +190,8 @@ def defined_functions(code: Code, symbols: Symbols) -> list[Procedure]:
             continue
         finally:
             symbols.inside = None
-        span = item.span if isinstance(item, s.Line) else None
-        body = (p.Return(value, span=span),)
-        made.append(Procedure(name, body, parameters, result=kind, span=span))
+        body = (p.Return(value, span=item.span),)
+        made.append(Procedure(name, body, parameters, result=kind, span=item.span))
         symbols.routines[key] = Routine(name, kind, parameters)
         taken.add(name)
     return made

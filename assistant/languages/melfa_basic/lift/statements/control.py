@@ -43,8 +43,6 @@ class Control(Statements):
         found, item = self.blocks.get(at), self.code[at]
         if found is None or found[-1] > high or len(self.leaving) > DEEPEST:
             return 0
-        if not isinstance(item, s.Line):
-            return 0
         self.leaving.append(Block(block_word(item.statement).opens, found[1:]))
         try:
             statement = self.whole(item.statement, found)
@@ -87,7 +85,7 @@ class Control(Statements):
     def note(self, at: int) -> list[p.Statement]:
         """The comment behind a word of a block."""
         item = self.code[at]
-        if not isinstance(item, s.Line) or item.comment is None:
+        if item.comment is None:
             return []
         return [p.Comment(waits.comment_text(item.comment), span=item.span)]
 
@@ -99,7 +97,7 @@ class Control(Statements):
         branches: list[p.Branch] = []
         otherwise: tuple[p.Statement, ...] = ()
         for place, following in itertools.pairwise(places):
-            node = self.statement_at(place)
+            node = self.code[place].statement
             inside = self.part if branches else lambda a, b: self.body(a + 1, b)
             if isinstance(node, s.If | s.ElseIf):
                 condition = self.condition_at(place, node)
@@ -113,7 +111,7 @@ class Control(Statements):
         branches = []
         for i in range(0, len(places) - 1, 3):
             test, jump, _ = places[i : i + 3]
-            node = self.statement_at(test)
+            node = self.code[test].statement
             if not isinstance(node, s.If):
                 raise Unliftable
             condition = self.condition_at(test, node)
@@ -126,21 +124,17 @@ class Control(Statements):
         self.enter(place)
         return self.expressions.condition(node.condition)
 
-    def statement_at(self, place: int) -> s.Statement | None:
-        item = self.code[place]
-        return item.statement if isinstance(item, s.Line) else None
-
     # ------------------------------------------------------------------------------ Select
 
     def select(self, subject: s.Expression, places: list[int]) -> p.Switch | p.If:
         value = self.expressions.of(subject)
-        if any(self.statement_at(at) for at in range(places[0] + 1, places[1])):
+        if any(self.code[at].statement for at in range(places[0] + 1, places[1])):
             raise Unliftable  # lines that never run
         cases: list[tuple[s.Case, tuple[p.Statement, ...]]] = []
         otherwise: tuple[p.Statement, ...] = ()
         above = self.body(places[0] + 1, places[1])
         for place, following in itertools.pairwise(places[1:]):
-            node = self.statement_at(place)
+            node = self.code[place].statement
             inside = (*above, *self.part(place, following))
             above = ()
             if isinstance(node, s.Case):

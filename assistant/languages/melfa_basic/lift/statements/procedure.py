@@ -92,20 +92,18 @@ class Reader(Control):
         return {key: self._spelled(key) for key in sorted(labels_of(self.code, one.places))}
 
     def _label_at(self, one: Form) -> str:
-        item = self.code[one.places[0]]
-        assert self.names is not None and isinstance(item, s.Line) and item.label is not None
-        return self.names.of(one)[item.label.upper()]
+        label = self.code[one.places[0]].label
+        assert self.names is not None and label is not None
+        return self.names.of(one)[label.upper()]
 
     def _spelled(self, label: str) -> str:
-        item = self.code[self.labels[label]]
-        return item.label if isinstance(item, s.Line) and item.label else label
+        return self.code[self.labels[label]].label or label
 
     def ending(self, region: Region) -> list[p.Statement]:
         """What stands behind a body: the comment of its last word, a result that was kept."""
         made: list[p.Statement] = []
         if region.high < len(self.code):
-            item = self.code[region.high]
-            if isinstance(item, s.Line) and item.statement in ENDS:
+            if self.code[region.high].statement in ENDS:
                 made += self.note(region.high)
         for at in range(*region.behind):
             made += self.note(at)
@@ -142,9 +140,9 @@ class Reader(Control):
             for callee, made in self.form.called.get(at, {}).items()
         }
         for to in self.form.goes.get(at, {}).values():
-            item = self.code[to.places[0]]
-            if isinstance(item, s.Line) and item.label is not None:
-                self.label_names[item.label.upper()] = self._label_at(to)
+            label = self.code[to.places[0]].label
+            if label is not None:
+                self.label_names[label.upper()] = self._label_at(to)
         return values
 
     def _function_key(self, region: int) -> str:
@@ -213,7 +211,7 @@ class Reader(Control):
         if node.target.arguments is not None or node.target.component:
             return 0
         value = self.expressions.of(node.value)
-        span = self.code[at].span if isinstance(self.code[at], s.Line) else None
+        span = self.code[at].span
         if inside.result is not None:
             made.append(p.Assign(e.Name(inside.result), value, span=span))
             return at + 1

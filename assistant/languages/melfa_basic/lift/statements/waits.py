@@ -39,7 +39,7 @@ def waited(code: Code, at: int, high: int, lift: Expressions) -> tuple[p.Stateme
         return None
     for count, wait in ((6, _timed), (3, _endless)):
         lines = code[at : min(at + count, high)]
-        if any(isinstance(line, s.Line) and line.comment is not None for line in lines):
+        if any(line.comment is not None for line in lines):
             continue  # a comment among them has its place
         try:
             made = wait(lines, lift)

@@ -29,8 +29,7 @@ class Structure:
         } | {
             block.first: block.words
             for block in self.blocks.all
-            if block.last is not None
-            and all(getattr(code[at], "label", None) is None for at in block.words[1:])
+            if block.last is not None and all(code[at].label is None for at in block.words[1:])
         }
         change = [0] * (len(code) + 1)
         for places in self.places.values():
@@ -41,7 +40,7 @@ class Structure:
 
 def is_command(item: s.Entry, keyword: str) -> bool:
     """Whether a line is that word alone."""
-    return isinstance(item, s.Line) and item.label is None and item.statement == s.Command(keyword)
+    return item.label is None and item.statement == s.Command(keyword)
 
 
 def is_blank(item: s.Entry) -> bool:

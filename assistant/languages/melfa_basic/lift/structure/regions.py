@@ -135,7 +135,7 @@ def _starts(
     wanted = set(named) if own else called(code)
     starts: list[tuple[int, str]] = []
     for at, item in enumerate(code):
-        if not isinstance(item, s.Line) or item.label is None or depth[at]:
+        if item.label is None or depth[at]:
             continue
         label = item.label.upper()
         if label not in wanted or item.statement is not None:

@@ -37,11 +37,10 @@ def scope_of(items: Iterable[s.Entry], functions: Iterable[str]) -> Scope:
     own = frozenset(functions)
     marked: dict[str, ValueType] = {}
     for item in items:
-        statement = item.statement if isinstance(item, s.Line) else None
-        if statement is None:
+        if item.statement is None:
             continue
-        _declare(scope, statement)
-        for node in nodes(statement):
+        _declare(scope, item.statement)
+        for node in nodes(item.statement):
             if isinstance(node, s.Variable) and node.key not in own and is_variable(node):
                 scope.names.setdefault(node.key, node.name)
                 if node.suffix:

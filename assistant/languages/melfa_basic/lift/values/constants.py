@@ -29,17 +29,16 @@ class Constants:
         count: Counter[str] = Counter()
         self.kept = kept = keeping(code)
         for item in code:
-            if isinstance(item, s.Line) and item.statement is not None:
+            if item.statement is not None:
                 count.update(changed(item.statement, kept))
         self.assigned = frozenset(count)
         self.values: dict[str, Value] = {}
         at_start = True
         for item in code:
-            statement = item.statement if isinstance(item, s.Line) else None
+            statement = item.statement
             if isinstance(statement, s.Const):
                 self._take(statement.variable, statement.value, count, at_start)
-            if isinstance(item, s.Line) and (item.label is not None or _leads_away(statement)):
-                at_start = False
+            at_start = at_start and item.label is None and not _leads_away(statement)
             if at_start and isinstance(statement, s.Assign):
                 self._take(statement.target, statement.value, count, True)
 
@@ -93,10 +92,7 @@ def keeping(code: Sequence[s.Entry]) -> dict[str, Sequence[bool]]:
     """What is known of the functions and arrays of a file."""
     found: dict[str, Sequence[bool]] = {}
     for item in code:
-        statement = item.statement if isinstance(item, s.Line) else None
-        if isinstance(statement, s.Static):
-            statement = statement.definition
-        match statement:
+        match item.statement.definition if isinstance(item.statement, s.Static) else item.statement:
             case s.Function(name=name, parameters=parameters):
                 found[name.upper()] = [q.mode == "ByVal" for q in parameters or ()]
             case s.Dim(variables=variables) | s.DefNames(variables=variables):

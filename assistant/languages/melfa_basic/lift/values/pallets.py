@@ -39,12 +39,11 @@ def pallets(code: Sequence[s.Entry], symbols: Symbols) -> dict[int, tuple[str, t
     """The array of each pallet that has one definition and corners that stay, by its number."""
     found: dict[int, list[s.DefOther]] = {}
     for item in code:
-        statement = item.statement if isinstance(item, s.Line) else None
-        if isinstance(statement, s.DefOther) and statement.kind == "Plt":
-            number = symbols.constants.value(statement.arguments[0])
+        if isinstance(item.statement, s.DefOther) and item.statement.kind == "Plt":
+            number = symbols.constants.value(item.statement.arguments[0])
             if not isinstance(number, float):
                 return {}
-            found.setdefault(round(number), []).append(statement)
+            found.setdefault(round(number), []).append(item.statement)
     made = {}
     for key, definitions in found.items():
         points = grid(definitions[0], symbols) if len(definitions) == 1 else None

@@ -24,9 +24,7 @@ def timers(code: Sequence[s.Entry], header: Header, own: bool) -> dict[int, str]
     started: set[int] = set()
     other: set[int] = set()
     for at, item in enumerate(code):
-        if not isinstance(item, s.Line) or item.statement is None:
-            continue
-        numbers = [timer_of(node) for node in nodes(item.statement)]
+        numbers = map(timer_of, nodes(item.statement))
         mentioned = [n for n in numbers if n is not None]
         if not mentioned:
             continue
@@ -41,8 +39,7 @@ def timers(code: Sequence[s.Entry], header: Header, own: bool) -> dict[int, str]
 
 
 def _is_wait(line: s.Entry) -> bool:
-    label = line.label if isinstance(line, s.Line) else None
-    return label is not None and label[:1] == "W" and label[1:].isdigit()
+    return line.label is not None and line.label[:1] == "W" and line.label[1:].isdigit()
 
 
 def _plain(statement: Any) -> Iterator[tuple[int, bool]]:
