@@ -9,28 +9,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
-from itertools import islice
 from typing import Any, Final
 
-import numpy as np
-
-from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP
+from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.languages.melfa_basic.tables.vocabulary import commands
 from assistant.languages.melfa_basic.text import header
 from assistant.languages.melfa_basic.text.printer import expression
 from assistant.languages.melfa_basic.text.printer import statement as printed
+from assistant.languages.melfa_basic.text.renumbering import STEPS
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
 from assistant.languages.melfa_basic.tree.line_tables import gathered, rows_as_lines
-from assistant.languages.melfa_basic.tree.targets import (
-    first_step,
-    retargeted,
-    steps_of,
-    with_steps,
-)
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.languages.texts.merged_data import Data
 from assistant.languages.texts.merged_lines import Lines, Part
+from assistant.languages.texts.numbering import fitted
 from assistant.program.rewriting import rewrite
 
 Spelling = Callable[[str], str]
@@ -44,8 +37,8 @@ def merge(tree: s.File, before: s.File, after: s.File, says: Callable[[s.File], 
     old, new = (_named_as(file, tree) for file in (before, after))
     for lines in _LINES.merged(tree.items, old, new):
         items = _DATA.merged(lines, old, new)
-        numbered = None if items is None else _numbered(items, tree.dialect)
-        if numbered is not None and says(merged := replace(tree, items=numbered)):
+        numbered = None if items is None else fitted(items, DIALECTS[tree.dialect].step, STEPS)
+        if numbered is not None and says(merged := replace(tree, items=tuple(numbered))):
             return merged
     return after
 
@@ -172,46 +165,3 @@ def _spelled(node: Any, name: Spelling, label: Spelling) -> Any:
         return one
 
     return rewrite(node, change)
-
-
-# Step numbers
-
-
-def _numbered(items: Sequence[s.Item], dialect: str) -> tuple[s.Item, ...] | None:
-    """New lines with numbers between their neighbours; where there is no room others move on.
-
-    Jumps go with their lines. None if numbers end before the program does.
-    """
-    if not any(steps_of(item).any() for item in items):
-        return tuple(items)
-    made: list[s.Item] = []
-    moved: dict[str | int, int] = {}
-    last = 0
-    for at, item in enumerate(items):
-        if isinstance(item, s.Line) and item.number is None:
-            last += _room(items, at, last, DIALECTS[dialect].step)
-            made.append(replace(item, number=last))
-        elif isinstance(item, s.Entry):
-            old = steps_of(item)
-            new = np.maximum(old, last + 1 + np.arange(len(old)))
-            made.append(with_steps(item, new))
-            moved |= {a: b for a, b in zip(old.tolist(), new.tolist(), strict=True) if a != b and a}
-            last = int(new[-1])
-        else:
-            made.append(item)
-    if last > LAST_STEP:
-        return None
-    if moved:
-        made = [retargeted(item, lambda to: moved.get(to, to)) for item in made]
-    return tuple(made)
-
-
-def _room(items: Sequence[s.Item], at: int, last: int, step: int) -> int:
-    """What the number of a new line is more than the one before it."""
-    count = 1
-    for item in islice(items, at, None):
-        following = first_step(item)
-        if following is not None:
-            return max((following - last) // count, 1)
-        count += isinstance(item, s.Line)
-    return step

@@ -1,0 +1,128 @@
+"""Numbers of lines that jumps name: given anew, and to new lines between others."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Sequence
+from dataclasses import dataclass, replace
+from itertools import islice
+from typing import Any, Final
+
+import numpy as np
+
+from assistant.languages.runs.names import rows_of
+from assistant.program.arrays import Ints
+from assistant.program.diagnostics import Diagnostic, Refused, Rule
+from assistant.program.text import SourceText
+
+UNNUMBERED: Final = 0
+"""Stands for the number of a line that is to get one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Steps:
+    """What a language says of numbers.
+
+    line: a line by itself; its `number` is None if it has none. last: the highest number.
+    of: (n,) numbers of an item, none of what has none. given: an item with other numbers (n,).
+    named: numbers that the jumps of some items name. retargeted: an item whose jumps name others.
+    falling, past_last, unknown: rules for numbers that do not ascend, that are too high, and for
+    a jump to a number that no line has.
+    """
+
+    line: type[Any]
+    last: int
+    of: Callable[[Any], Ints]
+    given: Callable[[Any, Ints], Any]
+    named: Callable[[Iterable[Any]], Collection[int]]
+    retargeted: Callable[[Any, Callable[[str | int], str | int]], Any]
+    falling: Rule
+    past_last: Rule
+    unknown: Rule
+
+
+def renumbered(
+    items: Sequence[Any], first: int, step: int, steps: Steps, source: SourceText | None
+) -> list[Any]:
+    """The lines with the numbers first, first + step …, and the jumps to them.
+
+    source: that the items were read from. Raises Refused where a jump has no destination, where
+    numbers do not ascend (which of two lines comes first is open then), or where the last number
+    would be too high.
+    """
+    numbers = [steps.of(item) for item in items]
+    old = np.concatenate([np.empty(0, dtype=np.int64), *numbers])
+    ends = np.cumsum([len(some) for some in numbers])
+    new = first + step * np.arange(len(old), dtype=np.int64)
+    known = np.flatnonzero(old != UNNUMBERED)
+    wanted = np.array(sorted(steps.named(items)), dtype=np.int64)
+    at = rows_of(old[known], wanted)
+    there = new[known[at[at >= 0]]]
+    places: dict[str | int, int] = dict(zip(wanted[at >= 0].tolist(), there.tolist(), strict=True))
+
+    found: list[Diagnostic] = []
+    falls = np.flatnonzero(np.diff(old[known], prepend=0) <= 0)
+    owners, once = np.unique(np.searchsorted(ends, known[falls], "right"), return_index=True)
+    for owner, fall in zip(owners.tolist(), falls[once].tolist(), strict=True):
+        number, before = (int(old[known[k]]) for k in (fall, fall - 1))
+        found.append(_finding(source, items[owner], steps.falling, number=number, before=before))
+    if len(new) and new[-1] > steps.last:
+        path, last = source.path if source else None, int(new[-1])
+        finding = steps.past_last(
+            path=path, count=len(new), first=first, step=step, last=last, most=steps.last
+        )
+        found.append(finding)
+    made: list[Any] = []
+    for item, some, end in zip(items, numbers, ends.tolist(), strict=True):
+        if len(some):
+            lost = sorted(set(steps.named([item])) - places.keys())
+            found += [_finding(source, item, steps.unknown, name=number) for number in lost]
+            item = steps.retargeted(item, lambda to: places.get(to, to))
+            item = steps.given(item, new[end - len(some) : end])
+        made.append(item)
+    if found:
+        raise Refused(*found)
+    return made
+
+
+def _finding(source: SourceText | None, item: Any, rule: Rule, **fields: Any) -> Diagnostic:
+    if source is None or item.span is None:
+        return rule(**fields)
+    return source.finding(rule, item.span, **fields)
+
+
+def fitted(items: Sequence[Any], step: int, steps: Steps) -> list[Any] | None:
+    """New lines with numbers between their neighbours; where there is no room others move on.
+
+    Jumps go with their lines. step: between lines behind all others. None if numbers end before
+    the program does.
+    """
+    if not any(steps.of(item).any() for item in items):
+        return list(items)
+    made: list[Any] = []
+    moved: dict[str | int, int] = {}
+    last = 0
+    for at, item in enumerate(items):
+        old = steps.of(item)
+        if len(old):
+            new = np.maximum(old, last + 1 + np.arange(len(old)))
+            item = steps.given(item, new)
+            moved |= {a: b for a, b in zip(old.tolist(), new.tolist(), strict=True) if a != b and a}
+            last = int(new[-1])
+        elif isinstance(item, steps.line):
+            last += _room(items, at, last, step, steps)
+            item = replace(item, number=last)
+        made.append(item)
+    if last > steps.last:
+        return None
+    return [steps.retargeted(i, lambda to: moved.get(to, to)) for i in made] if moved else made
+
+
+def _room(items: Sequence[Any], at: int, last: int, step: int, steps: Steps) -> int:
+    """What the number of a new line is more than the one before it."""
+    count = 1
+    for item in islice(items, at, None):
+        following = steps.of(item)
+        if len(following):
+            return max((int(following[0]) - last) // count, 1)
+        count += isinstance(item, steps.line)
+    return step
