@@ -61,14 +61,14 @@ class Written:
         pose = self.pose(target.pose, f"the target `{name}`", about)
         if pose is None:
             return target
+        target = replace(target, pose=pose)
         row = np.array([configuration_row(target.configuration)], dtype=np.int8)
-        branch = self._branches(row, about)
+        (branch,) = self._branches(row, about)
         self._check_external(np.array([target.external]), name, about)
-        external = self.external(target.external)
-        target = Target(pose, configuration_of(branch[0]), external)
         if self.five_axes is not None:
             target = target_in_reach(name, target, about, self.five_axes, self.job.findings)
-        return target
+        external = self.external(target.external)
+        return replace(target, configuration=configuration_of(branch), external=external)
 
     def path(self, path: Path) -> Path:
         """With arm branches, and arcs that are whole."""

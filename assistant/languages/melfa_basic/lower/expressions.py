@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from assistant.languages.melfa_basic.lower.names import Names
+from assistant.languages.melfa_basic.reading.line import expression
 from assistant.languages.melfa_basic.tables import operators, poses, vocabulary
-from assistant.languages.melfa_basic.tables.dialects import Dialect
+from assistant.languages.melfa_basic.tables.dialects import DIALECTS, Dialect
 from assistant.languages.melfa_basic.tables.functions import (
     ANALOG,
     BITS,
@@ -143,8 +144,8 @@ class Expressions:
                 return s.Binary(operators.WRITTEN[operator], *sides)
             case e.Apply(function=function, arguments=arguments):
                 return self.apply(function.lower(), arguments)
-            case e.Verbatim(language=language, text=text, reason=reason):
-                return self.verbatim(language, text, reason)
+            case e.Verbatim():
+                return self.verbatim(value)
         raise Unsayable(
             f"an expression of kind {type(value).__name__}", "write it with single values"
         )
@@ -161,16 +162,17 @@ class Expressions:
             raise Unsayable(f"a text of over {MOST_TEXT} characters", "shorten it")
         return s.String(text)
 
-    def verbatim(self, language: str, text: str, reason: e.Reason | None = None) -> s.Expression:
-        from assistant.languages.melfa_basic.reading.parser import statement
-
-        line = statement("M0=" + text) if language.startswith("melfa-basic-") else None
-        if line is None or line.comment or not isinstance(line.statement, s.Assign):
-            what, cure = f"the {language} expression `{text}`", "write it in plain words"
-            if reason is not None:
-                what, cure = f"{what}: {reason.why}", reason.cure
+    def verbatim(self, value: e.Verbatim) -> s.Expression:
+        node = expression(value.text) if value.language in DIALECTS else None
+        if node is None:
+            what, cure = (
+                f"the {value.language} expression `{value.text}`",
+                "write it in plain words",
+            )
+            if value.reason is not None:
+                what, cure = f"{what}: {value.reason.why}", value.reason.cure
             raise Unsayable(what, cure)
-        return line.statement.value
+        return node
 
     def apply(self, function: str, arguments: tuple[e.Expression, ...]) -> s.Expression:
         if function in ("offset", "relative"):
@@ -222,13 +224,7 @@ class Expressions:
         return s.Variable(whole.name, whole.suffix, tuple(self.of(i) for i in indices))
 
     def variable(self, name: str) -> str | None:
-        owner = self.procedure.name.lower() if self.procedure else ""
-        key = name.lower()
-        return (
-            self.names.variables.get((owner, key))
-            or self.names.loops.get((owner, key))
-            or self.names.variables.get(("", key))
-        )
+        return self.names.variable(self.procedure.name if self.procedure else "", name)
 
     def signal(self, name: str, signal: Signal) -> s.Expression:
         """The value of a signal; raises NoNumber without a number."""

@@ -60,6 +60,24 @@ class Names:
     position: int = 1
     products: bool = False
 
+    def variable(self, owner: str, name: str) -> str | None:
+        """What a variable is called in a procedure, None if it is none."""
+        owner, key = owner.lower(), name.lower()
+        tables = self.variables, self.loops
+        own = next((table[owner, key] for table in tables if (owner, key) in table), None)
+        return own or self.variables.get(("", key))
+
+    def value(self, owner: str, name: str) -> str | None:
+        """The same of a variable, target, tool or frame."""
+        tables = self.targets, self.joints, self.tools, self.frames
+        given = next((t[name.lower()] for t in tables if name.lower() in t), None)
+        return self.variable(owner, name) or given
+
+    def label(self, owner: str, name: str) -> str | None:
+        """The same of a label, or of a procedure that is called as one."""
+        key = name.lower()
+        return self.labels.get((owner.lower(), key)) or self.procedures.get(key)
+
 
 def naming(program: Program, dialect: Dialect, products: bool = False) -> Names:
     """The names of a whole program; the same program always gets the same."""

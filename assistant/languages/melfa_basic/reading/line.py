@@ -87,6 +87,17 @@ def statement(text: str) -> s.Line | None:
     return node if isinstance(node, s.Line) else None
 
 
+def expression(text: str) -> s.Expression | None:
+    """What a text says that is an expression, None if it is none."""
+    line = statement("M0=" + text)
+    if line is None or line.comment is not None:
+        return None
+    match line.statement:
+        case s.Assign(value=value, delay=None):
+            return value
+    return None
+
+
 def lexemes(text: str, start: str = "line") -> tuple[Lexeme, ...]:
     """The words of a line without its step number, as far as it is MELFA-BASIC.
 

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from functools import lru_cache
 from typing import Any
 
-from assistant.languages.melfa_basic.reading.parser import statement as read_statement
+from assistant.languages.melfa_basic.reading.line import expression
+from assistant.languages.melfa_basic.reading.line import statement as read_statement
 from assistant.languages.melfa_basic.tables.vocabulary import commands, status
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import is_word
@@ -32,10 +33,8 @@ def of_node(tree: s.Statement | s.Expression, text: str) -> Effect:
 def of_text(text: str, kind: KeptKind) -> Effect:
     """What a text does; anything if it is no MELFA-BASIC."""
     if kind == "expression":
-        line = read_statement("M0=" + text)
-        if line is not None and isinstance(line.statement, s.Assign) and not line.comment:
-            return of_node(line.statement.value, text)
-        return unknown(text)
+        node = expression(text)
+        return unknown(text) if node is None else of_node(node, text)
     return together(map(_of_line, text.split("\n")))
 
 
