@@ -44,7 +44,7 @@ LEAST_NORM: Final = 0.5
 
 
 class Written:
-    """The positions of a program. unstated: how many targets had no arm branch."""
+    """Parts of a program as a language writes them. unstated: targets without an arm branch."""
 
     def __init__(self, job: Legalising, can: Positions) -> None:
         self.job, self.can, self.five_axes = job, can, job.can.five_axes

@@ -129,8 +129,8 @@ class Named(Generic[T]):
         return e.Name(name)
 
 
-class Numbers:
-    """Motions with numbers for the names of their speeds and blends, and no others than is said.
+class ByValue:
+    """Motions whose speeds and blends are numbers instead of names.
 
     named: how many names became numbers. Tools and frames get the spelling of their declarations.
     """

@@ -101,15 +101,10 @@ def if_(w: Writer, node: p.If) -> None:
 def _block(w: Writer, node: p.If) -> None:
     for i, branch in enumerate(node.branches):
         condition = w.expressions.of(branch.condition)
-        w.add(s.If(condition, None) if i == 0 else s.ElseIf(condition))
-        w.forget()
-        w.body(branch.body)
+        w.part(s.If(condition, None) if i == 0 else s.ElseIf(condition), branch.body)
     if node.otherwise:
-        w.add(s.Command("Else"))
-        w.forget()
-        w.body(node.otherwise)
-    w.add(s.Command("EndIf"))
-    w.forget()
+        w.part(s.Command("Else"), node.otherwise)
+    w.part(s.Command("EndIf"))
 
 
 def _one_line(w: Writer, node: p.If) -> bool:
@@ -164,17 +159,12 @@ def _jumping(w: Writer, node: p.If) -> None:
 def switch(w: Writer, node: p.Switch) -> None:
     w.add(s.Select(w.expressions.of(node.subject)))
     for case in node.cases:
-        w.add(s.Case(tuple(s.CaseRange(w.expressions.of(v)) for v in case.values)))
-        w.forget()
-        w.body(case.body)
+        w.part(s.Case(tuple(s.CaseRange(w.expressions.of(v)) for v in case.values)), case.body)
         _leave(w)
     if node.otherwise:
-        w.add(s.Command("Default"))
-        w.forget()
-        w.body(node.otherwise)
+        w.part(s.Command("Default"), node.otherwise)
         _leave(w)
-    w.add(s.Command("End Select"))
-    w.forget()
+    w.part(s.Command("End Select"))
 
 
 def _leave(w: Writer) -> None:
@@ -184,12 +174,9 @@ def _leave(w: Writer) -> None:
 
 
 def while_(w: Writer, node: p.While) -> None:
-    w.add(s.Command("While", (w.expressions.of(node.condition),)))
-    w.forget()
-    w.body(node.body)
+    w.part(s.Command("While", (w.expressions.of(node.condition),)), node.body)
     w.stand(node.condition)
-    w.add(s.Command("WEnd"))
-    w.forget()
+    w.part(s.Command("WEnd"))
 
 
 def for_(w: Writer, node: p.For) -> None:
@@ -199,11 +186,8 @@ def for_(w: Writer, node: p.For) -> None:
     variable = s.Variable(short)
     first, last = w.expressions.of(node.first), w.expressions.of(node.last)
     step = None if node.step is None or node.step == p.ONE else w.expressions.of(node.step)
-    w.add(s.For(variable, first, last, step))
-    w.forget()
-    w.body(node.body)
-    w.add(s.Next((variable,)))
-    w.forget()
+    w.part(s.For(variable, first, last, step), node.body)
+    w.part(s.Next((variable,)))
 
 
 # --------------------------------------------------------------------------------- jumps

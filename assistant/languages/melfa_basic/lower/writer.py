@@ -149,6 +149,12 @@ class Writer:
         self.items.append(s.Line(label=name))
         self.forget()
 
+    def part(self, word: s.Statement, body: tuple[p.Statement, ...] = ()) -> None:
+        """A word that a part of a block begins or ends with, and what stands in that part."""
+        self.add(word)
+        self.forget()
+        self.body(body)
+
     def forget(self) -> None:
         """Nothing is known any more: another way may lead here."""
         self.state.clear()

@@ -23,7 +23,7 @@ from assistant.program.geometry import BASE
 from assistant.program.passes.comments import as_comment, plain_comment
 from assistant.program.passes.endings import end_for_good
 from assistant.program.passes.legalising import Legalising
-from assistant.program.passes.motions import Numbers
+from assistant.program.passes.motions import ByValue
 from assistant.program.passes.places import constants, plain_trigger, with_ends_behind
 from assistant.program.passes.plain_expressions import fixed, of_numbers, shifted
 from assistant.program.passes.rewording import Changes, Rewording
@@ -43,7 +43,7 @@ class Plain(Rewording):
     ) -> None:
         super().__init__(job)
         self.dialect, self.products, self.five_axes = dialect, products, job.can.five_axes
-        self.written, self.motions = Written(job, positions(robot)), Numbers(job, motions(robot))
+        self.written, self.motions = Written(job, positions(robot)), ByValue(job, motions(robot))
         self.constants: dict[str, e.Number] = {}
 
     def program(self) -> Program:
