@@ -16,7 +16,6 @@ from assistant.languages.rapid.tables.words import LOADED_FROM
 from assistant.languages.rapid.text import effects, verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.calls import called
-from assistant.languages.rapid.tree.walk import nodes as tree_nodes
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Refused, over
@@ -25,6 +24,7 @@ from assistant.program.program import Program
 
 _STANDARD: Final = INSTRUCTIONS | OF_OPTIONS
 _WORD: Final = re.compile(r"[A-Za-z]\w*")
+_LOADED: Final = re.compile(rf"{re.escape(LOADED_FROM)}({_WORD.pattern})\.mod")
 
 
 def statements_of(text: str, program: Program) -> tuple[p.Statement, ...]:
@@ -54,18 +54,15 @@ class StatementLift:
     def _body(self, nodes: Sequence[s.StatementNode]) -> Iterator[p.Statement]:
         at = 0
         while at < len(nodes):
-            loaded = self._loaded_call(nodes[at : at + 3])
-            if loaded is not None:
-                yield loaded
-                at += 3
-                continue
-            timer = self._timer(nodes[at : at + 2])
-            if timer is not None:
-                yield timer
-                at += 2
-                continue
-            yield from self._statement(nodes[at])
-            at += 1
+            for count, read in ((3, self._loaded_call), (2, self._timer)):
+                said = read(nodes[at : at + count])
+                if said is not None:
+                    yield said
+                    at += count
+                    break
+            else:
+                yield from self._statement(nodes[at])
+                at += 1
 
     def _statement(self, node: s.StatementNode) -> Iterator[p.Statement]:
         span, original, expression = node.span, self._original, self._expression
@@ -128,11 +125,10 @@ class StatementLift:
 
     def _timer(self, nodes: Sequence[s.StatementNode]) -> p.StartTimer | None:
         """`ClkReset c; ClkStart c;` as one, if the clock is nothing but restarted and read."""
-        name = restarted(*nodes) if len(nodes) == 2 else None
-        if name is None or name not in self._meaning.timers:
+        clock = restarted(nodes)
+        if clock is None or clock.name.lower() not in self._meaning.timers:
             return None
-        span = over(nodes[0].span, nodes[1].span)
-        return p.StartTimer(self._original(_clock(nodes[0])), span=span)
+        return p.StartTimer(self._original(clock.name), span=over(nodes[0].span, nodes[1].span))
 
     def _loaded_call(self, nodes: Sequence[s.StatementNode]) -> p.Call | None:
         r"""`Load \Dynamic, "HOME:/u.mod"; %"name"% …; UnLoad "HOME:/u.mod";` as one call."""
@@ -145,23 +141,12 @@ class StatementLift:
                 s.ProcedureCall(s.StringLiteral(name)) as call,
                 s.ProcedureCall(str(unload), (s.Positional(s.StringLiteral(same), None),)) as last,
             ) if (load.lower(), option.lower(), unload.lower()) == ("load", "dynamic", "unload"):
-                module = file.removeprefix(LOADED_FROM).removesuffix(".mod")
-                given = self._given(call)
-                if (
-                    given is None
-                    or file != same
-                    or file != LOADED_FROM + module + ".mod"
-                    or not all(map(_WORD.fullmatch, (module, name)))
-                ):
+                module, given = _LOADED.fullmatch(file), self._given(call)
+                if module is None or given is None or file != same or not _WORD.fullmatch(name):
                     return None
-                unit = self._original(module)
-                return p.Call(self._original(name), given, unit, span=over(first.span, last.span))
+                unit, span = self._original(module[1]), over(first.span, last.span)
+                return p.Call(self._original(name), given, unit, span=span)
         return None
-
-
-def _clock(node: s.StatementNode) -> str:
-    """The clock of `ClkReset`, as it is spelled."""
-    return next(part.name for part in tree_nodes(node) if isinstance(part, s.NameRef))
 
 
 def _kept(text: str) -> p.Opaque:

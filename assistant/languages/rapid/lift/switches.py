@@ -96,27 +96,26 @@ def _plain(routine: s.Routine) -> s.Routine:
 def _called(x: Any, switches: Switches) -> Any:
     """A call with what it says of each switch."""
     match x:
-        case p.Call(name, given) if name.lower() in switches:
-            return replace(x, arguments=(*given, *_told((), switches[name.lower()])))
-        case e.Apply(name, given) if name.lower() in switches:
-            return replace(x, arguments=(*given, *_told((), switches[name.lower()])))
+        case p.Call(name, given) | e.Apply(name, given) if name.lower() in switches:
+            return replace(x, arguments=(*given, *_told({}, switches[name.lower()])))
         case p.Opaque(verbatim.LANGUAGE, text):
             match verbatim.understood(verbatim.statements, text):
-                case (s.ProcedureCall(str(name), arguments),) if name.lower() in switches:
-                    values = _values(arguments, switches[name.lower()], switches)
-                    return x if values is None else p.Call(name, values, span=x.span)
+                case (s.ProcedureCall(str(name), arguments),):
+                    values = _values(name, arguments, switches)
+                    return p.Call(name, values, span=x.span) if values else x
         case e.Verbatim(verbatim.LANGUAGE, text):
             match verbatim.understood(verbatim.expression, text):
-                case s.FunctionCall(name, arguments) if name.lower() in switches:
-                    values = _values(arguments, switches[name.lower()], switches)
-                    return x if values is None else e.Apply(name, values)
+                case s.FunctionCall(name, arguments):
+                    values = _values(name, arguments, switches)
+                    return e.Apply(name, values) if values else x
     return x
 
 
 def _values(
-    arguments: Iterable[s.Argument], names: tuple[str, ...], switches: Switches
-) -> tuple[e.Expression, ...] | None:
-    """The arguments with a truth for each switch, None where one is given otherwise."""
+    name: str, arguments: Iterable[s.Argument], switches: Switches
+) -> tuple[e.Expression, ...]:
+    """The arguments with a truth for each switch; none where one is given otherwise."""
+    names = switches.get(name.lower(), ())
     plain: list[e.Expression] = []
     told: dict[str, e.Expression] = {}
     for argument in arguments:
@@ -124,17 +123,14 @@ def _values(
             case s.Positional(value, None):
                 lifted = expression(value, str)
                 plain.append(rewrite(lifted, lambda x: _called(x, switches)))
-            case s.Option(name, None) if name.lower() in names:
-                told[name.lower()] = e.Truth(True)
-            case s.Conditional(name, s.NameRef(asked)) if name.lower() in names:
-                told[name.lower()] = e.Name(asked)
+            case s.Option(option, None) if option.lower() in names:
+                told[option.lower()] = e.Truth(True)
+            case s.Conditional(option, s.NameRef(asked)) if option.lower() in names:
+                told[option.lower()] = e.Name(asked)
             case _:
-                return None
-    return (*plain, *_told(told, names))
+                return ()
+    return (*plain, *_told(told, names)) if names else ()
 
 
-def _told(
-    told: Mapping[str, e.Expression] | tuple[()], names: tuple[str, ...]
-) -> tuple[e.Expression, ...]:
-    known = dict(told)
-    return tuple(known.get(name, e.Truth(False)) for name in names)
+def _told(told: Mapping[str, e.Expression], names: Iterable[str]) -> Iterable[e.Expression]:
+    return (told.get(name, e.Truth(False)) for name in names)

@@ -43,21 +43,21 @@ def clocks(modules: Sequence[s.Module]) -> frozenset[str]:
     started: set[str] = set()
     for body in chain.from_iterable(map(lists, routines)):
         for pair in pairwise(body):
-            if (again := restarted(*pair)) is not None:
-                meant[again] += 2
-                started.add(again)
+            if (again := restarted(pair)) is not None:
+                meant[again.name.lower()] += 2
+                started.add(again.name.lower())
     alone = {name for name, count in declared.items() if count == 1}
     return frozenset(n for n in alone & started if named[n] == meant[n] + 1)
 
 
-def restarted(first: s.Node, second: s.Node) -> str | None:
-    """The lower-case name of the clock that `ClkReset c; ClkStart c;` restarts."""
-    match first, second:
+def restarted(nodes: Sequence[s.Node]) -> s.NameRef | None:
+    """The clock that `ClkReset c; ClkStart c;` restarts."""
+    match nodes:
         case (
-            s.ProcedureCall(str(reset), (s.Positional(s.NameRef(name), None),)),
+            s.ProcedureCall(str(reset), (s.Positional(s.NameRef(name) as clock, None),)),
             s.ProcedureCall(str(start), (s.Positional(s.NameRef(same), None),)),
         ) if (reset.lower(), start.lower(), name.lower()) == ("clkreset", "clkstart", same.lower()):
-            return name.lower()
+            return clock
     return None
 
 

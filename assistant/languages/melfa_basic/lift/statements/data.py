@@ -12,7 +12,6 @@ from assistant.languages.melfa_basic.lift.values.operators import is_comparison
 from assistant.languages.melfa_basic.lift.values.reasons import DELAYED
 from assistant.languages.melfa_basic.lift.values.symbols import IO_BITS, SIGNALS, Unliftable
 from assistant.languages.melfa_basic.tables import poses
-from assistant.languages.melfa_basic.tables.functions import ANALOG
 from assistant.languages.melfa_basic.tables.variables import VALUES
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.timers import timer_of
@@ -26,7 +25,7 @@ def assign(node: s.Assign, lift: Expressions, runs: Runs) -> list[p.Statement]:
     target = node.target
     if _is_chosen(node, lift):
         return [_chosen(node, lift, runs)]
-    if target.key in SIGNALS or target.key == ANALOG[1].upper():
+    if target.key in SIGNALS:
         return [_signal(node, lift)]
     if target.key in lift.m.io and not lift.m.is_shadowed(target.key):
         name = lift.m.io_signal(target, "output")

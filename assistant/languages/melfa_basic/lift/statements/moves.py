@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Final
 
 from assistant.languages.kept_reasons import WAYS
 from assistant.languages.melfa_basic.lift.settings.framed_targets import unframed
@@ -23,12 +24,9 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
 
-USUAL: dict[str, tuple[s.Expression, s.Expression]] = {
-    "Mov": (s.Number(1), s.Number(0)),
-    "Mvs": (s.Number(0), s.Number(0)),
-    "Mvr": (s.Number(0), s.Number(0)),
-    "Mvr2": (s.Number(0), s.Number(0)),
-    "Mvr3": (s.Number(0), s.Number(0)),
+USUAL: Final = {
+    word: (s.Number(int(word == "Mov")), s.Number(0))
+    for word in ("Mov", "Mvs", "Mvr", "Mvr2", "Mvr3")
 }
 """The `Type` that a move has without one (COSIROP help, types of interpolation)."""
 

@@ -8,7 +8,7 @@ from typing import Final, TypeVar
 
 from assistant.languages.melfa_basic.lift.structure.blocks import Code
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
-from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS, Unliftable
+from assistant.languages.melfa_basic.lift.values.symbols import Unliftable
 from assistant.languages.melfa_basic.lift.values.timers import seconds_of
 from assistant.languages.melfa_basic.tree import jumping
 from assistant.languages.melfa_basic.tree import syntax as s
@@ -100,19 +100,10 @@ def awaited(
     condition: s.Expression, lift: Expressions, timeout: e.Expression | None = None
 ) -> p.Statement:
     """Until a signal has a value, or until any other condition holds."""
-    match condition:
-        case s.Binary("=", left, s.Number(value)) if _tells_signal(left, lift):
-            try:
-                name = lift.plain(left)
-            except Unliftable:
-                name = None
-            if isinstance(name, e.Name):
-                return p.WaitSignal(name.name, e.Number(value), timeout)
-    return p.WaitUntil(lift.condition(condition), timeout)
-
-
-def _tells_signal(value: s.Expression, lift: Expressions) -> bool:
-    """Whether it is a status variable of signals, or some bits of one."""
-    if isinstance(value, s.Binary):
-        value = value.left
-    return isinstance(value, s.Variable) and (value.key in SIGNALS or value.key in lift.m.io)
+    held = lift.condition(condition)
+    match held:
+        case e.Binary("=", e.Name(name), e.Number() as value) if (
+            name in lift.m.signals and lift.m.signals[name].kind != "analog"
+        ):
+            return p.WaitSignal(name, value, timeout)
+    return p.WaitUntil(held, timeout)

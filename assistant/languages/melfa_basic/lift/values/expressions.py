@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any, Final
 
 from assistant.languages.kept_reasons import WAYS
@@ -23,7 +24,7 @@ from assistant.languages.melfa_basic.lift.values.pallets import declared
 from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS, Unliftable
 from assistant.languages.melfa_basic.lift.values.timers import elapsed, timed
 from assistant.languages.melfa_basic.lift.values.types import Types
-from assistant.languages.melfa_basic.tables.functions import ANALOG, OF_ANGLE, PLAIN, TO_ANGLE
+from assistant.languages.melfa_basic.tables.functions import OF_ANGLE, PLAIN, TO_ANGLE
 from assistant.languages.melfa_basic.tables.poses import JOINTS, is_angle, is_length
 from assistant.languages.melfa_basic.tables.vocabulary.timers import MILLISECONDS
 from assistant.languages.melfa_basic.text import effects, printer
@@ -36,7 +37,6 @@ from assistant.program.geometry import Target
 _PLAIN: Final = {melfa.upper(): name for name, melfa in PLAIN.items()}
 _OF_ANGLE: Final = {melfa.upper(): name for name, melfa in OF_ANGLE.items()}
 _TO_ANGLE: Final = {melfa.upper(): name for name, melfa in TO_ANGLE.items()}
-_REGISTERS: Final = tuple(word.upper() for word in ANALOG)
 DEGREE: Final = math.pi / 180.0
 
 
@@ -47,15 +47,17 @@ class Expressions(Types):
 
     def of(self, node: s.Expression) -> e.Expression:
         """Any value; what the pseudo-program cannot say stays as its text."""
-        try:
-            return self.plain(node)
-        except Unliftable as found:
-            return self.verbatim(node, found.reason)
+        return self._said(self.plain, node)
 
     def condition(self, node: s.Expression) -> e.Expression:
         """A value that counts as true or false."""
+        return self._said(self.truth, node)
+
+    def _said(
+        self, read: Callable[[s.Expression], e.Expression], node: s.Expression
+    ) -> e.Expression:
         try:
-            return self.truth(node)
+            return read(node)
         except Unliftable as found:
             return self.verbatim(node, found.reason)
 
@@ -250,13 +252,10 @@ class Expressions(Types):
             indices = tuple(self.rounded(v) for v in values)
             whole = self.m.name(s.Variable(node.name, node.suffix))
             return e.Index(whole, indices)
-        if (key in SIGNALS or key in _REGISTERS) and len(values) == 1:
+        if key in SIGNALS and len(values) == 1:
             number = self.m.value(values[0])
             if not isinstance(number, float):
                 raise Unliftable
-            if key in _REGISTERS:
-                direction = ("input", "output")[_REGISTERS.index(key)]
-                return e.Name(self.m.signal_at("analog", direction, 1, round(number)))
             return e.Name(self.m.signal(key, round(number)))
         if (timer := elapsed(node, self.m.timers)) is not None:
             return e.Binary("*", timer, e.Number(MILLISECONDS))

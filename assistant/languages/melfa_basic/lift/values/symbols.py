@@ -29,8 +29,12 @@ SIGNALS: Final[dict[str, tuple[str, str, int]]] = {
     "M_INW": ("group", "input", 16), "M_IN16": ("group", "input", 16),
     "M_OUTW": ("group", "output", 16), "M_OUT16": ("group", "output", 16),
     "M_IN32": ("group", "input", 32), "M_OUT32": ("group", "output", 32),
+    "M_DIN": ("analog", "input", 1), "M_DOUT": ("analog", "output", 1),
 }  # fmt: skip
-"""Status variable → kind, direction and bits of the signal that it addresses."""
+"""Status variable → kind, direction and bits of the signal that it addresses.
+
+Analog ones stand in registers of the network.
+"""
 
 IO_BITS: Final = {"BIT": 1, "BYTE": 8, "WORD": 16, "INTEGER": 16, "DWORD": 32}
 """Bits of a name that `Def Io` gives to inputs and outputs."""

@@ -59,7 +59,8 @@ class Types:
                 return "integer"
             return LETTERS[known.result[0]]
         if (known_status := status(key)) is not None:
-            return "integer" if key in SIGNALS else LETTERS[known_status.type]
+            bits = key in SIGNALS and SIGNALS[key][0] != "analog"
+            return "integer" if bits else LETTERS[known_status.type]
         return self.m.type_of_key(key)
 
     def is_truth(self, node: s.Expression) -> bool:
