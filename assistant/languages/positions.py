@@ -142,7 +142,8 @@ class Written:
         """Which poses hold a number that is none or too large, or no orientation (n,)."""
         numbers = np.concatenate([positions, quaternions], axis=1)
         tame = (np.abs(numbers) < self.can.farthest).all(axis=1)
-        return np.asarray(~(tame & (np.linalg.norm(quaternions, axis=1) > LEAST_NORM)))
+        squared = np.einsum("ij,ij->i", quaternions, quaternions)
+        return np.asarray(~(tame & (squared > LEAST_NORM**2)))
 
     def _branches(self, rows: NDArray[np.int8], about: Subject | str) -> NDArray[np.int8]:
         """Arm branches as they are written. about: the targets, where some state none."""
@@ -156,9 +157,10 @@ class Written:
         self, external: Floats, name: str, about: Subject | str | None = None
     ) -> None:
         """Errors where targets have more external axes than there may be, or not the same."""
-        most, used = self.can.external, ~np.isnan(external)
+        most = self.can.external
         if most is None:
             return
+        used = ~np.isnan(external)
         if used[:, most:].any():
             beyond = f"external axes beyond the {ORDINALS[most - 1]}, of `{name}`"
             self.job.cannot(beyond, "leave them out", about)

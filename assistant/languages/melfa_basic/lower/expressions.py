@@ -77,6 +77,11 @@ class Expressions:
     next_number: Callable[[], int]
     procedure: Procedure | None = None
     inline: Inline = field(default_factory=Inline)
+    signals: dict[str, Signal] = field(init=False)
+    """By lower-case name."""
+
+    def __post_init__(self) -> None:
+        self.signals = {name.lower(): signal for name, signal in self.program.signals.items()}
 
     def word(self, text: str) -> str:
         return text.upper() if self.dialect.upper else text
@@ -212,9 +217,8 @@ class Expressions:
         for table in (self.names.targets, self.names.joints):
             if key in table:
                 return s.Variable(table[key])
-        signal = next((v for k, v in self.program.signals.items() if k.lower() == key), None)
-        if signal is not None:
-            return self.signal(name, signal)
+        if key in self.signals:
+            return self.signal(name, self.signals[key])
         raise Undeclared(name)
 
     def element(self, inner: e.Expression, indices: tuple[e.Expression, ...]) -> s.Variable:
@@ -233,8 +237,7 @@ class Expressions:
 
     def output(self, name: str, value: s.Expression) -> tuple[s.Variable, s.Expression]:
         """What to assign to, and what: the bits beside a group of an odd width stay."""
-        key = name.lower()
-        signal = next((v for k, v in self.program.signals.items() if k.lower() == key), None)
+        signal = self.signals.get(name.lower())
         if signal is None:
             raise Undeclared(name)
         variable, mask = self.register(name, signal)
