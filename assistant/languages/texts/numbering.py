@@ -9,8 +9,8 @@ from typing import Any, Final
 
 import numpy as np
 
+from assistant.languages.line_steps import Change, steps_of, with_steps
 from assistant.languages.runs.names import rows_of
-from assistant.program.arrays import Ints
 from assistant.program.diagnostics import Diagnostic, Refused, Rule
 from assistant.program.text import SourceText
 
@@ -22,8 +22,7 @@ UNNUMBERED: Final = 0
 class Steps:
     """What a language says of numbers.
 
-    line: a line by itself; its `number` is None if it has none. last: the highest number.
-    of: (n,) numbers of an item, none of what has none. given: an item with other numbers (n,).
+    line: a line by itself. last: the highest number.
     named: numbers that the jumps of some items name. retargeted: an item whose jumps name others.
     falling, past_last, unknown: rules for numbers that do not ascend, that are too high, and for
     a jump to a number that no line has.
@@ -31,10 +30,8 @@ class Steps:
 
     line: type[Any]
     last: int
-    of: Callable[[Any], Ints]
-    given: Callable[[Any, Ints], Any]
     named: Callable[[Iterable[Any]], Collection[int]]
-    retargeted: Callable[[Any, Callable[[str | int], str | int]], Any]
+    retargeted: Callable[[Any, Change], Any]
     falling: Rule
     past_last: Rule
     unknown: Rule
@@ -49,7 +46,7 @@ def renumbered(
     numbers do not ascend (which of two lines comes first is open then), or where the last number
     would be too high.
     """
-    numbers = [steps.of(item) for item in items]
+    numbers = [steps_of(item) for item in items]
     old = np.concatenate([np.empty(0, dtype=np.int64), *numbers])
     ends = np.cumsum([len(some) for some in numbers])
     new = first + step * np.arange(len(old), dtype=np.int64)
@@ -77,7 +74,7 @@ def renumbered(
             lost = sorted(set(steps.named([item])) - places.keys())
             found += [_finding(source, item, steps.unknown, name=number) for number in lost]
             item = steps.retargeted(item, lambda to: places.get(to, to))
-            item = steps.given(item, new[end - len(some) : end])
+            item = with_steps(item, new[end - len(some) : end])
         made.append(item)
     if found:
         raise Refused(*found)
@@ -96,16 +93,16 @@ def fitted(items: Sequence[Any], step: int, steps: Steps) -> list[Any] | None:
     Jumps go with their lines. step: between lines behind all others. None if numbers end before
     the program does.
     """
-    if not any(steps.of(item).any() for item in items):
+    if not any(steps_of(item).any() for item in items):
         return list(items)
     made: list[Any] = []
     moved: dict[str | int, int] = {}
     last = 0
     for at, item in enumerate(items):
-        old = steps.of(item)
+        old = steps_of(item)
         if len(old):
             new = np.maximum(old, last + 1 + np.arange(len(old)))
-            item = steps.given(item, new)
+            item = with_steps(item, new)
             moved |= {a: b for a, b in zip(old.tolist(), new.tolist(), strict=True) if a != b and a}
             last = int(new[-1])
         elif isinstance(item, steps.line):
@@ -121,7 +118,7 @@ def _room(items: Sequence[Any], at: int, last: int, step: int, steps: Steps) -> 
     """What the number of a new line is more than the one before it."""
     count = 1
     for item in islice(items, at, None):
-        following = steps.of(item)
+        following = steps_of(item)
         if len(following):
             return max((int(following[0]) - last) // count, 1)
         count += isinstance(item, steps.line)

@@ -10,11 +10,12 @@ from typing import Final
 from assistant.languages.checks.registry import Found
 from assistant.languages.line_blocks import Block, Blocks, Misfit
 from assistant.languages.line_graph import Graph
+from assistant.languages.line_steps import first_step, places_of_steps
 from assistant.languages.melfa_basic.checks import flow_rules as rules
 from assistant.languages.melfa_basic.checks.file_view import Look, Scope
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import CLOSING, block_word, blocks_of, statement_of
-from assistant.languages.melfa_basic.tree.targets import first_step, graph_of, places_of_steps
+from assistant.languages.melfa_basic.tree.targets import graph_of
 from assistant.languages.melfa_basic.tree.walk import statements_in, word_of
 from assistant.program.diagnostics import Diagnostic, Rule
 

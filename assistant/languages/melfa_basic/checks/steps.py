@@ -9,13 +9,14 @@ import numpy as np
 
 from assistant.languages.checks.registry import Found
 from assistant.languages.checks.repeats import repeated
+from assistant.languages.line_steps import places_of_steps
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks.damage import steps_of
 from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.tables.dialects import LAST_STEP
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
-from assistant.languages.melfa_basic.tree.targets import exits_of, places_of_steps
+from assistant.languages.melfa_basic.tree.targets import exits_of
 from assistant.program.diagnostics import Span
 
 MOST_ROWS: Final = 20

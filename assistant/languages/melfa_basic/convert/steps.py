@@ -5,16 +5,10 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
+from assistant.languages import line_steps
 from assistant.languages.melfa_basic.tables.dialects import LAST_STEP
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.targets import (
-    first_step,
-    retargeted,
-    steps_in,
-)
-from assistant.languages.melfa_basic.tree.targets import (
-    numbered as given_steps,
-)
+from assistant.languages.melfa_basic.tree.targets import retargeted
 
 
 def bare(items: Sequence[s.Item]) -> list[s.Item]:
@@ -31,10 +25,10 @@ def numbered(
     that go again, with jumps to the number of the line below them.
     """
     kept, dropped = _without(items, as_steps)
-    if steps_in(kept) > LAST_STEP:
+    if line_steps.steps_in(kept) > LAST_STEP:
         return None
-    lines = list(given_steps(kept, step))
-    places = {name: first_step(lines[at]) for name, at in dropped.items()}
+    lines = list(line_steps.numbered(kept, step, LAST_STEP))
+    places = {name: line_steps.first_step(lines[at]) for name, at in dropped.items()}
     return [retargeted(item, lambda to: places.get(str(to).upper()) or to) for item in lines]
 
 

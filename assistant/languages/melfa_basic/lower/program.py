@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
+from assistant.languages.line_steps import numbered
 from assistant.languages.melfa_basic.lower.expressions import joint_constant, position_constant
 from assistant.languages.melfa_basic.lower.heading import heading, named
 from assistant.languages.melfa_basic.lower.names import naming
 from assistant.languages.melfa_basic.lower.statements import STATEMENTS
 from assistant.languages.melfa_basic.lower.writer import Writer
 from assistant.languages.melfa_basic.tables import poses
-from assistant.languages.melfa_basic.tables.dialects import DIALECTS
+from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP
 from assistant.languages.melfa_basic.tables.variables import LETTERS
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import PositionRows
 from assistant.languages.melfa_basic.tree.line_tables import gathered
-from assistant.languages.melfa_basic.tree.targets import numbered
 from assistant.program.analysis.motions import branches_by_frame
 from assistant.program.diagnostics import Refused
 from assistant.program.program import Parameter, Procedure, Program, ValueType, Variable
@@ -76,7 +76,7 @@ class UnitLines(Writer):
 
     def tree(self, code: list[s.Item]) -> s.File:
         """The file of its code lines, which it gave before, and its variable lines."""
-        steps = gathered(numbered(code, self.dialect.step))
+        steps = gathered(numbered(code, self.dialect.step, LAST_STEP))
         return s.File(self.dialect.name, (*steps, *gathered(list(self.data()))))
 
     def as_subroutines(self, first: Procedure | None, others: list[Procedure]) -> None:

@@ -6,15 +6,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
+from assistant.languages.line_steps import steps_of
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.tables.dialects import LAST_STEP
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.targets import (
-    retargeted,
-    steps_named,
-    steps_of,
-    with_steps,
-)
+from assistant.languages.melfa_basic.tree.targets import retargeted, steps_named
 from assistant.languages.texts import numbering
 from assistant.languages.texts.numbering import UNNUMBERED, Steps
 
@@ -24,8 +20,6 @@ EMPTY: Final = "'"
 STEPS: Final = Steps(
     s.Line,
     LAST_STEP,
-    of=steps_of,
-    given=with_steps,
     named=steps_named,
     retargeted=retargeted,
     falling=rules.NOT_ASCENDING,

@@ -2,26 +2,19 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final, TypeVar
-
-import numpy as np
 
 from assistant.languages import line_graph
 from assistant.languages.line_blocks import Blocks
 from assistant.languages.line_graph import ON, Exits, Graph
-from assistant.languages.melfa_basic.tables.dialects import LAST_STEP
+from assistant.languages.line_steps import Change, cut_at, first_step
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import statement_of
-from assistant.languages.melfa_basic.tree.columnar import MoveRows
-from assistant.program.arrays import Ints
 
 T = TypeVar("T", s.Item, s.Entry)
 I = TypeVar("I", bound=s.Item)  # noqa: E741
-Change = Callable[[str | int], str | int]
-"""Gives a jump another label or step number."""
 
 
 _WORDS: Final[Mapping[str, Exits[s.Target]]] = {
@@ -144,61 +137,6 @@ def _retargeted(node: Any, change: Change) -> Any:
     return node
 
 
-# ---------------------------------------------------------------------------------------- steps
-
-
-def steps_in(items: Iterable[object]) -> int:
-    """How many steps some lines are."""
-    return sum(len(i) if isinstance(i, MoveRows) else isinstance(i, s.Line) for i in items)
-
-
-def numbered(items: Sequence[T], step: int) -> Iterator[T]:
-    """The lines with ascending step numbers.
-
-    step: between two of them, smaller where they would not fit otherwise.
-    """
-    step = max(1, min(step, LAST_STEP // max(steps_in(items), 1)))
-    number = step
-    for item in items:
-        count = steps_in([item])
-        yield with_steps(item, number + step * np.arange(count, dtype=np.int64))
-        number += step * count
-
-
-def steps_of(item: object) -> Ints:
-    """(n,) step numbers of a line or a table of moves; none of what has none."""
-    if isinstance(item, MoveRows):
-        return item.steps
-    number = item.number if isinstance(item, s.Line) else None
-    return np.array([] if number is None else [number], dtype=np.int64)
-
-
-def with_steps(item: T, steps: Ints) -> T:
-    """A line or a table of moves with other step numbers (n,)."""
-    if isinstance(item, MoveRows):
-        return item if np.array_equal(item.steps, steps) else replace(item, steps=steps)
-    if isinstance(item, s.Line) and item.number != int(steps[0]):
-        return replace(item, number=int(steps[0]))
-    return item
-
-
-def first_step(item: object) -> int | None:
-    """The step number of a line, of the first one of a table of moves."""
-    if isinstance(item, MoveRows):
-        return int(item.steps[0])
-    return item.number if isinstance(item, s.Line) else None
-
-
-def places_of_steps(code: Iterable[object]) -> dict[int, int]:
-    """Step number → place of its line, of a table of moves its own; the first of equal ones."""
-    found: dict[int, int] = {}
-    for at, item in enumerate(code):
-        for number in item.steps.tolist() if isinstance(item, MoveRows) else [first_step(item)]:
-            if number is not None:
-                found.setdefault(number, at)
-    return found
-
-
 def labelled(items: Sequence[T]) -> tuple[list[T | s.Line], dict[str, int]]:
     """The lines with jumps to labels only, and which labels were made for which steps.
 
@@ -211,7 +149,7 @@ def labelled(items: Sequence[T]) -> tuple[list[T | s.Line], dict[str, int]]:
     made: dict[str, int] = {}
     names: dict[str | int, str] = {}
     lines: list[T | s.Line] = []
-    for item in _cut(items, wanted):
+    for item in cut_at(items, wanted):
         number = first_step(item)
         if number in wanted and number not in names:
             if isinstance(item, s.Line) and item.label is not None:
@@ -229,16 +167,3 @@ def _free(name: str, taken: set[str]) -> str:
         name += "X"
     taken.add(name)
     return name
-
-
-def _cut(items: Iterable[T], wanted: set[int]) -> Iterator[T | MoveRows]:
-    for item in items:
-        edges: list[int] = []
-        if isinstance(item, MoveRows):
-            edges = np.flatnonzero(np.isin(item.steps, list(wanted))).tolist()
-            edges = sorted({0, *edges, len(item)})
-        if not isinstance(item, MoveRows) or len(edges) <= 2:
-            yield item
-            continue
-        for low, high in itertools.pairwise(edges):
-            yield item.rows(slice(low, high))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 from assistant.languages.computed_targets import with_computed_targets
 from assistant.languages.language import Adapted
+from assistant.languages.line_steps import steps_in
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.lower.adapt.statements import Plain
 from assistant.languages.melfa_basic.lower.adapt.vendor_text import check_names
@@ -20,7 +21,6 @@ from assistant.languages.melfa_basic.tables.dialects import DIALECTS, LAST_STEP,
 from assistant.languages.melfa_basic.tables.variables import is_external
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.targets import steps_in
 from assistant.program.analysis.motions import branches_by_frame
 from assistant.program.analysis.uses import shared_between_units
 from assistant.program.diagnostics import Diagnostic, Findings, Span, has_errors
