@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import lru_cache
-from typing import Any
+from typing import Final
 
 from assistant.languages.melfa_basic.reading.line import expression
 from assistant.languages.melfa_basic.reading.line import statement as read_statement
@@ -12,6 +11,7 @@ from assistant.languages.melfa_basic.tables.vocabulary import commands, status
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import is_word
 from assistant.languages.melfa_basic.tree.walk import nodes
+from assistant.languages.texts.effects import Does, Effects, Untold
 from assistant.program.effects import Collected, Effect, KeptKind, together, unknown
 from assistant.program.text import words_of
 
@@ -21,12 +21,7 @@ def of_node(tree: s.Statement | s.Expression, text: str) -> Effect:
 
     text: of it.
     """
-    collected = _Collected()
-    for node in nodes(tree):
-        if isinstance(node, s.CallP) and not isinstance(node.program, s.String):
-            return unknown(text)
-        collected.take(node)
-    return collected.effect()
+    return _EFFECTS.of(tree) or unknown(text)
 
 
 @lru_cache(maxsize=1 << 14)
@@ -46,75 +41,69 @@ def _of_line(text: str) -> Effect:
     return together((label, of_node(line.statement, text) if line.statement else Effect()))
 
 
-class _Collected(Collected):
-    """What the nodes do that were taken, in lower case."""
-
-    def take(self, node: Any) -> None:
-        """One node, without those in it."""
-        self.jumps |= is_word(node)
-        match node:
-            case s.Variable(arguments=arguments):
-                key = node.key.lower()
-                self.reads.add(key)
-                if arguments and status(key) is None:  # an element, or a call of a function:
-                    self.write(*arguments)  # both look the same
-            case s.String(text):  # which may be the name of a program
-                self.reads.update(words_of(text))
-            case s.Target(str(label)):
-                self.reads.add(label.lstrip("*").lower())
-            case s.Motion():
-                self.moves = True
-            case s.Assign(target) | s.Const(variable=target) | s.DefIo(variable=target):
-                self.write(target)
-            case s.For(variable):
-                self.write(variable)
-            case s.Next(variables) | s.Input(_, variables) | s.FPrm(variables):
-                self.write(*variables)
-                self.waits |= isinstance(node, s.Input)
-            case s.DefNames(_, variables) | s.Dim(variables):
-                self.write(*variables)
-            case s.DefFunction(name, _, parameters):
-                self.declare(name)
-                self.write(*parameters)
-            case s.Function(name=name) | s.FunctionParameter(name=name):
-                self.declare(name)
-            case s.If(_, then, otherwise):
-                self.jumps |= any(isinstance(way, s.Target) for way in (then, otherwise))
-            case s.Jump(keyword, target):
-                self.go(keyword, target)
-            case s.OnJump(_, keyword, targets):
-                for place in targets:
-                    self.go(keyword, place)
-            case s.CallP(program, arguments):
-                self.write(*arguments)
-                if isinstance(program, s.String):
-                    self.calls.update(words_of(program.value))
-            case s.Call(called):
-                self.calls.add(called.key.lower())
-            case s.Include(program):
-                self.declare(*words_of(program))
-                self.calls.update(words_of(program))
-            case s.Command(keyword, arguments):
-                self.command(keyword, *arguments)
-
-    def write(self, *places: Any) -> None:
-        self.writes.update(p.key.lower() for p in places if isinstance(p, s.Variable))
-
-    def go(self, keyword: str, target: s.Target | None) -> None:
-        if keyword == "GoTo":
-            self.jumps = True
-        elif target is not None:
-            self.calls.add(str(target.place).lstrip("*").lower())
-
-    def command(self, keyword: str, *arguments: Any) -> None:
-        """What no source tells of a command, it may do."""
-        known = keyword in commands("reads")
-        self.moves |= keyword in commands("moves")
-        self.jumps |= keyword in commands("jumps")
-        self.waits |= keyword in commands("waits") or not known
-        if not known:
-            self.write(*_variables(arguments))
+def _variable(done: Collected, node: s.Variable) -> None:
+    done.reads.add(node.key)
+    if node.arguments and status(node.key) is None:  # an element, or a call of a function:
+        done.writes.update(_EFFECTS.names(node.arguments))  # both look the same
 
 
-def _variables(value: Any) -> Iterator[s.Variable]:
-    return (node for node in nodes(value) if isinstance(node, s.Variable))
+def _jump(done: Collected, node: s.Jump | s.OnJump) -> None:
+    done.jumps |= node.keyword == "GoTo"
+    if node.keyword == "GoSub":
+        targets = (node.target,) if isinstance(node, s.Jump) else node.targets
+        done.calls.update(str(target.place) for target in targets if target is not None)
+
+
+def _if(done: Collected, node: s.If) -> None:
+    ways = (node.then, node.otherwise)
+    done.jumps |= is_word(node) or any(isinstance(way, s.Target) for way in ways)
+
+
+def _program(done: Collected, node: s.CallP) -> None:
+    if not isinstance(node.program, s.String):
+        raise Untold
+    done.writes.update(_EFFECTS.names(node.arguments))
+    done.calls.update(words_of(node.program.value))
+
+
+def _include(done: Collected, node: s.Include) -> None:
+    done.declare(*words_of(node.program))
+    done.calls.update(words_of(node.program))
+
+
+def _command(done: Collected, node: s.Command) -> None:
+    """What no source tells of a command, it may do."""
+    known = node.keyword in commands("reads")
+    done.moves |= node.keyword in commands("moves")
+    done.jumps |= node.keyword in commands("jumps") or is_word(node)
+    done.waits |= node.keyword in commands("waits") or not known
+    if not known:
+        done.writes.update(_EFFECTS.names(*nodes(node.arguments)))
+
+
+_EFFECTS: Final = Effects(
+    nodes,
+    lambda node: node.key if isinstance(node, s.Variable) else None,
+    {
+        s.Variable: _variable,
+        s.String: Does(words=("value",)),  # which may be the name of a program
+        s.Target: Does(reads=("place",)),
+        s.Motion: Does(moves=True),
+        s.Assign: Does(writes=("target",)),
+        **dict.fromkeys((s.Const, s.DefIo), Does(writes=("variable",))),
+        s.For: Does(writes=("variable",), jumps=True),
+        s.Next: Does(writes=("variables",), jumps=True),
+        s.Input: Does(writes=("variables",), waits=True),
+        **dict.fromkeys((s.FPrm, s.DefNames, s.Dim), Does(writes=("variables",))),
+        s.DefFunction: Does(declares=("name",), writes=("parameters",)),
+        **dict.fromkeys((s.Function, s.FunctionParameter), Does(declares=("name",))),
+        **dict.fromkeys((s.Select, s.ElseIf, s.Case), Does(jumps=True)),
+        s.If: _if,
+        **dict.fromkeys((s.Jump, s.OnJump), _jump),
+        s.CallP: _program,
+        s.Call: Does(calls=("function",)),
+        s.Include: _include,
+        s.Command: _command,
+    },
+)
+"""What each kind of statement and expression does."""

@@ -14,6 +14,7 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import root
 from assistant.languages.runs.names import Names
 from assistant.languages.signatures import Parameter, Signature
+from assistant.languages.texts.effects import Does, Effects, Untold
 from assistant.languages.walking import Walk
 from assistant.program.diagnostics import Refused
 from assistant.program.effects import Collected, Effect, KeptKind, unknown
@@ -26,24 +27,14 @@ _TIMES: Final = frozenset(("maxtime", "timeout"))
 """Names of parameters that say how long an instruction waits at most."""
 _LITERALS: Final = (s.NumberLiteral, s.BoolLiteral)
 """Nodes that name nothing: a table of numbers has thousands."""
-_BETWEEN: Final = frozenset(
-    (s.Positional, s.Option, s.AggregateNode, s.Infix, s.Prefix, s.Group, s.Component, s.Element)
-)
-"""Nodes that say nothing but what is in them."""
 _nodes: Final = Walk(lambda kind: issubclass(kind, s.Node) and kind not in _LITERALS).nodes
 
 
 def of_nodes(tree: Sequence[s.Node], text: str) -> Effect:
     """What nodes do; anything with a hole or a call whose name is worked out. text: of them."""
-    collected = _Collected()
-    for node in _nodes(tuple(tree)):
-        if type(node) is s.NameRef:  # most of them
-            collected.reads.add(node.name.lower())
-        elif type(node) not in _BETWEEN:
-            if isinstance(node, s.Placeholder) or _is_untold(node):
-                return unknown(text)
-            collected.take(node)
-    done = collected.effect()
+    done = _EFFECTS.of(tuple(tree))
+    if done is None:
+        return unknown(text)
     if all(isinstance(node, s.Handler) for node in tree):  # only once an error has happened
         return replace(done, calls=frozenset(), moves=False, waits=False)
     return done
@@ -64,71 +55,62 @@ def of_text(text: str, kind: KeptKind) -> Effect:
         return unknown(text)
 
 
-class _Collected(Collected):
-    """What the nodes do that were taken, in lower case."""
-
-    def take(self, node: Any) -> None:
-        """One node, without those in it."""
-        match node:
-            case s.GotoLabel(name) | s.LabelMark(name):
-                self.reads.add(name.lower())
-                self.jumps |= isinstance(node, s.GotoLabel)
-            case s.StringLiteral(text):  # which may be the name of something
-                self.reads.update(words_of(text))
-            case s.ReturnFrom() | s.RaiseError() | s.Word():
-                self.jumps = True
-            case s.Assignment(target):
-                self.write(target)
-            case s.ForLoop(variable):
-                self.declare(variable)
-            case s.Connect(interrupt, trap):
-                self.write(interrupt)
-                self.reads.add(trap.lower())
-            case s.ProcedureCall(str(name), arguments) | s.FunctionCall(name, arguments):
-                self.call(name, arguments)
-            case s.Data(type=type, name=name) | s.ParameterNode(type=type, name=name):
-                self.declare(name, type)
-            case s.Alias(type=type, name=name) | s.Routine(type=type, name=name):
-                self.declare(name, type)
-            case s.Record(name=name, components=components):
-                self.declare(name, *(type for type, _ in components))
-            case s.TargetRunNode(run=run):
-                self.declare(*_each(run.names))
-            case s.MoveRunNode(run):
-                self.moves = True
-                self.reads.update(n.lower() for n in (*_each(run.names), *_each(run.vias)))
-                for motion in run.motions.table:
-                    given = (motion.speed, motion.zone, motion.tool, motion.frame)
-                    self.reads.update(n.lower() for n in given if n)
-
-    def write(self, place: Any) -> None:
-        if (changed := root(place)) is not None:
-            self.writes.add(changed.name.lower())
-
-    def call(self, name: str, arguments: Sequence[s.Argument]) -> None:
-        """Runs a routine; one of the user's may change what it is given."""
-        key, known = name.lower(), signature(name)
-        self.reads.add(key)
-        if known is None:
-            self.calls.add(key)
-        else:
-            self.moves |= key in MOVING or any(q.type == _SPEED for q in _parameters(known))
-            self.waits |= key in WAITING or key.startswith(_WAIT)
-            self.waits |= any(q.name.lower() in _TIMES for q in _parameters(known))
-            self.jumps |= key in JUMPING
-            if key in NAMING:
-                self.writes.update(_said(arguments))
-        for argument, parameter in _paired(arguments, known):
-            if parameter is None or parameter.mode:
-                self.write(argument)
+def _call(done: Collected, node: s.ProcedureCall | s.FunctionCall) -> None:
+    """Runs a routine; one of the user's may change what it is given."""
+    if not isinstance(node.name, str) or node.name.lower() in CALLING:
+        raise Untold
+    key, known = node.name.lower(), signature(node.name)
+    done.reads.add(key)
+    if known is None:
+        done.calls.add(key)
+    else:
+        done.moves |= key in MOVING or any(q.type == _SPEED for q in _parameters(known))
+        done.waits |= key in WAITING or key.startswith(_WAIT)
+        done.waits |= any(q.name.lower() in _TIMES for q in _parameters(known))
+        done.jumps |= key in JUMPING
+        if key in NAMING:
+            done.writes.update(_said(node.arguments))
+    for argument, parameter in _paired(node.arguments, known):
+        if parameter is None or parameter.mode:
+            done.writes.update(_EFFECTS.names(argument))
 
 
-def _is_untold(node: Any) -> bool:
-    """Whether it calls a routine whose name is worked out."""
-    match node:
-        case s.ProcedureCall(name):
-            return not isinstance(name, str) or name.lower() in CALLING
-    return False
+def _moves(done: Collected, node: s.MoveRunNode) -> None:
+    done.moves = True
+    done.reads.update((*_each(node.run.names), *_each(node.run.vias)))
+    for motion in node.run.motions.table:
+        given = (motion.speed, motion.zone, motion.tool, motion.frame)
+        done.reads.update(name for name in given if name)
+
+
+def _root(node: Any) -> str | None:
+    data = root(node)
+    return None if data is None else data.name
+
+
+_EFFECTS: Final = Effects(
+    _nodes,
+    _root,
+    {
+        s.NameRef: lambda done, node: done.reads.add(node.name),
+        s.StringLiteral: Does(words=("value",)),  # which may be the name of something
+        s.GotoLabel: Does(reads=("label",), jumps=True),
+        s.LabelMark: Does(reads=("name",)),
+        **dict.fromkeys((s.ReturnFrom, s.RaiseError, s.Word), Does(jumps=True)),
+        s.Assignment: Does(writes=("target",)),
+        s.ForLoop: Does(declares=("variable",)),
+        s.Connect: Does(writes=("interrupt",), reads=("trap",)),
+        **dict.fromkeys((s.ProcedureCall, s.FunctionCall), _call),
+        **dict.fromkeys(
+            (s.Data, s.ParameterNode, s.Alias, s.Routine), Does(declares=("type", "name"))
+        ),
+        s.Record: lambda done, node: done.declare(node.name, *(t for t, _ in node.components)),
+        s.TargetRunNode: lambda done, node: done.declare(*_each(node.run.names)),
+        s.MoveRunNode: _moves,
+        s.Placeholder: Does(untold=True),
+    },
+)
+"""What each kind of statement, declaration and expression does."""
 
 
 def _said(value: Any) -> Iterator[str]:
