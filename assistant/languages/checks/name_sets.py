@@ -15,27 +15,34 @@ class NameSet:
     """Names in whatever case.
 
     words: those that were added one by one, all in upper or all in lower case. columns: others.
-    Neither grows any more once the set was asked.
+    beginnings: of names that are put together as a program runs, in the case of the words; whatever
+    begins so is in the set. None of them grows any more once the set was asked.
     """
 
     def __init__(self) -> None:
         self.words: set[str] = set()
         self.columns: list[Names] = []
+        self.beginnings: set[str] = set()
 
     def __contains__(self, name: str) -> bool:
-        if name in self.words:
+        """The name is in the case of the words."""
+        if name in self.words or self._is_begun(name):
             return True
         stem, number = split(name) if name.isascii() and self.columns else (b"", 0)
         columns = self._numbers.get(stem.lower(), ())
         return any(bool((numbers == number).any()) for numbers in columns)
 
+    def _is_begun(self, name: str) -> bool:
+        return any(name.startswith(begin) for begin in self.beginnings)
+
     def among(self, names: Names) -> Truths:
-        """(n,) which of the names are in the set."""
+        """(n,) which of the names are in the set; those of a set with beginnings in lower case."""
         found = np.zeros(len(names), dtype=bool)
         for at, stem in enumerate(names.stems):
             known = [np.empty(0, np.int64), *self._numbers.get(stem.lower(), ())]
             mine = names.stem == at
-            found[mine] = np.isin(names.number[mine], np.concatenate(known))
+            begun = self._is_begun(stem.lower().decode("ascii"))
+            found[mine] = begun or np.isin(names.number[mine], np.concatenate(known))
         return found
 
     @cached_property

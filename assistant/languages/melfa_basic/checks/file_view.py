@@ -10,8 +10,9 @@ from pathlib import PurePath
 from typing import Any, Final, TypeVar
 
 from assistant.languages.checks.damage import Damage
-from assistant.languages.checks.places import Lines, row_of
-from assistant.languages.checks.views import Memory, by_type
+from assistant.languages.checks.line_view import LineView
+from assistant.languages.checks.places import Lines
+from assistant.languages.checks.views import by_type
 from assistant.languages.melfa_basic.checks.uses import Use, uses
 from assistant.languages.melfa_basic.tables.dialects import Dialect
 from assistant.languages.melfa_basic.text import printer
@@ -24,11 +25,6 @@ N = TypeVar("N")
 Named = s.Variable | s.Target
 """Nodes that know where they stand."""
 
-_LINES: Final = Lines(
-    begin=re.compile(r"[ \t]*[0-9]*[ \t]*"),
-    token=re.compile(r"\"[^\"\r\n]*\"?|'.*|(?i:\brem\b.*)|[^\s]"),
-    comments=("'", "rem"),
-)
 _HEADING: Final = re.compile(r"'\s*robot-assistant:", re.IGNORECASE)
 HEAD: Final = 40
 """Lines at the top of a file, one of which tells that it was compiled."""
@@ -60,12 +56,19 @@ def program_name(tree: s.File) -> str:
     return PurePath(path.replace("\\", "/")).stem if path else ""
 
 
-class Look(Memory):
+class Look(LineView):
     """One file, as a rule sees it. calls: the files that stand beside it. damage: in them."""
+
+    cut = Lines(
+        begin=re.compile(r"[ \t]*[0-9]*[ \t]*"),
+        token=re.compile(r"\"[^\"\r\n]*\"?|'.*|(?i:\brem\b.*)|[^\s]"),
+        comments=("'", "rem"),
+    )
 
     def __init__(
         self, tree: s.File, dialect: Dialect, calls: Calls, damage: Damage | None = None
     ) -> None:
+        super().__init__(tree.source)
         self.tree, self.dialect, self.calls, self.damage = tree, dialect, calls, damage
         self.code = tree.code
 
@@ -154,16 +157,6 @@ class Look(Memory):
 
     # ------------------------------------------------------------------------------ findings
 
-    def finding(self, rule: Rule, where: s.Item | Span | None, /, **words: Any) -> Diagnostic:
-        """The rule's finding at an item, or at a span of the text."""
-        span = where if isinstance(where, Span) or where is None else where.span
-        source = self.tree.source
-        if source is None or span is None:
-            return rule(path=source.path if source else None, **words)
-        if not isinstance(where, Span):
-            span = _LINES.said(source.text, span)
-        return source.finding(rule, span, **words)
-
     def at(self, rule: Rule, line: s.Item, what: str | Named, /, **words: Any) -> Diagnostic:
         """The rule's finding at a word or node of an item; at all of it if that is not found.
 
@@ -175,33 +168,12 @@ class Look(Memory):
 
     def place(self, item: s.Item, node: Named) -> Span | None:
         """Where the name of a node stands; a node that came from elsewhere is looked for."""
-        name = node.marked if isinstance(node, s.Variable) else f"*{node.place}"
-        source, span = self.tree.source, node.span
-        if source is not None and span is not None and item.span is not None:
-            end = span.start + len(name)
-            inside = item.span.start <= span.start and end <= item.span.end
-            if inside and source.text[span.start : end].upper() == name.upper():
-                return Span(span.start, end)
-        return self.word(item, node.name if isinstance(node, s.Variable) else name)
-
-    def word(self, item: s.Item, word: str) -> Span | None:
-        """Where a word first stands in an item: not in a string or comment, in any case."""
-        if item.span is None or self.tree.source is None:
-            return None
-        text, span = self.tree.source.text, item.span
-        if isinstance(item, s.Line):
-            span = Span(_LINES.start(text, span), span.end)
-        return _LINES.word(text, span, word)
-
-    def row(self, table: s.Item, row: int, name: str = "") -> Span | None:
-        """Where a row of a table stands; where a name stands in it, if given."""
-        source = self.tree.source
-        if source is None or table.span is None:
-            return None
-        return row_of(source.text, table.span, row, name)
+        if isinstance(node, s.Variable):
+            return self.named(item, node, node.marked) or self.word(item, node.name)
+        return self.named(item, node, f"*{node.place}") or self.word(item, f"*{node.place}")
 
     def text_of(self, line: s.Line) -> str:
         """A line as it stands in the file, without its line end."""
-        if line.span is not None and self.tree.source is not None:
-            return self.tree.source.text[line.span.start : line.span.end].rstrip("\r\n")
+        if line.span is not None and self.source is not None:
+            return self.source.text[line.span.start : line.span.end].rstrip("\r\n")
         return printer.line(line, self.dialect.upper)

@@ -57,7 +57,7 @@ def _is_known(name: str) -> bool:
 
 def program(look: Look) -> Found:
     """The name of the file is the name that the controller stores the program by."""
-    path = look.tree.source.path if look.tree.source else None
+    path = look.source.path if look.source else None
     name = program_name(look.tree)
     if not name or not path or not path.lower().endswith((".prg", ".mb4", ".mb5", ".mb6")):
         return

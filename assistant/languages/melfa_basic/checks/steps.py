@@ -70,15 +70,15 @@ def _rows(look: Look, rows: MoveRows, before: int) -> Found:
 
 
 def _number(look: Look, line: s.Line) -> Span | None:
-    if line.span is None or look.tree.source is None:
+    if line.span is None or look.source is None:
         return None
-    found = _NUMBER.match(look.tree.source.text, line.span.start)
+    found = _NUMBER.match(look.source.text, line.span.start)
     return Span(*found.span(1)) if found else line.span
 
 
 def lengths(look: Look) -> Found:
     """Steps that are longer than a controller takes, in bytes of the file's own encoding."""
-    source = look.tree.source
+    source = look.source
     encoding = source.encoding if source is not None else "utf-8"
     most = look.dialect.line
     for line in look.lines:

@@ -19,7 +19,6 @@ from assistant.languages.rapid.tables.words import TYPE_ENDING
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import root
 from assistant.languages.signatures import Parameter, Signature
-from assistant.program.diagnostics import Severity
 
 ROUTINES: Final = ("PROC", "FUNC")
 _READ: Final = frozenset({"num", "dnum", "bool"})
@@ -38,7 +37,7 @@ def function(node: s.FunctionCall, scope: Scope) -> Found:
 def connected(node: s.Connect, scope: Scope) -> Found:
     yield from names_used.data(node.interrupt, scope)
     if scope.find(node.trap) is None and scope.look.first("routine", node.trap):
-        severity = names_used.doubt(scope, Severity.WARNING)
+        severity = scope.look.task.unsure
         yield scope.look.finding(rules.UNKNOWN_ROUTINE, node, name=node.trap, severity=severity)
 
 
@@ -79,7 +78,7 @@ def _unknown(node: s.ProcedureCall | s.FunctionCall, name: str, kind: str, scope
     if meant is not None and _right(node, meant, scope):
         yield scope.look.finding(rules.MISSPELT_ROUTINE, node, name=name, near=meant.name)
     else:
-        severity = names_used.doubt(scope, Severity.WARNING)
+        severity = scope.look.task.unsure
         yield scope.look.finding(rules.UNKNOWN_ROUTINE, node, name=name, severity=severity)
 
 
@@ -140,27 +139,21 @@ def _reference(
 ) -> Found:
     """What is handed over to be changed must be data that can be."""
     data = root(value)
-    given: dict[str, Any] = {
-        "routine": routine.name,
-        "parameter": parameter.name,
-        "mode": parameter.mode,
-    }
-    if data is None:
-        what = "a value that is calculated or written out"
-        yield scope.look.finding(rules.NO_REFERENCE, value, what=what, **given)
-        return
-    storage = _storage(data, scope)
-    what = f"`{data.name}`, which is {STORAGES.get(storage, storage)}"
+    storage = _storage(data, scope) if data is not None else "value"
     moved = routine.name.lower() in WORDS and parameter.type in ("tooldata", "wobjdata")
     if parameter.mode == "PERS" and storage in ("VAR", "CONST", "IN", "FOR"):
-        if not (moved and storage in ("VAR", "CONST")):
-            yield scope.look.finding(rules.NO_PERSISTENT, value, what=what, **given)
-    elif storage in ("CONST", "FOR"):
-        yield scope.look.finding(rules.NO_REFERENCE, value, what=what, **given)
+        rule = None if moved and storage in ("VAR", "CONST") else rules.NO_PERSISTENT
     elif parameter.mode == "VAR" and storage == "PERS":
-        yield scope.look.finding(rules.NO_VARIABLE, value, what=what, **given)
+        rule = rules.NO_VARIABLE
+    else:
+        rule = rules.NO_REFERENCE if storage in ("value", "CONST", "FOR") else None
+    if rule is not None:
+        what = f"`{data.name}`, which is {STORAGES[storage]}" if data is not None else VALUE
+        words: dict[str, Any] = {"parameter": parameter.name, "mode": parameter.mode, "what": what}
+        yield scope.look.finding(rule, value, routine=routine.name, **words)
 
 
+VALUE: Final = "a value that is calculated or written out"
 STORAGES: Final = {
     "VAR": "a VAR",
     "CONST": "a CONST",

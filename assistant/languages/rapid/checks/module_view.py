@@ -17,7 +17,7 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.runs import MOVES
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.program.arrays import Floats, Rows
-from assistant.program.diagnostics import Diagnostic, Rule, Span
+from assistant.program.diagnostics import Diagnostic, Rule, Severity, Span
 
 N = TypeVar("N", bound=s.Node)
 
@@ -73,6 +73,11 @@ class Task(Memory):
     @property
     def has_main(self) -> bool:
         return bool(self._mains)
+
+    @property
+    def unsure(self) -> Severity:
+        """How bad a name is that another module may declare: less if only one is given."""
+        return Severity.WARNING if len(self.modules) > 1 else Severity.INFO
 
     @cached_property
     def mixed(self) -> bool:

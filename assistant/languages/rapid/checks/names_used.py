@@ -11,7 +11,6 @@ from assistant.languages.rapid.checks.kinds import Scope
 from assistant.languages.rapid.tables import predefined
 from assistant.languages.rapid.tables.words import TYPE_ENDING
 from assistant.languages.rapid.tree import syntax as s
-from assistant.program.diagnostics import Severity
 
 
 def component(node: s.Component, scope: Scope) -> Found:
@@ -77,11 +76,5 @@ def _types(names: Iterable[str], node: s.Node, scope: Scope) -> Found:
         if near:
             yield scope.look.finding(rules.MISSPELT_TYPE, node, name=name, near=near)
         else:
-            yield scope.look.finding(
-                rules.UNKNOWN_TYPE, node, name=name, severity=doubt(scope, Severity.WARNING)
-            )
-
-
-def doubt(scope: Scope, severity: Severity) -> Severity:
-    """The severity of what another module may explain: less if only one is given."""
-    return severity if len(scope.look.task.modules) > 1 else Severity.INFO
+            unsure = scope.look.task.unsure
+            yield scope.look.finding(rules.UNKNOWN_TYPE, node, name=name, severity=unsure)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from typing import Final
 
 import numpy as np
@@ -14,8 +15,6 @@ from assistant.languages.rapid.checks import plain_rules as rules
 from assistant.languages.rapid.checks.module_view import Look, Task
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
-from assistant.languages.runs.names import Names
-from assistant.program.arrays import Truths
 from assistant.program.diagnostics import Rule
 
 _WORD: Final = re.compile(r"[^\W\d]\w*")
@@ -31,7 +30,7 @@ def unused(look: Look) -> Found:
     data may be shared with other tasks: those are never unused. Nor is what system modules
     declare, which serve many programs.
     """
-    used = look.task.once(Used)
+    used = look.task.once(used_names)
     data: list[tuple[s.Node, int, str]] = []
     routines: list[tuple[s.Node, int, str]] = []
     system = "SYSMODULE" in look.module.attributes or look.file in look.task.common
@@ -39,16 +38,16 @@ def unused(look: Look) -> Found:
     for item in look.module.items:
         match item:
             case s.TargetRunNode(scope, run) if scope == "LOCAL" or not open_to_all:
-                rows = np.flatnonzero(~used.rows(run.names))
+                rows = np.flatnonzero(~used.among(run.names))
                 data += [(item, int(row), run.names.name(int(row))) for row in rows[: SHOWN + 1]]
                 data += [(item, int(row), "") for row in rows[SHOWN + 1 :]]
             case s.Data(scope, storage, _, name):
                 kept = scope != "LOCAL" and (open_to_all or storage == "PERS")
-                if not kept and name not in used:
+                if not kept and name.lower() not in used:
                     data.append((item, 0, name))
             case s.Routine(kind, local, name):
                 started = not local and (open_to_all or (kind == "PROC" and not item.parameters))
-                if not started and name not in used:
+                if not started and name.lower() not in used:
                     routines.append((item, 0, name))
     yield from _told(look, rules.UNUSED_DATA, data)
     yield from _told(look, rules.UNUSED_ROUTINE, routines)
@@ -60,11 +59,9 @@ def _inner(look: Look, routine: s.Routine) -> Found:
     declared = [item for item in routine.body if isinstance(item, s.Data)]
     if not declared:
         return
-    used = Used()
-    for node in nodes((routine.body, *(h.body for h in routine.handlers))):
-        used.take(node)
+    used = _mentioned(nodes((routine.body, *(h.body for h in routine.handlers))))
     idle: list[tuple[s.Node, int, str]] = [
-        (item, 0, item.name) for item in declared if item.name not in used
+        (item, 0, item.name) for item in declared if item.name.lower() not in used
     ]
     yield from _told(look, rules.UNUSED_DATA, idle)
 
@@ -75,42 +72,30 @@ def _told(look: Look, rule: Rule, found: list[tuple[s.Node, int, str]]) -> Found
         yield look.finding(rule, first, row=row, **listed([name for _, _, name in found]))
 
 
-class Used:
-    """Names that a task mentions anywhere, lower case.
+def used_names(task: Task) -> NameSet:
+    """What a task mentions anywhere."""
+    return _mentioned(nodes(task.modules))
+
+
+def _mentioned(places: Iterable[s.Node]) -> NameSet:
+    """Names that some nodes mention, in lower case.
 
     A word in a string counts: routines are called and data are found by name. Where a name is
     put together while the program runs, whatever begins like it counts as well.
     """
-
-    def __init__(self, task: Task | None = None) -> None:
-        self.names = NameSet()
-        self.beginnings: set[str] = set()
-        for node in nodes(task.modules if task else ()):
-            self.take(node)
-
-    def take(self, node: s.Node) -> None:
+    names = NameSet()
+    for node in places:
         match node:
             case s.NameRef(name) | s.FunctionCall(name) | s.ProcedureCall(str(name)):
-                self.names.words.add(name.lower())
+                names.words.add(name.lower())
             case s.Connect(trap=trap):
-                self.names.words.add(trap.lower())
+                names.words.add(trap.lower())
             case s.StringLiteral(value):
                 words = [word.lower() for word in _WORD.findall(value)]
-                self.names.words.update(words)
-                self.beginnings.update(word for word in words if len(word) >= SHORTEST)
+                names.words.update(words)
+                names.beginnings.update(word for word in words if len(word) >= SHORTEST)
             case s.MoveRunNode(run):
-                self.names.columns += [run.names, run.vias]
+                names.columns += [run.names, run.vias]
                 for m in run.motions.table:
-                    self.names.words.update(w.lower() for w in (m.speed, m.zone, m.tool, m.frame))
-
-    def __contains__(self, name: str) -> bool:
-        return self._may_be_made(name.lower()) or name.lower() in self.names
-
-    def rows(self, names: Names) -> Truths:
-        """(n,) which rows of declared names are used."""
-        made = [self._may_be_made(stem.lower().decode("ascii")) for stem in names.stems]
-        found: Truths = np.array(made)[names.stem] | self.names.among(names)
-        return found
-
-    def _may_be_made(self, name: str) -> bool:
-        return any(name.startswith(begin) for begin in self.beginnings)
+                    names.words.update(w.lower() for w in (m.speed, m.zone, m.tool, m.frame))
+    return names

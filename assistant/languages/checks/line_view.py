@@ -1,0 +1,58 @@
+"""A file of a language of lines, as a rule sees it: findings at its items, words, names, rows."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, Protocol
+
+from assistant.languages.checks.places import Lines, row_of
+from assistant.languages.checks.views import Memory
+from assistant.program.diagnostics import Diagnostic, Rule, Span
+from assistant.program.text import SourceText
+
+
+class Placed(Protocol):
+    """What knows where it stands."""
+
+    @property
+    def span(self) -> Span | None: ...
+
+
+class LineView(Memory):
+    """cut: how the lines of the language are cut. source: None of what was not read."""
+
+    cut: ClassVar[Lines]
+
+    def __init__(self, source: SourceText | None) -> None:
+        self.source = source
+
+    def finding(self, rule: Rule, where: Placed | Span | None, /, **words: Any) -> Diagnostic:
+        """The rule's finding at what an item says, or at a span of the text."""
+        span = where if isinstance(where, Span) or where is None else where.span
+        source = self.source
+        if source is None or span is None:
+            return rule(path=source.path if source else None, **words)
+        if not isinstance(where, Span):
+            span = self.cut.said(source.text, span)
+        return source.finding(rule, span, **words)
+
+    def word(self, item: Placed, word: str) -> Span | None:
+        """Where a word first stands in an item: not in a string or comment, in any case."""
+        if item.span is None or self.source is None:
+            return None
+        start = self.cut.start(self.source.text, item.span)
+        return self.cut.word(self.source.text, Span(start, item.span.end), word)
+
+    def named(self, item: Placed, node: Placed, name: str) -> Span | None:
+        """Where the name of a node in an item stands; None if it came from elsewhere."""
+        if self.source is None or node.span is None or item.span is None:
+            return None
+        start, end = node.span.start, node.span.start + len(name)
+        inside = item.span.start <= start and end <= item.span.end
+        same = self.source.text[start:end].upper() == name.upper()
+        return Span(start, end) if inside and same else None
+
+    def row(self, table: Placed, row: int, name: str = "") -> Span | None:
+        """Where a row of a table stands; where a name stands in it, if given."""
+        if self.source is None or table.span is None:
+            return None
+        return row_of(self.source.text, table.span, row, name)
