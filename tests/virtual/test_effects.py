@@ -60,7 +60,7 @@ def contradictions(seed: int, counted: Counter[str]) -> list[str]:
     """Statements of a random program that do more than their effects say."""
     module, main, nodes = statements(program(seed).text)
     routines = {
-        item.name.lower(): RAPID.effect(verbatim.of_item(item), "declaration")
+        item.name.lower(): RAPID.effect(verbatim.of_node(item, "items"), "declaration")
         for item in module.items
         if isinstance(item, s.Routine)
     }
@@ -72,7 +72,7 @@ def contradictions(seed: int, counted: Counter[str]) -> list[str]:
     ]
     found = []
     for node in nodes:
-        text = verbatim.of_statement(node)
+        text = verbatim.of_node(node, "statements")
         effect = whole(RAPID.effect(text, "statement"), routines)
         done = run_with(module, main, (node,))
         if done.ended in ("unknown", "error"):

@@ -250,6 +250,6 @@ def _routines(module: s.Module) -> dict[str, s.Routine]:
 
 
 def _declaration(item: s.Item) -> Declaration:
-    text = verbatim.of_item(item)
+    text = verbatim.of_node(item, "items")
     effect = effects.of_nodes((item,), text)
     return Declaration(verbatim.LANGUAGE, text, span=item.span, effect=effect)

@@ -154,11 +154,11 @@ def _kept(text: str) -> p.Opaque:
 
 
 def opaque(node: s.StatementNode) -> p.Opaque:
-    return _opaque(node, verbatim.of_statement(node))
+    return _opaque(node, verbatim.of_node(node, "statements"))
 
 
 def handler(node: s.Handler) -> p.Opaque:
-    return _opaque(node, verbatim.of_handler(node))
+    return _opaque(node, verbatim.of_node(node, "handlers"))
 
 
 def _opaque(node: s.Node, text: str) -> p.Opaque:

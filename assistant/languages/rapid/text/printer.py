@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any, Final
 
 from assistant.languages.rapid import rules
@@ -23,19 +23,9 @@ def print_file(file: s.File, newline: str = NEWLINE) -> str:
     return header + PRINTER.text(file.parts, newline)
 
 
-def print_items(items: Iterable[s.Item], newline: str = "\n") -> str:
-    """Declarations as text of their own, without a last line end."""
-    return PRINTER.text(tuple(items), newline).strip("\r\n")
-
-
-def print_statements(body: Iterable[s.StatementNode], newline: str = "\n") -> str:
-    """Statements as text of their own, without a last line end."""
-    return PRINTER.text(tuple(body), newline).strip("\r\n")
-
-
-def print_handler(handler: s.Handler, newline: str = "\n") -> str:
-    """An error handler as text of its own, without a last line end."""
-    return PRINTER.text((handler,), newline).strip("\r\n")
+def print_nodes(nodes: Sequence[s.Item | s.StatementNode | s.Handler]) -> str:
+    """Declarations, statements or error handlers as text of their own, without a last line end."""
+    return PRINTER.text(nodes, "\n").strip("\n")
 
 
 def comment(node: s.CommentLine) -> str:

@@ -5,15 +5,18 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from functools import partial
-from typing import Final, TypeVar
+from typing import Final, Literal, TypeVar
 
 from assistant.languages.rapid import rules
+from assistant.languages.rapid.reading.parser import parse_items, parse_statements
+from assistant.languages.rapid.text.printer import print_nodes
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.texts import kept_texts
 from assistant.languages.texts.kept_texts import KeptTexts
 from assistant.program.diagnostics import Refused
 
 T = TypeVar("T")
+Kind = Literal["items", "statements", "handlers"]
 
 LANGUAGE: Final = "rapid"
 _HANDLER: Final = re.compile(r"(?:ERROR|UNDO|BACKWARD)\b", re.IGNORECASE)
@@ -23,15 +26,11 @@ foreign: Final = partial(kept_texts.foreign, language="RAPID")
 
 def items(text: str) -> tuple[s.Item, ...]:
     """The declarations of a text; raises Refused if it is no RAPID."""
-    from assistant.languages.rapid.reading.parser import parse_items
-
     return _TEXTS.read("items", text, parse_items)
 
 
 def statements(text: str) -> tuple[s.StatementNode, ...]:
     """The statements of a text; raises Refused if it is no RAPID."""
-    from assistant.languages.rapid.reading.parser import parse_statements
-
     return _TEXTS.read("statements", text, parse_statements)
 
 
@@ -81,22 +80,6 @@ def declares(text: str) -> str:
     return ""
 
 
-def of_item(node: s.Item) -> str:
-    """The text that says a declaration."""
-    from assistant.languages.rapid.text.printer import print_items
-
-    return _TEXTS.remember("items", print_items([node]), (node,))
-
-
-def of_statement(node: s.StatementNode) -> str:
-    """The text that says a statement."""
-    from assistant.languages.rapid.text.printer import print_statements
-
-    return _TEXTS.remember("statements", print_statements([node]), (node,))
-
-
-def of_handler(node: s.Handler) -> str:
-    """The text that says an error handler."""
-    from assistant.languages.rapid.text.printer import print_handler
-
-    return _TEXTS.remember("handlers", print_handler(node), (node,))
+def of_node(node: s.Item | s.StatementNode | s.Handler, kind: Kind) -> str:
+    """The text that says a declaration, a statement or an error handler."""
+    return _TEXTS.remember(kind, print_nodes((node,)), (node,))
