@@ -231,3 +231,12 @@ def starts_of(texts: Iterable[SourceText | None]) -> list[int]:
         starts.append(end)
         end += len(text.text if text else "") + 1
     return starts
+
+
+def finding_in(
+    source: SourceText | None, rule: Rule, span: Span | None, **fields: Any
+) -> Diagnostic:
+    """The rule's finding at a span of a text, of the file alone where one of them is not known."""
+    if source is None or span is None:
+        return rule(path=None if source is None else source.path, **fields)
+    return source.finding(rule, span, **fields)

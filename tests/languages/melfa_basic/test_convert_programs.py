@@ -12,8 +12,8 @@ from hypothesis import HealthCheck, assume, example, given, settings
 
 from assistant import languages
 from assistant.languages.melfa_basic.convert import names, original_names
-from assistant.languages.melfa_basic.convert.comparing import ROUNDING, compared
 from assistant.languages.melfa_basic.convert.conversion import convert
+from assistant.languages.melfa_basic.convert.program import ROUNDING, compared
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.line_tables import gathered

@@ -11,6 +11,7 @@ from assistant.languages.checks.damage import Damage
 from assistant.languages.checks.registry import Needs
 from assistant.languages.melfa_basic.tables.vocabulary import function, statements, status
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.blocks import block_word, statement_of
 
 _NAME: Final = re.compile(r"[A-Z][A-Z0-9_]*")
 _CODE: Final = re.compile(r"[ \t]*([0-9]{0,9})[ \t]*(.*)", re.DOTALL)
@@ -94,8 +95,4 @@ def _is_plain(code: str) -> bool:
 
 
 def _has_functions(tree: s.File) -> bool:
-    return any(
-        isinstance(item, s.Line)
-        and (isinstance(item.statement, s.Function) or item.statement == s.Command("FEnd"))
-        for item in tree.items
-    )
+    return any(block_word(statement_of(item)).bounds for item in tree.items)

@@ -18,7 +18,7 @@ from assistant.languages.melfa_basic.tables.dialects import Dialect
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import PositionRows
-from assistant.languages.melfa_basic.tree.walk import nodes
+from assistant.languages.melfa_basic.tree.walk import lines_with, nodes
 from assistant.program.diagnostics import Diagnostic, Rule, Span
 
 N = TypeVar("N")
@@ -121,22 +121,20 @@ class Look(LineView):
         """Functions of MELFA-BASIC VI that the file and those it includes define, by name."""
         found: dict[str, s.Function] = {}
         for tree in self.included:
-            for item in tree.items:
-                if isinstance(item, s.Line) and isinstance(item.statement, s.Function):
-                    found.setdefault(item.statement.name.upper(), item.statement)
+            for _, function in lines_with(tree.items, s.Function):
+                found.setdefault(function.name.upper(), function)
         return found
 
     @cached_property
     def _including(self) -> tuple[list[s.File], bool]:
         found, lacking = [self.tree], False
         for tree in found:
-            for item in tree.items:
-                if isinstance(item, s.Line) and isinstance(item.statement, s.Include):
-                    other = self.calls.by_name.get(item.statement.program.upper())
-                    if other is None:
-                        lacking = True
-                    elif not any(other is one for one in found):
-                        found.append(other)
+            for _, include in lines_with(tree.items, s.Include):
+                other = self.calls.by_name.get(include.program.upper())
+                if other is None:
+                    lacking = True
+                elif not any(other is one for one in found):
+                    found.append(other)
         return found, lacking
 
     @property

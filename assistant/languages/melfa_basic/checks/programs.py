@@ -14,7 +14,7 @@ from assistant.languages.melfa_basic.checks.file_view import Look, program_name
 from assistant.languages.melfa_basic.checks.kinds import literal
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
-from assistant.languages.melfa_basic.tree.walk import statements_in
+from assistant.languages.melfa_basic.tree.walk import lines_with, statements_in
 from assistant.program.diagnostics import Rule
 
 
@@ -83,13 +83,9 @@ def mechanisms(look: Look) -> Found:
     for line, name, slot in firsts(others, lambda call: call[1].upper()):
         tree = look.calls.by_name.get(_plain(name))
         code = tree.code if tree else ()
-        if any(map(_moves, code)) and not any(map(_asks, code)):
+        asks = any(command.keyword == "GetM" for _, command in lines_with(code, s.Command))
+        if any(map(_moves, code)) and not asks:
             yield look.at(motion_rules.NO_GETM, line, f'"{name}"', name=name, slot=slot)
-
-
-def _asks(item: s.Entry) -> bool:
-    statement = item.statement if isinstance(item, s.Line) else None
-    return isinstance(statement, s.Command) and statement.keyword == "GetM"
 
 
 def _moves(item: s.Entry) -> bool:
@@ -156,12 +152,8 @@ def files(look: Look) -> Found:
         for line, node in look.all(s.Close)
         for number in map(literal, node.numbers or (None,))
     )
-    others = any(
-        isinstance(item, s.Line) and isinstance(item.statement, s.Open)
-        for tree in look.calls.trees
-        if tree is not look.tree
-        for item in tree.items
-    )
+    beside = (tree for tree in look.calls.trees if tree is not look.tree)
+    others = any(any(lines_with(tree.items, s.Open)) for tree in beside)
     if not others:
         yield from _without(look, motion_rules.NOT_OPENED, used, opened)
     yield from _without(look, motion_rules.NOT_CLOSED, opened, closed)

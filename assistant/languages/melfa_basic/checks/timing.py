@@ -12,6 +12,7 @@ from assistant.languages.melfa_basic.checks.kinds import literal
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import is_word
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
+from assistant.languages.melfa_basic.tree.walk import lines_with
 
 STOPS: Final = frozenset({"Hlt", "End", "Dly", "HOpen", "HClose"})
 LISTENS: Final = frozenset({"Wait"})
@@ -60,11 +61,9 @@ def tools(look: Look) -> Found:
 
 def _sets_tool(look: Look) -> bool:
     return any(
-        isinstance(item, s.Line)
-        and isinstance(item.statement, s.Command)
-        and item.statement.keyword == "Tool"
+        command.keyword == "Tool"
         for tree in look.calls.trees
-        for item in tree.items
+        for _, command in lines_with(tree.items, s.Command)
     ) or any(use.variable.key == "M_TOOL" and use.role == "written" for _, use in look.uses)
 
 

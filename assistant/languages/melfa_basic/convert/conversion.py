@@ -8,7 +8,7 @@ from pathlib import PurePath
 from typing import Final
 
 from assistant.languages.melfa_basic import rules
-from assistant.languages.melfa_basic.convert import comments, names, original_names, steps, words
+from assistant.languages.melfa_basic.convert import lines, names, original_names, words
 from assistant.languages.melfa_basic.convert.blocks import to_blocks
 from assistant.languages.melfa_basic.convert.jumps import Jumps
 from assistant.languages.melfa_basic.convert.original_names import Memory
@@ -22,7 +22,7 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import blocks_of
 from assistant.languages.melfa_basic.tree.targets import labelled, labels_of, labels_written
 from assistant.program.diagnostics import Diagnostic, has_errors
-from assistant.program.text import SourceText
+from assistant.program.text import SourceText, finding_in
 
 DEEPEST: Final = 51
 """Blocks inside one another that are converted; controllers stop at 16."""
@@ -52,12 +52,9 @@ def convert(trees: Sequence[s.File], to: str) -> Converted:
         short = names.shortened([file.items for file in files], dialect)
         for file in files:
             file.shorten(short)
-    findings = [finding for file in files for finding in file.findings]
-    written = [file.written() for file in files]
-    findings += [f for file in files for f in file.findings if f not in findings]
-    if any(f.severity == "error" for f in findings):
-        return Converted((), tuple(findings))
-    return Converted(tuple(written), tuple(findings))
+    written = tuple(file.written() for file in files)
+    findings = tuple(finding for file in files for finding in file.findings)
+    return Converted(() if has_errors(findings) else written, findings)
 
 
 class _File:
@@ -71,17 +68,12 @@ class _File:
         self.findings: list[Diagnostic] = []
 
     def complain(self, item: s.Item, what: str, cure: str) -> None:
-        finding = self.find(item, what, cure)
+        finding = finding_in(
+            self.tree.source, rules.NOT_CONVERTED, item.span,
+            title=self.dialect.title, what=what, cure=cure,
+        )  # fmt: skip
         if finding not in self.findings:
             self.findings.append(finding)
-
-    def find(self, item: s.Item, what: str, cure: str) -> Diagnostic:
-        source, title = self.tree.source, self.dialect.title
-        if source is not None and item.span is not None:
-            rule = rules.NOT_CONVERTED
-            return source.finding(rule, item.span, title=title, what=what, cure=cure)
-        path = source.path if source else None
-        return rules.NOT_CONVERTED(path=path, title=title, what=what, cure=cure)
 
     # --------------------------------------------------------------------------- passes
 
@@ -110,12 +102,12 @@ class _File:
         items, made = labelled(items)
         self.as_steps = {*made, *self.memory.steps}
         self.memory.steps.clear()
-        items = steps.apart(steps.bare(items))
+        items = lines.apart(lines.bare(items))
         for line in words.unreachable_constants(items):
             self.complain(
                 line, "a `Const` behind a jump or label", "move it to the head of the program"
             )
-        items = comments.fitted(items, self.dialect)
+        items = lines.fitted(items, self.dialect)
         blocks = blocks_of(items)
         if not blocks.sound or any(block.depth > DEEPEST for block in blocks.all):
             self.complain(
@@ -132,7 +124,7 @@ class _File:
         items, self.memory = original_names.taken_out(self.items)
         items, made = labelled(items)
         self.memory.steps |= dict.fromkeys(made)
-        items = to_blocks(steps.bare(items), self.dialect)
+        items = to_blocks(lines.bare(items), self.dialect)
         items = words.Words(self.dialect, self.memory, self.complain).lines(items)
         items = words.restored(items, self.memory)
         given = {
@@ -182,18 +174,18 @@ class _File:
 
     def numbered_text(self, *, marked: bool) -> str:
         items = original_names.put_in(self.items, self.memory, self.dialect.name, marked=marked)
-        lines = steps.numbered(items, self.dialect.step, self.as_steps)
-        if lines is None:
+        numbered = lines.numbered(items, self.dialect.step, self.as_steps)
+        if numbered is None:
             self.complain(self.items[0], "a program of so many lines", "split it into programs")
             return ""
-        self.measure(lines)
-        text = render(s.File(self.dialect.name, tuple(lines)))
+        self.measure(numbered)
+        text = render(s.File(self.dialect.name, tuple(numbered)))
         tree = parse(text, self.dialect.name)
         return text if has_errors(tree.findings) else lay_out(tree)
 
-    def measure(self, lines: Sequence[s.Item]) -> None:
+    def measure(self, items: Sequence[s.Item]) -> None:
         """Lines that are too long for the dialect."""
-        for line in lines:
+        for line in items:
             if not isinstance(line, s.Line):
                 continue
             length = len(printer.line(line, self.dialect.upper).encode("utf-8"))

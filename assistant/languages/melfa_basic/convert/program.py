@@ -2,31 +2,40 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import PurePath
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.language import Conversion
-from assistant.languages.melfa_basic.convert.comparing import compared
+from assistant.languages.melfa_basic.convert import lines, names, original_names, words
 from assistant.languages.melfa_basic.convert.conversion import convert
-from assistant.languages.melfa_basic.lift.files.program import lift
+from assistant.languages.melfa_basic.convert.original_names import Memory
+from assistant.languages.melfa_basic.lift.files.program import lift, stem
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.targets import labelled, labels_of
+from assistant.languages.melfa_basic.tree.walk import lines_with
+from assistant.program import expressions as e
+from assistant.program import statements as p
+from assistant.program.comparison import Tolerance, compare
 from assistant.program.diagnostics import has_errors
 from assistant.program.program import Program
+from assistant.program.rewriting import rewrite
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
 
 
 def conversion(
-    program: Program, dialect: str, names: Sequence[str], robot: Robot | None
+    program: Program, dialect: str, file_names: Sequence[str], robot: Robot | None
 ) -> Conversion[s.File] | None:
     """The files in the dialect, None if the program is not as it was read in another one.
 
     Programs with a `Function`, for a dialect without, are none either: they go through the
-    pseudo-program. names: of the files of trees without a path, in their order. robot: that the
-    program is to run on.
+    pseudo-program. file_names: of the files of trees without a path, in their order. robot: that
+    the program is to run on.
     """
     origin = program.origin
     if origin is None or origin.language not in DIALECTS or origin.language == dialect:
@@ -34,7 +43,8 @@ def conversion(
     trees = origin.trees
     if any(has_errors(tree.findings) for tree in trees):
         return None
-    if not DIALECTS[dialect].functions and any(map(_has_functions, trees)):
+    functions = any(any(lines_with(tree.items, s.Function)) for tree in trees)
+    if functions and not DIALECTS[dialect].functions:
         return None  # the pseudo-program has procedures, which every dialect says in its way
     if origin.robot is None:
         read, as_read = None, program == origin.lifted
@@ -46,7 +56,7 @@ def conversion(
     if robot is not None and read is None and program.robot not in (None, robot.name):
         return None  # another arm: its branches are chosen anew
     converted = convert(trees, dialect)
-    left = iter(names)
+    left = iter(file_names)
     files: dict[str, s.File] = {}
     for tree in converted.trees:
         path = tree.source.path if tree.source else None
@@ -57,5 +67,81 @@ def conversion(
     return Conversion(files, lambda back: compared(trees, back, read), converted.findings)
 
 
-def _has_functions(tree: s.File) -> bool:
-    return any(isinstance(i, s.Line) and isinstance(i.statement, s.Function) for i in tree.items)
+# Whether it says the same: both sides lifted, in one spelling
+
+
+def compared(
+    before: Sequence[s.File], after: Sequence[s.File], robot: Robot | None
+) -> tuple[Program, Program]:
+    """The pseudo-programs of both, which must be the same.
+
+    A form that a lift reads in one dialect only is compared in the first one: the program is
+    converted back.
+    """
+    expected, actual = lifted(before, after, robot)
+    if compare(expected, actual, ROUNDING).same or not before:
+        return expected, actual
+    back = convert(after, before[0].dialect)
+    if not back.trees:
+        return expected, actual
+    found = lifted(before, back.trees, robot)
+    return found if compare(*found, ROUNDING).same else (expected, actual)
+
+
+ROUNDING: Final = Tolerance(1e-9, 1e-9, 0.0)
+"""Of the comparison itself: numbers are not computed anew."""
+
+
+def lifted(
+    before: Sequence[s.File], after: Sequence[s.File], robot: Robot | None
+) -> tuple[Program, Program]:
+    """The pseudo-programs of both, in the words that they share; one if these are the same."""
+    lowest = min(DIALECTS[tree.dialect].level for tree in (*before, *after))
+    one, two = ([_plain(tree, lowest) for tree in trees] for trees in (before, after))
+    said = _lifted(one, robot)
+    return said, said if _text(one) == _text(two) else _lifted(two, robot)
+
+
+def _text(trees: Sequence[s.File]) -> list[tuple[str | None, tuple[s.Item, ...]]]:
+    """What is lifted of trees, whatever dialect they are in."""
+    return [(stem(tree), tree.items) for tree in trees]
+
+
+def _lifted(trees: Sequence[s.File], robot: Robot | None) -> Program:
+    program: Program = rewrite(lift(trees, robot, divide=False), _without_dialect)
+    return program
+
+
+def _plain(tree: s.File, lowest: int) -> s.File:
+    items, memory = original_names.taken_out(tree.items)
+    items, made = labelled(lines.apart(items))
+    jumped = {label.upper() for label in made} | set(memory.steps)
+    order = (label for label in labels_of(items) if label in jumped)
+    numbers = {label: f"ATSTEP{n}" for n, label in enumerate(order)}
+    if lowest == 4 and DIALECTS[tree.dialect].level > 4:
+        lower = DIALECTS["melfa-basic-4"]
+        items = words.Words(lower, Memory(), _silent).lines(lines.fitted(items, lower))
+    table = names.Names(
+        *({k: v.upper() for k, v in getattr(memory, kind).items()} for kind in names.KINDS)
+    )
+    table.labelled |= numbers
+    items = original_names.renamed(names.renamed(items, table, upper=True), table.named)
+    return replace(tree, items=tuple(items), parsed=())
+
+
+def _silent(item: s.Item, what: str, cure: str) -> None:
+    """What cannot be said was found before."""
+
+
+def _without_dialect(part: Any) -> Any:
+    if isinstance(part, p.Opaque | e.Verbatim):
+        return replace(part, language="", text=_upper(part.text))
+    return part
+
+
+_STRING: Final = re.compile(r'("[^"]*")')
+
+
+def _upper(text: str) -> str:
+    """In upper case outside of strings."""
+    return "".join(t if t.startswith('"') else t.upper() for t in _STRING.split(text))

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import is_dataclass
-from typing import Final
+from typing import Final, TypeVar
 
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.walking import Walk
+
+N = TypeVar("N")
 
 _WALK: Final = Walk(is_dataclass)
 nodes: Final = _WALK.nodes
@@ -52,3 +54,10 @@ def statements_in(statement: s.Statement | s.Target | None) -> Iterator[s.Statem
     if isinstance(statement, s.If):
         yield from statements_in(statement.then)
         yield from statements_in(statement.otherwise)
+
+
+def lines_with(items: Iterable[object], kind: type[N]) -> Iterator[tuple[s.Line, N]]:
+    """The lines whose statement is of a kind, each with it."""
+    for item in items:
+        if isinstance(item, s.Line) and isinstance(item.statement, kind):
+            yield item, item.statement
