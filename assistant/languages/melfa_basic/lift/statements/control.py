@@ -248,14 +248,14 @@ LIFTS: Final[Mapping[type, Lift]] = {
     s.Dim: lambda reader, node: data.define(node.variables, reader.expressions),
     s.Static: lambda reader, node: data.define(node.definition.variables, reader.expressions),
     s.Const: lambda reader, node: data.constant(node, reader.expressions),
-    s.DefIo: lambda reader, node: data.known_io(node, reader.expressions),
+    s.DefIo: lambda reader, node: data.known(node.variable.key in reader.symbols.io),
     s.DefOther: lambda reader, node: pallets.define(node, reader.symbols),
-    s.DefFunction: lambda reader, node: data.known_function(node, reader.expressions),
+    s.DefFunction: lambda reader, node: data.known(node.name.upper() in reader.symbols.routines),
 }
-COMMANDS: Final[Mapping[str, Lift]] = {
-    "Wait": Statements.wait,
-    "End": Statements.end,
-    "Return": Statements.returned,
-    "Exit Function": Statements.left,
-    "Break": Control.broken,
+COMMANDS: Final[Mapping[str, tuple[int, Lift]]] = {
+    "Wait": (1, Statements.wait),
+    "End": (0, Statements.end),
+    "Return": (0, Statements.returned),
+    "Exit Function": (0, Statements.left),
+    "Break": (0, Control.broken),
 }

@@ -173,9 +173,9 @@ def constant(node: s.Const, lift: Expressions) -> list[p.Statement]:
     return []
 
 
-def known_io(node: s.DefIo, lift: Expressions) -> list[p.Statement]:
-    """A name of inputs and outputs, which was taken in before."""
-    if node.variable.key not in lift.m.io:
+def known(is_known: bool) -> list[p.Statement]:
+    """A name of inputs and outputs, or a function of one expression, if it was taken in before."""
+    if not is_known:
         raise Unliftable
     return []
 
@@ -187,10 +187,3 @@ def io_of(node: s.DefIo, lift: Expressions) -> tuple[int, int] | None:
     if node.mask is not None or bits is None or not isinstance(number, float):
         return None
     return bits, round(number)
-
-
-def known_function(node: s.DefFunction, lift: Expressions) -> list[p.Statement]:
-    """A function of one expression, which was taken in before."""
-    if node.name.upper() not in lift.m.routines:
-        raise Unliftable
-    return []

@@ -53,12 +53,12 @@ class Statements:
     setting has to stay, because something depends on it that is kept as its text. source: the
     text that the code was read from. label_names: of the procedure that is read, upper case → name.
     refused: why blocks, by their first line, stay as their text. leaving: the blocks around the
-    line. lifts, commands: what statements by their kinds and commands by
-    their words are read by.
+    line. lifts, commands: what statements by their kinds are read by, and commands by their words,
+    with how many arguments these have.
     """
 
     lifts: ClassVar[Mapping[type, Lift]] = {}
-    commands: ClassVar[Mapping[str, Lift]] = {}
+    commands: ClassVar[Mapping[str, tuple[int, Lift]]] = {}
 
     def __init__(
         self,
@@ -75,10 +75,9 @@ class Statements:
         self.regions, self.effect = ways.regions, ways.settings.effect
         self.routines, self.main, self.kept = routines, main, kept
         self.units, self.firsts = calls
-        self.own = symbols.own
         self.unknown = UnknownSettings(ways.called.flow.lines, IN_WORDS, self.where)
         self.expressions = Expressions(symbols)
-        self.runs = Runs(symbols, ways.single, self.own, self.one_move)
+        self.runs = Runs(symbols, ways.single, symbols.own, self.one_move)
         self.moves = Moves(self.expressions, self.runs)
         self.reading: Reading[s.Expression] = Reading(
             {
@@ -110,19 +109,15 @@ class Statements:
 
         Raises Unliftable for `Break`, which would leave the `If` if that becomes a block.
         """
-        setting = isinstance(node, s.Command) and self.effect(node) is not None
-        try:
-            if setting and self.at in self.kept:
-                raise Unliftable(kept_reasons.DEPENDED_ON)
+        if node == s.Command("Break"):
             return self.simple(node)
-        except Unliftable as found:
-            if isinstance(node, s.Command) and node.keyword == "Break":
-                raise
-            return [self.opaque(node, found.reason)]
+        return self.or_text(node, lambda: self.simple(node))
 
     def simple(self, node: s.Statement) -> list[p.Statement]:
         """A statement that is no block; raises Unliftable."""
         if isinstance(node, s.Command) and self.effect(node) is not None:
+            if self.at in self.kept:
+                raise Unliftable(kept_reasons.DEPENDED_ON)
             return []  # how the moves that follow are made
         lift = self.lifts.get(type(node))
         if lift is None:
@@ -131,11 +126,20 @@ class Statements:
 
     def one_move(self, node: s.Motion, values: Values, span: Span | None) -> list[p.Statement]:
         """A move that is part of no path."""
-        try:
-            lifted = self.moves.move(node, values)
-        except Unliftable as found:
-            lifted = [self.opaque(node, found.reason)]
+        lifted = self.or_text(node, lambda: self.moves.move(node, values))
         return [waits.spanned(statement, span) for statement in lifted]
+
+    def or_text(
+        self,
+        node: s.Statement,
+        read: Callable[[], list[p.Statement]],
+        refused: p.Reason | None = None,
+    ) -> list[p.Statement]:
+        """What is read, else the statement's text. refused: why, if the reader does not tell."""
+        try:
+            return read()
+        except Unliftable as found:
+            return [self.opaque(node, found.reason or refused)]
 
     def opaque(self, statement: s.Statement, found: p.Reason | None) -> p.Opaque:
         self.runs.forget()
@@ -196,8 +200,10 @@ class Statements:
         return [p.Call(first, tuple(self.expressions.plain(a) for a in node.arguments), unit)]
 
     def command(self, node: s.Command) -> list[p.Statement]:
-        lift = self.commands.get(node.keyword)
+        count, lift = self.commands.get(node.keyword, (0, None))
         if lift is not None:
+            if len(node.arguments) != count or None in node.arguments:
+                raise Unliftable
             return lift(self, node)
         called: Called[s.Expression] = Called(node.keyword, node.arguments)
         said = ROWS.read(called, self.reading)
@@ -210,24 +216,17 @@ class Statements:
         return round(number) if isinstance(number, float) else None
 
     def wait(self, node: s.Command) -> list[p.Statement]:
-        (condition,) = _exactly(node.arguments, 1)
+        (condition,) = node.arguments
+        assert condition is not None
         return [waits.awaited(condition, self.expressions)]
 
-    def end(self, node: s.Command) -> list[p.Statement]:
+    def end(self, _: s.Command) -> list[p.Statement]:
         """`End` ends a cycle of the main program; one that was called goes back to its caller."""
-        _exactly(node.arguments, 0)
         if not self.region.is_first:
             raise Unliftable(kept_reasons.ENDS_CYCLE if self.main else kept_reasons.NOT_FIRST)
         return [p.Return()]
 
-    def returned(self, node: s.Command) -> list[p.Statement]:
-        _exactly(node.arguments, 0)
+    def returned(self, _: s.Command) -> list[p.Statement]:
         if self.region.label is None:
             raise Unliftable(reasons.NO_SUBROUTINE)
         return [p.Return()]
-
-
-def _exactly(arguments: tuple[Any, ...], count: int) -> tuple[Any, ...]:
-    if len(arguments) != count or (count == 1 and arguments[0] is None):
-        raise Unliftable
-    return arguments

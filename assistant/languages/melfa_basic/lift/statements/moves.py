@@ -12,9 +12,9 @@ from assistant.languages.melfa_basic.lift.statements.arcs import via_of
 from assistant.languages.melfa_basic.lift.statements.paths import (
     Runs,
     Values,
-    place,
     sayable,
     speed_of,
+    stands,
 )
 from assistant.languages.melfa_basic.lift.statements.triggers import triggers
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
@@ -84,8 +84,8 @@ class Moves:
         goal = self.expressions.plain(target)
         if distance is not None:
             goal = _deep(goal, self.expressions.plain(distance))
-        elif isinstance(target, s.Variable) and target.arguments is None:
-            self.runs.previous = place(target.key, values)
+        else:
+            self.runs.previous = stands(target, values)
         return p.Move("joint" if joint else "linear", goal, self.motion(joint, values))
 
     def along(self, distance: s.Expression, values: Values) -> p.Statement:
@@ -111,11 +111,7 @@ class Moves:
         if via is not None:
             made = p.MoveCircular(via, goal, motion)
         before = [] if here else [self.to("Mvs", start, None, values)]
-        self.runs.arc_pending = False
-        known = isinstance(end, s.Variable) and end.arguments is None
-        self.runs.previous = (
-            place(end.key, values) if isinstance(end, s.Variable) and known else None
-        )
+        self.runs.arc_pending, self.runs.previous = False, stands(end, values)
         return [*before, made]
 
 

@@ -146,10 +146,10 @@ class Runs:
 
     def is_here(self, start: s.Expression | None, values: Values) -> bool:
         """Whether the robot stands at the start of an arc."""
-        key = start.key if isinstance(start, s.Variable) and start.arguments is None else ""
-        if key == ARC_START and self.arc_pending:
+        here = stands(start, values)
+        if here is not None and here[0] == ARC_START and self.arc_pending:
             return True
-        return self.previous is not None and self.previous == place(key, values)
+        return here is not None and self.previous == here
 
     def extend(
         self,
@@ -256,6 +256,14 @@ class Runs:
         made = self.one(s.Motion(word, (target,)), chunk.settings, chunk.span)
         self.previous = previous
         return made
+
+
+def stands(at: s.Expression | None, values: Values) -> Place | None:
+    """Where the robot stands at a position, None if that is no plain variable."""
+    match at:
+        case s.Variable(arguments=None):
+            return place(at.key, values)
+    return None
 
 
 def place(name: str, values: Values) -> Place:

@@ -11,7 +11,6 @@ from assistant.languages.melfa_basic.lift.statements import waits
 from assistant.languages.melfa_basic.lift.statements.control import COMMANDS, LIFTS, Control
 from assistant.languages.melfa_basic.lift.statements.paths import Values
 from assistant.languages.melfa_basic.lift.structure.regions import Region
-from assistant.languages.melfa_basic.lift.values.symbols import Unliftable
 from assistant.languages.melfa_basic.tables.words import ARC_START
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
@@ -135,19 +134,14 @@ class Reader(Control):
         values = self.values
         self.symbols.placing = values[TOOL], values[FRAME]
         assert self.form is not None
-        self.symbols.variants = {
-            self._function_key(callee): made.name
-            for callee, made in self.form.called.get(at, {}).items()
-        }
+        called = self.form.called.get(at, {}).items()
+        functions = ((self.regions[callee].function, made.name) for callee, made in called)
+        self.symbols.variants = {f.name.upper(): name for f, name in functions if f is not None}
         for to in self.form.goes.get(at, {}).values():
             label = self.code[to.places[0]].label
             if label is not None:
                 self.label_names[label.upper()] = self._label_at(to)
         return values
-
-    def _function_key(self, region: int) -> str:
-        function = self.regions[region].function
-        return function.name.upper() if function else f"*{self.regions[region].label}"
 
     def entry(self, at: int, high: int, made: list[p.Statement]) -> int:
         """Reads one entry, or a whole block; gives the place after it."""
@@ -191,12 +185,10 @@ class Reader(Control):
 
     def one(self, node: s.Statement, at: int, span: Span | None) -> list[p.Statement]:
         """A statement that is no block, or its text."""
-        try:
-            if at in self.kept and not isinstance(node, s.If):
-                raise Unliftable(kept_reasons.DEPENDED_ON)
-            lifted = self.simple(node)
-        except Unliftable as found:
-            lifted = [self.opaque(node, found.reason or self.refused.get(at))]
+        if at in self.kept and not isinstance(node, s.If):
+            lifted: list[p.Statement] = [self.opaque(node, kept_reasons.DEPENDED_ON)]
+        else:
+            lifted = self.or_text(node, lambda: self.simple(node), self.refused.get(at))
         if not isinstance(node, s.Motion) and _has_verbatim(lifted):
             self.note_dependence(node)
         return [waits.spanned(statement, span) for statement in lifted]
