@@ -70,10 +70,12 @@ class Sets:
 
 @dataclass(frozen=True, slots=True)
 class Calls:
-    """A line calls a procedure, or what may change these settings. perhaps: or it does not."""
+    """A line calls these, in an order that nobody knows.
 
-    called: int | frozenset[int]
-    perhaps: bool = False
+    Procedures by number, or what may change the settings of a set.
+    """
+
+    called: tuple[int | frozenset[int], ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,8 +118,8 @@ class Lines:
 def _called(steps: Steps) -> Iterator[int]:
     for step in steps:
         match step:
-            case Calls(int() as number):
-                yield number
+            case Calls(several):
+                yield from (one for one in several if isinstance(one, int))
             case Either(branches):
                 for branch in branches:
                     yield from _called(branch)
@@ -244,9 +246,21 @@ class Flow:
     def after(self, at: int, state: State) -> State | None:
         """What holds behind a line; None if it never ends."""
         steps = self.lines.steps.get(at)
-        return state if steps is None else self._ran(at, steps, state)
+        return state if steps is None else self._ran(at, steps, state, [])
 
-    def _ran(self, at: int, steps: Steps, state: State) -> State | None:
+    def calls(self, at: int, state: State) -> dict[int, State]:
+        """What may hold at the calls in a line, by procedure."""
+        met: list[tuple[int, State]] = []
+        self._ran(at, self.lines.steps.get(at, ()), state, met)
+        found: dict[int, State] = {}
+        for number, before in met:
+            found[number] = joined(found.get(number), before)
+        return {number: found.get(number, state) for number in self.lines.called(at)}
+
+    def _ran(
+        self, at: int, steps: Steps, state: State, met: list[tuple[int, State]]
+    ) -> State | None:
+        """What holds behind some steps. met: takes what is called, and what holds there."""
         behind: State | None = state
         for step in steps:
             if behind is None:
@@ -255,20 +269,32 @@ class Flow:
                 case Sets(setting, value):
                     made = Held(value, frozenset((at,)))
                     behind = (*behind[:setting], made, *behind[setting + 1 :])
-                case Calls(int() as number, perhaps):
-                    behind = self._called(number, perhaps, behind)
-                case Calls(frozenset() as changed):
-                    behind = tuple(
-                        Held(UNKNOWN) if k in changed else held for k, held in enumerate(behind)
-                    )
+                case Calls(called):
+                    before = self._between(called, behind)
+                    met += [(one, before) for one in called if isinstance(one, int)]
+                    behind = _any_of([self._left_by(one, before) for one in called], every=True)
                 case Either(branches):
-                    ways = [self._ran(at, branch, behind) for branch in branches]
-                    open_ways = [way for way in ways if way is not None]
-                    behind = reduce(joined, open_ways) if open_ways else None
+                    behind = _any_of([self._ran(at, branch, behind, met) for branch in branches])
         return behind
 
-    def _called(self, number: int, perhaps: bool, state: State) -> State | None:
-        """What holds behind a call, which may be left out."""
-        end = self.exits[number]
-        behind = None if end is None else resolved(end, state)
-        return joined(behind, state) if perhaps else behind
+    def _between(self, called: Sequence[int | frozenset[int]], state: State) -> State:
+        """What may hold before each of several calls, whichever of them have been made."""
+        known: State | None = None
+        while len(called) > 1 and known != state:
+            known = state
+            made = _any_of([self._left_by(one, known) for one in called])
+            state = known if made is None else joined(known, made)
+        return state
+
+    def _left_by(self, called: int | frozenset[int], state: State) -> State | None:
+        """What holds behind a call."""
+        if isinstance(called, int):
+            end = self.exits[called]
+            return None if end is None else resolved(end, state)
+        return tuple(Held(UNKNOWN) if k in called else held for k, held in enumerate(state))
+
+
+def _any_of(ways: Sequence[State | None], every: bool = False) -> State | None:
+    """What is certain behind ways that end, one of which was taken. every: all have to end."""
+    ending = [way for way in ways if way is not None]
+    return reduce(joined, ending) if ending and not (every and None in ways) else None

@@ -91,7 +91,7 @@ class CalledForms:
             for part, places in enumerate(flow.parts[number])
         }
         procedures = flow.lines.procedures
-        self._calls = {at: flow.lines.called(at) for at in flow.lines.steps}
+        self._calls = {at: made for at in flow.lines.steps if (made := flow.lines.called(at))}
         self._needs = self._all_needs()
         self.forms: list[dict[Any, Form]] = [{} for _ in procedures]
         self._lines = 0
@@ -127,8 +127,11 @@ class CalledForms:
     def _follow(self, form: Form) -> None:
         """Notes what a form calls, and where it goes."""
         for at in form.places:
-            for callee in self._calls.get(at, ()):
-                form.called.setdefault(at, {})[callee] = self._form(callee, self.at(at, form))
+            if at in self._calls:
+                met = self.flow.calls(at, self.at(at, form))
+                form.called[at] = {
+                    callee: self._form(callee, state) for callee, state in met.items()
+                }
         below: State | None = None
         for at in form.places if form.passes else ():
             for to, state in self.flow.edges.get(at, {}).items():

@@ -57,6 +57,17 @@ def calls(program: Program) -> list[str]:
     return [node.procedure for node in program.statements() if isinstance(node, p.Call)]
 
 
+@pytest.mark.parametrize("value", ["Slow(1)+Go(1)", "Go(Slow(1))", "Slow(Go(1))"])
+def test_a_function_that_sets_the_speed_may_run_before_another_one_in_the_line(value: str) -> None:
+    program = lifted(
+        f"Spd 100\nM1={value}\nEnd\n"
+        "Function M Slow(ByVal MX)\nSpd 50\nSlow=1\nFEnd\n"
+        "Function M Go(ByVal MX)\nMvs P1\nGo=1\nFEnd\n"
+    )
+    kept = [node.text for node in program.statements() if isinstance(node, p.Opaque)]
+    assert kept == ["Spd 100", "Spd 50", "Mvs P1"]
+
+
 PART = "*PART\nMvs P1 WthIf M_In(3)=1,M_Out(3)=1\nReturn\n"
 
 

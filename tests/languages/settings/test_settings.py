@@ -69,10 +69,12 @@ def steps_of(words: Sequence[str]) -> Steps:
             return (Either(((Sets(SPEED, float(value)),), ())),)
         case ["tool", value]:
             return (Sets(TOOL, value),)
-        case ["call" | "perhaps" as word, number]:
-            return (Calls(int(number), word == "perhaps"),)
+        case ["call", *numbers]:
+            return (Calls(tuple(map(int, numbers))),)
+        case ["perhaps", number]:
+            return (Either(((Calls((int(number),)),), ())),)
         case ["elsewhere"]:
-            return (Calls(frozenset({TOOL})),)
+            return (Calls((frozenset({TOOL}),)),)
     return ()
 
 
@@ -134,6 +136,14 @@ def test_procedures_have_a_form_for_each_way_of_calling_them() -> None:
         [(10.0, "flange"), (5.0, "flange"), (5.0, "a")],
     ]
     assert [form.number for form in forms[1].values()] == [1, 2, 3]
+
+
+def test_calls_in_one_line_may_be_made_in_any_order() -> None:
+    lines = lines_of("speed 7; call 1 2; move", "speed 5", "move")
+    flow = Flow(lines)
+    assert flow.before[2][SPEED].value is UNKNOWN
+    made = CalledForms(flow, INITIAL)
+    assert [values(form.state)[SPEED] for form in made.forms[2].values()] == [UNKNOWN]
 
 
 def test_settings_that_a_procedure_does_not_use_make_no_form() -> None:

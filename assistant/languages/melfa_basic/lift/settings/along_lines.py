@@ -88,11 +88,13 @@ def lines_of(
         effect = settings.effect(statement)
         if effect is not None:
             return (Sets(*effect),)
-        perhaps = isinstance(statement, s.OnJump)
-        calls = tuple(Calls(one, perhaps) for one in called(statement))
+        calls = tuple(called(statement))
+        if isinstance(statement, s.OnJump):
+            return (Either((*((Calls((one,)),) for one in calls), ())),)
+        before: Steps = (Calls(calls),) if calls else ()
         if isinstance(statement, s.If) and statement.then is not None:
-            return (*calls, Either((steps(statement.then), steps(statement.otherwise))))
-        return calls
+            return (*before, Either((steps(statement.then), steps(statement.otherwise))))
+        return before
 
     places = [region.places() for region in regions]
     loose = {
