@@ -45,7 +45,6 @@ class _Reading:
     """What one reading of a file gave."""
 
     symbols: Symbols
-    settings: Settings
     reader: Reader
     local: dict[tuple[str, str], Variable]
     procedures: list[Procedure] = field(default_factory=list)
@@ -56,67 +55,87 @@ class Unit:
     """Adds a file to a program. unit: its name there, None for the main one.
 
     touched: settings that each program changes, by its name in upper case. programs: names of
-    those that are called, which no subroutine has. divide: procedures in which settings differ
-    with the way are read once for each way.
+    those that are called, which no subroutine has.
     """
 
     def __init__(
         self,
+        program: Program,
         file: File,
         main: File,
         unit: str | None,
         robot: Robot | None,
         touched: Mapping[str, frozenset[int]],
         programs: frozenset[str],
-        divide: bool = True,
     ) -> None:
-        self.grids = not file.own
-        self.file, self.main, self.unit, self.robot = file, main, unit, robot
-        self.touched, self.programs = touched, programs
-        self.divide = divide and not file.own
-        self.own, self.header = file.own, file.header
-        self.ways: Ways | None = None
-        self.scope: Scope | None = None
+        self.program, self.file, self.main, self.unit = program, file, main, unit
+        self.robot, self.touched, self.programs = robot, touched, programs
+        self.own, self.header, self.grids = file.own, file.header, not file.own
+        self.code = code = list(file.code)
+        take = declared.taken_parameters
+        self.first = declared.taken_definitions(file.header, code) if self.own else take(code)
+        constants = Constants(code)
+        if not self.own:  # given by the caller, whatever value a line of the file has for it
+            constants.assigned |= {parameter.key for parameter in self.first}
+        self.first_values = declared.taken_values(file.header, code) if self.own else {}
+        structure = Structure(code)
+        named = file.header.names["procedure"]
+        parts = regions.regions(code, structure.depth, named, self.own)
+        settings = Settings(
+            file.positions, constants, file.header, program.tools, program.frames, own=self.own
+        )
+        flow = Flow(lines_of(code, structure, parts, settings, touched))
+        self.ways = Ways(
+            constants, structure, parts, settings, CalledForms(flow, self._initial()),
+            {} if self.own else used_once(code), timers(code, file.header, self.own),
+            "M_BRKCQ" in set(all_keys(code)),
+        )  # fmt: skip
+        self.scope = self._scope(parts)
         """The variables of the code, as each reading begins with them."""
 
     @property
     def is_main(self) -> bool:
         return self.unit is None
 
-    def add_to(self, program: Program) -> Program:
-        """The program with the file's procedures and what they name."""
-        reading = self._divided(program, self._read(program, frozenset()))
+    def added(self, divide: bool) -> Program:
+        """The program with the file's procedures and what they name.
+
+        divide: procedures in which settings differ with the way are read once for each way.
+        """
+        reading = self._read(frozenset())
+        if divide and not self.own and reading.reader.depending:
+            reading = self._divided(reading)
         kept = self._kept(reading)
         if kept:
-            reading = self._read(program, kept)
+            reading = self._read(kept)
         if reading.symbols.pallets and still_mentioned(tuple(reading.procedures)):
             self.grids = False
-            reading = self._read(program, kept)
-        symbols, reader = reading.symbols, reading.reader
-        made = declared.Declared(self.file, symbols, reading.settings, reader.runs)
+            reading = self._read(kept)
+        program, symbols, settings = self.program, reading.symbols, self.ways.settings
         entry = program.entry
         if self.is_main:
             has_entry = bool(reading.procedures) and self.header.entry != "-"
             entry = reading.procedures[0].name if has_entry else None
-        targets, joints = made.targets(), made.joints()
+        runs = reading.reader.runs
+        targets = declared.targets(self.file, symbols, settings.placed, runs)
+        joints = declared.joint_targets(self.file, symbols)
         return replace(
             program,
             procedures=(*program.procedures, *reading.procedures),
             entry=entry,
             signals=symbols.signals,
             variables=symbols.variables,
-            tools=reading.settings.tools,
-            frames=reading.settings.frames,
-            targets=_with(program.targets, targets),
-            joint_targets=_with(program.joint_targets, joints),
+            tools=settings.tools,
+            frames=settings.frames,
+            # what the programs before have stays
+            targets=program.targets | targets | program.targets,
+            joint_targets=program.joint_targets | joints | program.joint_targets,
             declarations=(*program.declarations, *reading.declarations),
         )
 
-    def _divided(self, program: Program, whole: _Reading) -> _Reading:
+    def _divided(self, whole: _Reading) -> _Reading:
         """The reading with divided procedures if that leaves less as its text."""
         ways = self.ways
-        if not self.divide or not whole.reader.depending or ways is None:
-            return whole
         undivided: frozenset[int] = frozenset()
         while True:
             flow = divided(ways.called.flow, undivided)
@@ -127,7 +146,7 @@ class Unit:
                 break
             undivided |= called.unread  # lines that never run are kept as well
         self.ways = replace(ways, called=called)
-        made = self._read(program, frozenset())
+        made = self._read(frozenset())
         if not made.reader.torn and _depending(made) < _depending(whole):
             return made
         self.ways = ways
@@ -147,88 +166,55 @@ class Unit:
 
     # ------------------------------------------------------------------------- one reading
 
-    def _read(self, program: Program, kept: frozenset[int]) -> _Reading:
-        code = list(self.file.code)
-        own = declared.OwnVariables(self.header, code) if self.own else None
-        taken_away = own.definitions() if own else declared.first_parameters(code)
-        ways = self.ways
-        # a program written here still has the lines of first values, which are taken out below
-        parts = ways.regions if ways and not own else self._regions(code)[1]
-        symbols = self._meanings(program, code, parts)
-        symbols.timers = ways.timers if ways else timers(code, self.header, self.own)
+    def _read(self, kept: frozenset[int]) -> _Reading:
+        code, ways, names = self.code, self.ways, self.main.header.names
+        symbols = self._meanings()
         if self.grids:
             symbols.pallets = pallets(code, symbols)
         expressions = Expressions(symbols)
-        local = own.values(expressions) if own else {}
+        local = declared.own_variables(self.header, self.first_values, expressions)
         declared.elements(self.file, symbols)
-        if ways is None:
-            self.ways = ways = self._ways(code, symbols, program)
-        listed = self._routines(code, ways.regions, symbols, program)
-        self._name_forms(ways.called, listed, program)
-        source = self.file.tree.source
-        calls = dict(self.main.header.names["unit"]), dict(self.main.header.names["first"])
+        listed = self._routines(symbols)
+        self._name_forms(listed)
+        source, calls = self.file.tree.source, (dict(names["unit"]), dict(names["first"]))
         reader = Reader(code, symbols, ways, listed, calls, self.is_main, kept, source)
-        reading = _Reading(symbols, ways.settings, reader, local)
-        for node in _statements(code, s.DefIo):
-            if (io := data.io_of(node, expressions)) is not None:
-                symbols.io[node.variable.key] = io
+        reading = _Reading(symbols, reader, local)
+        for item in code:
+            if isinstance(node := item.statement, s.DefIo):
+                if (io := data.io_of(node, expressions)) is not None:
+                    symbols.io[node.variable.key] = io
         functions = [] if self.own else routines.defined_functions(code, symbols)
         for number, forms in enumerate(ways.called.forms):
             for form in forms.values():
-                self._procedure(number, form, reading, taken_away)
+                self._procedure(number, form, reading)
         several = [forms.values() for forms in ways.called.forms if len(forms) > 1]
         origin = {form.name: form.procedure for forms in several for form in forms}
         reading.procedures = equal_procedures.as_one(reading.procedures, origin)
         reading.procedures += [replace(f, unit=self.unit) for f in functions]
         return reading
 
-    def _regions(self, code: list[s.Entry]) -> tuple[Structure, list[Region]]:
-        """The blocks of some lines, and what is a procedure of its own."""
-        structure = Structure(code)
-        named = self.header.names["procedure"]
-        return structure, regions.regions(code, structure.depth, named, self.own)
-
-    def _ways(self, code: list[s.Entry], symbols: Symbols, program: Program) -> Ways:
-        structure, parts = self._regions(code)
-        constants = symbols.constants
-        tools, frames = program.tools, program.frames
-        settings = Settings(
-            self.file.positions, constants, self.header, tools, frames, own=self.own
-        )
-        flow = Flow(lines_of(code, structure, parts, settings, self.touched))
-        return Ways(
-            constants, structure, parts, settings, CalledForms(flow, self._initial()),
-            {} if self.own else used_once(code), symbols.timers, "M_BRKCQ" in set(all_keys(code)),
-        )  # fmt: skip
-
-    def _meanings(self, program: Program, code: list[s.Entry], parts: list[Region]) -> Symbols:
-        functions = {r.function.name for r in parts if r.function is not None}
-        first = parts[0] if parts else Region(0, 0)
-        shared = code
+    def _scope(self, parts: list[Region]) -> Scope:
+        """The variables that all procedures share: those of the lines outside of functions."""
+        functions = {r.function.name.upper() for r in parts if r.function is not None}
+        first, shared = parts[0], self.code
         if functions:
             inner = first.function is not None
-            shared = code[slice(*first.before)] if inner else code[first.low : first.high]
-        if self.scope is None:
-            self.scope = scope_of(shared, {name.upper() for name in functions})
-        scope = self.scope.copy()
-        constants = self.ways.constants if self.ways else Constants(code)
-        if not self.own:
-            for parameter in declared.parameters_of(self.file.code):
-                scope.names.setdefault(parameter.key, parameter.name)
-                # given by the caller, whatever value a line of the file has for it
-                constants.assigned |= {parameter.key}
-        return Symbols(
-            self.header, self.file.positions, constants, scope, self.robot,
+            shared = shared[slice(*first.before)] if inner else shared[first.low : first.high]
+        scope = scope_of(shared, functions)
+        for parameter in self.first:
+            scope.names.setdefault(parameter.key, parameter.name)
+        return scope
+
+    def _meanings(self) -> Symbols:
+        program = self.program
+        tables = (program.signals, program.variables, program.targets, program.joint_targets)
+        symbols = Symbols(
+            self.header, self.file.positions, self.ways.constants, self.scope.copy(), self.robot,
             self.file.tree.dialect, self.own, dict(program.signals), dict(program.variables),
-            {
-                name.lower()
-                for table in (
-                    *(program.signals, program.variables),
-                    *(program.targets, program.joint_targets),
-                )
-                for name in table
-            },
+            {name.lower() for table in tables for name in table},
         )  # fmt: skip
+        symbols.timers = self.ways.timers
+        return symbols
 
     def _initial(self) -> State:
         """What holds at the start; a program that is called may find what its caller has set."""
@@ -241,13 +227,12 @@ class Unit:
 
     # -------------------------------------------------------------------------- procedures
 
-    def _routines(
-        self, code: list[s.Entry], parts: list[Region], symbols: Symbols, program: Program
-    ) -> list[Routine]:
+    def _routines(self, symbols: Symbols) -> list[Routine]:
         """What each region is called; functions are noted among the symbols."""
-        taken = {*(q.name for q in program.procedures), *self.programs}
+        code = self.code
+        taken = {*(q.name for q in self.program.procedures), *self.programs}
         listed = []
-        for number, region in enumerate(parts):
+        for number, region in enumerate(self.ways.regions):
             if number == 0:
                 name = self._first_name()
             else:
@@ -264,10 +249,11 @@ class Unit:
             listed.append(routine)
         return listed
 
-    def _name_forms(self, called: CalledForms, listed: list[Routine], program: Program) -> None:
+    def _name_forms(self, listed: list[Routine]) -> None:
         """The first form of a procedure has its name, the others a number behind it."""
-        taken = {*(q.name for q in program.procedures), *(r.name for r in listed), *self.programs}
-        for routine, forms in zip(listed, called.forms, strict=True):
+        taken = {q.name for q in self.program.procedures} | {r.name for r in listed}
+        taken |= self.programs
+        for routine, forms in zip(listed, self.ways.called.forms, strict=True):
             for form in forms.values():
                 form.name = routine.name
                 if form.number > 1:
@@ -288,9 +274,7 @@ class Unit:
         units = self.main.header.names["unit"].items()
         return next((short for short, unit in units if unit == self.header.unit), "")
 
-    def _procedure(
-        self, number: int, form: Form, reading: _Reading, first: tuple[s.Variable, ...]
-    ) -> None:
+    def _procedure(self, number: int, form: Form, reading: _Reading) -> None:
         """Reads a procedure in one of its forms."""
         reader, symbols = reading.reader, reading.symbols
         region, routine = reader.regions[number], reader.routines[number]
@@ -306,11 +290,11 @@ class Unit:
             )
             symbols.inside = inside if number or not _is_plain(inside) else None
         parameters = routine.parameters
-        if number == 0 and first:
-            parameters = tuple(self._parameter(v, symbols) for v in first)
+        if number == 0 and self.first:
+            parameters = tuple(self._parameter(v, symbols) for v in self.first)
         body = reader.read(form)
         symbols.inside = None
-        if number == 0 and self._has_no_code(reader, body):
+        if number == 0 and self._has_no_code(body):
             return
         name = form.name
         owned = {v: d for (owner, v), d in reading.local.items() if owner.lower() == name.lower()}
@@ -330,12 +314,12 @@ class Unit:
         symbols.variables.pop(name, None)
         return Parameter(name, kind)
 
-    def _has_no_code(self, reader: Reader, body: tuple[Any, ...]) -> bool:
+    def _has_no_code(self, body: tuple[Any, ...]) -> bool:
         """Whether a file is a list of positions."""
         if self.header.entry == "-" and self.is_main:
             return True
         return not body and not any(
-            not isinstance(i, s.Line) or i.statement or i.label for i in reader.code
+            not isinstance(i, s.Line) or i.statement or i.label for i in self.code
         )
 
 
@@ -345,15 +329,6 @@ def _depending(reading: _Reading) -> set[int]:
 
 def _is_plain(inside: Inside) -> bool:
     return not inside.names and inside.result is None
-
-
-def _with(known: dict[str, Any], more: dict[str, Any]) -> dict[str, Any]:
-    """Both; what the programs before have stays."""
-    return known | {name: value for name, value in more.items() if name not in known}
-
-
-def _statements(code: list[s.Entry], kind: type) -> list[Any]:
-    return [item.statement for item in code if isinstance(item.statement, kind)]
 
 
 def _spelled(code: list[s.Entry], region: Region) -> str:

@@ -44,7 +44,7 @@ def lift(trees: Sequence[s.File], robot: Robot | None = None, *, divide: bool = 
     for file in [main, *rest]:
         known = program.procedures
         unit = None if file is main else (file.header.unit or stem(file.tree) or "unit")
-        program = Unit(file, main, unit, robot, touched, programs, divide).add_to(program)
+        program = Unit(program, file, main, unit, robot, touched, programs).added(divide)
         added = program.procedures[len(known) :]
         counted = (counted_on(procedure, starts[id(file)]) for procedure in added)
         program = replace(program, procedures=(*known, *counted))
