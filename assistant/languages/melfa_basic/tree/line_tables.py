@@ -109,8 +109,7 @@ def rows_as_lines(rows: MoveRows | PositionRows) -> Iterator[s.Line | s.Data]:
             constant = s.Constant(numbers, (int(flags[0]), int(flags[1])))
             yield s.Data(variable(int(number)), constant)
         return
-    for i, step in enumerate(rows.steps):
-        ends = [variable(int(rows.end[i]))]
-        if rows.kinds[i] == MVR:
-            ends = [variable(int(rows.start[i])), variable(int(rows.via[i])), *ends]
-        yield s.Line(int(step) or None, None, s.Motion(KEYWORDS[rows.kinds[i]], tuple(ends)))
+    columns = (rows.steps, rows.kinds, rows.start, rows.via, rows.end)
+    for step, kind, *numbers in np.stack(columns, axis=1).tolist():
+        places = tuple(variable(number) for number in numbers if number >= 0)
+        yield s.Line(step or None, None, s.Motion(KEYWORDS[kind], places))

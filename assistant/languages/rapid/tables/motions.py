@@ -27,23 +27,21 @@ BRAKING: Final = 5000.0
 
 def speed_name(speed: Speed) -> str:
     """`v150` if predefined, else the name under which it is declared: `speed_147`."""
-    if speed in _SPEED_NAMES:
-        return _SPEED_NAMES[speed]
-    usual = Speed(speed.tcp)
-    rest = (speed.rotation, speed.external_linear, speed.external_rotary)
-    if rest == (usual.rotation, usual.external_linear, usual.external_rotary):
-        return f"speed_{_in_name(speed.tcp)}"
-    return "speed_" + "_".join(_in_name(v).replace("_", "d") for v in (speed.tcp, *rest))
+    first, *rest = speed_values(speed)
+    usual = rest == speed_values(Speed(first))[1:]
+    return _SPEED_NAMES.get(speed) or _named("speed", first, () if usual else rest)
 
 
 def zone_name(blend: Blend) -> str:
     """`z100` or `fine` if predefined, else the name under which it is declared: `zone_2_5`."""
-    if blend in _ZONE_NAMES:
-        return _ZONE_NAMES[blend]
-    radius = blend.radius or 0.0
-    if blend.details is None:
-        return f"zone_{_in_name(radius)}"
-    return "zone_" + "_".join(_in_name(v).replace("_", "d") for v in (radius, *blend.details))
+    return _ZONE_NAMES.get(blend) or _named("zone", blend.radius or 0.0, blend.details or ())
+
+
+def _named(kind: str, first: float, more: Sequence[float]) -> str:
+    """The name of a record by its values, of one with usual sizes by the first alone."""
+    if not more:
+        return f"{kind}_{_in_name(first)}"
+    return f"{kind}_" + "_".join(_in_name(v).replace("_", "d") for v in (first, *more))
 
 
 def _in_name(value: float) -> str:
@@ -69,10 +67,9 @@ def zone_of(stop: bool, values: Sequence[float]) -> Blend:
     """A zone without details if these are the usual ones of its radius."""
     if stop:
         return Blend()
-    radius, a, b, c, d, e = (float(v) for v in values)
-    if (a, b, c, d, e) == usual_sizes(radius):
-        return Blend(radius)
-    return Blend(radius, details=(a, b, c, d, e))
+    radius, a, b, c, d, e = map(float, values)
+    details = (a, b, c, d, e)
+    return Blend(radius, details=None if details == usual_sizes(radius) else details)
 
 
 def sayable_speed(speed: Speed) -> tuple[Speed, str | None]:
@@ -111,8 +108,7 @@ def sayable_blend(blend: Blend) -> tuple[Blend, str | None]:
         changed, radius, details = "a corner without size", LEAST_CHOSEN, None
     radius = round(radius, PLACES)
     if details is not None:
-        a, b, c, d, e = (round(v, PLACES) for v in details)
-        return zone_of(False, [radius, a, b, c, d, e]), changed
+        return zone_of(False, [radius, *(round(v, PLACES) for v in details)]), changed
     return Blend(radius), changed
 
 
