@@ -240,9 +240,10 @@ def code(translation: Translation) -> list[str]:
     return [line for line in lines if not line.startswith("'")]
 
 
-def test_files_that_are_called_are_reported_in_their_place(tmp_path: Path) -> None:
+@pytest.mark.parametrize("call", ['CallP "SUB"', 'If M1>0 Then CallP "SUB"'])
+def test_files_that_are_called_are_reported_in_their_place(tmp_path: Path, call: str) -> None:
     (tmp_path / "SUB.prg").write_text("1 Dly 1\n2 Dly 1\n3 Dly 1\n4 Servo On\n5 End\n")
-    (tmp_path / "MAIN.prg").write_text('1 Dly 2\n2 CallP "SUB"\n3 End\n')
+    (tmp_path / "MAIN.prg").write_text(f"1 Dly 2\n2 {call}\n3 End\n")
     found = translate(tmp_path / "MAIN.prg", to="rapid", language="melfa-basic-5")
     places = {(Path(r.place.path or "").name, r.place.line): r.level for r in found.rows}
     assert places["SUB.prg", 4] == "not"

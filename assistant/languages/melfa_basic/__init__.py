@@ -217,12 +217,9 @@ class MelfaBasic(Language["File"]):
 
     def called_files(self, tree: File) -> tuple[str, ...]:
         """A call that works out the program's name is left aside."""
-        from assistant.languages.melfa_basic.tree.syntax import CallP, Line, String
+        from assistant.languages.melfa_basic.tree.walk import awaited
 
-        statements = [item.statement for item in tree.items if isinstance(item, Line)]
-        named = [s.program for s in statements if isinstance(s, CallP)]
-        called = [program.value for program in named if isinstance(program, String)]
-        return tuple(f"{name}.prg" for name in dict.fromkeys(called))
+        return tuple(dict.fromkeys(f"{name}.prg" for _, name in awaited(tree)))
 
     def check(self, trees: Sequence[File]) -> tuple[Diagnostic, ...]:
         from assistant.languages.melfa_basic.checks import check
@@ -231,10 +228,9 @@ class MelfaBasic(Language["File"]):
 
     def companions(self, tree: File) -> tuple[str, ...]:
         """Programs that a file runs or loads in other slots, and those that it includes."""
-        from assistant.languages.melfa_basic.checks.programs import called
+        from assistant.languages.melfa_basic.tree.walk import called
 
-        names = [name for _, name, _ in called(tree)]
-        return tuple(f"{name}.prg" for name in dict.fromkeys(names))
+        return tuple(dict.fromkeys(f"{name}.prg" for _, name, _ in called(tree)))
 
 
 def _errors(tree: File) -> int:

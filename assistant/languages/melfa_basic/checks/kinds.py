@@ -11,7 +11,7 @@ from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tables.variables import MARKS, TYPES, DataType
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.walk import declarations
+from assistant.languages.melfa_basic.tree.walk import declarations, literal
 
 Kind = str
 """`M` (a number), `C` (a text), `P` (a position), `J` (joints), `PJ` (one of the last two); empty
@@ -150,18 +150,6 @@ def _range(look: Look, line: s.Item, target: s.Variable, value: s.Expression) ->
     if not low <= round(number) <= high and not bits:
         words = {"name": target.marked, "value": f"{number:g}", "wider": kind.wider}
         yield look.at(rules.INTEGER_RANGE, line, target, low=low, high=high, **words)
-
-
-def literal(value: s.Expression | None) -> float | None:
-    """The number that an expression is, None if it is no plain number."""
-    match value:
-        case s.Number(number):
-            return number
-        case s.Unary("-", s.Number(number)):
-            return -number
-        case s.Unary("+", s.Number(number)):
-            return number
-    return None
 
 
 def operands(look: Look) -> Found:

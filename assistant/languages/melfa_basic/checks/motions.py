@@ -11,12 +11,12 @@ from assistant.languages.checks.registry import Found
 from assistant.languages.checks.wording import like_it
 from assistant.languages.melfa_basic.checks import motion_rules as rules
 from assistant.languages.melfa_basic.checks.file_view import Look
-from assistant.languages.melfa_basic.checks.kinds import literal
 from assistant.languages.melfa_basic.checks.variables_of import known
 from assistant.languages.melfa_basic.tables.vocabulary import commands
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import KEYWORDS, MOV, MVR, MoveRows
 from assistant.languages.melfa_basic.tree.positions import NO_FLAGS, Positions
+from assistant.languages.melfa_basic.tree.walk import literal
 from assistant.program.arcs import ArcMeasures
 from assistant.program.arrays import Floats, Ints, Truths
 from assistant.program.diagnostics import Rule, Span

@@ -11,29 +11,10 @@ from assistant.languages.checks.repeats import firsts
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks import flow_rules, motion_rules
 from assistant.languages.melfa_basic.checks.file_view import Look, program_name
-from assistant.languages.melfa_basic.checks.kinds import literal
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
-from assistant.languages.melfa_basic.tree.walk import lines_with, statements_in
+from assistant.languages.melfa_basic.tree.walk import awaited, called, lines_with, literal
 from assistant.program.diagnostics import Rule
-
-
-def called(tree: s.File) -> Iterator[tuple[s.Line, str, int | None]]:
-    """Programs that a file names: the line, the name, and the slot it is run or loaded in.
-
-    None for CallP, which stays in its own slot; 0 for a slot that is worked out.
-    """
-    for item in tree.items:
-        if not isinstance(item, s.Line):
-            continue
-        for statement in statements_in(item.statement):
-            match statement:
-                case s.CallP(program=s.String(name)):
-                    yield item, name, None
-                case s.Command("XRun" | "XLoad", (slot, s.String(name), *_)):
-                    yield item, name, int(literal(slot) or 0)
-                case s.Include(program=name):
-                    yield item, name, None
 
 
 def missing(look: Look) -> Found:
@@ -54,9 +35,10 @@ def recursion(look: Look) -> Found:
 
     def inner(name: str) -> list[str]:
         tree = look.calls.by_name.get(name.removesuffix(".PRG"))
-        return [other for _, other in _awaited(tree)] if tree is not None else []
+        return [other.upper() for _, other in awaited(tree)] if tree is not None else []
 
-    for line, name in _awaited(look.tree):
+    for line, written in awaited(look.tree):
+        name = written.upper()
         chain = way_to(own, name, inner) if own else None
         if chain is not None:
             text = " calls ".join(f"`{n}`" for n in (own, *chain))
@@ -66,15 +48,6 @@ def recursion(look: Look) -> Found:
         if deep == most + 1:
             yield look.at(flow_rules.CALLED_TOO_DEEP, line, "CallP", depth=deep, most=most)
             return
-
-
-def _awaited(tree: s.File) -> list[tuple[s.Line, str]]:
-    """Programs that a file calls and that come back to it, by their names in upper case."""
-    return [
-        (line, name.upper())
-        for line, name, slot in called(tree)
-        if slot is None and not isinstance(line.statement, s.Include)
-    ]
 
 
 def mechanisms(look: Look) -> Found:

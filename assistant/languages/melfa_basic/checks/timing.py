@@ -8,11 +8,10 @@ from assistant.languages.checks.registry import Found
 from assistant.languages.melfa_basic.checks import motion_rules as rules
 from assistant.languages.melfa_basic.checks import value_rules
 from assistant.languages.melfa_basic.checks.file_view import Look
-from assistant.languages.melfa_basic.checks.kinds import literal
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import is_word
 from assistant.languages.melfa_basic.tree.columnar import MoveRows
-from assistant.languages.melfa_basic.tree.walk import lines_with
+from assistant.languages.melfa_basic.tree.walk import lines_with, literal
 
 STOPS: Final = frozenset({"Hlt", "End", "Dly", "HOpen", "HClose"})
 LISTENS: Final = frozenset({"Wait"})

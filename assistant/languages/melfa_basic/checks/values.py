@@ -13,9 +13,9 @@ from assistant.languages.checks.wording import alternatives
 from assistant.languages.melfa_basic.checks import kinds
 from assistant.languages.melfa_basic.checks import value_rules as rules
 from assistant.languages.melfa_basic.checks.file_view import Look
-from assistant.languages.melfa_basic.checks.kinds import literal
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.walk import literal
 from assistant.program.diagnostics import Severity
 
 PERCENT: Final = "write a percentage; `Spd` takes mm/s"

@@ -9,12 +9,11 @@ from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks import kinds, value_rules
 from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.checks.flow import parts
-from assistant.languages.melfa_basic.checks.kinds import literal
 from assistant.languages.melfa_basic.checks.undefined import near_status
 from assistant.languages.melfa_basic.checks.variables_of import known
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.walk import statements_in, word_of
+from assistant.languages.melfa_basic.tree.walk import literal, statements_in, word_of
 from assistant.program.diagnostics import Diagnostic
 
 LEVELS: Final = {4: "MELFA-BASIC IV", 5: "MELFA-BASIC V", 6: "MELFA-BASIC VI"}

@@ -13,6 +13,7 @@ from assistant.languages.melfa_basic.tables import poses
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import PositionRows
 from assistant.languages.melfa_basic.tree.line_tables import split_name
+from assistant.languages.melfa_basic.tree.walk import literal
 from assistant.languages.runs.columns import joined
 from assistant.languages.runs.names import sorted_rows
 from assistant.program import expressions as e
@@ -117,14 +118,10 @@ def _indices(variable: s.Variable) -> tuple[int, ...]:
 
 def _kept(value: s.Expression) -> e.Expression | None:
     """The number or text that stands behind a variable's name."""
-    match value:
-        case s.Number(value=number):
-            return e.Number(number)
-        case s.Unary(operator=sign, operand=s.Number(value=number)):
-            return e.Number(-number if sign == "-" else number)
-        case s.String(value=text):
-            return e.Text(text)
-    return None
+    if isinstance(value, s.String):
+        return e.Text(value.value)
+    number = literal(value)
+    return None if number is None else e.Number(number)
 
 
 def _row(constant: s.Constant) -> tuple[Floats, Ints]:

@@ -1,4 +1,4 @@
-"""Nodes of lines, statements and expressions; what statements begin with and declare."""
+"""Nodes of lines, statements and expressions; what these begin with, declare, call and say."""
 
 from __future__ import annotations
 
@@ -61,3 +61,40 @@ def lines_with(items: Iterable[object], kind: type[N]) -> Iterator[tuple[s.Line,
     for item in items:
         if isinstance(item, s.Line) and isinstance(item.statement, kind):
             yield item, item.statement
+
+
+def called(file: s.File) -> Iterator[tuple[s.Line, str, int | None]]:
+    """Programs that a file names: the line, the name, and the slot it is run or loaded in.
+
+    None for CallP, which stays in its own slot; 0 for a slot that is worked out.
+    """
+    for item in file.items:
+        if not isinstance(item, s.Line):
+            continue
+        for statement in statements_in(item.statement):
+            match statement:
+                case s.CallP(program=s.String(name)):
+                    yield item, name, None
+                case s.Command("XRun" | "XLoad", (slot, s.String(name), *_)):
+                    yield item, name, int(literal(slot) or 0)
+                case s.Include(program=name):
+                    yield item, name, None
+
+
+def awaited(file: s.File) -> list[tuple[s.Line, str]]:
+    """Programs that a file calls and that come back to it, by the lines that call them."""
+    return [
+        (line, name)
+        for line, name, slot in called(file)
+        if slot is None and not isinstance(line.statement, s.Include)
+    ]
+
+
+def literal(value: s.Expression | None) -> float | None:
+    """The number that an expression is, None if it is no plain number."""
+    match value:
+        case s.Number(number):
+            return number
+        case s.Unary("+" | "-" as sign, s.Number(number)):
+            return -number if sign == "-" else number
+    return None
