@@ -25,14 +25,11 @@ def assign(node: s.Assign, lift: Expressions, runs: Runs) -> list[p.Statement]:
     target = node.target
     if _is_chosen(node, lift):
         return [_chosen(node, lift, runs)]
-    if target.key in SIGNALS:
+    if target.key in SIGNALS or (target.key in lift.m.io and not lift.m.is_shadowed(target.key)):
         return [_signal(node, lift)]
-    if target.key in lift.m.io and not lift.m.is_shadowed(target.key):
-        name = lift.m.io_signal(target, "output")
-        pulse = None if node.delay is None else lift.of(node.delay)
-        return [p.SetSignal(name, _held(node.value, lift.m.signals[name], lift), pulse)]
-    if lift.m.timers.get(timer_of(target) or 0) and node.value == s.Number(0) and not node.delay:
-        return [p.StartTimer(lift.m.timers[timer_of(target) or 0])]
+    timer = lift.m.timers.get(timer_of(target) or 0)
+    if timer and node.value == s.Number(0) and not node.delay:
+        return [p.StartTimer(timer)]
     if node.delay is not None:
         raise Unliftable(DELAYED)
     runs.previous = None
@@ -93,11 +90,15 @@ def _signal(node: s.Assign, lift: Expressions) -> p.SetSignal:
     masked = _masked(node, lift)
     if masked is not None:
         return masked
-    name = lift.plain(target)
-    if not isinstance(name, e.Name):
-        raise Unliftable
+    if target.key in SIGNALS:
+        said = lift.plain(target)
+        if not isinstance(said, e.Name):
+            raise Unliftable
+        name = said.name
+    else:
+        name = lift.m.io_signal(target, "output")
     pulse = None if node.delay is None else lift.of(node.delay)
-    return p.SetSignal(name.name, _held(node.value, lift.m.signals[name.name], lift), pulse)
+    return p.SetSignal(name, _held(node.value, lift.m.signals[name], lift), pulse)
 
 
 def _held(given: s.Expression, signal: Signal, lift: Expressions) -> e.Expression:

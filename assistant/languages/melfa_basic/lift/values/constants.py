@@ -104,26 +104,18 @@ def keeping(code: Sequence[s.Entry]) -> dict[str, Sequence[bool]]:
 
 def changed(statement: s.Statement, kept: Keeping) -> Iterator[str]:
     """Upper-case names of the variables that a statement may give a new value."""
-    match statement:
-        case s.Assign(target=target):
-            yield target.key
-        case s.For(variable=variable) | s.Const(variable=variable) | s.DefIo(variable=variable):
-            yield variable.key
-        case s.Input(variables=variables) | s.FPrm(variables=variables):
-            yield from (v.key for v in variables)
-        case s.Command(keyword=keyword, arguments=arguments) if keyword not in commands("reads"):
-            yield from _given(arguments)
-        case s.If(then=then, otherwise=otherwise):
-            for branch in (then, otherwise):
-                if branch is not None and not isinstance(branch, s.Target):
-                    yield from changed(branch, kept)
-            statement = s.ElseIf(statement.condition)
-        case s.Motion(append=s.Append(statement=inner)):
-            yield from changed(inner, kept)
-            statement = s.Motion("", statement.arguments)
-    for part in nodes(statement):  # a function may change what it is given
-        if isinstance(part, s.Variable) and part.arguments and status(part.key) is None:
-            yield from _given(part.arguments, _left_alone(part.key, kept))
+    for part in nodes(statement):
+        match part:
+            case s.Assign(target=variable) | s.Const(variable=variable):
+                yield variable.key
+            case s.For(variable=variable) | s.DefIo(variable=variable):
+                yield variable.key
+            case s.Input(variables=variables) | s.FPrm(variables=variables):
+                yield from (v.key for v in variables)
+            case s.Command(keyword, arguments) if keyword not in commands("reads"):
+                yield from _given(arguments)
+            case s.Variable(arguments=tuple(given)) if status(part.key) is None:
+                yield from _given(given, _left_alone(part.key, kept))  # a function may change it
 
 
 def _left_alone(key: str, kept: Keeping) -> Sequence[bool]:

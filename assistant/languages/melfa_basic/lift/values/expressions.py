@@ -37,6 +37,13 @@ from assistant.program.geometry import Target
 _PLAIN: Final = {melfa.upper(): name for name, melfa in PLAIN.items()}
 _OF_ANGLE: Final = {melfa.upper(): name for name, melfa in OF_ANGLE.items()}
 _TO_ANGLE: Final = {melfa.upper(): name for name, melfa in TO_ANGLE.items()}
+_NUMBERS: Final = {
+    "M_ON": e.Number(1),
+    "M_OFF": e.Number(0),
+    "M_PI": e.Number(math.pi),
+    **{key: e.Number(round(value)) for key, value in INITIAL.items()},
+}
+"""What status variables that never change are."""
 DEGREE: Final = math.pi / 180.0
 
 
@@ -189,13 +196,7 @@ class Expressions(Types):
             return self.called(node, key)
         if key in ("P_CURR", "J_CURR"):
             return self.here(key)
-        if key in ("M_ON", "M_OFF"):
-            return e.Number(int(key == "M_ON"))
-        if key in INITIAL:
-            return e.Number(round(INITIAL[key]))
-        if key == "M_PI":
-            return e.Number(math.pi)
-        return self.m.name(node)
+        return _NUMBERS.get(key) or self.m.name(node)
 
     def here(self, key: str) -> e.Expression:
         """Where the robot stands, seen with the tool and base that hold."""
