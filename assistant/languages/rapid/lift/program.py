@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import chain
 from typing import Any
@@ -20,7 +20,7 @@ from assistant.languages.rapid.tables.words import PREDEFINED_VALUES, VALUE_OF_T
 from assistant.languages.rapid.text import effects, verbatim
 from assistant.languages.rapid.text.header import Header, opening
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.walk import nodes
+from assistant.languages.rapid.tree.walk import inner_names
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.analysis.signals import uses, with_used
@@ -78,7 +78,8 @@ class _Lift:
         }
         known = self.data.joint_targets.items()
         alone = {n.lower() for n, j in known if not any(v == v for v in j.external)}
-        inner = set(self._inner_names(routines)) if numbers or alone else set()
+        hidden = inner_names(routines) if numbers or alone else ()
+        inner = {self.original(name).lower() for name in hidden}
         self.meaning = Meaning(
             self.original,
             self.data.speeds,
@@ -101,15 +102,6 @@ class _Lift:
 
     def original(self, name: str) -> str:
         return self.names.get(name.lower(), name)
-
-    def _inner_names(self, routines: tuple[s.Routine, ...]) -> Iterator[str]:
-        """Names that some routine declares or counts with, in lower case."""
-        for node in nodes(routines):
-            match node:
-                case s.Data(name=str(name)) | s.ParameterNode(name=name):
-                    yield self.original(name).lower()
-                case s.ForLoop(variable=str(name)):
-                    yield self.original(name).lower()
 
     def program(self) -> Program:
         header = self.headers[self.main]

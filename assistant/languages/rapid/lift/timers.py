@@ -13,7 +13,7 @@ from itertools import chain, pairwise
 from typing import Final
 
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.walk import lists, nodes
+from assistant.languages.rapid.tree.walk import inner_names, lists, nodes
 
 TYPE: Final = "clock"
 READ: Final = "clkread"
@@ -22,10 +22,9 @@ READ: Final = "clkread"
 def clocks(modules: Sequence[s.Module]) -> frozenset[str]:
     """Lower-case names of the clocks that are timers: of a module, restarted and read only."""
     items = tuple(item for module in modules for item in module.items)
-    declared = Counter(
-        item.name.lower() for item in items if isinstance(item, s.Data) and _is_clock(item)
-    )
-    if not declared:
+    data = [item for item in items if isinstance(item, s.Data)]
+    found = {item.name.lower() for item in data if _is_clock(item)}
+    if not found:
         return frozenset()
     named: Counter[str] = Counter()
     meant: Counter[str] = Counter()
@@ -35,19 +34,16 @@ def clocks(modules: Sequence[s.Module]) -> frozenset[str]:
                 named[name.lower()] += 1
             case s.FunctionCall() if (clock := read(node)) is not None:
                 meant[clock] += 1
-            case s.Data(name=str(name)) | s.ParameterNode(name=str(name)):
-                named[name.lower()] += 1
-            case s.ForLoop(variable=str(name)):
-                named[name.lower()] += 2  # hides it
-    routines = (item for item in items if isinstance(item, s.Routine))
+    routines = [item for item in items if isinstance(item, s.Routine)]
     started: set[str] = set()
     for body in chain.from_iterable(map(lists, routines)):
         for pair in pairwise(body):
             if (again := restarted(pair)) is not None:
                 meant[again.name.lower()] += 2
                 started.add(again.name.lower())
-    alone = {name for name, count in declared.items() if count == 1}
-    return frozenset(n for n in alone & started if named[n] == meant[n] + 1)
+    declared = Counter(item.name.lower() for item in data)
+    alone = started & found - {name.lower() for name in inner_names(routines)}
+    return frozenset(n for n in alone if declared[n] == 1 and named[n] == meant[n])
 
 
 def restarted(nodes: Sequence[s.Node]) -> s.NameRef | None:

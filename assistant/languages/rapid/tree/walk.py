@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any, Final
 
 from assistant.languages.language import Part
@@ -50,6 +50,16 @@ def root(value: Any) -> s.NameRef | None:
     while isinstance(value, s.Component | s.Element):
         value = value.value
     return value if isinstance(value, s.NameRef) else None
+
+
+def inner_names(routines: Iterable[s.Routine]) -> Iterator[str]:
+    """Names that routines declare or count with, so that they hide what modules declare."""
+    for node in nodes(tuple(routines)):
+        match node:
+            case s.Data(name=str(name)) | s.ParameterNode(name=name):
+                yield name
+            case s.ForLoop(variable=str(name)):
+                yield name
 
 
 def lists(routine: s.Routine) -> Iterator[tuple[s.StatementNode, ...]]:

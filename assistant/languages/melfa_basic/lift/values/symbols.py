@@ -110,10 +110,12 @@ class Symbols:
 
     def static(self, routine: str, key: str, written: str) -> str:
         """The name of a variable that outlives its function, the same in all forms of it."""
-        known = f"{routine}.{key}"
-        if known not in self.renamed:
-            self.renamed[known] = self.free(f"{routine}_{written}")
-        return self.renamed[known]
+        return self._renamed(f"{routine}.{key}", f"{routine}_{written}")
+
+    def _renamed(self, key: str, wanted: str) -> str:
+        if key not in self.renamed:
+            self.renamed[key] = self.free(wanted)
+        return self.renamed[key]
 
     def name(self, node: s.Variable) -> e.Expression:
         """A whole variable by its original name; inline positions by their value."""
@@ -139,10 +141,7 @@ class Symbols:
 
     def target_name(self, written: str) -> str:
         """The name of a position constant, another one if a program before has it already."""
-        key = written.upper()
-        if self.own or key not in self.renamed:
-            self.renamed[key] = written if self.own else self.free(written)
-        return written if self.own else self.renamed[key]
+        return written if self.own else self._renamed(written.upper(), written)
 
     def declared(self, node: s.Variable) -> str:
         """The name of a variable of the file, declared where it is first met."""
