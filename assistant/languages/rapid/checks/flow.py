@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
+from assistant.languages.checks.reach import Reach
 from assistant.languages.checks.registry import Found
 from assistant.languages.rapid import rules as names
 from assistant.languages.rapid.checks import plain_rules as rules
@@ -24,30 +25,8 @@ def unreachable(look: Look) -> Found:
     """The first statement of each stretch that nothing leads to; a label always may."""
     for routine in look.routines:
         for body in (routine.body, *(h.body for h in routine.handlers)):
-            for statement, before in _dead(body):
+            for statement, before in REACH.dead(body):
                 yield look.finding(rules.UNREACHABLE, statement, before=before)
-
-
-def _dead(body: Body) -> Iterator[tuple[s.StatementNode, str]]:
-    told = False
-    for statement, before in zip(body, _ends(body), strict=False):
-        if isinstance(statement, SILENT):
-            continue
-        if before and not told:
-            yield statement, before
-        told = bool(before)
-        for block in () if before else blocks(statement):
-            yield from _dead(block)
-
-
-def _ends(body: Body) -> list[str]:
-    """For each statement and the end of a list why it cannot be reached, empty where it can."""
-    found = [""]
-    for statement in body:
-        if found[-1] and any(isinstance(n, s.LabelMark) for n in nodes(statement)):
-            found[-1] = ""
-        found.append(found[-1] or _leaves(statement))
-    return found
 
 
 def _leaves(statement: s.StatementNode) -> str:
@@ -66,7 +45,11 @@ def _leaves(statement: s.StatementNode) -> str:
         case s.WhileLoop(condition) if _bare(condition) == s.BoolLiteral(True):
             return "a loop that never ends"
         case s.IfThen(otherwise=tuple()) | s.TestOf(otherwise=tuple()):
-            return "" if any(map(falls_through, blocks(statement))) else "branches that all leave"
+            return (
+                ""
+                if any(map(REACH.falls_through, blocks(statement)))
+                else "branches that all leave"
+            )
     return ""
 
 
@@ -77,9 +60,12 @@ def _bare(value: s.Expression) -> s.Expression:
     return value
 
 
-def falls_through(body: Body) -> bool:
-    """Whether the end of a list of statements can be reached."""
-    return not _ends(body)[-1]
+REACH: Final[Reach[s.StatementNode]] = Reach(
+    blocks=blocks,
+    leaves=_leaves,
+    entered=lambda node: any(isinstance(n, s.LabelMark) for n in nodes(node)),
+    silent=lambda node: isinstance(node, SILENT),
+)
 
 
 def returns(look: Look) -> Found:
@@ -92,7 +78,7 @@ def returns(look: Look) -> Found:
                 yield look.finding(
                     rules.WRONG_RETURN, node, what=what, kind=routine.kind, name=routine.name
                 )
-        if function and falls_through(routine.body):
+        if function and REACH.falls_through(routine.body):
             yield look.finding(rules.NO_RETURN, routine, name=routine.name)
 
 
