@@ -15,6 +15,7 @@ from assistant.languages.melfa_basic.checks import flow_rules as rules
 from assistant.languages.melfa_basic.checks.file_view import Look, Scope
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import CLOSING, block_word, blocks_of, statement_of
+from assistant.languages.melfa_basic.tree.columnar import MoveRows
 from assistant.languages.melfa_basic.tree.targets import graph_of
 from assistant.languages.melfa_basic.tree.walk import statements_in, word_of
 from assistant.program.diagnostics import Diagnostic, Rule
@@ -123,8 +124,6 @@ def loops(look: Look) -> Found:
                     yield look.at(rules.SAME_VARIABLE, line, variable, name=variable.name)
         for at in part.scope.entries:
             item = look.code[at]
-            if not isinstance(item, s.Line):
-                continue
             if isinstance(item.statement, s.Next):
                 yield from _next(look, part, at, item, item.statement, over)
             inner, target = part.blocks.around.get(at), _changed(item.statement)
@@ -147,7 +146,7 @@ def _changed(statement: s.Statement | None) -> s.Variable | None:
 
 
 def _next(
-    look: Look, part: Part, at: int, line: s.Line, node: s.Next, over: dict[int, s.Variable]
+    look: Look, part: Part, at: int, line: s.Entry, node: s.Next, over: dict[int, s.Variable]
 ) -> Found:
     for variable, block in zip(node.variables, part.blocks.closing.get(at, ()), strict=False):
         wanted = over.get(block.first)
@@ -195,8 +194,7 @@ def _returns(look: Look, places: Iterable[int]) -> list[tuple[int, s.Command]]:
 def _name(look: Look, at: int) -> str:
     """What jumps call a line: its label, else its step number."""
     line = look.code[at]
-    label = line.label if isinstance(line, s.Line) else None
-    return str(first_step(line)) if label is None else f"*{label}"
+    return str(first_step(line)) if line.label is None else f"*{line.label}"
 
 
 def _told(look: Look, rule: Rule, at: int) -> Diagnostic:
@@ -250,35 +248,28 @@ def unreachable(look: Look) -> Found:
             if at in reached:
                 quiet = False
                 continue
-            if isinstance(item, s.Line):
-                if item.label is not None:
-                    quiet = True  # a label that nothing jumps to is a finding of its own
-                if item.statement is None or _declares(item.statement):
-                    continue
-            if _is_tail(item):
-                continue
-            if not quiet:
-                yield look.finding(rules.UNREACHABLE, item, before=_before(look, part, at))
-            quiet = True
+            quiet = quiet or item.label is not None  # which is a finding of its own
+            if _runs(item):
+                if not quiet:
+                    yield look.finding(rules.UNREACHABLE, item, before=_before(look, part, at))
+                quiet = True
 
 
-def _declares(statement: s.Statement) -> bool:
-    return isinstance(
-        statement,
-        s.DefNames | s.DefIo | s.DefFunction | s.DefOther | s.Dim | s.Const | s.Static | s.Include,
-    )
-
-
+SILENT: Final = (
+    s.DefNames, s.DefIo, s.DefFunction, s.DefOther, s.Dim, s.Const, s.Static, s.Include,
+    s.Next, s.Jump,
+)  # fmt: skip
 TAILS: Final = frozenset({"End", "Hlt", "Return", "FEnd", "Break", "EndIf", "End Select", "WEnd"})
 """Words that stand at an end as a habit, and do no harm where nothing comes to them."""
 
 
-def _is_tail(item: s.Entry) -> bool:
-    if not isinstance(item, s.Line):
-        return False
-    if block_word(item.statement).parts or isinstance(item.statement, s.Next | s.Jump):
-        return True
-    return word_of(item.statement) in TAILS
+def _runs(item: s.Entry) -> bool:
+    """Whether a line does something that is missed where nothing leads to it."""
+    statement = item.statement
+    if statement is None:
+        return isinstance(item, MoveRows)
+    silent = isinstance(statement, SILENT) or block_word(statement).parts
+    return not silent and word_of(statement) not in TAILS
 
 
 def _before(look: Look, part: Part, at: int) -> str:
@@ -286,7 +277,7 @@ def _before(look: Look, part: Part, at: int) -> str:
     entries = part.scope.entries
     for place in reversed(entries[: entries.index(at)]):
         item = look.code[place]
-        if not isinstance(item, s.Line) or item.statement is None:
+        if item.statement is None:
             continue
         word = word_of(item.statement)
         if isinstance(item.statement, s.Select):

@@ -16,7 +16,7 @@ from assistant.languages.melfa_basic.tables.vocabulary import commands
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import KEYWORDS, MOV, MVR, MoveRows
 from assistant.languages.melfa_basic.tree.positions import NO_FLAGS, Positions
-from assistant.languages.melfa_basic.tree.walk import literal
+from assistant.languages.melfa_basic.tree.walk import lines_with, literal
 from assistant.program.arcs import ArcMeasures
 from assistant.program.arrays import Floats, Ints, Truths
 from assistant.program.diagnostics import Rule, Span
@@ -253,15 +253,11 @@ def arcs(look: Look) -> Found:
 def circles(look: Look) -> Found:
     """Mvc where an arc is meant: the next move starts at its third point."""
     last: tuple[s.Line, s.Motion] | None = None
-    for item in look.code:
-        motion = item.statement if isinstance(item, s.Line) else None
-        if isinstance(item, s.Line) and isinstance(motion, s.Motion):
-            if last is not None and len(motion.arguments) >= ARC_POINTS:
-                third, start = last[1].arguments[-1], last[1].arguments[0]
-                follows = motion.arguments[0] == third and third != start
-                if follows and isinstance(third, s.Variable) and isinstance(start, s.Variable):
-                    yield look.at(
-                        rules.FULL_CIRCLE, last[0], "Mvc", start=start.name, name=third.name
-                    )
-            full = motion.keyword == "Mvc" and len(motion.arguments) >= ARC_POINTS
-            last = (item, motion) if full else None
+    for line, motion in lines_with(look.code, s.Motion):
+        if last is not None:
+            start, third = last[1].arguments[0], last[1].arguments[-1]
+            follows = motion.arguments[0] == third and third != start
+            if follows and isinstance(third, s.Variable) and isinstance(start, s.Variable):
+                yield look.at(rules.FULL_CIRCLE, last[0], "Mvc", start=start.name, name=third.name)
+        full = motion.keyword == "Mvc" and len(motion.arguments) >= ARC_POINTS
+        last = (line, motion) if full else None

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator
 
 from assistant.languages.checks.call_graph import depth, way_to
 from assistant.languages.checks.registry import Found
-from assistant.languages.checks.repeats import firsts
+from assistant.languages.checks.repeats import Keyed, firsts
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks import flow_rules, motion_rules
 from assistant.languages.melfa_basic.checks.file_view import Look, program_name
@@ -68,35 +67,23 @@ def _moves(item: s.Entry) -> bool:
 # ----------------------------------------------------------------------------------- interrupts
 
 
-@dataclass(frozen=True, slots=True)
-class Numbers:
-    """The first line of each number with its word, and whether there are numbers not known."""
-
-    first: dict[float, tuple[s.Line, str]] = field(default_factory=dict)
-    unsure: bool = False
-
-    @staticmethod
-    def of(places: Iterable[tuple[s.Line, str, float | None]]) -> Numbers:
-        """places: None for a number that is worked out."""
-        listed = list(places)
-        known = {n: (line, word) for line, word, n in reversed(listed) if n is not None}
-        return Numbers(known, any(n is None for _, _, n in listed))
+Numbers = Keyed[float, tuple[s.Line, str]]
+"""By number the line that names it, and the word that it stands behind."""
 
 
 def _without(look: Look, rule: Rule, some: Numbers, others: Numbers) -> Found:
-    """The rule's finding at each number that certainly is not among others."""
-    for number, (line, word) in () if others.unsure else some.first.items():
-        if number not in others.first:
-            yield look.at(rule, line, word, word=word, number=f"{number:g}")
+    """The rule's finding at each number that is not among others."""
+    for number, (line, word) in some.without(others):
+        yield look.at(rule, line, word, word=word, number=f"{number:g}")
 
 
 def interrupts(look: Look) -> Found:
     """Interrupts that are switched but not defined, or defined but not switched on."""
     switches = list(_switches(look))
-    defined = Numbers.of((line, "Act", literal(act.number)) for line, act in look.all(s.DefAct))
-    switched = Numbers.of((line, "Act", n) for line, n, _ in switches if n)
-    on = Numbers.of(
-        (line, "Act", n or None) for line, n, state in switches if n is None or state != 0
+    defined = Keyed.of((literal(act.number), (line, "Act")) for line, act in look.all(s.DefAct))
+    switched = Keyed.of((n, (line, "Act")) for line, n, _ in switches if n)
+    on = Keyed.of(
+        (n or None, (line, "Act")) for line, n, state in switches if n is None or state != 0
     )
     yield from _without(look, motion_rules.NO_ACT, switched, defined)
     yield from _without(look, motion_rules.ACT_OFF, defined, on)
@@ -116,12 +103,12 @@ def _switches(look: Look) -> Iterator[tuple[s.Line, float | None, float | None]]
 
 def files(look: Look) -> Found:
     """Lines that are used without being opened, opened twice, or never closed."""
-    printed = ((line, "Print", literal(node.number)) for line, node in look.all(s.Print))
-    read = ((line, "Input", literal(node.number)) for line, node in look.all(s.Input))
-    used = Numbers.of((*printed, *read))
-    opened = Numbers.of((line, "Open", literal(node.number)) for line, node in look.all(s.Open))
-    closed = Numbers.of(
-        (line, "Close", number)
+    printed = ((literal(node.number), (line, "Print")) for line, node in look.all(s.Print))
+    read = ((literal(node.number), (line, "Input")) for line, node in look.all(s.Input))
+    used = Keyed.of((*printed, *read))
+    opened = Keyed.of((literal(node.number), (line, "Open")) for line, node in look.all(s.Open))
+    closed = Keyed.of(
+        (number, (line, "Close"))
         for line, node in look.all(s.Close)
         for number in map(literal, node.numbers or (None,))
     )

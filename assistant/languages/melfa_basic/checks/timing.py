@@ -74,14 +74,11 @@ def at_a_time(look: Look) -> Found:
     """More pulses in a row than run beside each other, with nothing between that takes time."""
     count = 0
     for item in look.code:
-        statement = item.statement if isinstance(item, s.Line) else None
-        if not isinstance(item, s.Line) or item.label is not None:
+        statement = item.statement
+        other = statement is not None and not isinstance(statement, s.Assign)
+        if other or isinstance(item, MoveRows) or item.label is not None:
             count = 0
-        if statement is None:
-            continue
-        if not isinstance(statement, s.Assign):
-            count = 0
-        elif statement.delay is not None:
+        if isinstance(statement, s.Assign) and statement.delay is not None:
             count += 1
             if count == MOST_PULSES + 1:
                 yield look.finding(value_rules.MANY_PULSES, item, most=MOST_PULSES)

@@ -41,7 +41,7 @@ def missing(look: Look) -> Found:
 SINGULAR: Final = 2
 
 
-def _lacks(look: Look, line: s.Line, at: str | s.Variable, word: str, cure: str) -> Diagnostic:
+def _lacks(look: Look, line: s.Entry, at: str | s.Variable, word: str, cure: str) -> Diagnostic:
     title = look.dialect.title
     return look.at(rules.NOT_IN_DIALECT, line, at, title=title, word=word, cure=cure or NEWER)
 
@@ -75,10 +75,8 @@ def _breaks(look: Look) -> Found:
     for part in look.once(parts):
         for at in part.scope.entries:
             line = look.code[at]
-            if not isinstance(line, s.Line) or line.statement != s.Command("Break"):
-                continue
-            inner = part.blocks.around.get(at)
-            if not any(b.kind == "Select" for b in (inner.chain if inner else ())):
+            breaks = line.statement == s.Command("Break")
+            if breaks and not any(b.kind == "Select" for b in part.blocks.within(at)):
                 cure = "write `GoTo` a label behind the block"
                 yield _lacks(look, line, "Break", "`Break` out of loops", cure)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 from typing import Final
@@ -12,6 +11,7 @@ from assistant.languages.melfa_basic.tables.dialects import LAST_STEP, Dialect
 from assistant.languages.melfa_basic.text import printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.targets import retargeted
+from assistant.languages.texts.wrapping import wrapped
 
 
 def bare(items: Sequence[s.Item]) -> list[s.Item]:
@@ -82,13 +82,13 @@ def fitted(items: Sequence[s.Item], dialect: Dialect) -> list[s.Item]:
         room = dialect.line - STEP
         if item.statement is not None or item.label is not None:
             jumps = JUMPS if isinstance(item.statement, s.If | s.ElseIf) else 0
-            if _bytes(printer.line(replace(item, number=None), True)) <= room - jumps:
+            if len(printer.line(replace(item, number=None), True).encode()) <= room - jumps:
                 made.append(item)
                 continue
-            made += [s.Line(comment=part, span=item.span) for part in _parts(comment, room)]
+            made += [s.Line(comment=part, span=item.span) for part in wrapped(comment, room, "' ")]
             made.append(replace(item, comment=None))
         else:
-            parts = _parts(comment, room)
+            parts = wrapped(comment, room, "' ")
             made += [item] if len(parts) == 1 else [replace(item, comment=p) for p in parts]
     return made
 
@@ -98,21 +98,3 @@ STEP: Final = 6
 
 JUMPS: Final = 24
 """Characters that `IF` gets for jumps in the place of a block."""
-
-
-def _bytes(text: str) -> int:
-    return len(text.encode("utf-8"))
-
-
-def _parts(comment: str, most: int) -> list[str]:
-    """A comment cut between words, each part with the mark."""
-    if _bytes(comment) <= most:
-        return [comment]
-    parts, line = list[str](), ""
-    for piece in re.split(r"(?<= )", comment):
-        for char in piece if _bytes(piece) > most - 2 else [piece]:
-            if _bytes(line + char) > most:
-                parts.append(line.rstrip())
-                line = "' "
-            line += char
-    return [*parts, line.rstrip()]
