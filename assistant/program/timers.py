@@ -46,5 +46,25 @@ def numbered(
     return given, next((n for n in numbers if n not in taken), 0)
 
 
+def in_seconds(
+    operator: str, left: e.Expression, right: e.Expression, parts: int
+) -> e.Binary | e.Elapsed:
+    """An operation; a timer that counts parts of seconds becomes seconds beside a number.
+
+    parts: of a second. What counts them is `Elapsed` multiplied by their number.
+    """
+    unit = e.Number(parts)
+    match left, right:
+        case e.Binary("*", e.Elapsed() as timer, factor), e.Number(value) if factor == unit:
+            if operator == "/" and value == parts:
+                return timer
+            if operator in e.RELATIONS:
+                right, left = e.number_of(value / parts), timer
+        case e.Number(value), e.Binary("*", e.Elapsed() as timer, factor) if factor == unit:
+            if operator in e.RELATIONS:
+                left, right = e.number_of(value / parts), timer
+    return e.Binary(operator, left, right)  # type: ignore[arg-type]
+
+
 _NUMBERED: Final = re.compile(r"timer_([0-9])")
 _TIMED: Final = (p.StartTimer, e.Elapsed)

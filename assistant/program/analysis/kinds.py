@@ -7,7 +7,7 @@ from typing import Final
 
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.program import Procedure, Program, walk
+from assistant.program.program import Procedure, Program, ValueType, walk
 
 Kinds = Mapping[str, str]
 """Lower-case names of values and functions: `text`, or anything else for other values."""
@@ -40,6 +40,23 @@ def kinds(program: Program, procedure: Procedure) -> Kinds:
         if isinstance(statement, p.For):
             known.setdefault(statement.variable.lower(), "number")
     return known
+
+
+def of_operation(operator: str, left: ValueType, right: ValueType) -> ValueType:
+    """The type of what an operation gives; logic of numbers is that of their bits."""
+    given = left, right
+    whole = operator in ("div", "mod")
+    if operator in e.RELATIONS:
+        return "truth"
+    for kind in _WIDEST:
+        if kind in given and not (kind == "number" and (whole or operator in e.LOGICAL)):
+            return kind
+    if whole or (operator in e.LOGICAL and "truth" not in given):
+        return "integer"
+    return "number" if operator in ("/", "^") else left
+
+
+_WIDEST: Final[tuple[ValueType, ...]] = ("position", "joints", "text", "number")
 
 
 def is_value(x: e.Expression, known: Kinds) -> bool:

@@ -22,7 +22,7 @@ from assistant.languages.melfa_basic.lift.values.operators import (
 )
 from assistant.languages.melfa_basic.lift.values.pallets import declared
 from assistant.languages.melfa_basic.lift.values.symbols import SIGNALS, Unliftable
-from assistant.languages.melfa_basic.lift.values.timers import elapsed, timed
+from assistant.languages.melfa_basic.lift.values.timers import elapsed
 from assistant.languages.melfa_basic.lift.values.types import Types
 from assistant.languages.melfa_basic.tables.functions import OF_ANGLE, PLAIN, TO_ANGLE
 from assistant.languages.melfa_basic.tables.poses import JOINTS, is_angle, is_length
@@ -32,6 +32,7 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import target_of
 from assistant.program import expressions as e
 from assistant.program.geometry import Target
+from assistant.program.timers import in_seconds
 
 # PLAIN, OF_ANGLE and TO_ANGLE are read backwards here: one row adds a function both ways.
 _PLAIN: Final = {melfa.upper(): name for name, melfa in PLAIN.items()}
@@ -110,9 +111,6 @@ class Expressions(Types):
         group = self.group(operator, left, right)
         if group is not None:
             return group
-        of_timer = timed(operator, left, right, self.m.timers)
-        if of_timer is not None:
-            return of_timer
         kinds = self.type_of(left), self.type_of(right)
         if "position" in kinds or isinstance(right, s.Constant):
             return self.placed(operator, left, right)
@@ -124,7 +122,7 @@ class Expressions(Types):
             if not (self.m.own and are_truths(left, right)):
                 raise Unliftable  # logic of truths is no number
         operand = self.rounded if operator in WHOLE else self.number
-        return e.Binary(operator, operand(left), operand(right))  # type: ignore[arg-type]
+        return in_seconds(operator, operand(left), operand(right), MILLISECONDS)
 
     def group(self, operator: str, left: s.Expression, right: s.Expression) -> e.Name | None:
         """`M_In8(5) And &H0F`: a group of fewer bits than the variable has."""

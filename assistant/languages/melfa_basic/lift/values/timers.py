@@ -72,20 +72,5 @@ def elapsed(node: s.Expression, timers: Mapping[int, str]) -> e.Elapsed | None:
     return None if name is None else e.Elapsed(name)
 
 
-def timed(
-    operator: str, left: s.Expression, right: s.Expression, timers: Mapping[int, str]
-) -> e.Binary | e.Elapsed | None:
-    """Milliseconds of a timer that are made seconds, or compared with a number."""
-    match elapsed(left, timers), elapsed(right, timers), left, right:
-        case e.Elapsed() as timer, None, _, s.Number(value):
-            if operator == "/" and value == MILLISECONDS:
-                return timer
-            if operator in e.RELATIONS:
-                return e.Binary(operator, timer, seconds_of(value))  # type: ignore[arg-type]
-        case None, e.Elapsed() as timer, s.Number(value), _ if operator in e.RELATIONS:
-            return e.Binary(operator, seconds_of(value), timer)  # type: ignore[arg-type]
-    return None
-
-
 def seconds_of(milliseconds: float) -> e.Number:
     return e.number_of(milliseconds / MILLISECONDS)

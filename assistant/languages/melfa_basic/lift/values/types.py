@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from assistant.languages.melfa_basic.lift.structure.scopes import LETTERS
 from assistant.languages.melfa_basic.lift.values.operators import (
-    WHOLE,
     are_truths,
     is_comparison,
     operator_name,
@@ -14,6 +13,7 @@ from assistant.languages.melfa_basic.tables.vocabulary import function, status
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program import expressions as e
+from assistant.program.analysis.kinds import of_operation
 from assistant.program.program import ValueType
 
 
@@ -38,16 +38,9 @@ class Types:
             case s.Unary(operand=operand):
                 return self.type_of(operand)
             case s.Binary(operator=operator, left=left, right=right):
-                name = operator_name(operator)
-                if name in e.RELATIONS:
-                    return "truth"
-                kinds = (self.type_of(left), self.type_of(right))
-                for kind in ("position", "joints", "text", "number"):
-                    if kind in kinds and not (kind == "number" and name in (*WHOLE, *e.LOGICAL)):
-                        return kind
-                if name in WHOLE or (name in e.LOGICAL and "truth" not in kinds):
-                    return "integer"
-                return "number" if name in ("/", "^") else kinds[0]
+                return of_operation(
+                    operator_name(operator), self.type_of(left), self.type_of(right)
+                )
             case s.Number(value=value):
                 return "integer" if float(value).is_integer() else "number"
         return "number"
