@@ -87,11 +87,8 @@ def _depth(look: Look, block: Block) -> Found:
         if nested and not look.dialect.nested_select:
             yield look.at(rules.NESTED_SELECT, line, kind, title=look.dialect.title)
         return
-    limits = look.dialect.nesting
-    alike, most, number = (
-        (("If",), limits.blocks, 3253) if kind == "If" else (("For", "While"), limits.loops, 3240)
-    )
-    around = (b for b in block.chain if b.kind in alike)
+    most, number = (look.dialect.loops, 3240) if kind != "If" else (look.dialect.ifs, 3253)
+    around = (b for b in block.chain if b.form == block.form)
     depth = sum(1 for _ in islice(around, most + 2))
     if depth == most + 1:
         yield look.at(rules.TOO_DEEP, line, kind, word=kind, depth=depth, most=most, number=number)

@@ -30,7 +30,7 @@ def _plain(name: str) -> str:
 def recursion(look: Look) -> Found:
     """Programs that call themselves, or call too deep: the first call of either kind."""
     own = program_name(look.tree).upper()
-    most = look.dialect.nesting.calls
+    most = look.dialect.calls
 
     def inner(name: str) -> list[str]:
         tree = look.calls.by_name.get(name.removesuffix(".PRG"))

@@ -6,20 +6,8 @@ Which statements, functions and status variables each has is in `vocabulary`.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Final
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Nesting:
-    """How deep each construct may stand inside its like (CR1D 4-151, 4-159, 4-208, COSIROP)."""
-
-    loops: int = 16
-    """`For` and `While` together."""
-    blocks: int = 8
-    """`If … EndIf`."""
-    calls: int = 8
-    """`CallP` that has not come back."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,7 +74,14 @@ class Dialect:
     # ------------------------------------------------------------------------ values
     groups: Mapping[int, tuple[str, str]]
     """Bits of a signal group → (input, output) status variable."""
-    nesting: Nesting = field(default_factory=Nesting)
+
+    # How deep each construct may stand inside its like [CR1D 4-151, 4-159, 4-208, COSIROP]
+    loops: int = 16
+    """`For` and `While` together."""
+    ifs: int = 8
+    """`If … EndIf`."""
+    calls: int = 8
+    """`CallP` that has not come back."""
 
 
 LAST_STEP: Final = 32767
@@ -122,7 +117,7 @@ FOUR: Final = Dialect(
     numbered_frames=False,
     shortest_wait=0.05,
     groups={8: ("M_INB", "M_OUTB"), 16: ("M_INW", "M_OUTW")},
-    nesting=Nesting(calls=7),
+    calls=7,
 )
 """Controllers CR1 to CR9 (CRn-500)."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from typing import Any, Final, TypeVar
 
 from assistant.languages import line_graph
@@ -12,6 +11,7 @@ from assistant.languages.line_graph import ON, Exits, Graph
 from assistant.languages.line_steps import Change, cut_at, first_step
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import statement_of
+from assistant.program.rewriting import rewrite
 
 T = TypeVar("T", s.Item, s.Entry)
 I = TypeVar("I", bound=s.Item)  # noqa: E741
@@ -117,24 +117,12 @@ def lone_labels(code: Sequence[object]) -> dict[str, int]:
 
 def retargeted(item: I, change: Change) -> I:
     """The line with its jumps changed."""
-    statement = statement_of(item)
-    if not isinstance(item, s.Line) or not exits_of(statement).targets:
-        return item
-    changed = _retargeted(statement, change)
-    return item if changed == statement else replace(item, statement=changed)
 
+    def changed(node: Any) -> Any:
+        place = change(node.place) if isinstance(node, s.Target) else None
+        return node if place is None or place == node.place else s.Target(place)
 
-def _retargeted(node: Any, change: Change) -> Any:
-    match node:
-        case s.Target(place=place):
-            return s.Target(change(place))
-        case s.Jump(target=target) | s.OnCom(target=target) | s.DefAct(target=target):
-            return replace(node, target=_retargeted(target, change))
-        case s.OnJump(targets=targets):
-            return replace(node, targets=tuple(_retargeted(one, change) for one in targets))
-        case s.If(condition, then, otherwise):
-            return s.If(condition, _retargeted(then, change), _retargeted(otherwise, change))
-    return node
+    return rewrite(item, changed) if exits_of(statement_of(item)).targets else item
 
 
 def labelled(items: Sequence[T]) -> tuple[list[T | s.Line], dict[str, int]]:
