@@ -80,6 +80,8 @@ class Operators:
         dimensions = {given.dimensions, wanted.dimensions}
         if len(dimensions) > 1 and (0 in dimensions or -1 not in dimensions):
             return False
+        if given.type == wanted.type:
+            return True
         types = self.types(given.type)
         if read:
             types |= self.copied.get(given.type, frozenset())

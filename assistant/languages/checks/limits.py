@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
+from typing import Any
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,6 +22,16 @@ class Limits:
 
     def holds(self, value: float) -> bool:
         return self.low <= value <= self.high and not (self.above and value == self.low)
+
+    def words(self, value: float, number: int) -> dict[str, Any]:
+        """The fields of a finding about a value that is none of these. number: the usual error."""
+        return {
+            "what": self.what,
+            "value": f"{value:g}",
+            "range": self.range,
+            "number": self.number or number,
+            "cure": self.cure or f"write {self.range}",
+        }
 
     @property
     def range(self) -> str:

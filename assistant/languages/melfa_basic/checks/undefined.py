@@ -77,8 +77,7 @@ def _is_call(look: Look, variable: s.Variable) -> bool:
 def _moved_to(look: Look) -> set[str]:
     """Plain variables that moves, tools and bases name."""
     found: set[str] = set()
-    for line, motion in look.all(s.Motion):
-        del line
+    for _, motion in look.all(s.Motion):
         for node in nodes(motion.arguments):
             if isinstance(node, s.Variable) and node.key[0] in "PJ" and not node.component:
                 found.add(node.key)

@@ -99,16 +99,8 @@ def ranges(look: Look) -> Found:
 def _in(look: Look, line: s.Line, limits: Limits | None, argument: s.Expression | None) -> Found:
     value = literal(argument)
     if limits is not None and value is not None and not limits.holds(value):
-        yield look.at(
-            rules.OUT_OF_RANGE,
-            line,
-            f"{abs(value):g}",
-            what=limits.what,
-            value=f"{value:g}",
-            range=limits.range,
-            number=limits.number or OUT_OF_RANGE,
-            cure=limits.cure or f"write {limits.range}",
-        )
+        words = limits.words(value, OUT_OF_RANGE)
+        yield look.at(rules.OUT_OF_RANGE, line, f"{abs(value):g}", **words)
 
 
 # ------------------------------------------------------------------------------------ arguments

@@ -12,11 +12,12 @@ from assistant.languages.melfa_basic.checks.flow import parts
 from assistant.languages.melfa_basic.checks.undefined import near_status
 from assistant.languages.melfa_basic.checks.variables_of import known
 from assistant.languages.melfa_basic.tables import vocabulary
+from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.walk import literal, statements_in, word_of
 from assistant.program.diagnostics import Diagnostic
 
-LEVELS: Final = {4: "MELFA-BASIC IV", 5: "MELFA-BASIC V", 6: "MELFA-BASIC VI"}
+LEVELS: Final = {dialect.level: dialect.title for dialect in DIALECTS.values()}
 JUMPS: Final = "write `If … Then GoTo` over the lines"
 NEWER: Final = "compile for a newer version of the language"
 
