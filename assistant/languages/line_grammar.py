@@ -7,13 +7,9 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Any
 
+from assistant.languages.contextual_lexer import Found, Row
 from assistant.languages.lalr import END, Stack, Tables, Word
 from assistant.languages.recovery.lexemes import Lexeme, Stop
-
-Found = tuple[str, int, int]
-"""A terminal of the grammar, STRANGE for none, and the offsets that it stands between."""
-Row = Mapping[str | None, Any]
-"""What the tables do with each terminal at a place."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,8 +12,10 @@ class RapidNodes(Nodes, rows=ROWS): ...  # with a method for each rule that is m
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import fields
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import MISSING, fields
+from functools import partial
+from operator import itemgetter
 from typing import Any, Final
 
 from assistant.program.diagnostics import Span
@@ -32,7 +34,7 @@ class Nodes:
     """
 
     def __init__(self, moved: Callable[[int], int] | None = None) -> None:
-        self._moved = moved
+        self.moved = moved
 
     def __init_subclass__(cls, rows: Mapping[str, Method] | None = None) -> None:
         for rule, method in (rows or {}).items():
@@ -40,9 +42,9 @@ class Nodes:
 
     def span(self, place: Place) -> Place:
         """Where a rule stands in the source."""
-        if place is None or self._moved is None:
+        if place is None or self.moved is None:
             return place
-        return Span(self._moved(place.start), self._moved(place.end))
+        return Span(self.moved(place.start), self.moved(place.end))
 
 
 def without_place(make: Callable[[Children], Any]) -> Method:
@@ -63,48 +65,70 @@ def row(node: type[Any], named: str | None = None, **given: object) -> Method:
     given: of a field, what is made of a child that stands there, or the one value that it has.
     """
     known = {field.name: field for field in fields(node) if field.name != "span"}
+    spanned = len(known) < len(fields(node))
     marked = list(known) if named is None else named.split()
-    dropped = [at for at, name in enumerate(marked) if name == "_"][::-1]
-    marked = [name for name in marked if name != "_"]
-    names = [name.strip("*?") for name in marked]
-    rest = [
-        slice(at, at + 1 - len(names) or None) for at, name in enumerate(marked) if name[0] == "*"
+    steps: list[Callable[[Children], Any]] = [
+        _listing(at, len(marked) - 1 - at) for at, name in enumerate(marked) if name[0] == "*"
     ]
+    dropped = [at for at, name in enumerate(marked) if name == "_"]
+    if dropped:
+        steps.append(lambda children: [c for at, c in enumerate(children) if at not in dropped])
+        marked = [name for name in marked if name != "_"]
+    names = [name.strip("*?") for name in marked]
     changes = [
         (at, *_change(str(known[name].type), given.get(name), mark[-1] == "?"))
         for at, (name, mark) in enumerate(zip(names, marked, strict=True))
         if mark[-1] == "?" or name in given
     ]
-    fixed = {
-        name: given.get(name, field.default) for name, field in known.items() if name not in names
-    }
-    order = [[*names, *fixed].index(name) for name in known]
-    if names == list(known)[: len(names)] and not fixed.keys() & given.keys():
-        order.clear()
-    values, spanned = tuple(fixed.values()), len(known) < len(fields(node))
+    if changes:
+        steps.append(partial(_changed, changes))
+    others = {name: given.get(name, known[name].default) for name in known if name not in names}
+    if names != list(known)[: len(names)] or others.keys() & given.keys():
+        values, order = tuple(others.values()), [[*names, *others].index(name) for name in known]
+        if MISSING in values:
+            raise TypeError(f"a field of {node.__name__} has no value")
+        ordered = itemgetter(*order) if names else tuple
+        steps.append(lambda children: ordered([*children, *values]))
 
-    def plain(nodes: Nodes, place: Place, children: Children) -> Any:
-        return node(*children, span=nodes.span(place)) if spanned else node(*children)
+    def method(nodes: Nodes, place: Place, children: Children) -> Any:
+        for step in steps:
+            children = step(children)
+        if not spanned:
+            return node(*children)
+        return node(*children, span=place if nodes.moved is None else nodes.span(place))
 
-    def changed(nodes: Nodes, place: Place, children: Children) -> Any:
-        made = children.copy()  # which may be part of a list that still grows
-        for at in dropped:
-            del made[at]
-        for among in rest:
-            made[among] = [tuple(made[among])]
-        for at, empty, change in changes:
-            made[at] = empty if made[at] is None else change(made[at])
-        if order:
-            made += values
-            made = [made[at] for at in order]
-        return plain(nodes, place, made)
-
-    return changed if dropped or rest or changes or order else plain
+    return method
 
 
-def _change(type: str, change: object, may_miss: bool) -> tuple[object, Callable[[Any], object]]:
-    """What stands for a child that is left out, and what is made of one that is not."""
+def _listing(first: int, behind: int) -> Callable[[Children], Children]:
+    """Makes one child of those from the first on up to the last ones behind."""
+    if not first and not behind:
+        return lambda children: [tuple(children)]
+
+    def listed(children: Children) -> Children:
+        last = len(children) - behind
+        return [*children[:first], tuple(children[first:last]), *children[last:]]
+
+    return listed
+
+
+Change = tuple[int, object, Callable[[Any], object] | None]
+"""The number of a child, what stands for one that is left out, and what is made of another."""
+
+
+def _change(
+    type: str, change: object, may_miss: bool
+) -> tuple[object, Callable[[Any], object] | None]:
     if type == bool.__name__:
         return False, lambda _: True
-    empty = _EMPTY.get(type, ()) if may_miss else None
-    return empty, change if callable(change) else lambda child: child
+    return _EMPTY.get(type, ()) if may_miss else None, change if callable(change) else None
+
+
+def _changed(changes: Sequence[Change], children: Children) -> Children:
+    made = children.copy()  # which may be part of a list that still grows
+    for at, empty, change in changes:
+        if made[at] is None:
+            made[at] = empty
+        elif change is not None:
+            made[at] = change(made[at])
+    return made

@@ -9,7 +9,7 @@ from typing import Final
 
 from assistant.languages.line_grammar import LineGrammar
 from assistant.languages.melfa_basic.reading.grammar import grammar
-from assistant.languages.melfa_basic.reading.lexer import Lexer
+from assistant.languages.melfa_basic.reading.lexer import lexer
 from assistant.languages.melfa_basic.reading.nodes import Nodes
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.recovery.lexemes import Lexeme, Stop
@@ -38,7 +38,7 @@ class TooLarge:
 
 @cache
 def line_grammar() -> LineGrammar:
-    return LineGrammar(grammar().tables, Lexer().next, MOST_WORDS, 2 * MOST_NESTING)
+    return LineGrammar(grammar().tables, lexer().next, MOST_WORDS, 2 * MOST_NESTING)
 
 
 @cache

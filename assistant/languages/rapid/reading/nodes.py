@@ -59,8 +59,8 @@ ROWS: Final = {
     "undo": row(s.Handler, "body", kind="UNDO"),
     # statements
     "assign": row(s.Assignment),
-    "call": row(s.ProcedureCall, "name arguments?"),
-    "late_call": row(s.ProcedureCall, "name arguments?"),
+    "call": row(s.ProcedureCall),
+    "late_call": row(s.ProcedureCall),
     "goto": row(s.GotoLabel),
     "label": row(s.LabelMark),
     "return": row(s.ReturnFrom),
@@ -78,7 +78,8 @@ ROWS: Final = {
     "case": row(s.TestCase, "*values body"),
     "case_hole": row(s.TestCase, "_", values=(), body=()),
     # arguments
-    "positional": row(s.Positional, "name value"),
+    "positional": row(s.Positional, "value"),
+    "named_argument": row(s.Positional, "name value"),
     "argument_hole": row(s.Positional, "_", value=s.Placeholder("<ARG>")),
     "option": row(s.Option),
     "conditional": row(s.Conditional),
@@ -91,7 +92,7 @@ ROWS: Final = {
     "false": row(s.BoolLiteral, "_", value=False),
     "aggregate": row(s.AggregateNode, "*items"),
     "group": row(s.Group),
-    "function_call": row(s.FunctionCall, "name arguments?"),
+    "function_call": row(s.FunctionCall),
     "member": without_place(itemgetter(0)),
     "whole": row(s.Whole, "_"),
 }
