@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import islice
 from typing import Final
 
 from assistant.languages.checks.registry import Found
+from assistant.languages.checks.subroutines import Subroutines
 from assistant.languages.line_blocks import Block, Blocks, Misfit
 from assistant.languages.line_graph import Graph
 from assistant.languages.line_steps import first_step, places_of_steps
@@ -174,18 +175,29 @@ def into_blocks(look: Look) -> Found:
 
 def subroutines(look: Look) -> Found:
     """Subroutines that are entered by the way, or left by none."""
+
+    def returns(at: int) -> Iterator[bool]:
+        for one in statements_in(look.code[at].statement):
+            if isinstance(one, s.Command) and one.keyword == "Return":
+                yield bool(one.arguments)
+
     for part, ways in _graphs(look):
-        yield from _entered(look, part.scope.entries[0], ways)
-        yield from _left(look, ways)
-
-
-def _returns(look: Look, places: Iterable[int]) -> list[tuple[int, s.Command]]:
-    return [
-        (at, one)
-        for at in sorted(places)
-        for one in statements_in(statement_of(look.code[at]))
-        if isinstance(one, s.Command) and one.keyword == "Return"
-    ]
+        subs = Subroutines(ways, part.scope.entries[0], returns)
+        into, alone = subs.entered()
+        for at, before in into.items():
+            name = _name(look, at)
+            if at in ways.jumps.get(before, ()):
+                yield look.at(rules.JUMPED_INTO, look.code[before], name, name=name)
+            else:
+                yield _told(look, rules.FALLS_IN, at)
+        for at in alone:
+            yield look.at(rules.RETURN_ALONE, look.code[at], "Return")
+        for at in subs.endless():
+            if isinstance(look.code[at], s.Line):
+                yield _told(look, rules.NO_RETURN, at)
+        for at, sub, numbered in subs.of_wrong_kind():
+            rule = rules.NUMBERED_RETURN if numbered else rules.HANDLER_RETURN
+            yield look.at(rule, look.code[at], "Return", name=_name(look, sub))
 
 
 def _name(look: Look, at: int) -> str:
@@ -199,39 +211,6 @@ def _told(look: Look, rule: Rule, at: int) -> Diagnostic:
     line, name = look.code[at], _name(look, at)
     where = look.word(line, name) if name.startswith("*") else None
     return look.finding(rule, where or line, name=name)
-
-
-def _entered(look: Look, start: int, ways: Graph) -> Found:
-    """Where control comes to a Return without having been called."""
-    subs = ways.called | {place for place, (_, called) in ways.handlers.items() if called}
-    doors = {sub for sub in subs if _returns(look, ways.reached([sub]))}
-    into, flow = ways.entered(start, doors)
-    for at, before in sorted(into.items()):
-        if at in ways.jumps.get(before, ()):
-            name = _name(look, at)
-            yield look.at(rules.JUMPED_INTO, look.code[before], name, name=name)
-        else:
-            yield _told(look, rules.FALLS_IN, at)
-    for at, _ in _returns(look, flow):
-        yield look.at(rules.RETURN_ALONE, look.code[at], "Return")
-
-
-def _left(look: Look, ways: Graph) -> Found:
-    """Subroutines without a Return, and Returns of the wrong kind."""
-    handlers = sorted(at for at, (_, called) in ways.handlers.items() if called)
-    for at in (*sorted(ways.called), *handlers):
-        if not _returns(look, ways.reached([at])) and isinstance(look.code[at], s.Line):
-            yield _told(look, rules.NO_RETURN, at)
-    normal = ways.reached(ways.called)
-    handled = {place: _name(look, at) for at in handlers for place in ways.reached([at])}
-    for at, command in _returns(look, handled):
-        if not command.arguments and at not in normal:
-            yield look.at(rules.HANDLER_RETURN, look.code[at], "Return", name=handled[at])
-    for at in sorted(ways.called - set(handled)):
-        for place, command in _returns(look, ways.reached([at])):
-            if command.arguments and place not in handled:
-                name = _name(look, at)
-                yield look.at(rules.NUMBERED_RETURN, look.code[place], "Return", name=name)
 
 
 def unreachable(look: Look) -> Found:
