@@ -66,7 +66,7 @@ class _Changes:
     def _said(self, item: Any) -> object:
         """What an item says, whatever its numbers; it can be compared and hashed."""
         if isinstance(item, self._lines.table):
-            return item.said({self._lines.numbers[self._lines.table]})
+            return item.said({"steps"})
         line = self._as_line[id(item)]
         return item if line is None else (line.code, line.comment)
 
@@ -116,13 +116,13 @@ class _Changes:
         if not fitting:
             return fresh(new)
         old, text = joined([rows for rows, _ in fitting]), "".join(text for _, text in fitting)
-        numbers = self._lines.numbers[type(new)]
-        numbered = isinstance(new, self._lines.table)
-        if numbered and len(old) == len(new):
+        steps = isinstance(new, self._lines.table)
+        number = "steps" if steps else self._lines.number
+        if steps and len(old) == len(new):
             at = np.arange(len(new))
         else:
-            at = rows_of(getattr(old, numbers), getattr(new, numbers))
-        return merged(new, old, text, at, fresh, numbers if numbered else None)
+            at = rows_of(getattr(old, number), getattr(new, number))
+        return merged(new, old, text, at, fresh, number if steps else None)
 
     def _indented(self, at: int, level: int) -> str:
         """A new item, a line as deep as those around it."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import abc
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from assistant.languages.line_blocks import NO_WORD, Block, Word, blocks_of
@@ -14,14 +14,14 @@ from assistant.languages.texts.changed_lines import Code, Line
 class Lines(Code, abc.ABC):
     """The items of a file and how its language writes them.
 
-    Lines of one kind may stand in tables. table: those of the program, which begin with numbers.
-    numbers: of each kind of tables the column that tells which row is which. blocks: whether lines
-    are indented by the blocks that they stand in. most: bytes of a line that controllers take.
+    Lines of one kind may stand in tables. table: those of the program, with their step numbers.
+    number: the column of tables of data that tells which row is which. blocks: whether lines are
+    indented by the blocks that they stand in. most: bytes of a line that controllers take.
     """
 
     items: Sequence[Any]
     table: type[Run]
-    numbers: Mapping[type[Run], str]
+    number: str
     blocks: bool
     most: int
 

@@ -15,8 +15,8 @@ Known = dict[str, Any]
 """Lines of data by their names."""
 
 
-class Data(abc.ABC):
-    """Lines of data in a language, each with a name of its own.
+class DataMerger(abc.ABC):
+    """Puts changes into lines of data, each with a name of its own.
 
     line: one. table: many whose names are a stem and a number. number: the column of these.
     """

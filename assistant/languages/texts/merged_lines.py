@@ -14,6 +14,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
+from assistant.languages.line_steps import steps_of, with_steps
 from assistant.languages.runs.columns import Run
 from assistant.languages.texts import merging
 from assistant.languages.texts.merging import Entry
@@ -35,18 +36,16 @@ class Part(NamedTuple):
     setting: str | None = None
 
 
-class Lines(abc.ABC):
-    """A language whose programs are lines.
+class LineMerger(abc.ABC):
+    """Puts changes into the lines of a program.
 
     line: a record whose fields have defaults that say nothing. table: many lines of the program.
-    number: field of the number of a line. numbers: column of those of a table. header: what the
-    keys of the first and the last comment begin with that keep what the language cannot say.
+    header: what the keys of the first and the last comment begin with that keep what the language
+    cannot say.
     """
 
     line: type[Any]
     table: type[Run]
-    number: str
-    numbers: str
     header: tuple[str, str]
 
     @abc.abstractmethod
@@ -65,9 +64,8 @@ class Lines(abc.ABC):
                 found += self._of_line(item, at, -1)
             elif isinstance(item, self.table):
                 if len(item) > MOST_ROWS:
-                    key = f"table {hash(item.said({self.numbers}))}"
-                    none = np.zeros_like(getattr(item, self.numbers))
-                    bare = replace(item.rows(slice(None)), **{self.numbers: none})
+                    key = f"table {hash(item.said({'steps'}))}"
+                    bare = with_steps(item.rows(slice(None)), np.zeros_like(steps_of(item)))
                     found.append(Entry(key, self.table, None, at, -1, "", bare))
                     continue
                 for row, line in enumerate(self.rows_as_lines(item)):
@@ -110,7 +108,7 @@ class Lines(abc.ABC):
 class _Edits(merging.Edits):
     """What is done to the entries of a program."""
 
-    language: Lines
+    language: LineMerger
 
     def items(self, items: Sequence[Any]) -> list[Any]:
         """The items with all edits done; tables that nothing happened to stay one."""
@@ -159,8 +157,8 @@ class _Edits(merging.Edits):
         """A table that is one entry: another one in its place, or none."""
         now = self.replaced[index]
         if now is not None:
-            kept = {self.language.numbers: getattr(rows, self.language.numbers)}
-            yield replace(now.line, **kept) if len(rows) == len(now.line) else now.line
+            same = len(rows) == len(now.line)
+            yield with_steps(now.line, steps_of(rows)) if same else now.line
 
     def _rows(self, rows: Run, mine: Sequence[int]) -> Iterator[Any]:
         """The rows of a table around the lines that are new or changed."""
@@ -177,8 +175,7 @@ class _Edits(merging.Edits):
             if index in self.replaced:
                 now = self.replaced[index]
                 if now is not None:
-                    number = int(getattr(rows, self.language.numbers)[row])
-                    yield replace(now.line, **{self.language.number: number})
+                    yield with_steps(now.line, steps_of(rows)[row : row + 1])
                 start = row + 1
         if start < len(rows):
             yield rows.rows(slice(start, None))

@@ -35,16 +35,15 @@ Code = tuple[str | None, s.Statement | None]
 
 
 class Lines(lines.Lines):
-    """The items of a file as its dialect writes them. places: decimals of each position line."""
+    """The items of a file as its dialect writes them."""
 
-    table = MoveRows
+    table, number = MoveRows, "numbers"
 
     def __init__(self, file: s.File) -> None:
         dialect = DIALECTS[file.dialect]
         self.items, self._upper = file.items, dialect.upper
         self.blocks, self.most = dialect.blocks, dialect.line
-        self.numbers = {MoveRows: "steps", PositionRows: "numbers"}
-        self._places = decimals(file.items)
+        self._places = _decimals(file.items)
 
     def line(self, item: s.Item) -> Line | None:
         if not isinstance(item, s.Line):
@@ -116,7 +115,7 @@ class Lines(lines.Lines):
 # Decimals
 
 
-def decimals(items: Sequence[s.Item]) -> list[int]:
+def _decimals(items: Sequence[s.Item]) -> list[int]:
     """Decimal places of each item; neighbours whose names differ in the number only have the same.
 
     They print every number without loss, as far as any decimals do.

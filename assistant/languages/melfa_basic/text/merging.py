@@ -21,8 +21,8 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
 from assistant.languages.melfa_basic.tree.line_tables import gathered, rows_as_lines
 from assistant.languages.melfa_basic.tree.walk import nodes
-from assistant.languages.texts.merged_data import Data
-from assistant.languages.texts.merged_lines import Lines, Part
+from assistant.languages.texts.merged_data import DataMerger
+from assistant.languages.texts.merged_lines import LineMerger, Part
 from assistant.languages.texts.numbering import fitted
 from assistant.program.rewriting import rewrite
 
@@ -43,9 +43,8 @@ def merge(tree: s.File, before: s.File, after: s.File, says: Callable[[s.File], 
     return after
 
 
-class _Lines(Lines):
+class _Lines(LineMerger):
     line, table = s.Line, MoveRows
-    number, numbers = "number", "steps"
     header = f"' {header.MARK}melfa-basic", f"' {header.END}"
 
     def parts(self, line: s.Line) -> Iterator[Part]:
@@ -63,7 +62,7 @@ class _Lines(Lines):
         return rows_as_lines(rows)
 
 
-class _Data(Data):
+class _Data(DataMerger):
     line, table, number = s.Data, PositionRows, "numbers"
 
     def name(self, line: s.Data) -> str:
@@ -102,9 +101,9 @@ _DATA: Final = _Data()
 
 
 def _named_as(file: s.File, tree: s.File) -> list[s.Item]:
-    """The items of a built file with the names of the tree.
+    """The items of a built file with the names that the tree has for them.
 
-    They are those by the header of the file that keeps the original ones.
+    The header of the file tells which name of the tree each of its own stands for.
     """
     kept = header.read(_comments(file))
     names, labels = _used(tree)

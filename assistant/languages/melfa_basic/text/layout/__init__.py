@@ -1,1 +1,1 @@
-"""The layout of MELFA-BASIC texts: one for all of them, steps numbered anew, changes in place."""
+"""The one layout of MELFA-BASIC texts: words, and blanks between them."""
