@@ -15,6 +15,7 @@ from assistant.languages.rapid.text import verbatim
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
+from assistant.program.diagnostics import Span
 from assistant.program.program import Declaration, Procedure, Program
 from assistant.program.rewriting import map_spans, rewrite
 
@@ -29,22 +30,17 @@ def with_switches(program: Program, lift: Lift) -> Program:
     found = {d: r for d in program.declarations if (r := _routine(d)) is not None}
     if not found:
         return program
-    switches = {r.name.lower(): tuple(_switches(r)) for r in found.values()}
-    made: list[Procedure] = []
-    kept: list[Declaration] = []
-    for declaration in program.declarations:
-        routine = found.get(declaration)
-        procedures = () if routine is None else lift((_plain(routine),))
-        if not procedures:
-            kept.append(declaration)
-            if routine is not None:
-                del switches[routine.name.lower()]
-        span = declaration.span
-        for q in procedures:
-            body = map_spans(q.body, lambda _, span=span: span)  # type: ignore[misc]
-            made.append(replace(q, body=body, span=span))
-    whole = replace(program, procedures=(*program.procedures, *made), declarations=tuple(kept))
+    lifted = {d: lift((_plain(r),)) for d, r in found.items()}
+    switches = {r.name.lower(): tuple(_switches(r)) for d, r in found.items() if lifted[d]}
+    made = (_placed(q, d.span) for d, procedures in lifted.items() for q in procedures)
+    kept = tuple(d for d in program.declarations if not lifted.get(d))
+    whole = replace(program, procedures=(*program.procedures, *made), declarations=kept)
     return replace(whole, procedures=rewrite(whole.procedures, lambda x: _called(x, switches)))
+
+
+def _placed(procedure: Procedure, span: Span | None) -> Procedure:
+    """A procedure that stands where its declaration did."""
+    return replace(procedure, body=map_spans(procedure.body, lambda _: span), span=span)
 
 
 def _routine(declaration: Declaration) -> s.Routine | None:

@@ -9,6 +9,7 @@ from typing import Any, Final
 
 from assistant.languages.melfa_basic.lift.statements import data, waits
 from assistant.languages.melfa_basic.lift.statements.lines import Block, Lift, Statements
+from assistant.languages.melfa_basic.lift.structure.regions import next_word
 from assistant.languages.melfa_basic.lift.values import pallets
 from assistant.languages.melfa_basic.lift.values.operators import operator_name
 from assistant.languages.melfa_basic.lift.values.reasons import NO_LABEL, NO_PROCEDURE
@@ -212,22 +213,12 @@ class Control(Statements):
         if not self.leaving or self.asks_for_breaks:
             raise Unliftable
         block = self.leaving[-1]
-        if block.kind in ("If", "Select") and self._next_word(self.at) in block.places:
+        if block.kind in ("If", "Select") and next_word(self.code, self.at) in block.places:
             return []
         if block.label is None:
             block.label = identifier("leave", set(self.label_names.values()))
             self.label_names[f"*{block.label}"] = block.label  # no label of the file's own
         return [p.Goto(block.label)]
-
-    def _next_word(self, at: int) -> int:
-        """The next line that is more than a comment."""
-        at += 1
-        while at < len(self.code):
-            item = self.code[at]
-            if not isinstance(item, s.Line) or item.statement or item.label:
-                break
-            at += 1
-        return at
 
 
 def _is_single(item: s.CaseRange | s.CaseIs) -> bool:

@@ -189,6 +189,11 @@ def place_name(target: s.Target) -> str:
     return place.upper() if isinstance(place, str) else f"#{place}"
 
 
+def next_word(code: Code, at: int) -> int:
+    """The next line that is more than a comment, or the end."""
+    return next((k for k in range(at + 1, len(code)) if not _is_note(code[k])), len(code))
+
+
 def goes_on_above(code: Code, at: int) -> bool:
     """Whether control may run into the place from the line above it, or from the beginning."""
     above = next((k for k in range(at - 1, -1, -1) if not _is_note(code[k])), None)
