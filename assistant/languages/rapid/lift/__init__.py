@@ -6,6 +6,7 @@ from typing import Final
 
 PASSES: Final = (
     "timers",  # clocks that are restarted and read
+    "local_names",  # data that only one module has, apart from that of others
     "expressions",
     "data",  # declared tools, work objects, speeds, zones, targets, variables
     "instructions",  # calls that the pseudo-program has a statement for

@@ -9,6 +9,7 @@ from typing import Any
 
 from assistant.languages.rapid.lift.data import DataLift
 from assistant.languages.rapid.lift.instructions import Meaning
+from assistant.languages.rapid.lift.local_names import with_own_names
 from assistant.languages.rapid.lift.paths import PathLift
 from assistant.languages.rapid.lift.places import with_places
 from assistant.languages.rapid.lift.statements import StatementLift, handler, opaque
@@ -48,7 +49,8 @@ def lift(files: Sequence[s.File]) -> Program:
     for file, start in zip(files, starts_of(file.source for file in files), strict=True):
         modules += file.modules
         starts += [start] * len(file.modules)
-    return _Lift(modules, starts).program() if modules else Program("empty", entry=None)
+    own = with_own_names(modules)
+    return _Lift(own, starts).program() if modules else Program("empty", entry=None)
 
 
 def routines(nodes: Iterable[s.Routine]) -> tuple[Procedure, ...]:
