@@ -12,7 +12,7 @@ from assistant.languages.line_blocks import Block
 from assistant.languages.patterns import Called, Reading
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
+from assistant.program.geometry import JointTarget, Pose
 from assistant.program.motion import Blend, Speed
 from assistant.program.program import Procedure, Program, Signal
 from assistant.program.rewriting import Body
@@ -20,7 +20,6 @@ from assistant.program.rewriting import Body
 from . import tables
 from .tree import File, Line, Value, blocks_of
 
-PLACED: Final = {"tool": Tool, "frame": Frame, "point": Target}
 READING: Final[Reading[Value]] = Reading(
     {
         "value": lambda name, _: name,
@@ -46,7 +45,7 @@ def lift(files: Iterable[File]) -> Program:
             case Line("joints", (name, *joints)):
                 rows["joint_targets"][name] = JointTarget(tuple(joints))
             case Line("tool" | "frame" | "point" as word, (name, x, y, z, *turn)):
-                rows[tables.TABLES[word]][name] = PLACED[word](Pose((x, y, z), tuple(turn)))
+                rows[tables.TABLES[word]][name] = tables.PLACED[word](Pose((x, y, z), tuple(turn)))
             case Line("input" | "output" as direction, (name, *number)):
                 rows["signals"][name] = Signal("digital", direction, *number)
             case Line("#", (text,)) if blocks.around[at] is None:

@@ -9,7 +9,7 @@ from assistant.languages.patterns import Slot, Writing
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Findings, Refused
-from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
+from assistant.program.geometry import Frame, JointTarget, Target, Tool
 from assistant.program.motion import Blend, Speed
 from assistant.program.program import Procedure, Program, Signal, bodies
 from assistant.program.pseudo.parts import part_text
@@ -64,9 +64,7 @@ class _Lines:
 
 def _declared(part: Any, word: str, name: str) -> Line | None:
     match part:
-        case Tool(pose, None, True) | Frame(pose, Pose((0, 0, 0), (1, 0, 0, 0)), False, ""):
-            return _numbered(word, name, *pose.position, *pose.quaternion)
-        case Target(pose, None) if part == Target(pose):
+        case Tool(pose) | Frame(pose) | Target(pose) if part == tables.PLACED[word](pose):
             return _numbered(word, name, *pose.position, *pose.quaternion)
         case JointTarget((_, *_) as joints) if part == JointTarget(joints):
             return _numbered(word, name, *joints)

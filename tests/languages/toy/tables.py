@@ -9,6 +9,7 @@ from assistant.languages.patterns import MotionRow, Row, Rows, slots
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import error, info, warning
+from assistant.program.geometry import Frame, Target, Tool
 
 NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,19}")
 DECIMALS: Final = 6
@@ -18,6 +19,8 @@ MOST_BLOCKS: Final = 50
 
 TABLES: Final = {"tool": "tools", "frame": "frames", "point": "targets", "joints": "joint_targets"}
 """Word of a line → the table of a program that it is a row of."""
+PLACED: Final = {"tool": Tool, "frame": Frame, "point": Target}
+"""Of these, what is at a pose, by that alone."""
 _HOW: Final = "{speed}, {blend}, {tool:value tool}, {frame:value frame}"
 CONDITION: Final = "asked"
 """Word of the row of what `if` and `while` ask for."""
