@@ -35,27 +35,25 @@ def path_kinds(arcs: Truths, plain: NDArray[np.integer]) -> NDArray[np.uint8]:
     return kinds
 
 
-def setting_columns(
-    settings: Sequence[Sequence[Any]], index: NDArray[np.integer]
-) -> dict[str, Any]:
-    """Columns and tables of a path. settings: SETTINGS of some rows each. index: (rows,) of it."""
+def setting_columns(motions: Sequence[p.Motion], index: NDArray[np.integer]) -> dict[str, Any]:
+    """Columns and tables of a path. index: (rows,) of motions that some rows have each."""
     columns: dict[str, Any] = {}
-    for name, values in zip(SETTINGS, zip(*settings, strict=True), strict=True):
-        entries = Entries.of(values)
+    for name in SETTINGS:
+        entries = Entries.of(getattr(motion, name) for motion in motions)
         columns[name], columns[name + "s"] = entries.index[index], entries.table
     return columns
 
 
 def settings_of_parts(
-    kinds: Sequence[NDArray[np.uint8]], settings: Callable[[int, bool], Sequence[Any]]
+    kinds: Sequence[NDArray[np.uint8]], motion: Callable[[int, bool], p.Motion]
 ) -> dict[str, Any]:
     """The same of a path in parts. kinds: of the rows of each part.
 
-    settings: of a part, by its place, and of its joint moves or of the others.
+    motion: of a part, by its place, and of its joint moves or of the others.
     """
     ways = [2 * at + (part != Kind.JOINT) for at, part in enumerate(kinds)]
     used, index = np.unique(np.concatenate(ways), return_inverse=True)
-    return setting_columns([settings(way // 2, way % 2 == 0) for way in used.tolist()], index)
+    return setting_columns([motion(way // 2, way % 2 == 0) for way in used.tolist()], index)
 
 
 def setting_codes(path: Path) -> Ints:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from assistant.languages.rapid.lift.data import DataLift
 from assistant.languages.rapid.tables.words import UNUSED
 from assistant.languages.rapid.tree import syntax as s
-from assistant.languages.rapid.tree.runs import CIRCULAR, PARTS, MoveRun, TargetRun
+from assistant.languages.rapid.tree.runs import CIRCULAR, PARTS, TargetRun
 from assistant.languages.rapid.tree.walk import nodes
 from assistant.languages.records import target
 from assistant.languages.runs.columns import joined
@@ -54,18 +54,20 @@ class PathLift:
         self.table = joined([TargetRun(Names.none(0), np.empty((0, PARTS[-1][1]))), *runs])
         self.known = NamedTargets(self.table.names)
         self._taken = {i.name for m in modules for i in m.items if isinstance(i, _NAMED)}
-        for node in nodes(tuple(modules)) if runs else ():
-            if isinstance(node, s.NameRef):
-                self.known.count(Names.of([node.name] if node.name.isascii() else []))
-            elif isinstance(node, s.MoveRunNode):
-                self.known.count(node.run.names)
-                self.known.count(node.run.vias)
+        seen = list(nodes(tuple(modules))) if runs else []
+        named = (node.name for node in seen if isinstance(node, s.NameRef))
+        self.known.count(Names.of([name for name in named if name.isascii()]))
+        for run in (node.run for node in seen if isinstance(node, s.MoveRunNode)):
+            self.known.count(run.names)
+            self.known.count(run.vias)
 
     def statements(self, node: s.MoveRunNode, motion: Motions) -> Iterator[p.Statement]:
         run, index = node.run, node.run.motions.index
         motions = [motion(m.speed, m.zone, m.tool, m.frame) for m in run.motions.table]
         if run.values is not None and len(run) > MOST_WRITTEN and _turned(run.values):
-            yield p.Follow(self._written_path(run, run.values, motions), span=node.span)
+            name = identifier("written", self._taken)  # the program gives these targets no names
+            self._taken.add(name)
+            yield p.Follow(_path(name, run.values, run.kinds, index, motions), span=node.span)
             return
         if run.values is not None:
             for values, row, kind in zip(run.values.tolist(), index, run.kinds, strict=True):
@@ -102,12 +104,6 @@ class PathLift:
         name = self.original(stem[:-1])
         return _path(name, values, rows.kinds[taken], index[rows.moves[taken]], motions)
 
-    def _written_path(self, run: MoveRun, values: Floats, motions: Sequence[p.Motion]) -> Path:
-        """A path of targets that the program gives no names."""
-        name = identifier("written", self._taken)
-        self._taken.add(name)
-        return _path(name, values, run.kinds, run.motions.index, motions)
-
     def targets(self) -> dict[str, Target]:
         """The targets that are in no path."""
         left = dict(self.data.targets)
@@ -141,7 +137,6 @@ def _path(
     motions: Sequence[p.Motion],
 ) -> Path:
     """values: (n, 17) as of a TargetRun. motion: (n,) rows of motions."""
-    settings = [(m.speed, m.blend, m.tool, m.frame) for m in motions]
     return Path.of(
         name,
         values[:, 0:3],
@@ -149,7 +144,7 @@ def _path(
         kinds=kinds,
         configurations=configurations(values[:, 7:11]),
         external=np.where(values[:, 11:17] >= UNUSED, np.nan, values[:, 11:17]),
-        **setting_columns(settings, motion),
+        **setting_columns(motions, motion),
     )
 
 

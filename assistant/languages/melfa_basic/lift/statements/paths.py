@@ -220,9 +220,9 @@ class Runs:
         numbers = np.arange(self.first, self.last + 1, dtype=np.int64)
         symbols = self.symbols
 
-        def settings(part: int, joint: bool) -> Sequence[Any]:
+        def motion(part: int, joint: bool) -> p.Motion:
             given = chunks[part].settings  # the percentage counts for joint moves only
-            return speed_of(given, joint), *given[2:]
+            return p.Motion(speed_of(given, joint), *given[2:])
 
         values, flags, _ = symbols.positions.find(self.stem, numbers)
         width = (
@@ -237,7 +237,7 @@ class Runs:
             kinds=kinds,
             configurations=configurations(flags, symbols.robot),
             external=external,
-            **settings_of_parts([chunk.kinds for chunk in chunks], settings),
+            **settings_of_parts([chunk.kinds for chunk in chunks], motion),
         )
         span = over(chunks[0].span, chunks[-1].span)
         made.append(p.Follow(path, span=span))
