@@ -260,6 +260,23 @@ def test_a_row_that_is_taken_out_of_a_table_takes_its_line(row: int) -> None:
     assert edited(TABLES, rendered) == [f"-{TARGETS.splitlines()[row]}"]
 
 
+@pytest.mark.parametrize("count", [7, 9])
+def test_moves_to_written_targets_keep_their_lines_beside_new_and_lost_ones(count: int) -> None:
+    """Seven are single moves in the tree, eight and more are a run."""
+
+    def module(rows: int, blank: str) -> str:
+        value = "[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]"
+        lines = "".join(f"MoveL{blank}[[{n},0,300],{value},{blank}v5,z1,t;\n" for n in range(rows))
+        return f"MODULE m\nPROC p()\n{lines}ENDPROC\nENDMODULE\n"
+
+    text = module(8, "  ")
+    old, new = parsed(text), parsed(module(count, ""))
+    rendered = RAPID.render(replace(new, origin=old.origin))
+    assert parsed(rendered) == new
+    kept = [line for line in text.splitlines() if line in rendered.splitlines()]
+    assert len(kept) == 4 + min(count, 8)
+
+
 def test_statements_may_stand_between_the_moves_of_a_run() -> None:
     text = f"MODULE m\nPROC p()\n{MOVES.replace(',', ' , ')}ENDPROC\nENDMODULE\n"
     tree = parsed(text)
