@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Protocol
 from assistant.languages.checks.places import Lines, row_of
 from assistant.languages.checks.views import Memory
 from assistant.program.diagnostics import Diagnostic, Rule, Span
-from assistant.program.text import SourceText
+from assistant.program.text import SourceText, finding_in
 
 
 class Placed(Protocol):
@@ -28,12 +28,9 @@ class LineView(Memory):
     def finding(self, rule: Rule, where: Placed | Span | None, /, **words: Any) -> Diagnostic:
         """The rule's finding at what an item says, or at a span of the text."""
         span = where if isinstance(where, Span) or where is None else where.span
-        source = self.source
-        if source is None or span is None:
-            return rule(path=source.path if source else None, **words)
-        if not isinstance(where, Span):
-            span = self.cut.said(source.text, span)
-        return source.finding(rule, span, **words)
+        if self.source is not None and span is not None and not isinstance(where, Span):
+            span = self.cut.said(self.source.text, span)
+        return finding_in(self.source, rule, span, **words)
 
     def word(self, item: Placed, word: str) -> Span | None:
         """Where a word first stands in an item: not in a string or comment, in any case."""

@@ -15,6 +15,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import takewhile
 from typing import Final
 
 from assistant.languages.melfa_basic.convert.names import KINDS, Names
@@ -103,16 +104,8 @@ def renamed(items: Sequence[s.Item], names: Mapping[str, str]) -> list[s.Item]:
 
 def _heading(items: Sequence[s.Item]) -> tuple[int, int]:
     """Places of the first and last line of the heading; (0, 0) if there is none."""
-    start = -1
-    for at, item in enumerate(items):
-        text = _text(item)
-        if text is None:
-            break
-        if start < 0 and text.startswith(headers.MARK + "melfa"):
-            start = at
-        elif start >= 0 and text == headers.END:
-            return start, at
-    return 0, 0
+    texts = takewhile(lambda text: text is not None, map(_text, items))
+    return headers.bounds([text or "" for text in texts]) or (0, 0)
 
 
 def _text(item: s.Item) -> str | None:

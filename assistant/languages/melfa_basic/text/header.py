@@ -13,7 +13,7 @@ Names are written in ASCII. Whatever is malformed is left out: it is only a comm
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final, cast
 
@@ -111,6 +111,14 @@ def packed(kind: str, entries: Iterable[str]) -> Iterator[str]:
         line = f"{line}, {entry}" if line else f"{kind}: {entry}"
     if line:
         yield line
+
+
+def bounds(texts: Sequence[str]) -> tuple[int, int] | None:
+    """Places of the first and last line of a header in comment texts, None if there is none."""
+    start = next((at for at, text in enumerate(texts) if text.startswith(MARK + "melfa")), None)
+    if start is None or END not in texts[start:]:
+        return None
+    return start, texts.index(END, start)
 
 
 _PAIR: Final = re.compile(rf"([A-Za-z0-9_-]+) = ({NAME})")

@@ -1,4 +1,4 @@
-"""An `If` that is written with jumps, for dialects without blocks.
+"""An `If`, and a `Wait` for any condition, written with jumps for dialects that lack them.
 
 IF M1>0 THEN *I1T1 ELSE *I1N1
 *I1T1
@@ -7,6 +7,10 @@ GOTO *I1Z
 *I1N1
 …
 *I1Z
+
+*W1
+IF M1>0 THEN *W1Z ELSE *W1
+*W1Z
 """
 
 from __future__ import annotations

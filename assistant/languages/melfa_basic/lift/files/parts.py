@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -66,9 +65,8 @@ def _parts(tree: s.File) -> tuple[Header, tuple[str, ...], list[s.Entry]]:
         if not isinstance(item, s.Line) or item.statement or item.label or not item.comment:
             break
         texts.append(comment_text(item.comment))
-    start = next((i for i, t in enumerate(texts) if re.match(headers.MARK + "melfa", t)), None)
-    if start is not None and headers.END in texts[start:]:
-        end = texts.index(headers.END, start)
+    if (bounds := headers.bounds(texts)) is not None:
+        start, end = bounds
         head = headers.read(texts[start + 1 : end])
         return head, tuple(texts[:start]), code[end + 1 :]
     return Header(), tuple(texts), code[len(texts) :]
