@@ -68,14 +68,12 @@ class Expressions:
                 return self.of(inner)
             case s.AggregateNode(items):
                 return aggregate(tuple(map(self.of, items)))
-            case s.Component(s.Component(value, part), name):
-                known = _COMPONENTS.get((part.lower(), name.lower()))
-                if known is not None and not isinstance(value, s.Placeholder):
-                    return e.Member(self.of(value), known)
+            case s.Component(s.Component(value, part), name) if (
+                known := _COMPONENTS.get((part.lower(), name.lower()))
+            ) and not isinstance(value, s.Placeholder):
+                return e.Member(self.of(value), known)
+            case s.Component(value, name) if not isinstance(value, s.Placeholder):
                 if name.lower() not in COMPONENTS:
-                    return e.Member(self.of(node.value), name)
-            case s.Component(value, name) if name.lower() not in COMPONENTS:
-                if not isinstance(value, s.Placeholder):
                     return e.Member(self.of(value), name)
             case s.Element(value, indices) if not isinstance(value, s.Placeholder):
                 if not any(isinstance(i, s.Whole) for i in indices):

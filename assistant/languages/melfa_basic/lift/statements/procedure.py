@@ -101,9 +101,8 @@ class Reader(Control):
     def ending(self, region: Region) -> list[p.Statement]:
         """What stands behind a body: the comment of its last word, a result that was kept."""
         made: list[p.Statement] = []
-        if region.high < len(self.code):
-            if self.code[region.high].statement in ENDS:
-                made += self.note(region.high)
+        if region.high < len(self.code) and self.code[region.high].statement in ENDS:
+            made += self.note(region.high)
         for at in range(*region.behind):
             made += self.note(at)
         inside = self.symbols.inside

@@ -56,9 +56,8 @@ _WORDS: Final = {
 }
 """Commands by what they are about."""
 
-_COMMANDS: Final = {word: reason for reason, words in _WORDS.items() for word in words.split()}
-
-_MOTIONS: Final = {
+_BY_WORD: Final = {
+    **{word: reason for reason, words in _WORDS.items() for word in words.split()},
     "Mvc": Reason("a full circle is no statement elsewhere", "write two arcs with Mvr"),
     "Mvr2": Reason("an arc beside a point has no other words", "write the arc with Mvr"),
     "Mvr3": Reason("an arc about a centre has no other words", "write the arc with Mvr"),
@@ -105,10 +104,8 @@ def reason_for(node: s.Statement, found: Reason | None) -> Reason:
         )
     if found is not None:
         return found
-    if isinstance(node, s.Motion):
-        return _MOTIONS.get(node.keyword, kept.PLAIN)
-    if isinstance(node, s.Command):
-        return _COMMANDS.get(node.keyword.split()[0], kept.PLAIN)
+    if isinstance(node, s.Motion | s.Command):
+        return _BY_WORD.get(node.keyword.split()[0], kept.PLAIN)
     if isinstance(node, s.If) and node.then is not None:
         for branch in (node.then, node.otherwise):
             if branch is not None and not isinstance(branch, s.Target):
