@@ -68,11 +68,12 @@ class Plain(Rewording):
 
     def procedure(self, procedure: Procedure) -> Procedure:
         self.constants = constants(self.job.program, procedure)
-        made = super().procedure(procedure)
-        body = made.body
+        self.enter(procedure)
+        body = self.body(procedure.body)
         while body and body[-1] == p.Return():
             body = body[:-1]
-        return replace(made, body=body, local=False)
+        variables = {n: self.variable(v, n) for n, v in procedure.variables.items()}
+        return replace(procedure, body=body, local=False, variables=variables)
 
     def variable(self, variable: Variable, name: str, owner: str = "") -> Variable:
         with self.job.findings.at(variable.span):
