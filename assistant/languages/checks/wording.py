@@ -2,19 +2,45 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Final
+from collections.abc import Callable, Sequence
+from typing import Final, Generic, TypeVar
+
+from assistant.program.arrays import Rows
+
+N = TypeVar("N")
 
 SHOWN: Final = 6
 """Names that one finding lists."""
 
 
-def listed(names: Sequence[str], count: int | None = None) -> dict[str, str]:
-    """`names` and `them` of a finding about so many things; count: if `names` are not all."""
-    count = len(names) if count is None else count
-    shown = ", ".join(f"`{name}`" for name in names[:SHOWN])
-    more = f" and {count - SHOWN} more" if count > SHOWN else ""
-    return {"names": shown + more, "them": "them" if count > 1 else "it"}
+class Listing(Generic[N]):
+    """Many things that one finding is about.
+
+    first: where it stands, a node and a row of it; None if there is nothing. names: those that the
+    finding lists. count: of all things.
+    """
+
+    def __init__(self) -> None:
+        self.first: tuple[N, int] | None = None
+        self.names: list[str] = []
+        self.count = 0
+
+    def add(self, node: N, name: str) -> None:
+        self.add_rows(node, (0,), lambda _: name)
+
+    def add_rows(self, node: N, rows: Sequence[int] | Rows, name: Callable[[int], str]) -> None:
+        """Some rows of a table. name: what a row is called."""
+        if len(rows) and self.first is None:
+            self.first = node, int(rows[0])
+        self.names += [name(int(row)) for row in rows[: SHOWN - len(self.names)]]
+        self.count += len(rows)
+
+    @property
+    def words(self) -> dict[str, str]:
+        """The `names` and `them` of the finding."""
+        shown = ", ".join(f"`{name}`" for name in self.names)
+        more = f" and {self.count - SHOWN} more" if self.count > SHOWN else ""
+        return {"names": shown + more, "them": "them" if self.count > 1 else "it"}
 
 
 def as_of_more(count: int) -> str:

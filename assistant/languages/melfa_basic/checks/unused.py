@@ -8,7 +8,7 @@ import numpy as np
 
 from assistant.languages.checks.name_sets import NameSet, repeated_rows
 from assistant.languages.checks.registry import Found
-from assistant.languages.checks.wording import SHOWN, listed
+from assistant.languages.checks.wording import Listing
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.checks.file_view import Look
 from assistant.languages.melfa_basic.checks.steps import MOST_ROWS
@@ -19,7 +19,6 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows
 from assistant.languages.melfa_basic.tree.targets import labels_named
 from assistant.languages.runs.names import Names
-from assistant.program.diagnostics import Span
 
 
 def twice(look: Look) -> Found:
@@ -56,23 +55,23 @@ def twice(look: Look) -> Found:
 def unused(look: Look) -> Found:
     """Labels, variables and positions that nothing uses; one finding for each of the three."""
     aimed = set(labels_named(look.lines))
-    labels = [
-        (line, f"*{line.label}")
-        for line in look.lines
-        if line.label is not None
-        and line.label.upper() not in aimed
-        and not line.label.upper().startswith("L_")  # shared with the programs on top of it
-    ]
-    yield from _unused(look, "the label" if len(labels) == 1 else "the labels", labels)
+    labels: Listing[s.Item] = Listing()
+    for line in look.lines:
+        label = (line.label or "").upper()
+        # what begins with `L_` is shared with the programs on top of this one
+        if label and label not in aimed and not label.startswith("L_"):
+            labels.add(line, f"*{line.label}")
+    yield from _told(look, "label", labels)
     names = look.once(known)
-    variables: dict[str, tuple[s.Line, str]] = {}
+    variables: Listing[s.Item] = Listing()
+    told: set[str] = set()
     for line, use in look.uses:
         key = use.variable.key
-        if use.role in ("written", "declared") and _is_own(look, use, names):
-            variables.setdefault(key, (line, use.variable.marked))
-    what = "the variable" if len(variables) == 1 else "the variables"
-    yield from _unused(look, what, list(variables.values()))
-    yield from _unused_positions(look, names, set(variables))
+        if use.role in ("written", "declared") and key not in told and _is_own(look, use, names):
+            told.add(key)
+            variables.add(line, use.variable.marked)
+    yield from _told(look, "variable", variables)
+    yield from _unused_positions(look, names, told)
 
 
 def _is_own(look: Look, use: Use, names: Known) -> bool:
@@ -86,11 +85,16 @@ def _is_own(look: Look, use: Use, names: Known) -> bool:
     )
 
 
-def _unused(look: Look, what: str, found: list[tuple[s.Line, str]]) -> Found:
-    if found:
-        line, first = found[0]
-        names = listed([name for _, name in found])
-        yield look.at(rules.UNUSED, line, first.rstrip("$%&!#"), what=what, **names)
+def _told(look: Look, what: str, found: Listing[s.Item]) -> Found:
+    if found.first is None:
+        return
+    item, row = found.first
+    words = {"what": f"the {what}s" if found.count > 1 else f"the {what}", **found.words}
+    if isinstance(item, s.Line):
+        yield look.at(rules.UNUSED, item, found.names[0].rstrip("$%&!#"), **words)
+    else:
+        where = look.row(item, row) if isinstance(item, PositionRows) else item
+        yield look.finding(rules.UNUSED, where, **words)
 
 
 def _unused_positions(look: Look, names: Known, told: set[str]) -> Found:
@@ -103,22 +107,14 @@ def _unused_positions(look: Look, names: Known, told: set[str]) -> Found:
         if isinstance(rows, MoveRows):
             stem, points = rows.stem.encode("ascii"), (rows.end, rows.via, rows.start)
             used.columns += [Names.numbered(stem, numbers) for numbers in points]
-    found: list[tuple[s.Item | Span | None, str]] = []
-    count = 0
+    found: Listing[s.Item] = Listing()
     for item in look.data:
         if isinstance(item, PositionRows):
-            idle = np.flatnonzero(~used.among(names_of(item)))
-            count += len(idle)
-            for row in idle[: max(0, SHOWN - len(found))].tolist():
-                name = f"{item.stem}{int(item.numbers[row])}"
-                found.append((look.row(item, row), name))
+            written = Names.numbered(item.stem.encode("ascii"), item.numbers)
+            found.add_rows(item, np.flatnonzero(~used.among(names_of(item))), written.name)
         elif is_position(item) and not _is_shared(item.variable) and item.variable.key not in used:
-            count += 1
-            found.append((item, item.variable.name))
-    if found:
-        what = "the positions" if count > 1 else "the position"
-        listing = listed([name for _, name in found], count)
-        yield look.finding(rules.UNUSED, found[0][0], what=what, **listing)
+            found.add(item, item.variable.name)
+    yield from _told(look, "position", found)
 
 
 def _is_shared(variable: s.Variable) -> bool:

@@ -250,24 +250,23 @@ def units(look: Look) -> Found:
         for side, other in ((node.left, node.right), (node.right, node.left)):
             value = literal(other)
             if _is(side, "M_TIMER") and value is not None and 0 < value < SECONDS:
-                yield look.at(
-                    rules.TIMER,
-                    line,
-                    "M_Timer",
-                    value=f"{value:g}",
-                    better=f"{value * 1000:g}",
-                )
+                words = {"value": f"{value:g}", "better": f"{value * 1000:g}"}
+                yield look.at(rules.TIMER, line, "M_Timer", **words)
+    for line, variable, what, angle in _angles(look):
+        value = literal(angle)
+        if value is not None and abs(value) > TURN:
+            yield look.at(rules.DEGREES, line, variable, what=what, value=f"{value:g}")
+
+
+def _angles(look: Look) -> Iterator[tuple[s.Line, s.Variable, str, s.Expression | None]]:
+    """What takes an angle in radian: its line and name, how it is told of, and the angle."""
     for line, assign in look.all(s.Assign):
-        angle, value = assign.target.component in ANGLES, literal(assign.value)
-        if angle and value is not None and abs(value) > TURN:
-            what = f"`{assign.target.name}.{assign.target.component}`"
-            yield look.at(rules.DEGREES, line, assign.target, what=what, value=f"{value:g}")
+        target = assign.target
+        if target.component in ANGLES:
+            yield line, target, f"`{target.name}.{target.component}`", assign.value
     for line, variable in look.all(s.Variable):
         if variable.key in CIRCULAR and variable.arguments:
-            value = literal(variable.arguments[0])
-            if value is not None and abs(value) > TURN:
-                what = f"the angle of `{variable.name}`"
-                yield look.at(rules.DEGREES, line, variable, what=what, value=f"{value:g}")
+            yield line, variable, f"the angle of `{variable.name}`", variable.arguments[0]
 
 
 def _is(value: s.Expression, key: str) -> bool:

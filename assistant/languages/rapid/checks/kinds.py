@@ -7,7 +7,6 @@ data of a module that was not given.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import cached_property
 from typing import Final
 
 from assistant.languages.checks.kinds import Kind, Kinds, Operators
@@ -88,13 +87,10 @@ class Scope(Kinds[s.Expression]):
     ) -> None:
         super().__init__(types)
         self.look, self.routine, self.loops = types.look, routine, loops
+        self._found: dict[str, Declared | None] = {}
 
     def inside(self, loop: s.ForLoop) -> Scope:
         return Scope(self.types, self.routine, self.loops | {loop.variable.lower()})
-
-    @cached_property
-    def _found(self) -> dict[str, Declared | None]:
-        return {}
 
     def find(self, name: str) -> Declared | None:
         """The declaration that a name means, None if no given module has one."""

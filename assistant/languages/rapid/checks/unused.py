@@ -10,7 +10,7 @@ import numpy as np
 
 from assistant.languages.checks.name_sets import NameSet
 from assistant.languages.checks.registry import Found
-from assistant.languages.checks.wording import SHOWN, listed
+from assistant.languages.checks.wording import Listing
 from assistant.languages.rapid.checks import plain_rules as rules
 from assistant.languages.rapid.checks.module_view import Look, Task
 from assistant.languages.rapid.tree import syntax as s
@@ -31,24 +31,22 @@ def unused(look: Look) -> Found:
     declare, which serve many programs.
     """
     used = look.task.once(used_names)
-    data: list[tuple[s.Node, int, str]] = []
-    routines: list[tuple[s.Node, int, str]] = []
+    data: Listing[s.Node] = Listing()
+    routines: Listing[s.Node] = Listing()
     system = "SYSMODULE" in look.module.attributes or look.file in look.task.common
     open_to_all = system or not look.task.has_main
     for item in look.module.items:
         match item:
             case s.TargetRunNode(scope, run) if scope == "LOCAL" or not open_to_all:
-                rows = np.flatnonzero(~used.among(run.names))
-                data += [(item, int(row), run.names.name(int(row))) for row in rows[: SHOWN + 1]]
-                data += [(item, int(row), "") for row in rows[SHOWN + 1 :]]
+                data.add_rows(item, np.flatnonzero(~used.among(run.names)), run.names.name)
             case s.Data(scope, storage, _, name):
                 kept = scope != "LOCAL" and (open_to_all or storage == "PERS")
                 if not kept and name.lower() not in used:
-                    data.append((item, 0, name))
+                    data.add(item, name)
             case s.Routine(kind, local, name):
                 started = not local and (open_to_all or (kind == "PROC" and not item.parameters))
                 if not started and name.lower() not in used:
-                    routines.append((item, 0, name))
+                    routines.add(item, name)
     yield from _told(look, rules.UNUSED_DATA, data)
     yield from _told(look, rules.UNUSED_ROUTINE, routines)
     for routine in look.routines:
@@ -60,16 +58,17 @@ def _inner(look: Look, routine: s.Routine) -> Found:
     if not declared:
         return
     used = _mentioned(nodes((routine.body, *(h.body for h in routine.handlers))))
-    idle: list[tuple[s.Node, int, str]] = [
-        (item, 0, item.name) for item in declared if item.name.lower() not in used
-    ]
+    idle: Listing[s.Node] = Listing()
+    for item in declared:
+        if item.name.lower() not in used:
+            idle.add(item, item.name)
     yield from _told(look, rules.UNUSED_DATA, idle)
 
 
-def _told(look: Look, rule: Rule, found: list[tuple[s.Node, int, str]]) -> Found:
-    if found:
-        first, row, _ = found[0]
-        yield look.finding(rule, first, row=row, **listed([name for _, _, name in found]))
+def _told(look: Look, rule: Rule, found: Listing[s.Node]) -> Found:
+    if found.first is not None:
+        node, row = found.first
+        yield look.finding(rule, node, row=row, **found.words)
 
 
 def used_names(task: Task) -> NameSet:
