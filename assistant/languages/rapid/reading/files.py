@@ -21,6 +21,8 @@ _LISTED: Final = re.compile(r"<Module\b[^>]*>\s*([^<]*?)\s*</Module\s*>", re.IGN
 _CONTROL: Final = re.compile(r"[\x00-\x08\x0b\x0e-\x1f\x7f]")
 MOST_CONTROL: Final = 0.02
 """Share of control characters from which on a file is no text."""
+MARKS: Final = ("\x02", "\x03", "\x04", "\x05")
+"""Characters that stand for runs of like rows in what the grammar reads."""
 UTF16: Final = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}
 """Marks at the begin; the mark stays in the text, so that the same bytes are written."""
 
@@ -103,6 +105,14 @@ def unreadable(source: SourceText) -> Diagnostic | None:
             Span(0, 1),
             why="it is XML that lists no module",
             hint="write <Program><Module>name.mod</Module></Program>, or give the modules",
+        )
+    if (at := max(source.text.find(mark) for mark in MARKS)) >= 0:
+        return source.finding(
+            rules.SYNTAX,
+            Span(at, at + 1),
+            found="a control character",
+            expected="text",
+            hint="delete it",
         )
     return None
 

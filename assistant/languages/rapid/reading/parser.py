@@ -25,7 +25,7 @@ def parse(source: SourceText | str, *, runs: bool = True) -> File:
     runs: False has the grammar read every line, which gives the same with a node a row.
     """
     text = source if isinstance(source, SourceText) else _source(source)
-    unreadable = _unreadable(text)
+    unreadable = files.unreadable(text)
     if unreadable is None and files.is_list(text.text):
         return File((), None, Origin(text, ()), tuple(files.notes(text)))
     reading = unreadable or _read(text, "start", runs=runs)
@@ -57,26 +57,11 @@ def parse_items(text: str) -> tuple[Item, ...] | Diagnostic:
 
 def _part(text: str, start: str) -> Any:
     source = SourceText(text)
-    reading = _unreadable(source) or _read(source, start, runs=False)
+    reading = files.unreadable(source) or _read(source, start, runs=False)
     if isinstance(reading, Diagnostic):
         return reading
     tree, findings = reading
     return findings[0] if findings else tree
-
-
-def _unreadable(source: SourceText) -> Diagnostic | None:
-    """What keeps a text from being read at all."""
-    if (finding := files.unreadable(source)) is not None:
-        return finding
-    if (at := max(source.text.find(mark) for mark in MARKS)) >= 0:
-        return source.finding(
-            rules.SYNTAX,
-            Span(at, at + 1),
-            found="a control character",
-            expected="text",
-            hint="delete it",
-        )
-    return None
 
 
 @uncollected()
@@ -117,12 +102,8 @@ def _read(
         found = _without_first_row(text, found, reading.number)
 
 
-MARKS: Final = ("\x02", "\x03", "\x04", "\x05")
-"""Characters that stand for runs in what the grammar reads."""
-
-
 def _marks(found: Found[RunNode]) -> tuple[str, str]:
-    opening, closing = MARKS[:2] if isinstance(found.node, TargetRunNode) else MARKS[2:]
+    opening, closing = files.MARKS[:2] if isinstance(found.node, TargetRunNode) else files.MARKS[2:]
     return opening, closing
 
 
