@@ -8,7 +8,7 @@ from assistant.languages.line_blocks import ANY, NO_WORD, Blocks, Word, blocks_o
 from assistant.languages.line_graph import EXIT, ON, Exits, Graph, graph_of
 
 WORDS = {
-    "routine": Word(bounds=True),
+    "routine": Word(bounds="begins"),
     "if": Word("if"),
     "else": Word(parts="if", certain=True),
     "elseif": Word(parts="if"),

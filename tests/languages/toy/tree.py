@@ -12,7 +12,7 @@ from assistant.program.text import SourceText
 
 Value = str | float
 BLOCKS = {
-    "procedure": Word("procedure", bounds=True),
+    "procedure": Word("procedure", bounds="begins"),
     "if": Word("if"),
     "while": Word("while", "loop"),
     "else": Word(parts="if", certain=True),
