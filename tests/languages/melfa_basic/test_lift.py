@@ -424,6 +424,19 @@ def test_programs_of_several_files_keep_their_own_tools_and_frames(word: str, ki
     assert heights == [100, 101, 5, 200, 201]
 
 
+def test_programs_of_several_files_have_functions_of_their_own() -> None:
+    language = languages.get("melfa-basic-5")
+    main = language.parse('1 Def FNMA(MX)=MX+1\n2 M1=FNMA(5)\n3 CallP "SUB"\n')
+    sub = SourceText("1 Def FNMA(MX)=MX+2\n2 M1=FNMA(5)\n", "SUB.prg")
+    program = language.lift([main, language.parse(sub)])
+    assert opaque(program) == []
+    made = {q.name: q.body for q in program.procedures}
+    called = [node.value for node in program.statements() if isinstance(node, p.Assign)]
+    sums = [made[x.function] for x in called if isinstance(x, e.Apply)]
+    added = [e.Binary("+", e.Name("MX"), e.Number(number)) for number in (1, 2)]
+    assert sums == [(p.Return(value),) for value in added]
+
+
 def test_a_program_that_is_called_may_change_the_tool_by_its_number() -> None:
     language = languages.get("melfa-basic-5")
     sub = SourceText("1 M_Tool=2\n2 End\n", "SUB.prg")

@@ -175,7 +175,7 @@ class Unit:
         local = declared.own_variables(self.header, self.first_values, expressions)
         declared.elements(self.file, symbols)
         listed = self._routines(symbols)
-        self._name_forms(listed)
+        taken = self._name_forms(listed)
         source, calls = self.file.tree.source, (dict(names["unit"]), dict(names["first"]))
         reader = Reader(code, symbols, ways, listed, calls, self.is_main, kept, source)
         reading = _Reading(symbols, reader, local)
@@ -183,7 +183,7 @@ class Unit:
             if isinstance(node := item.statement, s.DefIo):
                 if (io := data.io_of(node, expressions)) is not None:
                     symbols.io[node.variable.key] = io
-        functions = [] if self.own else routines.defined_functions(code, symbols)
+        functions = [] if self.own else routines.defined_functions(code, symbols, taken)
         for number, forms in enumerate(ways.called.forms):
             for form in forms.values():
                 self._procedure(number, form, reading)
@@ -249,8 +249,11 @@ class Unit:
             listed.append(routine)
         return listed
 
-    def _name_forms(self, listed: list[Routine]) -> None:
-        """The first form of a procedure has its name, the others a number behind it."""
+    def _name_forms(self, listed: list[Routine]) -> set[str]:
+        """The first form of a procedure has its name, the others a number behind it.
+
+        Gives the names that are taken then.
+        """
         taken = {q.name for q in self.program.procedures} | {r.name for r in listed}
         taken |= self.programs
         for routine, forms in zip(listed, self.ways.called.forms, strict=True):
@@ -259,6 +262,7 @@ class Unit:
                 if form.number > 1:
                     form.name = identifier(f"{routine.name}_{form.number}", taken)
                     taken.add(form.name)
+        return taken
 
     def _first_name(self) -> str:
         header = self.header

@@ -168,10 +168,12 @@ def _is_result(variable: s.Variable, key: str) -> bool:
     return variable.key == key and variable.arguments is None
 
 
-def defined_functions(code: Code, symbols: Symbols) -> list[Procedure]:
-    """Functions of one expression (`Def FN`) as procedures; those that can be said get routines."""
+def defined_functions(code: Code, symbols: Symbols, taken: set[str]) -> list[Procedure]:
+    """Functions of one expression (`Def FN`) as procedures; those that can be said get routines.
+
+    taken: names of procedures, to which theirs are added.
+    """
     made = []
-    taken = {r.name for r in symbols.routines.values()}
     for item in code:
         node = item.statement
         if not isinstance(node, s.DefFunction) or node.name.upper() in symbols.routines:
