@@ -1,7 +1,7 @@
 """The next word of a text, as what the rules of a grammar have room for at its place.
 
-For languages whose words are no names only where the rules expect them, and whose marks mean
-several things: the state that the tables are in decides, as it does in lark's own lexer.
+For languages in which a word may be a name wherever the rules do not expect the word, and a mark
+may mean several things: the state that the tables are in decides, as in lark's own lexer.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _SECOND: Final = re.compile(r"[ \t]*+([A-Za-z]+)(?![A-Za-z0-9_])")
 
 
 class ContextualLexer:
-    """Finds words; the patterns are those of the grammar, cases are alike.
+    """Finds words by the patterns of the grammar, in upper or lower case.
 
     plain: terminals that are told by how they begin, NAME the first of them. keywords: words in
     upper case → the terminals that each may be; the first that has room is meant. firm: words that

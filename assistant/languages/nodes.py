@@ -2,12 +2,12 @@
 
 ROWS = {
     "while": row(WhileLoop),
-    "function": row(Routine, "local? name parameters? body *handlers", kind="FUNC"),
+    "function": row(Routine, "local? name parameters? body *handlers", kind="function"),
     "data": row(Data, "scope? type name value", scope=str.upper),
     "arguments": without_place(tuple),
 }
 
-class RapidNodes(Nodes, rows=ROWS): ...  # with a method for each rule that is more
+class TreeNodes(Nodes, rows=ROWS): ...  # with a method for each rule that is more
 """
 
 from __future__ import annotations

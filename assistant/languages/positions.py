@@ -36,9 +36,9 @@ from assistant.program.subjects import Declared, Subject
 ORDINALS: Final = ("first", "second", "third", "fourth", "fifth", "sixth")
 COUNTS: Final = ("no", "one", "two", "three", "four", "five", "six")
 FOURTH: Final = 3
-"""Where the joints of six axes have the one that an arm of five axes has none of."""
+"""Index of axis 4 among six joints: an arm of five axes has none."""
 SLIGHT: Final = 0.01
-"""mm or degrees: such an angle of that axis, or tilt of a tool, is none."""
+"""mm or degrees: no more than that of the axis, or of a tool beside the flange's axis, is none."""
 LEAST_NORM: Final = 0.5
 """A quaternion that is shorter is no orientation."""
 

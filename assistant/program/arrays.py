@@ -1,4 +1,4 @@
-"""Types of columns of numbers, and what is said of each of their short rows.
+"""Types of columns of numbers, and functions of each of their short rows.
 
 numpy goes along a row of few numbers several times slower than down as many columns.
 """
@@ -17,7 +17,7 @@ Truths = NDArray[np.bool_]
 
 
 def norms(vectors: Floats) -> Floats:
-    """(...) of vectors (..., c)."""
+    """Lengths (...) of vectors (..., c)."""
     squares = np.square(vectors)
     total = squares[..., 0].copy()
     for column in range(1, squares.shape[-1]):
@@ -26,15 +26,15 @@ def norms(vectors: Floats) -> Floats:
 
 
 def max_abs(values: Floats) -> Floats:
-    """(n,) the most that one of (n, c) is away from 0; c is not 0."""
+    """(n,) the largest absolute value of each row (n, c); c is at least 1."""
     return np.asarray(np.abs(values.T, order="C").max(axis=0))
 
 
 def all_of(truths: Truths) -> Truths:
-    """(n,) whether all of (n, c) are so."""
+    """(n,) whether all of a row (n, c) are true."""
     return np.asarray(np.ascontiguousarray(truths.T).all(axis=0))
 
 
 def any_of(truths: Truths) -> Truths:
-    """(n,) whether one of (n, c) is so."""
+    """(n,) whether any of a row (n, c) is true."""
     return np.asarray(np.ascontiguousarray(truths.T).any(axis=0))

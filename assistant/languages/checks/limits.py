@@ -9,8 +9,9 @@ from typing import Any
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What a literal number may be. number: of the error that a controller
-    shows, 0 for the usual one. above: low is too low.
+    """What a literal number may be.
+
+    above: low itself is too low. number: of the error that a controller shows, 0 for the usual one.
     """
 
     what: str

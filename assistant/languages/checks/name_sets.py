@@ -36,7 +36,7 @@ class NameSet:
         return any(name.startswith(begin) for begin in self.beginnings)
 
     def among(self, names: Names) -> Truths:
-        """(n,) which of the names are in the set; those of a set with beginnings in lower case."""
+        """(n,) which of the names are in the set; beginnings have to be in lower case."""
         found = np.zeros(len(names), dtype=bool)
         for at, stem in enumerate(names.stems):
             known = [np.empty(0, np.int64), *self._numbers.get(stem.lower(), ())]

@@ -72,7 +72,7 @@ class Sets:
 class Calls:
     """A line calls these, in an order that nobody knows.
 
-    Procedures by number, or what may change the settings of a set.
+    called: procedures by their number; of what is not known, the settings that it may change.
     """
 
     called: tuple[int | frozenset[int], ...]
@@ -161,11 +161,13 @@ def _resolved(value: Any, given: Any) -> Any:
 
 
 class Flow:
-    """before: by line, what holds where it begins.
+    """What holds at each line of a program.
 
-    cuts: lines at which procedures are divided: what holds there is INHERITED from the line that
-    leads there. divided: the numbers of those procedures. parts: by procedure, the places of each
-    part of it. edges: what holds at the end of lines that lead to a cut, by line, then by place.
+    before: by line, what holds where it begins. exits: by procedure, what holds where it ends, None
+    if it never does. cuts: lines at which procedures are divided: what holds there is INHERITED
+    from the line that leads there. divided: the numbers of those procedures. parts: by procedure,
+    the places of each part of it. edges: what holds at the end of lines that lead to a cut, by
+    line, then by place.
     """
 
     def __init__(self, lines: Lines) -> None:

@@ -81,7 +81,10 @@ class PassLabels:
 
 
 class CalledForms:
-    """forms: by procedure, in the order in which calls are met from the first procedure on."""
+    """The forms of all procedures of a program.
+
+    forms: by procedure, in the order in which calls are met from the first procedure on.
+    """
 
     def __init__(self, flow: Flow, initial: State) -> None:
         self.flow = flow

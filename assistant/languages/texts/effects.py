@@ -32,7 +32,7 @@ class Does:
 
 
 class Untold(Exception):
-    """It is worked out what a node calls, so that it may do anything."""
+    """What a node calls is worked out as the program runs: it may do anything."""
 
 
 Take = Callable[[Collected, Any], None]

@@ -1,1 +1,4 @@
-"""Passes that bring a program into what a language can say, whichever language that is."""
+"""Passes over a program, whichever language it comes from or goes to.
+
+Most bring it into what a language can say; some make of kept texts what every language can say.
+"""
