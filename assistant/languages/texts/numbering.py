@@ -12,7 +12,7 @@ import numpy as np
 from assistant.languages.line_steps import Change, steps_of, with_steps
 from assistant.languages.runs.names import rows_of
 from assistant.program.diagnostics import Diagnostic, Refused, Rule
-from assistant.program.text import SourceText
+from assistant.program.text import SourceText, finding_in
 
 UNNUMBERED: Final = 0
 """Stands for the number of a line that is to get one."""
@@ -61,30 +61,22 @@ def renumbered(
     owners, once = np.unique(np.searchsorted(ends, known[falls], "right"), return_index=True)
     for owner, fall in zip(owners.tolist(), falls[once].tolist(), strict=True):
         number, before = (int(old[known[k]]) for k in (fall, fall - 1))
-        found.append(_finding(source, items[owner], steps.falling, number=number, before=before))
+        where, told = items[owner].span, {"number": number, "before": before}
+        found.append(finding_in(source, steps.falling, where, **told))
     if len(new) and new[-1] > steps.last:
-        path, last = source.path if source else None, int(new[-1])
-        finding = steps.past_last(
-            path=path, count=len(new), first=first, step=step, last=last, most=steps.last
-        )
-        found.append(finding)
+        told = {"count": len(new), "first": first, "step": step, "last": int(new[-1])}
+        found.append(finding_in(source, steps.past_last, None, **told, most=steps.last))
     made: list[Any] = []
     for item, some, end in zip(items, numbers, ends.tolist(), strict=True):
         if len(some):
             lost = sorted(set(steps.named([item])) - places.keys())
-            found += [_finding(source, item, steps.unknown, name=number) for number in lost]
+            found += [finding_in(source, steps.unknown, item.span, name=number) for number in lost]
             item = steps.retargeted(item, lambda to: places.get(to, to))
             item = with_steps(item, new[end - len(some) : end])
         made.append(item)
     if found:
         raise Refused(*found)
     return made
-
-
-def _finding(source: SourceText | None, item: Any, rule: Rule, **fields: Any) -> Diagnostic:
-    if source is None or item.span is None:
-        return rule(**fields)
-    return source.finding(rule, item.span, **fields)
 
 
 def fitted(items: Sequence[Any], step: int, steps: Steps) -> list[Any] | None:

@@ -7,8 +7,9 @@ from collections.abc import Iterator
 from assistant.languages.checks.registry import Check, Needs, findings
 from assistant.languages.checks.repeats import repeated
 from assistant.languages.line_blocks import ANY
-from assistant.program.diagnostics import Diagnostic, Rule, Span, has_errors
+from assistant.program.diagnostics import Diagnostic, Rule, has_errors
 from assistant.program.geometry import BASE, FLANGE
+from assistant.program.text import finding_in
 
 from . import tables
 from .tree import File, Line, Value, blocks_of
@@ -23,9 +24,7 @@ def check(file: File) -> Iterator[Diagnostic]:
 
 
 def _told(file: File, line: Line, rule: Rule, **fields: Value) -> Diagnostic:
-    if file.source is None:
-        return rule(**fields)
-    return file.source.finding(rule, line.span or Span(0, 0), **fields)
+    return finding_in(file.source, rule, line.span, **fields)
 
 
 def blocks(file: File) -> Iterator[Diagnostic]:
