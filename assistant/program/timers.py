@@ -66,5 +66,5 @@ def in_seconds(
     return e.Binary(operator, left, right)  # type: ignore[arg-type]
 
 
-_NUMBERED: Final = re.compile(r"timer_([0-9])")
+_NUMBERED: Final = re.compile(r"timer_(0|[1-9][0-9]{0,3})")
 _TIMED: Final = (p.StartTimer, e.Elapsed)

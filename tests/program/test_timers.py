@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from assistant.program import expressions as e
-from assistant.program.timers import in_seconds
+from assistant.program import statements as p
+from assistant.program.program import Procedure, Program
+from assistant.program.timers import in_seconds, numbered
 
 TIMER = e.Elapsed("t")
 COUNTED = e.Binary("*", TIMER, e.Number(1000))
@@ -27,3 +31,22 @@ def test_milliseconds_beside_numbers_become_seconds(
     operator: str, left: e.Expression, right: e.Expression, said: e.Expression
 ) -> None:
     assert in_seconds(operator, left, right, 1000) == said
+
+
+@pytest.mark.parametrize(
+    ("names", "count", "numbers", "free"),
+    [
+        (["timer_2", "a", "b"], 4, {"timer_2": 2, "a": 3, "b": 4}, 1),
+        (["timer_12", "a"], 12, {"timer_12": 12, "a": 2}, 1),
+        (["timer_12", "a"], 2, {"timer_12": 2, "a": 1}, 0),
+        (["timer_02", "timer_2"], 4, {"timer_02": 3, "timer_2": 2}, 1),
+        (["a", "b"], 1, {"a": 1}, 0),
+    ],
+)
+def test_timers_have_numbers(
+    names: list[str], count: int, numbers: dict[str, int], free: int
+) -> None:
+    body = tuple(p.StartTimer(name) for name in names)
+    program = Program("job", (Procedure("main", body),))
+    kept = re.compile("clock ([0-9]+)")
+    assert numbered(program, range(1, count + 1), kept) == (numbers, free)
