@@ -7,7 +7,7 @@ import pytest
 from assistant import languages
 from assistant.program import expressions as e
 from assistant.program import statements as p
-from assistant.program.program import Program
+from assistant.program.program import Program, walk
 
 RAPID = languages.get("rapid")
 REST = "[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]"
@@ -92,3 +92,23 @@ def test_names_that_only_one_module_has_stay() -> None:
     )
     assert list(program.variables) == ["limit"]
     assert set(program.targets) == {*(f"p{k}0" for k in range(1, 13)), "B_p10"}
+
+
+@pytest.mark.parametrize(
+    ("body", "variables"),
+    [
+        ("VAR num B_n:=7;\nr:=n;", ["B_n"]),
+        ("FOR B_n FROM 1 TO 3 DO\nr:=n;\nENDFOR", []),
+        ("SetDO B_n,1;\nr:=n;", []),
+    ],
+)
+def test_another_name_is_none_that_a_routine_has(body: str, variables: list[str]) -> None:
+    program = lifted(
+        module("A", "LOCAL VAR num n:=1;\nVAR num r;", "main", "n:=2;\nsub;"),
+        module("B", "LOCAL VAR num n:=5;", "sub", body),
+    )
+    (sub,) = (q for q in program.procedures if q.name == "sub")
+    (assigned,) = (x for x in walk(sub.body) if isinstance(x, p.Assign))
+    assert assigned.value == e.Name("B_n_2")
+    assert program.variables["B_n_2"].initial == e.Number(5)
+    assert list(sub.variables) == variables

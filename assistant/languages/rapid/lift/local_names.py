@@ -22,8 +22,7 @@ def with_own_names(modules: Sequence[s.Module]) -> Sequence[s.Module]:
     if len(modules) < 2 or not _any_twice(modules):
         return modules
     declared = [dict(_declared(module)) for module in modules]
-    routines = (i.name for m in modules for i in m.items if isinstance(i, s.Routine))
-    taken = {*chain(*declared), *routines}
+    taken = {*chain(*declared), *_said(modules)}
     made = []
     for at, (module, own) in enumerate(zip(modules, declared, strict=True)):
         names: dict[str, str] = {}
@@ -60,6 +59,21 @@ def _declared(module: s.Module) -> Iterator[tuple[str, tuple[str, bool]]]:
             case s.TargetRunNode(scope, run):
                 names = map(run.names.name, range(len(run)))
                 yield from ((name.lower(), (name, scope == "LOCAL")) for name in names)
+
+
+def _said(modules: Sequence[s.Module]) -> Iterator[str]:
+    """What modules call anything: another name must not become that of something else there."""
+    for node in nodes(tuple(modules)):
+        match node:
+            case s.NameRef(name) | s.Data(name=name) | s.ParameterNode(name=name):
+                yield name
+            case s.Routine(name=name) | s.ForLoop(variable=name):
+                yield name
+            case s.MoveRunNode(run):
+                for names in (run.names, run.vias):
+                    yield from map(names.name, range(len(names)))
+                for motion in run.motions.table:
+                    yield from (motion.speed, motion.zone, motion.tool, motion.frame)
 
 
 def _renamed(item: s.Item, names: Mapping[str, str]) -> s.Item:
