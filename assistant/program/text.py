@@ -52,6 +52,7 @@ _INSIDE: Final = {
     "\r": re.compile(_OTHER),
 }
 """What may end a line sooner, by what ends the lines of the text."""
+_LONE_RETURN: Final = re.compile(r"\r(?!\n)")
 
 _WORD: Final = re.compile(r"\w+")
 SEVERAL_CODES: Final = ("cp932", japanese.CODEC)
@@ -134,7 +135,7 @@ class SourceText:
         """Whether there is any character that could; nearly no text has one, and most are long."""
         if any(one in self.text for one in LINE_ENDS if one != "\r"):
             return True
-        return self._line_end == "\n" and self.text.count("\r") != self.text.count("\r\n")
+        return self._line_end == "\n" and _LONE_RETURN.search(self.text) is not None
 
 
 def lines_of(text: str) -> list[str]:

@@ -108,13 +108,11 @@ class Bounds:
     def saved(self) -> Floats:
         """(n,) mm that the ways of the moves are shorter for their corners."""
         course = self.course
-        at = np.flatnonzero(course.corner[1:-1])  # steps before corners
-        at = at[course.step[at] + 1 == course.step[at + 1]]
-        room, rate, bend = course.room[at + 1], self.tool[:, at], np.diff(self.tool)[:, at]
-        squared = np.einsum("ij,ij->j", bend, bend)
-        some = np.flatnonzero(room * squared > LITTLE)
-        at, room, squared = at[some], room[some], squared[some]
-        rate, bend = rate[:, some], bend[:, some]
+        bends, rooms = np.diff(self.tool), course.room[1:-1]
+        bent = np.einsum("ij,ij->j", bends, bends)
+        sharp = course.corner[1:-1] & (np.diff(course.step) == 1) & (rooms * bent > LITTLE)
+        at = np.flatnonzero(sharp)  # steps before corners
+        room, squared, rate, bend = rooms[at], bent[at], self.tool[:, at], bends[:, at]
         along = np.einsum("ij,ij->j", rate, bend)
         own = np.einsum("ij,ij->j", rate, rate)
         saved = np.zeros(len(self.moves))

@@ -158,11 +158,10 @@ def _rooms(room: Floats, d: Floats) -> Floats:
 
 def _rates(values: Floats, step: Rows, d: Floats) -> Floats:
     """(c, s) change of values (k + 1, c) of knots in each step, for each mm of it."""
-    change = np.empty((values.shape[1], len(step)))
-    after = step + 1
-    for column, rate in zip(values.T, change, strict=True):
-        np.divide(column[after] - column[step], d, out=rate)
-    return change
+    change = np.diff(values, axis=0)
+    if len(step) < len(change):
+        change = change[step]
+    return np.divide(change.T, d, order="C")
 
 
 def sums(row: Rows, values: Floats, n: int) -> Floats:

@@ -71,9 +71,10 @@ def knots_of(moves: Moves, start: Floats, robot: Robot) -> Knots:
         np.where(real, (ends.turns / steps)[row], 0.0),
         np.empty(0, np.intp),
     )
-    knots.joints[0], knots.joints[last] = start, moves.joints
-    knots.positions[0], knots.positions[last] = ends.p0[0], moves.positions
-    knots.quaternions[0], knots.quaternions[last] = ends.q0[0], moves.quaternions
+    at = last if k > len(moves) else slice(1, None)  # the same, faster
+    knots.joints[0], knots.joints[at] = start, moves.joints
+    knots.positions[0], knots.positions[at] = ends.p0[0], moves.positions
+    knots.quaternions[0], knots.quaternions[at] = ends.q0[0], moves.quaternions
     knots.joints[first], knots.positions[first] = ends.j0[again], ends.p0[again]
     knots.quaternions[first] = ends.q0[again]
     wide = np.flatnonzero(steps > 1)
