@@ -45,16 +45,27 @@ class OrInherited:
 
 @dataclass(frozen=True, slots=True)
 class Held:
-    """The value of a setting at a place, and the lines that may have given it."""
+    """The value of a setting at a place, and the lines that may have given it.
+
+    interrupts: those of them that interrupts may run at any time, or ELSEWHERE.
+    """
 
     value: Any
     by: frozenset[int] = frozenset()
+    interrupts: frozenset[int] = frozenset()
+
+    def met(self, other: Held, value: Any) -> Held:
+        """Either of two, with what is certain of both."""
+        return Held(value, self.by | other.by, self.interrupts | other.interrupts)
 
     @property
     def is_inherited(self) -> bool:
         """Whether it may be the caller's."""
         return self.value is INHERITED or isinstance(self.value, OrInherited)
 
+
+ELSEWHERE: Final = -1
+"""A line of another program."""
 
 State = tuple[Held, ...]
 """By the numbers of the settings."""
@@ -66,6 +77,14 @@ class Sets:
 
     setting: int
     value: Any
+
+
+@dataclass(frozen=True, slots=True)
+class MaySet:
+    """Interrupts may give a setting any value while a line runs. by: lines of theirs."""
+
+    setting: int
+    by: frozenset[int]
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,8 +104,30 @@ class Either:
     branches: tuple[Steps, ...]
 
 
-Steps = tuple[Sets | Calls | Either, ...]
+Steps = tuple[Sets | MaySet | Calls | Either, ...]
 """What a line does to settings, in its order."""
+
+
+def sets_in(steps: Steps) -> Iterator[Sets]:
+    """The values that steps may give, other than in what they call."""
+    for step in steps:
+        match step:
+            case Sets():
+                yield step
+            case Either(branches):
+                for branch in branches:
+                    yield from sets_in(branch)
+
+
+def calls_in(steps: Steps) -> Iterator[int | frozenset[int]]:
+    """What steps may call."""
+    for step in steps:
+        match step:
+            case Calls(called):
+                yield from called
+            case Either(branches):
+                for branch in branches:
+                    yield from calls_in(branch)
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,17 +153,8 @@ class Lines:
 
     def called(self, at: int) -> list[int]:
         """The procedures that a line calls, each once."""
-        return list(dict.fromkeys(_called(self.steps.get(at, ()))))
-
-
-def _called(steps: Steps) -> Iterator[int]:
-    for step in steps:
-        match step:
-            case Calls(several):
-                yield from (one for one in several if isinstance(one, int))
-            case Either(branches):
-                for branch in branches:
-                    yield from _called(branch)
+        called = calls_in(self.steps.get(at, ()))
+        return list(dict.fromkeys(one for one in called if isinstance(one, int)))
 
 
 def joined(one: State | None, two: State) -> State:
@@ -130,8 +162,7 @@ def joined(one: State | None, two: State) -> State:
     if one is None or one is two or one == two:
         return two
     return tuple(
-        a if a == b else Held(_met(a.value, b.value), a.by | b.by)
-        for a, b in zip(one, two, strict=True)
+        a if a == b else a.met(b, _met(a.value, b.value)) for a, b in zip(one, two, strict=True)
     )
 
 
@@ -151,7 +182,7 @@ def resolved(state: State, inherited: State) -> State:
     if not any(held.is_inherited for held in state):
         return state
     return tuple(
-        Held(_resolved(held.value, up.value), held.by | up.by) if held.is_inherited else held
+        held.met(up, _resolved(held.value, up.value)) if held.is_inherited else held
         for held, up in zip(state, inherited, strict=True)
     )
 
@@ -243,6 +274,12 @@ class Flow:
             last = self.after(at, state) or state
         self.before.update((at, flow.found[at]) for at in places)
 
+    def _by_any_line(self, setting: int) -> Held:
+        """A setting that any of the lines may have made that make it."""
+        steps = self.lines.steps.items()
+        by = (at for at, made in steps if any(one.setting == setting for one in sets_in(made)))
+        return Held(UNKNOWN, frozenset(by))
+
     # -------------------------------------------------------------------------- one line
 
     def after(self, at: int, state: State) -> State | None:
@@ -270,6 +307,11 @@ class Flow:
             match step:
                 case Sets(setting, value):
                     made = Held(value, frozenset((at,)))
+                    behind = (*behind[:setting], made, *behind[setting + 1 :])
+                case MaySet(setting, by):
+                    held = behind[setting]
+                    held = self._by_any_line(setting) if held.is_inherited else held
+                    made = held.met(Held(UNKNOWN, by - {ELSEWHERE}, by), UNKNOWN)
                     behind = (*behind[:setting], made, *behind[setting + 1 :])
                 case Calls(called):
                     before = self._between(called, behind)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from assistant.languages.settings.flow import UNKNOWN, Either, Lines, Sets, State, Steps
+from assistant.languages.settings.flow import ELSEWHERE, UNKNOWN, Held, Lines, State, sets_in
 from assistant.program.expressions import Reason
 
 MOST_LINES: Final = 4
@@ -37,13 +37,21 @@ class UnknownSettings:
         """Why the first unknown one of those that are used is not known; None if all are."""
         for number in sorted(used):
             if state[number].value is UNKNOWN:
-                return self._of_setting(number, sorted(state[number].by))
+                return self._of_setting(number, state[number])
         return None
 
-    def _of_setting(self, number: int, lines: Sequence[int]) -> Reason:
-        """lines: that may have set it."""
+    def _of_setting(self, number: int, held: Held) -> Reason:
         name, word = self._settings[number].name, self._settings[number].word
-        made = {at: next(_values(number, self._lines.steps[at]), UNKNOWN) for at in lines}
+        if held.interrupts:
+            own = sorted(held.interrupts - {ELSEWHERE})
+            by = f"by {self._list(own)}" if own else "in another program"
+            return Reason(
+                f"an interrupt may set the {name} at any time, {by}",
+                f"leave {word} out of what the interrupt calls, or switch the interrupt off and "
+                f"set {word} above the move",
+            )
+        lines = sorted(held.by)
+        made = {at: self._value(number, at) for at in lines}
         computed = [at for at, value in made.items() if value is UNKNOWN]
         if computed:
             return Reason(
@@ -62,19 +70,13 @@ class UnknownSettings:
             f"set {word} where the ways meet, below the label or the end of the block",
         )
 
+    def _value(self, number: int, at: int) -> Any:
+        """What a line gives a setting."""
+        made = (one.value for one in sets_in(self._lines.steps[at]) if one.setting == number)
+        return next(made, UNKNOWN)
+
     def _list(self, lines: Sequence[int]) -> str:
         given = [self._where(at) for at in lines]
         if len(given) > MOST_LINES:
             given = [*given[:MOST_LINES], f"{len(given) - MOST_LINES} more"]
         return " and ".join([", ".join(given[:-1]), given[-1]]) if len(given) > 1 else given[0]
-
-
-def _values(number: int, steps: Steps) -> Iterator[Any]:
-    """The values that a line gives a setting."""
-    for step in steps:
-        match step:
-            case Sets(setting, value) if setting == number:
-                yield value
-            case Either(branches):
-                for branch in branches:
-                    yield from _values(number, branch)

@@ -54,8 +54,9 @@ class _Reading:
 class Unit:
     """Adds a file to a program. unit: its name there, None for the main one.
 
-    touched: settings that each program changes, by its name in upper case. programs: names of
-    those that are called, which no subroutine has.
+    touched: settings that each program changes, by its name in upper case. elsewhere: those that
+    interrupts of its callers may change while it runs. programs: names of those that are called,
+    which no subroutine has.
     """
 
     def __init__(
@@ -66,6 +67,7 @@ class Unit:
         unit: str | None,
         robot: Robot | None,
         touched: Mapping[str, frozenset[int]],
+        elsewhere: frozenset[int],
         programs: frozenset[str],
     ) -> None:
         self.program, self.file, self.main, self.unit = program, file, main, unit
@@ -84,7 +86,7 @@ class Unit:
         settings = Settings(
             file.positions, constants, file.header, program.tools, program.frames, own=self.own
         )
-        flow = Flow(lines_of(code, structure, parts, settings, touched))
+        flow = Flow(lines_of(code, structure, parts, settings, touched, elsewhere))
         self.ways = Ways(
             constants, structure, parts, settings, CalledForms(flow, self._initial()),
             {} if self.own else used_once(code), timers(code, file.header, self.own),

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from assistant.languages.melfa_basic.lift.settings.held import ALL_SETTINGS, set_by
+from assistant.languages.melfa_basic.lift.settings.interrupts import calls_on_interrupt
 from assistant.languages.melfa_basic.lift.statements.waits import comment_text
 from assistant.languages.melfa_basic.lift.structure.order import in_order
 from assistant.languages.melfa_basic.text import header as headers
@@ -13,7 +14,7 @@ from assistant.languages.melfa_basic.text.header import Header
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import Positions
 from assistant.languages.melfa_basic.tree.targets import labelled
-from assistant.languages.melfa_basic.tree.walk import nodes
+from assistant.languages.melfa_basic.tree.walk import nodes, statements_in
 from assistant.program.program import identifier
 
 
@@ -31,6 +32,14 @@ class File:
         """Settings that the file makes itself."""
         made = map(set_by, self._nodes())
         return frozenset(number for number in made if number is not None)
+
+    def interrupts(self) -> bool:
+        """Whether it has interrupts that call."""
+        return any(
+            calls_on_interrupt(statement)
+            for item in self.code
+            for statement in statements_in(item.statement)
+        )
 
     def called(self) -> frozenset[str | None]:
         """Programs that it calls, in upper case; None for one whose name is worked out."""
@@ -55,6 +64,25 @@ def touching(files: Mapping[str, File]) -> dict[str, frozenset[int]]:
                 found[name] |= found.get(other or "", ALL_SETTINGS)
         if found == before:
             return found
+
+
+def interrupting(
+    files: Mapping[str, File], touched: Mapping[str, frozenset[int]]
+) -> dict[str, frozenset[int]]:
+    """Settings that interrupts of its callers may change while a program runs, by name.
+
+    touched: what each program changes.
+    """
+    found = dict.fromkeys(files, frozenset[int]())
+    running = {name: touched[name] for name, file in files.items() if file.interrupts()}
+    before = None
+    while running and found != before:
+        before = dict(found)
+        for name, file in files.items():
+            called = file.called()
+            for other in files if None in called else found.keys() & called:
+                found[other] |= found[name] | running.get(name, frozenset())
+    return found
 
 
 def _parts(tree: s.File) -> tuple[Header, tuple[str, ...], list[s.Entry]]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from assistant import robots
 from assistant.languages.melfa_basic.lift.files.file import Unit
-from assistant.languages.melfa_basic.lift.files.parts import File, touching
+from assistant.languages.melfa_basic.lift.files.parts import File, interrupting, touching
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.program import Program, identifier
 from assistant.program.rewriting import counted_on
@@ -38,13 +38,19 @@ def lift(trees: Sequence[s.File], robot: Robot | None = None, *, divide: bool = 
     program = Program(
         name, robot=main.header.robot, comments=main.comments, signals=dict(main.header.signals)
     )
-    touched = touching({(stem(f.tree) or f"-{k}").upper(): f for k, f in enumerate(files)})
+    names = [(stem(f.tree) or f"-{k}").upper() for k, f in enumerate(files)]
+    named = dict(zip(names, files, strict=True))
+    touched = touching(named)
+    interrupted = interrupting(named, touched)
+    elsewhere = {id(f): interrupted[name] for name, f in zip(names, files, strict=True)}
     programs = frozenset(name for f in files for name in f.called() if name is not None)
     starts = dict(zip(map(id, files), starts_of(f.tree.source for f in files), strict=True))
     for file in [main, *rest]:
         known = program.procedures
         unit = None if file is main else (file.header.unit or stem(file.tree) or "unit")
-        program = Unit(program, file, main, unit, robot, touched, programs).added(divide)
+        program = Unit(
+            program, file, main, unit, robot, touched, elsewhere[id(file)], programs
+        ).added(divide)
         added = program.procedures[len(known) :]
         counted = (counted_on(procedure, starts[id(file)]) for procedure in added)
         program = replace(program, procedures=(*known, *counted))

@@ -15,6 +15,7 @@ from assistant.languages.melfa_basic.lift.settings.held import (
     TOOL,
     Settings,
 )
+from assistant.languages.melfa_basic.lift.settings.interrupts import interrupts_of
 from assistant.languages.melfa_basic.lift.structure.blocks import Code, Structure
 from assistant.languages.melfa_basic.lift.structure.regions import (
     Region,
@@ -30,6 +31,7 @@ from assistant.languages.melfa_basic.tree.targets import exits_of, graph_of, lab
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.languages.settings.flow import Calls, Either, Lines, Sets, Steps
 from assistant.languages.settings.forms import CalledForms
+from assistant.languages.settings.interrupts import with_interrupts
 from assistant.program.arrays import Ints
 from assistant.program.program import identifier
 
@@ -60,8 +62,11 @@ def lines_of(
     regions: Sequence[Region],
     settings: Settings,
     touched: Mapping[str, frozenset[int]],
+    elsewhere: frozenset[int],
 ) -> Lines:
-    """touched: the settings that each program sets, by its name in upper case."""
+    """touched: the settings that each program sets, by its name in upper case. elsewhere: those
+    that interrupts of the programs that call this one may set while it runs.
+    """
     blocks, labels = structure.blocks, labels_of(code)
     by_label = {region.label: k for k, region in enumerate(regions) if region.label}
     by_name = {r.function.name.upper(): k for k, r in enumerate(regions) if r.function}
@@ -94,6 +99,8 @@ def lines_of(
         before: Steps = (Calls(calls),) if calls else ()
         if isinstance(statement, s.If) and statement.then is not None:
             return (*before, Either((steps(statement.then), steps(statement.otherwise))))
+        if isinstance(statement, s.Motion) and statement.append is not None:
+            return (*before, Either((steps(statement.append.statement), ())))
         return before
 
     places = [region.places() for region in regions]
@@ -101,7 +108,9 @@ def lines_of(
         at for at, item in enumerate(code)
         if is_word(statement_of(item)) and at not in blocks.words
     }  # fmt: skip
-    return Lines(
+    first = {label: places[number][0] for label, number in by_label.items() if places[number]}
+    entries = labels | first
+    lines = Lines(
         len(ALL_SETTINGS),
         places,
         [graph_of(code, inside, blocks).after for inside in places],
@@ -112,8 +121,9 @@ def lines_of(
         frozenset(at for at, depth in enumerate(structure.depth) if depth)
         | {at for label, at in labels.items() if _WAITS.fullmatch(label)}
         | {at for region in regions if region.function for at in region.places()},
-        frozenset(loose | {labels[name] for name in odd_entries(code, regions) if name in labels}),
+        frozenset(loose | {entries[to] for to in odd_entries(code, regions) if to in entries}),
     )
+    return with_interrupts(lines, interrupts_of(code, entries), elsewhere)
 
 
 _READING: Final = {

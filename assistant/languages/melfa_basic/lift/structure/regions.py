@@ -179,8 +179,8 @@ def jumps(code: Code, places: Iterable[int]) -> Iterator[str]:
 def odd_entries(code: Code, regions: Sequence[Region]) -> set[str]:
     """Labels that are reached by interrupts, or by calls of what is no procedure."""
     interrupts = (to for item in code for to, _ in exits_of(statement_of(item)).handlers)
-    found = called(code) | set(map(place_name, interrupts))
-    return found - {region.label for region in regions if region.label is not None}
+    odd = called(code) - {region.label for region in regions if region.label is not None}
+    return odd | set(map(place_name, interrupts))
 
 
 def place_name(target: s.Target) -> str:
