@@ -57,6 +57,10 @@ MOVES: dict[str, Row] = {
         "Mvc P1,P2,P3\nMvc P3,P4,P5\n" + taught("P1", "P2", "P3", "P4", "P5"),
         ["MB705 1:1"],
     ),
+    "a circle, then a move to its third point": (
+        "Mvc P1,P2,P3\nMvs P3\n" + taught("P1", "P2", "P3"),
+        [],
+    ),
     "two circles": (
         "Mvc P1,P2,P3\nMvc P1,P4,P5\n" + taught("P1", "P2", "P3", "P4", "P5"),
         [],

@@ -254,7 +254,7 @@ def circles(look: Look) -> Found:
     """Mvc where an arc is meant: the next move starts at its third point."""
     last: tuple[s.Line, s.Motion] | None = None
     for line, motion in lines_with(look.code, s.Motion):
-        if last is not None:
+        if last is not None and len(motion.arguments) >= ARC_POINTS:
             start, third = last[1].arguments[0], last[1].arguments[-1]
             follows = motion.arguments[0] == third and third != start
             if follows and isinstance(third, s.Variable) and isinstance(start, s.Variable):
