@@ -48,15 +48,27 @@ class Held:
     """The value of a setting at a place, and the lines that may have given it.
 
     interrupts: those of them that interrupts may run at any time, or ELSEWHERE.
+    before: lines that gave what it was before a call that may have changed it.
     """
 
     value: Any
     by: frozenset[int] = frozenset()
     interrupts: frozenset[int] = frozenset()
+    before: frozenset[int] = frozenset()
 
     def met(self, other: Held, value: Any) -> Held:
         """Either of two, with what is certain of both."""
-        return Held(value, self.by | other.by, self.interrupts | other.interrupts)
+        return Held(
+            value,
+            self.by | other.by,
+            self.interrupts | other.interrupts,
+            self.before | other.before,
+        )
+
+    @property
+    def needed(self) -> frozenset[int]:
+        """The lines without which it might be another."""
+        return self.by | self.before
 
     @property
     def is_inherited(self) -> bool:
@@ -331,11 +343,14 @@ class Flow:
         return state
 
     def _left_by(self, called: int | frozenset[int], state: State) -> State | None:
-        """What holds behind a call."""
+        """What holds behind a call; one that nobody knows may leave what lines before it made."""
         if isinstance(called, int):
             end = self.exits[called]
             return None if end is None else resolved(end, state)
-        return tuple(Held(UNKNOWN) if k in called else held for k, held in enumerate(state))
+        return tuple(
+            Held(UNKNOWN, before=held.needed) if k in called else held
+            for k, held in enumerate(state)
+        )
 
 
 def _any_of(ways: Sequence[State | None], every: bool = False) -> State | None:

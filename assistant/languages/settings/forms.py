@@ -173,7 +173,7 @@ class CalledForms:
         key: Any = (part, *(held.value if k in needs else None for k, held in enumerate(state)))
         if key not in known and count >= MOST_FORMS:
             key = part, UNKNOWN  # the same for all if there are too many
-            state = tuple(Held(UNKNOWN, held.by) for held in state)
+            state = tuple(Held(UNKNOWN, held.by, before=held.before) for held in state)
         if key not in known:
             places = self.flow.parts[procedure][part]
             known[key] = Form(procedure, part, places, count + 1, key, state, passes)

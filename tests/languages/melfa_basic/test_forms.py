@@ -99,3 +99,10 @@ def test_a_subroutine_is_not_named_like_a_program_that_is_called() -> None:
     inner, other = (node for node in program.statements() if isinstance(node, p.Call))
     assert (inner.procedure, inner.unit) == ("PART_2", None)
     assert (other.procedure, other.unit) == ("PART", "PART")
+
+
+@pytest.mark.parametrize("call", ['CallP "PART"', "GoSub *A\nGoTo *A\n*A"])
+def test_a_tool_stays_set_in_front_of_a_call_that_may_leave_it(call: str) -> None:
+    positions = "PT=(0,0,120,0,0,0)(0,0)\nP1=(500,0,400,180,0,180)(7,0)\n"
+    body = lifted(f"Tool PT\n{call}\nMov P1\nEnd\n{positions}").procedures[0].body
+    assert [one.text for one in body if isinstance(one, p.Opaque)][:1] == ["Tool PT"]

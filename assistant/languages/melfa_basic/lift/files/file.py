@@ -163,7 +163,7 @@ class Unit:
             for form, at, settings in reader.depending
             for slot, held in enumerate(reader.called.at(at, form))
             if slot in settings
-            for line in held.by
+            for line in held.needed
         )
 
     # ------------------------------------------------------------------------- one reading
