@@ -442,7 +442,7 @@ def test_a_program_that_is_called_may_change_the_tool_by_its_number() -> None:
     sub = SourceText("1 M_Tool=2\n2 End\n", "SUB.prg")
     lines = '1 Tool (0,0,100,0,0,0)\n2 Mov P1\n3 CallP "SUB"\n4 Mov P1\n'
     program = language.lift([language.parse(lines + AGAIN), language.parse(sub)])
-    assert opaque(program) == ["Mov P1", "M_Tool=2"]
+    assert opaque(program) == ["Tool (0,0,100,0,0,0)", "Mov P1", "M_Tool=2"]
 
 
 def test_comments_keep_their_places() -> None:
