@@ -146,6 +146,7 @@ def keeps_names_apart(name: str, names: list[str]) -> None:
 @every_language
 @given(names=NAMES)
 @example(["_x", "_", "a_", "end", "ß", "ſ", "ss", "x" * 70, "x" * 71])
+@example(["p", "t", "Ü", "q", "r", "s", "ue"])
 @few
 def test_any_names_become_legal_and_stay_apart(name: str, names: list[str]) -> None:
     keeps_names_apart(name, names)
@@ -154,6 +155,12 @@ def test_any_names_become_legal_and_stay_apart(name: str, names: list[str]) -> N
 @pytest.mark.slow
 @every_language
 @given(names=NAMES)
+@example(
+    [
+        *("if", "𣲰ĊÕºßğÿć", "Ü", "_x", "EFėóś𪙡VŪÚ", "m_out", "ue", "ûÇħ", "𮀎ÜĽĆVġÇ䪤𐩷"),
+        *("set", "hěŁŁ𢤺ÿ", "日本", "x" * 16, "main", "Úcĵ雲J0Uē𫦤"),
+    ]
+)
 @many
 def test_many_names_become_legal_and_stay_apart(name: str, names: list[str]) -> None:
     keeps_names_apart(name, names)

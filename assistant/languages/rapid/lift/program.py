@@ -136,7 +136,7 @@ class _Lift:
         )
         triggers = Triggers(self.meaning, self.own.__contains__)
         program, set_on_way = with_triggers(program, triggers.told, FUNCTIONS.__contains__, REASONS)
-        declared = {self.original(n): v for h in self.headers for n, v in h.signals.items()}
+        declared = {n: v for h in self.headers for n, v in h.signals.items()}
         used = chain(set_on_way, self.meaning.used, uses(program.statements()))
         program = apart(replace(program, signals=with_used(declared, used)))
         program = with_constants(program, PREDEFINED_VALUES)
