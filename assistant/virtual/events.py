@@ -80,12 +80,27 @@ class Stopped:
 
 Event = Moved | Switched | Waited | Said | Stopped
 
+Why = Literal["end", "stopped", "steps", "time", "error", "unknown"]
+"""Why a run is over: `end` where the program came to its end, `stopped` where it waits for what
+never comes, `steps` and `time` where it took more of them than it may."""
+
+
+@dataclass(slots=True)
+class Logged:
+    """What happened when: simulated seconds, the name of the task, a file's name and a line."""
+
+    time: float
+    task: str
+    place: tuple[str, int] | None
+    what: Event
+
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """What happened, in order. ended: why it is over, `end` where the program came to its end."""
+    """What happened, in order. ended: why it is over. log: the events with their times."""
 
     events: tuple[Event, ...] = field(default=())
-    ended: Literal["end", "stopped", "steps", "error", "unknown"] = "end"
+    ended: Why = "end"
     message: str = ""
     """Of `error`: what the controller would say; of `unknown`: what is not simulated."""
+    log: tuple[Logged, ...] = field(default=(), repr=False)

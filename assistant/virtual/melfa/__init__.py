@@ -13,16 +13,15 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.diagnostics import has_errors
 from assistant.program.geometry import Pose
 from assistant.virtual.events import Run
+from assistant.virtual.kernel import MOST_STEPS, Board, Ending, Kernel, Signals, Task
 from assistant.virtual.melfa.arm import Arm
 from assistant.virtual.melfa.code import code_of
 from assistant.virtual.melfa.machine import Machine
-from assistant.virtual.melfa.stops import Failed, OutOfSteps, Unknown, Waiting
-from assistant.virtual.melfa.world import Inputs, World, inputs_of
+from assistant.virtual.melfa.stops import Failed, Unknown
+from assistant.virtual.melfa.world import STEP_TIME, Inputs, World, inputs_of
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
-
-MOST_STEPS = 100_000
 
 
 def run(
@@ -46,22 +45,38 @@ def run(
     `unknown`.
     """
     files = [trees] if isinstance(trees, s.File) else list(trees)
-    world = World(Arm(robot, start), inputs_of(inputs), most_steps)
-    try:
-        machines = [_machine(file, world, {}) for file in files]
-        programs = dict(zip((name.upper() for name in names), machines, strict=False))
-        for machine in machines:
-            machine.programs = programs
-        machines[0].run()
-    except Failed as failed:
-        return Run(tuple(world.events), "error", str(failed))
-    except Unknown as unknown:
-        return Run(tuple(world.events), "unknown", str(unknown))
-    except Waiting:
-        return Run(tuple(world.events), "stopped", "a wait for what never comes")
-    except OutOfSteps:
-        return Run(tuple(world.events), "steps", f"more than {most_steps} statements")
-    return Run(tuple(world.events))
+    board = Board(Signals(inputs_of(inputs)))
+    kernel = Kernel(board, most_steps=most_steps, statement_time=STEP_TIME)
+    start_slot(kernel, files, robot=robot, start=start, names=names)
+    return kernel.run()
+
+
+def start_slot(
+    kernel: Kernel,
+    files: Sequence[s.File],
+    *,
+    slot: int = 1,
+    robot: Robot | None = None,
+    start: Pose | None = None,
+    names: Sequence[str] = (),
+) -> Task:
+    """A slot of a controller that runs one cycle of a program; see `run`."""
+
+    def body(task: Task) -> Ending:
+        world = World(task, Arm(robot, start))
+        try:
+            machines = [_machine(file, world, {}) for file in files]
+            programs = dict(zip((name.upper() for name in names), machines, strict=False))
+            for machine in machines:
+                machine.programs = programs
+            machines[0].run()
+        except Failed as failed:
+            return Ending("error", str(failed))
+        except Unknown as unknown:
+            return Ending("unknown", str(unknown))
+        return Ending()
+
+    return kernel.task(str(slot), body)
 
 
 def _machine(file: s.File, world: World, programs: Mapping[str, Machine]) -> Machine:

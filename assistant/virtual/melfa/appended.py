@@ -29,7 +29,7 @@ def begin(m: Machine, append: s.Append) -> list[Switched]:
     """What is set on the way of the motion that begins; inputs are the same until it ends."""
     from assistant.virtual.melfa.statements import execute
 
-    condition, events = append.condition, m.world.events
+    condition = append.condition
     if not isinstance(append.statement, s.Assign):
         raise Unknown("where a motion is when it is broken off")
     place = START
@@ -37,10 +37,12 @@ def begin(m: Machine, append: s.Append) -> list[Switched]:
         place = _reached(m, condition)
     elif condition is not None and not holds(expressions.value(m, condition)):
         return []
-    first = len(events)
-    execute(m, append.statement)
-    made, events[first:] = events[first:], []
-    return [replace(event, at=place) for event in made if isinstance(event, Switched)]
+    m.world.held = []
+    try:
+        execute(m, append.statement)
+        return [replace(change, at=place) for change in m.world.held]
+    finally:
+        m.world.held = None
 
 
 def _asks_place(condition: s.Expression) -> bool:

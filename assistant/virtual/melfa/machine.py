@@ -97,7 +97,7 @@ class Machine:
             self.at += 1
             statement = self.code.rows[self.here].statement
             if statement is not None:
-                self.world.tick()
+                self.world.task.step()
                 execute(self, statement)
 
     def jump(self, target: s.Target) -> None:

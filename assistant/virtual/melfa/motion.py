@@ -16,7 +16,6 @@ from assistant.virtual.melfa.arm import OPTIMUM
 from assistant.virtual.melfa.circles import circle_about, circle_through
 from assistant.virtual.melfa.stops import Failed, Unknown
 from assistant.virtual.melfa.values import Bare, Joints, Position, Value, position
-from assistant.virtual.on_way import told
 
 if TYPE_CHECKING:
     from assistant.virtual.melfa.machine import Machine
@@ -33,15 +32,11 @@ def move(m: Machine, node: s.Motion) -> None:
     if node.append is None:
         kind(m, node)
         return
-    before, events = m.world.arm.flange, m.world.events
-    changes = appended.begin(m, node.append)
-    first = len(events)
-    kind(m, node)
-    if len(events) != first + 1:
-        raise Unknown("which of two motions something is appended to")
-    moved = events[first]
-    assert isinstance(moved, Moved)
-    events += told(moved, before, changes)
+    m.world.on_way, m.world.appended = appended.begin(m, node.append), False
+    try:
+        kind(m, node)
+    finally:
+        m.world.on_way = None
 
 
 # ------------------------------------------------------------------------ straight and by joints
@@ -53,8 +48,7 @@ def _joint(m: Machine, node: s.Motion) -> None:
         _to_joints(m, goal)
     else:
         flange = _flange(m, goal)
-        m.world.events.append(_moved(m, "joint", flange))
-        m.world.arm.at_position(flange, goal.flags)
+        _go(m, _moved(m, "joint", flange), goal.flags)
 
 
 def _to_joints(m: Machine, goal: Joints) -> None:
@@ -63,8 +57,9 @@ def _to_joints(m: Machine, goal: Joints) -> None:
     joints = tuple(v for v in goal.values[:count] if v is not None)
     if len(joints) != count or not count:
         raise Failed(2802, "a joint position with elements that are not defined")
+    before = arm.flange
     arm.at_joints(joints)
-    m.world.events.append(_moved(m, "joint", arm.flange, joints=joints))
+    m.world.go(_moved(m, "joint", arm.flange, joints=joints), before)
 
 
 def _linear(m: Machine, node: s.Motion) -> None:
@@ -81,8 +76,7 @@ def _straight(m: Machine, goal: Position, agree: bool = True) -> None:
     if agree and one is not None and two is not None and one != two:
         raise Failed(2810, "the posture flags of start and end differ")
     flange = _flange(m, goal)
-    m.world.events.append(_moved(m, "linear", flange))
-    arm.at_position(flange, goal.flags)
+    _go(m, _moved(m, "linear", flange), goal.flags)
 
 
 def _goal(m: Machine, node: s.Motion) -> Position | Joints:
@@ -108,6 +102,15 @@ def _place(value: Value) -> Position | Joints:
 
 def _flange(m: Machine, goal: Position) -> Pose:
     return m.world.arm.placed(goal)
+
+
+def _go(m: Machine, moved: Moved, flags: tuple[int | None, int | None]) -> None:
+    """A motion to a position. flags: of the posture and of turns at its end."""
+    arm = m.world.arm
+    before = arm.flange
+    assert moved.flange is not None
+    arm.at_position(moved.flange, flags)
+    m.world.go(moved, before)
 
 
 def _moved(
@@ -230,8 +233,7 @@ def _arc_by(m: Machine, middle: Floats, end: Position) -> None:
 
 def _arc(m: Machine, via: Pose, end: Position) -> None:
     flange = _flange(m, end)
-    m.world.events.append(_moved(m, "circular", flange, via))
-    m.world.arm.at_position(flange, end.flags)
+    _go(m, _moved(m, "circular", flange, via), end.flags)
 
 
 KINDS: Final[Mapping[str, Callable[[Machine, s.Motion], None]]] = {

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.virtual.events import Stopped, Switched, Waited
+from assistant.virtual.events import Stopped
 from assistant.virtual.melfa import blocks, expressions, pallets, poses
 from assistant.virtual.melfa.arm import FULL, OPTIMUM
 from assistant.virtual.melfa.code import nodes
-from assistant.virtual.melfa.stops import Ended, Failed, Unknown, Waiting, out_of_range
+from assistant.virtual.melfa.stops import Ended, Failed, Unknown, out_of_range
 from assistant.virtual.melfa.values import Position, holds, position
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ def _hand(m: Machine, node: s.Expression, value: float) -> None:
     hand = expressions.integer(m, node, "the hand")
     if not 1 <= hand <= HANDS:
         raise out_of_range(f"the hand {hand}")
-    m.world.events.append(Switched(HAND.format(hand), value))
+    m.world.task.switch(HAND.format(hand), value)
 
 
 HANDS: Final = 8
@@ -146,20 +146,21 @@ def _delay(m: Machine, node: s.Expression) -> None:
     seconds = float(expressions.plain(m, node, "the time"))
     if seconds < 0:
         raise out_of_range(f"a time of {seconds} seconds")
-    m.world.clock += 1000.0 * seconds
-    m.world.events.append(Waited(seconds))
+    m.world.task.delay(seconds)
 
 
 def _wait(m: Machine, node: s.Expression) -> None:
-    """Inputs stay as they are, so that only a timer can end a wait that has begun."""
-    while not holds(expressions.value(m, node)):
-        if not any(isinstance(part, s.Variable) and part.key == "M_TIMER" for part in nodes(node)):
-            raise Waiting
-        m.world.tick()
+    """A timer goes on by itself, so that a condition with one is asked again and again."""
+    task = m.world.task
+    if any(isinstance(part, s.Variable) and part.key == "M_TIMER" for part in nodes(node)):
+        while not holds(expressions.value(m, node)):
+            task.step()
+    else:
+        task.wait(lambda: holds(expressions.value(m, node)))
 
 
 def _halt(m: Machine) -> None:
-    m.world.events.append(Stopped())
+    m.world.task.tell(Stopped())
 
 
 def _return(m: Machine, node: s.Expression | None = None) -> None:

@@ -15,14 +15,6 @@ class Unknown(Exception):
     """What nothing at hand tells, or what is not simulated: the run ends instead of guessing."""
 
 
-class OutOfSteps(Exception):
-    """More statements were run than the run may take."""
-
-
-class Waiting(Exception):
-    """A wait for what will never come."""
-
-
 class Ended(Exception):
     """`End` of the program that runs."""
 

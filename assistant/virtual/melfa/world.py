@@ -6,13 +6,17 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
-from assistant.virtual.events import Event, Switched
+from assistant.program.geometry import Pose
+from assistant.virtual.events import Moved, Switched
+from assistant.virtual.kernel.signals import Source
+from assistant.virtual.kernel.task import Task
 from assistant.virtual.melfa.arm import Arm
 from assistant.virtual.melfa.memory import Memory, Scope
-from assistant.virtual.melfa.stops import OutOfSteps, Unknown, out_of_range
+from assistant.virtual.melfa.stops import Unknown, out_of_range
+from assistant.virtual.on_way import told
 
-STEP_TIME: Final = 1.0
-"""Milliseconds that a statement takes on the clock of M_Timer; moves take none here."""
+STEP_TIME: Final = 0.001
+"""Seconds that a statement takes on the clock of M_Timer."""
 
 Inputs = Callable[[int], int]
 """The state of an input, 0 or 1, by its number."""
@@ -20,34 +24,34 @@ Inputs = Callable[[int], int]
 
 @dataclass(slots=True)
 class World:
-    """outputs: bits by number. clock: milliseconds. timers: the clock when each was at 0."""
+    """task: what the program runs in. timers: the clock, in ms, when each was at 0."""
 
+    task: Task
     arm: Arm
-    inputs: Inputs
-    most_steps: int
-    events: list[Event] = field(default_factory=list)
-    outputs: dict[int, int] = field(default_factory=dict)
-    clock: float = 0.0
     timers: dict[int, float] = field(default_factory=dict)
     shared: Memory = field(default_factory=lambda: Memory(Scope()))
-    steps: int = 0
+    on_way: list[Switched] | None = None
+    """What is set on the way of the next motion, None where nothing is appended to it."""
+    appended: bool = False
+    """Whether that has gone to a motion."""
+    held: list[Switched] | None = None
+    """Where outputs go that are only worked out, to be set on the way of a motion."""
     left: bool = False
     """Whether the last block was left by `Break` (M_BrkCq)."""
 
-    def tick(self) -> None:
-        """Counts a statement; raises OutOfSteps."""
-        self.steps += 1
-        self.clock += STEP_TIME
-        if self.steps > self.most_steps:
-            raise OutOfSteps
+    @property
+    def clock(self) -> float:
+        """Milliseconds."""
+        return 1000.0 * self.task.kernel.now
 
     def read(self, output: bool, first: int, width: int) -> int:
         """Inputs or outputs of a width as one number, the first as the lowest bit."""
         if first < 0:
             raise out_of_range(f"the signal {first}")
         numbers = range(first, first + width)
-        get = (lambda n: self.outputs.get(n, 0)) if output else self.inputs
-        return sum(get(n) << i for i, n in enumerate(numbers))
+        board = self.task.kernel.board
+        read = (board.outputs if output else board.inputs).read
+        return sum(bool(read(str(n))) << i for i, n in enumerate(numbers))
 
     def switch(self, first: int, width: int, value: int, mask: int = -1) -> None:
         """Sets outputs; each bit is an event. mask: the bits that are set."""
@@ -57,9 +61,18 @@ class World:
             raise Unknown(f"{value} in a signal of {width} bits")
         for at in range(width):
             if mask >> at & 1:
-                bit = value >> at & 1
-                self.outputs[first + at] = bit
-                self.events.append(Switched(str(first + at), float(bit)))
+                name, bit = str(first + at), float(value >> at & 1)
+                if self.held is None:
+                    self.task.switch(name, bit)
+                else:
+                    self.held.append(Switched(name, bit))
+
+    def go(self, moved: Moved, before: Pose | None) -> None:
+        """Commands a motion. before: the flange where it begins, None if that is not known."""
+        if self.on_way is not None and self.appended:
+            raise Unknown("which of two motions something is appended to")
+        self.appended = True
+        self.task.kernel.motion.go(self.task, moved, told(moved, before, self.on_way or ()))
 
     def timer(self, number: int) -> float:
         return self.clock - self.timers.get(number, 0.0)
@@ -68,10 +81,10 @@ class World:
         self.timers[number] = self.clock - value
 
 
-def inputs_of(given: Mapping[int, int] | Inputs | None) -> Inputs:
-    """Inputs as a function of their numbers; those that are not given are 0."""
+def inputs_of(given: Mapping[int, int] | Inputs | None) -> Source:
+    """Inputs by their numbers as texts; those that are not given are 0."""
     if given is None:
-        return lambda _: 0
+        return {}
     if callable(given):
-        return given
-    return lambda number: int(bool(given.get(number, 0)))
+        return lambda name: given(int(name))
+    return {str(number): float(bool(value)) for number, value in given.items()}

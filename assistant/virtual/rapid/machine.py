@@ -9,10 +9,12 @@ from typing import Protocol
 
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program.diagnostics import Span
+from assistant.program.geometry import Pose
 from assistant.robots import Robot
-from assistant.virtual.events import Event, Waited
+from assistant.virtual.events import Moved, Switched
+from assistant.virtual.kernel.task import Task
+from assistant.virtual.on_way import told
 from assistant.virtual.rapid.arm import Arm
-from assistant.virtual.rapid.ends import Over
 from assistant.virtual.rapid.scopes import Frame, Known, Meaning, Unit
 from assistant.virtual.rapid.signals import Signals
 from assistant.virtual.rapid.types import Types
@@ -41,23 +43,22 @@ class Abilities:
 class Machine:
     """Everything that a running program can see or change.
 
-    named: what all modules know, by name in lower case. predefined: what every controller
-    knows. time: seconds, of stated delays only: motions take none here.
+    task: what it runs in. named: what all modules know, by name in lower case. predefined: what
+    every controller knows. at: the statement at hand. on_way: what is set on the way of the next
+    motion.
     """
 
+    task: Task
     abilities: Abilities
     types: Types
     signals: Signals
     arm: Arm
-    most_steps: int
     robot: Robot | None = None
     named: dict[str, Meaning] = field(default_factory=dict)
     predefined: Mapping[str, Meaning] = field(default_factory=dict)
     frames: list[Frame] = field(default_factory=list)
-    events: list[Event] = field(default_factory=list)
-    steps: int = 0
-    time: float = 0.0
     at: tuple[Unit, Span | None] | None = None
+    on_way: Sequence[Switched] = ()
 
     @property
     def frame(self) -> Frame:
@@ -83,10 +84,21 @@ class Machine:
     def step(self, node: s.StatementNode) -> None:
         """Counts a statement that is about to run."""
         self.at = (self.frame.unit, node.span)
-        self.steps += 1
-        if self.steps > self.most_steps:
-            raise Over("steps")
+        self.task.step()
 
-    def wait(self, seconds: float) -> None:
-        self.time += seconds
-        self.events.append(Waited(seconds))
+    def go(self, moved: Moved, before: Pose | None) -> None:
+        """Commands a motion. before: the flange where it begins, None if that is not known."""
+        self.task.kernel.motion.go(self.task, moved, told(moved, before, self.on_way))
+
+    def settle(self) -> None:
+        """The robot goes to the very target of the motion before, and the program waits there."""
+        self.task.kernel.motion.settle(self.task)
+
+    def place(self) -> tuple[str, int] | None:
+        """The file and the line of the statement at hand."""
+        if self.at is None:
+            return None
+        unit, span = self.at
+        if unit.source is None or span is None:
+            return None
+        return unit.source.path or "", unit.source.line_column(span.start)[0]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -40,24 +39,16 @@ def circular(given: Given) -> None:
 def absolute(given: Given) -> None:
     """MoveAbsJ: no displacement and no work object changes where the joints go."""
     arm, target = given.machine.arm, given.record(0, "jointtarget")
-    tool, frame = _tool(given, 3), _frame(given)
+    tool, frame, before = _tool(given, 3), _frame(given), arm.flange
     arm.joints = joints_of(target)
     arm.flange = flange_of(given.machine, arm.joints)
     arm.tool, arm.frame = tool, frame
     arm.configuration, arm.external = None, record(copied(target.parts["extax"]), "extjoint")
     speed, blend = _speed(given, 1), _blend(given, 2)
-    given.machine.events.append(
-        Moved("joint", arm.flange, carried(tool), joints=arm.joints, speed=speed, blend=blend)
+    given.machine.go(
+        Moved("joint", arm.flange, carried(tool), joints=arm.joints, speed=speed, blend=blend),
+        before,
     )
-
-
-def stop(machine: Machine) -> None:
-    """The motion before ends at its target, whatever corner it states: the program waits there."""
-    for place in range(len(machine.events) - 1, -1, -1):
-        event = machine.events[place]
-        if isinstance(event, Moved):
-            machine.events[place] = replace(event, blend=0.0)
-            return
 
 
 def flange_of(machine: Machine, joints: tuple[float, ...]) -> Pose | None:
@@ -75,6 +66,7 @@ def _to_target(
     via: Record | None = None,
 ) -> None:
     arm, target = given.machine.arm, given.record(first, "robtarget")
+    before = arm.flange
     tool, frame = _tool(given, first + 3), _frame(given)
     flange = arm.flange_at(pose_of(target), tool, frame)
     between = None if via is None else arm.flange_at(pose_of(via), tool, frame)
@@ -82,9 +74,8 @@ def _to_target(
     arm.configuration = record(copied(target.parts["robconf"]), "confdata")
     arm.external = record(copied(target.parts["extax"]), "extjoint")
     speed, blend = _speed(given, first + 1), _blend(given, first + 2)
-    given.machine.events.append(
-        Moved(kind, flange, carried(tool), via=between, speed=speed, blend=blend)
-    )
+    moved = Moved(kind, flange, carried(tool), via=between, speed=speed, blend=blend)
+    given.machine.go(moved, before)
 
 
 def _tool(given: Given, index: int) -> Record:

@@ -9,7 +9,9 @@ from assistant.languages.rapid.tree import syntax as s
 from assistant.program.diagnostics import has_errors
 from assistant.program.geometry import Pose
 from assistant.robots import Robot
-from assistant.virtual.events import Event, Run
+from assistant.virtual.events import Run
+from assistant.virtual.kernel import MOST_STEPS, Board, Ending, Kernel, Signals, Task
+from assistant.virtual.kernel.signals import Source
 from assistant.virtual.rapid.arm import Arm
 from assistant.virtual.rapid.calls import call
 from assistant.virtual.rapid.ends import Fault, NotSimulated, Over
@@ -20,11 +22,11 @@ from assistant.virtual.rapid.loading import load, signals
 from assistant.virtual.rapid.machine import Abilities, Machine
 from assistant.virtual.rapid.predefined import predefined
 from assistant.virtual.rapid.scopes import Cell, Frame, Known, Unit
-from assistant.virtual.rapid.signals import Inputs, Signals
+from assistant.virtual.rapid.signals import Signals as OwnSignals
 from assistant.virtual.rapid.types import Types
 
 ABILITIES: Final = Abilities(FUNCTIONS, INSTRUCTIONS, call)
-MOST_STEPS: Final = 100_000
+Inputs = Source
 
 
 def run(
@@ -44,33 +46,52 @@ def run(
     Motions take no time, and outputs are 0 before they are set.
     """
     files = (modules,) if isinstance(modules, s.File) else tuple(modules)
-    events: list[Event] = []
-    types = Types()
-    outputs, known = signals(files)
-    machine = Machine(
-        ABILITIES,
-        types,
-        Signals({} if inputs is None else inputs, outputs, known, events),
-        Arm(start),
-        most_steps,
-        robot,
-        predefined=predefined(robot),
-        events=events,
-    )
-    try:
-        if any(has_errors(file.findings) for file in files):
-            raise Fault("the text of a module has errors")
-        machine.named, cells = load(files, types)
-        _begin(machine, cells, entry)
-    except Fault as fault:
-        return Run(tuple(events), "error", _told(machine, str(fault)))
-    except NotSimulated as unknown:
-        return Run(tuple(events), "unknown", _told(machine, str(unknown)))
-    except RecursionError:
-        return Run(tuple(events), "unknown", _told(machine, "statements nested so deep"))
-    except Over as over:
-        return Run(tuple(events), over.ended, _told(machine, str(over)) if str(over) else "")
-    return Run(tuple(events))
+    board = Board(Signals({} if inputs is None else inputs))
+    kernel = Kernel(board, most_steps=most_steps)
+    start_task(kernel, files, robot=robot, entry=entry, start=start)
+    return kernel.run()
+
+
+def start_task(
+    kernel: Kernel,
+    files: Sequence[s.File],
+    *,
+    name: str = "T_ROB1",
+    robot: Robot | None = None,
+    entry: str = "main",
+    start: Pose | None = None,
+) -> Task:
+    """A task of a controller that runs one cycle of a program; see `run`."""
+
+    def body(task: Task) -> Ending:
+        types = Types()
+        outputs, known = signals(files)
+        machine = Machine(
+            task,
+            ABILITIES,
+            types,
+            OwnSignals(task, outputs, known),
+            Arm(start),
+            robot,
+            predefined=predefined(robot),
+        )
+        task.where = machine.place
+        try:
+            if any(has_errors(file.findings) for file in files):
+                raise Fault("the text of a module has errors")
+            machine.named, cells = load(files, types)
+            _begin(machine, cells, entry)
+        except Fault as fault:
+            return Ending("error", _told(machine, str(fault)))
+        except NotSimulated as unknown:
+            return Ending("unknown", _told(machine, str(unknown)))
+        except RecursionError:
+            return Ending("unknown", _told(machine, "statements nested so deep"))
+        except Over as over:
+            return Ending(over.ended, _told(machine, str(over)) if str(over) else "")
+        return Ending()
+
+    return kernel.task(name, body)
 
 
 def _begin(machine: Machine, cells: Sequence[Cell], entry: str) -> None:
@@ -87,10 +108,5 @@ def _begin(machine: Machine, cells: Sequence[Cell], entry: str) -> None:
 
 def _told(machine: Machine, message: str) -> str:
     """The message with the place of the statement at hand."""
-    if machine.at is None:
-        return message
-    unit, span = machine.at
-    if unit.source is None or span is None:
-        return message
-    line = unit.source.text.count("\n", 0, span.start) + 1
-    return f"{unit.source.path or ''}:{line}: {message}".lstrip(":")
+    place = machine.place()
+    return message if place is None else f"{place[0]}:{place[1]}: {message}".lstrip(":")

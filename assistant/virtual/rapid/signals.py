@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
-from assistant.virtual.events import Event, OnWay, Switched
-
-Inputs = Mapping[str, float] | Callable[[str], float]
-"""What each input reads, by name in lower case. A table leaves out those that are 0."""
+from assistant.virtual.events import OnWay
+from assistant.virtual.kernel.task import Task
 
 
 @dataclass(slots=True)
@@ -18,23 +15,19 @@ class Signals:
     known: names of signals, whichever; what else has no meaning in the program is none of them.
     """
 
-    inputs: Inputs
+    task: Task
     outputs: frozenset[str]
     known: frozenset[str]
-    events: list[Event]
-    state: dict[str, float] = field(default_factory=dict)
 
     def knows(self, name: str) -> bool:
-        return callable(self.inputs) or name in self.known or name in self.inputs
+        inputs = self.task.kernel.board.inputs
+        source = inputs.source
+        return callable(source) or name in self.known or name in source or name in inputs.values
 
     def read(self, name: str) -> float:
-        if name in self.outputs:
-            return self.state.get(name, 0.0)
-        if callable(self.inputs):
-            return float(self.inputs(name))
-        return float(self.inputs.get(name, 0.0))
+        board = self.task.kernel.board
+        return (board.outputs if name in self.outputs else board.inputs).read(name)
 
     def set(self, name: str, value: float, at: OnWay | None = None) -> None:
         """at: see `Switched`."""
-        self.state[name] = value
-        self.events.append(Switched(name, value, at))
+        self.task.switch(name, value, at)

@@ -87,7 +87,7 @@ def _return(machine: Machine, node: s.ReturnFrom) -> None:
 def _word(machine: Machine, node: s.Word) -> None:
     if node.word != "EXIT":
         raise Fault(f"{node.word} outside of an error handler")
-    machine.events.append(Stopped(end=True))
+    machine.task.tell(Stopped(end=True))
     raise Over("end")
 
 
@@ -150,7 +150,7 @@ def _test(machine: Machine, node: s.TestOf) -> None:
 
 def _moves(machine: Machine, node: s.MoveRunNode) -> None:
     for move in moves(node.run):
-        machine.steps += 1
+        machine.task.step()
         _call(machine, move)
 
 

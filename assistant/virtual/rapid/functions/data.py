@@ -34,7 +34,7 @@ def _test(given: Given) -> bool:
 
 def _clock(given: Given) -> float:
     one = clock(given)
-    return one.total + (0.0 if one.since is None else given.machine.time - one.since)
+    return one.total + (0.0 if one.since is None else given.machine.task.kernel.now - one.since)
 
 
 READS: Final = (

@@ -7,8 +7,7 @@ from typing import Final
 
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program.geometry import IDENTITY
-from assistant.virtual.events import Moved, OnWay, Switched
-from assistant.virtual.on_way import told
+from assistant.virtual.events import OnWay, Switched
 from assistant.virtual.rapid import motion
 from assistant.virtual.rapid.ends import Fault, NotSimulated
 from assistant.virtual.rapid.expressions import place, signal
@@ -36,12 +35,11 @@ def _on_way(move: Callable[[Given], None], place: int) -> Callable[[Given], None
         first = given.required.pop(place)
         taken = [first, *(given.options.pop(n) for n in MORE.split() if n in given.options)]
         changes = [_change(machine, one) for one in taken]
-        before = machine.arm.flange
-        move(given)
-        moved = machine.events[-1]
-        assert isinstance(moved, Moved)
-        for change in told(moved, before, changes):
-            machine.signals.set(change.signal, change.value, change.at)
+        machine.on_way = changes
+        try:
+            move(given)
+        finally:
+            machine.on_way = ()
 
     return does
 
@@ -91,7 +89,7 @@ def _displace_no_more(given: Given) -> None:
 
 def _stop(given: Given) -> None:
     """The robot goes on to the very target of the motion before, and stops there."""
-    motion.stop(given.machine)
+    given.machine.settle()
 
 
 def _nothing(given: Given) -> None:

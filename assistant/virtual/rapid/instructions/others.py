@@ -50,19 +50,19 @@ def _reset(given: Given) -> None:
     one = clock(given)
     one.total = 0.0
     if one.since is not None:
-        one.since = given.machine.time
+        one.since = given.machine.task.kernel.now
 
 
 def _start(given: Given) -> None:
     one = clock(given)
     if one.since is None:
-        one.since = given.machine.time
+        one.since = given.machine.task.kernel.now
 
 
 def _stop(given: Given) -> None:
     one = clock(given)
     if one.since is not None:
-        one.total += given.machine.time - one.since
+        one.total += given.machine.task.kernel.now - one.since
         one.since = None
 
 
@@ -70,11 +70,11 @@ def _say(given: Given) -> None:
     kinds = ("num", "bool", "pos", "orient", "dnum")
     values = [given.optional(kind, kind) for kind in kinds if given.has(kind)]
     said = [given.text(0), *(text_of(value) for value in values if value is not None)]
-    given.machine.events.append(Said("".join(said)))
+    given.machine.task.tell(Said("".join(said)))
 
 
 def _halt(given: Given) -> None:
-    given.machine.events.append(Stopped())
+    given.machine.task.tell(Stopped())
 
 
 def _next_cycle(_: Given) -> None:

@@ -6,8 +6,8 @@ import operator
 from collections.abc import Callable, Mapping
 from typing import Final
 
-from assistant.virtual.rapid import motion
-from assistant.virtual.rapid.ends import Fault, Over
+from assistant.virtual.events import Waited
+from assistant.virtual.rapid.ends import Fault
 from assistant.virtual.rapid.expressions import place
 from assistant.virtual.rapid.given import Given, takes
 from assistant.virtual.rapid.machine import Function
@@ -58,35 +58,37 @@ def _wait_time(given: Given) -> None:
     if seconds < 0.0:
         raise Fault(f"a wait of {seconds:g} seconds")
     if given.has("inpos"):
-        motion.stop(given.machine)
-    given.machine.wait(seconds)
+        given.machine.settle()
+    given.machine.task.delay(seconds)
 
 
 def _wait_for(given: Given) -> None:
     """WaitDI and its kin: the signal is to have the value, or to be beyond it."""
     compare = next((COMPARISONS[name] for name in COMPARISONS if given.has(name)), operator.eq)
     signal, value = given.signal(0), given.number(1)
-    reads = given.machine.signals.read(signal)
-    _await(given, bool(compare(reads, value)), f"`{signal}` is {reads:g}, {value:g} is waited for")
+    read = given.machine.signals.read
+    what = f"`{signal}` is {read(signal):g}, {value:g} is waited for"
+    _await(given, lambda: bool(compare(read(signal), value)), what)
 
 
 def _wait_until(given: Given) -> None:
-    _await(given, given.truth(0), "the condition that is waited for is not met")
+    _await(given, lambda: given.truth(0), "the condition that is waited for is not met")
 
 
-def _await(given: Given, met: bool, else_: str) -> None:
-    r"""Signals stay as they are: what is not met now never is, but \MaxTime ends the wait."""
-    flag = given.options.get("timeflag")
+def _await(given: Given, is_met: Callable[[], bool], what: str) -> None:
+    r"""\MaxTime ends the wait, with an error or by the flag that \TimeFlag names."""
+    flag, task = given.options.get("timeflag"), given.machine.task
+    met, longest = is_met(), None
+    if not met:
+        longest = given.optional_number("maxtime")
+        met = task.wait(is_met, longest, what)
     if flag is not None:
         place(given.machine, flag).set(not met)
     if met:
         return
-    longest = given.optional_number("maxtime")
-    if longest is None:
-        raise Over("stopped", else_)
     if flag is None:
-        raise Fault(f"{else_}, and the longest time is over (ERR_WAIT_MAXTIME)")
-    given.machine.wait(longest)
+        raise Fault(f"{what}, and the longest time is over (ERR_WAIT_MAXTIME)")
+    task.tell(Waited(longest or 0.0))
 
 
 def _wait(name: str, does: Callable[[Given], None], count: int = 2) -> tuple[str, Function]:

@@ -1,0 +1,22 @@
+"""What the interpreters of all languages run on: tasks on one simulated clock, signals, motions.
+
+It knows no language. A language runs each of its programs in a `Task`: it tells what happens,
+waits, and counts statements through it.
+"""
+
+from assistant.virtual.kernel.kernel import MOST_STEPS, Ending, Kernel, OutOfSteps
+from assistant.virtual.kernel.motion import Instant, Motion
+from assistant.virtual.kernel.signals import Board, Signals
+from assistant.virtual.kernel.task import Task
+
+__all__ = [
+    "MOST_STEPS",
+    "Board",
+    "Ending",
+    "Instant",
+    "Kernel",
+    "Motion",
+    "OutOfSteps",
+    "Signals",
+    "Task",
+]

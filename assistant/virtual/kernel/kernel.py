@@ -1,0 +1,195 @@
+"""The kernel: tasks that take turns on a simulated clock, and what happens, in its order."""
+
+from __future__ import annotations
+
+import heapq
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from itertools import count
+from typing import Final
+
+from greenlet import getcurrent
+
+from assistant.virtual.events import Event, Logged, Moved, Run, Why
+from assistant.virtual.kernel.motion import Instant, Motion
+from assistant.virtual.kernel.signals import Board
+from assistant.virtual.kernel.task import Body, Task
+
+MOST_STEPS: Final = 100_000
+
+
+@dataclass(frozen=True, slots=True)
+class Ending:
+    """How a task ended; see `Run`."""
+
+    ended: Why = "end"
+    message: str = ""
+
+
+class OutOfSteps(Exception):
+    """More statements were run than the run may take."""
+
+
+@dataclass(slots=True, order=True)
+class Timer:
+    """An action at a time; it is left out if it is cancelled by then."""
+
+    time: float
+    number: int
+    action: Callable[[], None] = field(compare=False)
+    cancelled: bool = field(default=False, compare=False)
+
+
+@dataclass(eq=False)
+class Kernel:
+    """most_steps: statements of all tasks. most_time: simulated seconds.
+
+    statement_time: seconds that a statement takes. pace: simulated seconds for each real one,
+    None for as fast as possible. watch: is asked before each statement, to trace it or to hold the
+    run. now: simulated seconds. shared: whether several tasks run.
+    """
+
+    board: Board = field(default_factory=Board)
+    motion: Motion = field(default_factory=Instant)
+    most_steps: int = MOST_STEPS
+    most_time: float = math.inf
+    statement_time: float = 0.0
+    pace: float | None = None
+    watch: Callable[[Task], None] | None = None
+    now: float = 0.0
+    steps: int = 0
+    shared: bool = False
+    tasks: list[Task] = field(default_factory=list)
+    log: list[Logged] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.hub = getcurrent()
+        self.ending: Ending | None = None
+        self._timers: list[Timer] = []
+        self._numbers = count()
+        self._due = math.inf
+        self._began: float | None = None
+
+    # ----------------------------------------------------------------------------- tasks
+
+    def task(self, name: str, body: Body, lines: int = 1, essential: bool = True) -> Task:
+        """A program that runs beside those that there are; it begins at its next turn."""
+        made = Task(self, name, body, lines, essential)
+        self.tasks.append(made)
+        self.shared = len(self.tasks) > 1
+        return made
+
+    def end(self, ending: Ending) -> None:
+        """Ends the run: all tasks stop where they are."""
+        if self.ending is None:
+            self.ending = ending
+
+    def run(self) -> Run:
+        """Runs the tasks until every essential one has ended, or one has gone wrong."""
+        self.hub = getcurrent()
+        try:
+            while self.ending is None:
+                self._turns()
+        except OutOfSteps:
+            self.end(Ending("steps", f"more than {self.most_steps} statements"))
+        finally:
+            for task in self.tasks:
+                task.kill()
+        ending = self.ending or Ending()
+        return Run(tuple(x.what for x in self.log), ending.ended, ending.message, tuple(self.log))
+
+    def _turns(self) -> None:
+        """A turn of each task that can go on; time passes if none can."""
+        before = self.steps
+        went = False
+        for task in tuple(self.tasks):
+            if task.ended is not None:
+                continue
+            task.coroutine.parent = self.hub
+            task.coroutine.switch()
+            if task.ended is not None:
+                self._ended(task)
+            went |= not task.waiting
+            if self.ending is not None:
+                return
+        if not any(task.essential for task in self.tasks):
+            self.end(Ending())
+        elif not went and before == self.steps and not self._advance():
+            self._stuck()
+
+    def _ended(self, task: Task) -> None:
+        self.tasks.remove(task)
+        self.shared = len(self.tasks) > 1
+        if task.ended is not None and task.ended.ended != "end":
+            self.end(task.ended)
+
+    def _stuck(self) -> None:
+        """Nothing that could still happen ends the wait of any task."""
+        waiting = next(task for task in self.tasks if task.essential)
+        self.end(Ending("stopped", waiting.waits_for or "a wait for what never comes"))
+
+    # ------------------------------------------------------------------------------ time
+
+    def at(self, moment: float, action: Callable[[], None]) -> Timer:
+        """Has an action run at a simulated time, between two statements."""
+        timer = Timer(moment, next(self._numbers), action)
+        heapq.heappush(self._timers, timer)
+        self._due = self._timers[0].time
+        return timer
+
+    def count(self, task: Task) -> None:
+        """A statement of a task is about to run; raises OutOfSteps."""
+        self.steps += 1
+        if self.steps > self.most_steps:
+            raise OutOfSteps
+        self.now += self.statement_time
+        if self.now >= self._due:
+            self._fire()
+        if self.now > self.most_time:
+            self.end(Ending("time", f"more than {self.most_time:g} s"))
+            self.hub.switch()
+        if self.watch is not None:
+            self.watch(task)
+
+    def _advance(self) -> bool:
+        """Lets time pass until something happens; False if nothing ever will."""
+        wakes = [task.wakes for task in self.tasks if task.waiting]
+        following = min([self._due, *wakes])
+        if math.isinf(following):
+            return False
+        if following > self.most_time:
+            self.end(Ending("time", f"more than {self.most_time:g} s"))
+            return True
+        self._pass_to(max(self.now, following))
+        self._fire()
+        return True
+
+    def _pass_to(self, moment: float) -> None:
+        if self.pace is not None:
+            began = self._began = (
+                time.monotonic() - self.now / self.pace if (self._began is None) else self._began
+            )
+            time.sleep(max(0.0, began + moment / self.pace - time.monotonic()))
+        self.now = moment
+
+    def _fire(self) -> None:
+        while self._timers and self._timers[0].time <= self.now:
+            timer = heapq.heappop(self._timers)
+            if not timer.cancelled:
+                timer.action()
+        self._due = self._timers[0].time if self._timers else math.inf
+
+    # ------------------------------------------------------------------------------- log
+
+    def tell(self, task: Task, event: Event) -> None:
+        place = task.where()
+        self.log.append(Logged(self.now, task.name, place, event))
+
+    def stop_latest(self) -> None:
+        """The latest motion ends at its target, whatever corner it states."""
+        for row in reversed(self.log):
+            if isinstance(row.what, Moved):
+                row.what = replace(row.what, blend=0.0)
+                return

@@ -1,0 +1,119 @@
+"""A task: one program that runs beside others, as a coroutine."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from greenlet import greenlet
+
+from assistant.virtual.events import Event, OnWay, Switched, Waited
+
+if TYPE_CHECKING:
+    from assistant.virtual.kernel.kernel import Ending, Kernel
+
+Place = tuple[str, int]
+"""A file's name, and a line from 1."""
+Body = Callable[["Task"], "Ending"]
+
+
+class Task:
+    """name: as the log and messages say it. body: runs the program to its end.
+
+    lines: statements until the next task has its turn. essential: whether the run goes on until it
+    ends; others end with the last of those. where: the place of the statement at hand. closed:
+    interrupts wait while it is above 0. ended: None while it runs.
+    """
+
+    def __init__(
+        self, kernel: Kernel, name: str, body: Body, lines: int = 1, essential: bool = True
+    ) -> None:
+        self.kernel, self.name, self.body = kernel, name, body
+        self.lines, self.essential = lines, essential
+        self.where: Callable[[], Place | None] = lambda: None
+        self.closed = 0
+        self.ended: Ending | None = None
+        self.coroutine = greenlet(self._run, kernel.hub)
+        self.waits_for = ""
+        self.wakes = -math.inf
+        self.waiting = False
+        self._posted: deque[Callable[[], None]] = deque()
+        self._left = lines
+
+    # ---------------------------------------------------------------- what a language says
+
+    def step(self) -> None:
+        """A statement is about to run; raises OutOfSteps. Interrupts come between statements."""
+        kernel = self.kernel
+        kernel.count(self)
+        if self._posted and not self.closed:
+            self._run_posted()
+        if kernel.shared:
+            self._left -= 1
+            if self._left <= 0:
+                self._left = self.lines
+                self._pause()
+
+    def tell(self, event: Event) -> None:
+        """Something happens to the world."""
+        self.kernel.tell(self, event)
+
+    def switch(self, signal: str, value: float, at: OnWay | None = None) -> None:
+        """Sets an output. at: where on the way of the motion before; None for here."""
+        self.kernel.tell(self, Switched(signal, value, at))
+        self.kernel.board.outputs.set(signal, value)
+
+    def delay(self, seconds: float) -> None:
+        """Waits for a time that the program states."""
+        self.tell(Waited(seconds))
+        self.wait(None, seconds)
+
+    def wait(
+        self, until: Callable[[], bool] | None, seconds: float | None = None, what: str = ""
+    ) -> bool:
+        """Waits until a condition holds, for some seconds at most; False if it did not come to.
+
+        what: what is waited for, for the message if it never can come. Interrupts come meanwhile.
+        """
+        end = math.inf if seconds is None else self.kernel.now + seconds
+        while True:
+            if self._posted and not self.closed:
+                self._run_posted()
+            if until is not None and until():
+                return True
+            if self.kernel.now >= end:
+                return False
+            self.waiting, self.wakes, self.waits_for = True, end, what
+            self._pause()
+            self.waiting = False
+
+    # ------------------------------------------------------------------------- interrupts
+
+    def post(self, action: Callable[[], None]) -> None:
+        """Runs an action in the task before its next statement, or while it waits."""
+        self._posted.append(action)
+
+    @property
+    def is_posted(self) -> bool:
+        """Whether an action is to run now."""
+        return bool(self._posted) and not self.closed
+
+    def _run_posted(self) -> None:
+        while self._posted and not self.closed:
+            self._posted.popleft()()
+
+    # ------------------------------------------------------------------------- coroutine
+
+    def _pause(self) -> None:
+        """Until the kernel gives the task its next turn."""
+        self.kernel.hub.switch()
+
+    def _run(self) -> None:
+        self.ended = self.body(self)
+
+    def kill(self) -> None:
+        """Ends it where it is."""
+        if self.coroutine and not self.coroutine.dead:
+            self.coroutine.throw()
