@@ -48,7 +48,8 @@ class Held:
     """The value of a setting at a place, and the lines that may have given it.
 
     interrupts: those of them that interrupts may run at any time, or ELSEWHERE.
-    before: lines that gave what it was before a call that may have changed it.
+    before: lines that may have made it what it is where something unknown comes between: a call
+        that may change it, or a jump from nobody knows where.
     """
 
     value: Any
@@ -216,7 +217,8 @@ class Flow:
     def __init__(self, lines: Lines) -> None:
         self.lines = lines
         self.entry: State = (Held(INHERITED),) * lines.settings
-        self.lost: State = (Held(UNKNOWN),) * lines.settings
+        lost = (self._by_any_line(setting).by for setting in range(lines.settings))
+        self.lost: State = tuple(Held(UNKNOWN, before=by) for by in lost)
         self.cuts: frozenset[int] = frozenset()
         self.edges: dict[int, dict[int, State]] = {}
         self.before: dict[int, State] = {}

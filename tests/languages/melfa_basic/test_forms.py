@@ -106,3 +106,16 @@ def test_a_tool_stays_set_in_front_of_a_call_that_may_leave_it(call: str) -> Non
     positions = "PT=(0,0,120,0,0,0)(0,0)\nP1=(500,0,400,180,0,180)(7,0)\n"
     body = lifted(f"Tool PT\n{call}\nMov P1\nEnd\n{positions}").procedures[0].body
     assert [one.text for one in body if isinstance(one, p.Opaque)][:1] == ["Tool PT"]
+
+
+@pytest.mark.parametrize("way", ["GoSub *SUB1", "Def Act 1,M_In(8)=1 GoTo *SUB1\nAct 1=1"])
+@pytest.mark.parametrize("between", ["Dly 1", "Dly 1\nGoTo *SUB1\n*OTHER\nReturn"])
+def test_a_tool_stays_set_for_lines_that_are_come_to_in_unknown_ways(
+    way: str, between: str
+) -> None:
+    positions = "PT=(0,0,120,0,0,0)(0,0)\nP1=(500,0,400,180,0,180)(7,0)\n"
+    program = lifted(
+        f"Tool PT\nGoSub *SUB0\n{way}\nGoTo *LAST\n"
+        f"*SUB0\n{between}\n*SUB1\nMov P1\nReturn\n*LAST\nEnd\n{positions}"
+    )
+    assert "Tool PT" in [one.text for one in program.statements() if isinstance(one, p.Opaque)]
