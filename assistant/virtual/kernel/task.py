@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from greenlet import greenlet
 
 from assistant.virtual.events import Event, OnWay, Switched, Waited
+from assistant.virtual.kernel.looking import Level, Place
 
 if TYPE_CHECKING:
     from assistant.virtual.kernel.kernel import Ending, Kernel
 
-Place = tuple[str, int]
-"""A file's name, and a line from 1."""
 Body = Callable[["Task"], "Ending"]
 
 
@@ -23,8 +22,9 @@ class Task:
     """name: as the log and messages say it. body: runs the program to its end.
 
     lines: statements until the next task has its turn. essential: whether the run goes on until it
-    ends; others end with the last of those. where: the place of the statement at hand. closed:
-    interrupts wait while it is above 0. ended: None while it runs.
+    ends; others end with the last of those. where: the place of the statement at hand. levels:
+    the calls that run, the innermost first. closed: interrupts wait while it is above 0. ended: None while
+    it runs.
     """
 
     def __init__(
@@ -33,6 +33,7 @@ class Task:
         self.kernel, self.name, self.body = kernel, name, body
         self.lines, self.essential = lines, essential
         self.where: Callable[[], Place | None] = lambda: None
+        self.levels: Callable[[], Sequence[Level]] = lambda: ()
         self.closed = 0
         self.ended: Ending | None = None
         self.coroutine = greenlet(self._run, kernel.hub)

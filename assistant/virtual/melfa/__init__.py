@@ -16,6 +16,7 @@ from assistant.virtual.events import Run
 from assistant.virtual.kernel import MOST_STEPS, Board, Ending, Kernel, Signals, Task
 from assistant.virtual.melfa.arm import Arm
 from assistant.virtual.melfa.code import code_of
+from assistant.virtual.melfa.looking import levels, place
 from assistant.virtual.melfa.machine import Machine
 from assistant.virtual.melfa.stops import Failed, Unknown
 from assistant.virtual.melfa.world import STEP_TIME, Inputs, World, inputs_of
@@ -69,6 +70,8 @@ def start_slot(
             programs = dict(zip((name.upper() for name in names), machines, strict=False))
             for machine in machines:
                 machine.programs = programs
+            task.where = lambda: place(world)
+            task.levels = lambda: levels(world)
             machines[0].run()
         except Failed as failed:
             return Ending("error", str(failed))

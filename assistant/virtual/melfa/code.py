@@ -9,6 +9,7 @@ from typing import Any, Final
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import block_word
 from assistant.languages.melfa_basic.tree.columnar import KEYWORDS, MoveRows, PositionRows
+from assistant.program.diagnostics import Span
 from assistant.virtual.melfa.memory import DEFINED, SUFFIXES, Scope
 from assistant.virtual.melfa.stops import Failed
 from assistant.virtual.melfa.values import Bare, Kind, Position, Value, eight
@@ -16,12 +17,16 @@ from assistant.virtual.melfa.values import Bare, Kind, Position, Value, eight
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A statement with its label and step number. function: upper-case name, empty for none."""
+    """A statement with its label and step number. function: upper-case name, empty for none.
+
+    line: in its file, from 1; 0 where it has none.
+    """
 
     statement: s.Statement | None
     label: str = ""
     number: int | None = None
     function: str = ""
+    line: int = 0
 
 
 @dataclass(slots=True)
@@ -55,6 +60,11 @@ class Code:
     data: list[tuple[str, tuple[int, ...], Value]]
     definitions: dict[str, s.DefFunction]
     signals: dict[str, s.DefIo]
+    path: str = ""
+
+    def place(self, row: int) -> tuple[str, int] | None:
+        """The file and the line of a row, None where it has none."""
+        return (self.path, self.rows[row].line) if row < len(self.rows) else None
 
     def target(self, target: s.Target, function: str) -> int:
         """The row that a jump goes to; labels of a function are its own."""
@@ -81,6 +91,7 @@ def code_of(file: s.File) -> Code:
     """The tables of a file; raises Failed where blocks do not close or a line is none."""
     rows = list(_rows(file))
     code = Code(rows, {}, {}, {}, {}, {}, [], {}, Scope(), {}, list(_data(file)), {}, {})
+    code.path = (file.source.path or "") if file.source is not None else ""
     open_: list[Block] = []
     for at, row in enumerate(rows):
         if row.label:
@@ -103,14 +114,24 @@ def _rows(file: s.File) -> Iterator[Row]:
             case s.Line(statement=statement, label=label, number=number):
                 if isinstance(statement, s.Function):
                     function = statement.name.upper()
-                yield Row(statement, (label or "").upper(), number, function)
+                line = _line(file, item.span)
+                yield Row(statement, (label or "").upper(), number, function, line)
                 if statement == s.Command("FEnd"):
                     function = ""
             case MoveRows():
+                line = _line(file, item.span)
                 for at in range(len(item)):
-                    yield Row(_move(item, at), "", int(item.steps[at]), function)
+                    here = line + at if line else 0
+                    yield Row(_move(item, at), "", int(item.steps[at]), function, here)
             case s.Unread(text=text):
                 raise Failed(4220, f"`{text}` is no statement")
+
+
+def _line(file: s.File, span: Span | None) -> int:
+    """Of a span's beginning, from 1; 0 where that is not known."""
+    if file.source is None or span is None:
+        return 0
+    return file.source.line_column(span.start)[0]
 
 
 def _move(rows: MoveRows, at: int) -> s.Motion:

@@ -41,7 +41,10 @@ class Loop:
 
 @dataclass(slots=True)
 class Frame:
-    """A Function that runs, or the program itself. back: rows that `Return` goes to."""
+    """A Function that runs, or the program itself. back: rows that `Return` goes to.
+
+    called_from: the row that calls.
+    """
 
     function: str
     memory: Memory
@@ -49,6 +52,7 @@ class Frame:
     loops: dict[int, Loop] = field(default_factory=dict)
     result: Value | None = None
     left: bool = False
+    called_from: int = 0
 
 
 @dataclass
@@ -83,8 +87,10 @@ class Machine:
     def run(self) -> None:
         """From the top to the end of the program."""
         self.at, self.frames = 0, [Frame("", self.main)]
+        self.world.running.append(self)
         with suppress(Ended):
             self.go_on(self.frame)
+        self.world.running.pop()
 
     def go_on(self, until: Frame) -> None:
         """Runs until a frame is left; the last row of a program is its end."""
@@ -177,7 +183,7 @@ class Machine:
         for parameter, argument in zip(parameters, given, strict=True):
             name = parameter.name.upper()
             memory.places[name] = self._argument(parameter, argument, memory.scope)
-        frame = Frame(node.key, memory)
+        frame = Frame(node.key, memory, called_from=self.here)
         back = self.here, self.at
         self.frames.append(frame)
         self.at = block.start + 1

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from assistant.program.geometry import Pose
 from assistant.virtual.events import Moved, Switched
@@ -15,6 +15,9 @@ from assistant.virtual.melfa.memory import Memory, Scope
 from assistant.virtual.melfa.stops import Unknown, out_of_range
 from assistant.virtual.on_way import told
 
+if TYPE_CHECKING:
+    from assistant.virtual.melfa.machine import Machine
+
 STEP_TIME: Final = 0.001
 """Seconds that a statement takes on the clock of M_Timer."""
 
@@ -24,11 +27,15 @@ Inputs = Callable[[int], int]
 
 @dataclass(slots=True)
 class World:
-    """task: what the program runs in. timers: the clock, in ms, when each was at 0."""
+    """task: what the program runs in. timers: the clock, in ms, when each was at 0.
+
+    running: the programs that run, each called by the one before it.
+    """
 
     task: Task
     arm: Arm
     timers: dict[int, float] = field(default_factory=dict)
+    running: list[Machine] = field(default_factory=list)
     shared: Memory = field(default_factory=lambda: Memory(Scope()))
     on_way: list[Switched] | None = None
     """What is set on the way of the next motion, None where nothing is appended to it."""

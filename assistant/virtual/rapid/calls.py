@@ -19,8 +19,8 @@ def call(machine: Machine, known: Known, arguments: Sequence[s.Argument]) -> Val
     """Runs a routine; the value of a function, None of a procedure."""
     if len(machine.frames) >= MOST_CALLS:
         raise NotSimulated(f"more than {MOST_CALLS} routines inside of one another")
-    frame = Frame(known.unit, known.node, parameters(machine, known.node, arguments))
     at = machine.at
+    frame = Frame(known.unit, known.node, parameters(machine, known.node, arguments), at)
     machine.frames.append(frame)
     try:
         value = _run(machine, known.node)

@@ -96,9 +96,14 @@ class Machine:
 
     def place(self) -> tuple[str, int] | None:
         """The file and the line of the statement at hand."""
-        if self.at is None:
-            return None
-        unit, span = self.at
-        if unit.source is None or span is None:
-            return None
-        return unit.source.path or "", unit.source.line_column(span.start)[0]
+        return place_of(self.at)
+
+
+def place_of(at: tuple[Unit, Span | None] | None) -> tuple[str, int] | None:
+    """The file and the line of a statement, None where it has none."""
+    if at is None:
+        return None
+    unit, span = at
+    if unit.source is None or span is None:
+        return None
+    return unit.source.path or "", unit.source.line_column(span.start)[0]

@@ -19,6 +19,7 @@ from assistant.virtual.rapid.expressions import settled
 from assistant.virtual.rapid.functions import FUNCTIONS
 from assistant.virtual.rapid.instructions import INSTRUCTIONS
 from assistant.virtual.rapid.loading import load, signals
+from assistant.virtual.rapid.looking import levels
 from assistant.virtual.rapid.machine import Abilities, Machine
 from assistant.virtual.rapid.predefined import predefined
 from assistant.virtual.rapid.scopes import Cell, Frame, Known, Unit
@@ -75,7 +76,7 @@ def start_task(
             robot,
             predefined=predefined(robot),
         )
-        task.where = machine.place
+        task.where, task.levels = machine.place, lambda: levels(machine)
         try:
             if any(has_errors(file.findings) for file in files):
                 raise Fault("the text of a module has errors")

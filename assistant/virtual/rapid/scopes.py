@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from assistant.languages.rapid.tree import syntax as s
+from assistant.program.diagnostics import Span
 from assistant.program.text import SourceText
 from assistant.virtual.rapid.ends import Fault
 from assistant.virtual.rapid.values import (
@@ -121,9 +122,10 @@ class Unit:
 class Frame:
     """A call of a routine. names: of its parameters, data and loops, in lower case.
 
-    routine: None while data of a module gets its first value.
+    routine: None while data of a module gets its first value. called_at: the statement that calls.
     """
 
     unit: Unit
     routine: s.Routine | None
     names: dict[str, Meaning] = field(default_factory=dict)
+    called_at: tuple[Unit, Span | None] | None = None

@@ -1,0 +1,88 @@
+"""Functions and subroutines that run and their data, for who looks at a program that is held."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+
+from assistant.virtual.kernel.looking import Level, Place, Shown
+from assistant.virtual.melfa.machine import Frame, Machine
+from assistant.virtual.melfa.memory import Cell, Memory
+from assistant.virtual.melfa.values import (
+    COMPONENTS,
+    FLAGS,
+    JOINTS,
+    Bare,
+    Elements,
+    Joints,
+    Position,
+    Value,
+)
+from assistant.virtual.melfa.world import World
+
+
+def place(world: World) -> Place | None:
+    """Of the statement at hand."""
+    if not world.running:
+        return None
+    machine = world.running[-1]
+    return machine.code.place(machine.here)
+
+
+def levels(world: World) -> list[Level]:
+    """The functions and subroutines that run, of all programs, the innermost first."""
+    return [level for machine in reversed(world.running) for level in _of_program(machine)]
+
+
+def _of_program(machine: Machine) -> list[Level]:
+    at, found = machine.here, []
+    for frame in reversed(machine.frames):
+        groups = _groups(machine, frame)
+        for back in reversed(frame.back):
+            found.append(Level("GoSub", machine.code.place(at), groups))
+            at = back - 1
+        found.append(Level(frame.function or "Main", machine.code.place(at), groups))
+        at = frame.called_from
+    return found
+
+
+def _groups(machine: Machine, frame: Frame) -> Mapping[str, Callable[[], Sequence[Shown]]]:
+    groups = {"Program": lambda: list(_data(machine.main))}
+    if frame.function:
+        groups = {"Function": lambda: list(_data(frame.memory)), **groups}
+    return {**groups, "All programs": lambda: list(_data(machine.world.shared))}
+
+
+def _data(memory: Memory) -> Iterator[Shown]:
+    for name, place in memory.places.items():
+        if not isinstance(place, Cell):
+            yield _shown(name, place.cell.values.get(place.at), place.kind)
+        elif place.size:
+            size = ",".join(map(str, place.size))
+            items = [
+                _shown(f"({','.join(map(str, index))})", value, place.kind)
+                for index, value in sorted(place.values.items())
+            ]
+            yield Shown(name, f"({size})", place.kind, lambda items=items: items)  # type: ignore[misc]
+        else:
+            yield _shown(name, place.values.get(()), place.kind)
+
+
+def _shown(name: str, value: Value | None, kind: str) -> Shown:
+    match value:
+        case None:
+            return Shown(name, "", kind)
+        case Position(values, flags):
+            parts = [*_elements(COMPONENTS, values), *_elements(FLAGS, flags)]
+        case Joints(values) | Bare(values):
+            parts = list(_elements(JOINTS, values))
+        case str():
+            return Shown(name, f'"{value}"', kind)
+        case _:
+            return Shown(name, f"{float(value):.10g}", kind)
+    text = "(" + ",".join(part.value for part in parts) + ")"
+    return Shown(name, text, kind, lambda: parts)
+
+
+def _elements(names: Sequence[str], values: Elements | Sequence[int | None]) -> Iterator[Shown]:
+    for name, value in zip(names, values, strict=True):
+        yield Shown(name, "" if value is None else f"{value:.10g}")
