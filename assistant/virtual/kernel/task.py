@@ -23,8 +23,8 @@ class Task:
 
     lines: statements until the next task has its turn. essential: whether the run goes on until it
     ends; others end with the last of those. where: the place of the statement at hand. levels:
-    the calls that run, the innermost first. closed: interrupts wait while it is above 0. ended: None while
-    it runs.
+    the calls that run, the innermost first. closed: interrupts wait while it is above 0. ended:
+    None while it runs.
     """
 
     def __init__(

@@ -1,0 +1,240 @@
+"""The adapter: answers the requests of an editor, and holds and runs the program as they say."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from typing import BinaryIO, Final
+
+from assistant.program.diagnostics import Refused
+from assistant.virtual.debugging import messages
+from assistant.virtual.debugging.holding import Holding, Reason, Step, Stride
+from assistant.virtual.debugging.messages import NoMessage, Object, inner, number, several, text
+from assistant.virtual.debugging.view import View
+from assistant.virtual.events import Run
+from assistant.virtual.kernel import Ending, Kernel, Task
+
+Launch = Callable[[Object], Kernel]
+"""Makes the run that a launch request asks for; raises Refused for what cannot be run."""
+
+CAPABILITIES: Final[Object] = {
+    "supportsConfigurationDoneRequest": True,
+    "supportsTerminateRequest": True,
+    "supportsEvaluateForHovers": True,
+    "supportsSetVariable": True,
+}
+
+
+class Adapter:
+    """A conversation with an editor. start: makes the run. told: an event as a line of text."""
+
+    def __init__(
+        self, source: BinaryIO, sink: BinaryIO, start: Launch, told: Callable[[object], str]
+    ) -> None:
+        self.source, self.sink, self.start, self.told = source, sink, start, told
+        self.requests: queue.SimpleQueue[Object | None] = queue.SimpleQueue()
+        self.kernel: Kernel | None = None
+        self.view: View | None = None
+        self.holding = Holding()
+        self.held: Task | None = None
+        self.over = False
+        self._sent = 0
+        self._logged = 0
+        self.broken = ""
+
+    def serve(self) -> int:
+        """Speaks until the editor leaves; 0, or 1 if what it said was no message."""
+        threading.Thread(target=self._read, daemon=True).start()
+        while not self.over and (request := self.requests.get()) is not None:
+            self._answer(request)
+        return 1 if self.broken else 0
+
+    def _read(self) -> None:
+        """Takes in what the editor says, also while the program runs."""
+        try:
+            while (message := messages.read(self.source)) is not None:
+                self.requests.put(message)
+        except (NoMessage, OSError, ValueError) as error:
+            self.broken = str(error)
+        self.requests.put(None)
+
+    # ----------------------------------------------------------------------------- speaking
+
+    def _send(self, kind: str, **content: object) -> None:
+        self._sent += 1
+        with suppress(OSError):  # An editor that is gone is told nothing; the reader ends the run.
+            messages.write(self.sink, {"seq": self._sent, "type": kind, **content})
+
+    def _event(self, name: str, **body: object) -> None:
+        self._send("event", event=name, body=body)
+
+    def _answer(self, request: Object) -> None:
+        """Answers one request; a failure is an answer too."""
+        command = text(request, "command")
+        does = REQUESTS.get(command)
+        said: Object = {"request_seq": number(request, "seq"), "command": command}
+        if does is None:
+            self._send("response", success=False, message=f"`{command}` is not known", **said)
+            return
+        try:
+            body = does(self, inner(request, "arguments"))
+        except Refused as refused:
+            message = "; ".join(f.message for f in refused.findings)
+            self._send("response", success=False, message=message, **said)
+            return
+        except LookupError as error:
+            self._send("response", success=False, message=str(error.args[0]), **said)
+            return
+        self._send("response", success=True, body=body or {}, **said)
+        if command == "launch":
+            self._event("initialized")
+        elif command == "configurationDone":
+            self._run()
+
+    # ------------------------------------------------------------------------------ running
+
+    def _initialize(self, _: Object) -> Object:
+        return CAPABILITIES
+
+    def _launch(self, arguments: Object) -> None:
+        if self.kernel is not None:
+            raise LookupError("a program is running already")
+        self.kernel = self.start(arguments)
+        self.view = View(self.kernel)
+        self.kernel.watch = self._watch
+        if arguments.get("stopOnEntry") is True:
+            self.holding.pause = "entry"
+
+    def _configured(self, _: Object) -> None:
+        if self.kernel is None:
+            raise LookupError("nothing was launched")
+
+    def _run(self) -> None:
+        assert self.kernel is not None
+        run = self.kernel.run()
+        self._tell_log()
+        if not self.over:
+            self._finished(run)
+
+    def _finished(self, run: Run) -> None:
+        if run.ended != "end" and run.message:
+            self._event("output", category="stderr", output=f"{run.ended}: {run.message}\n")
+        self._event("exited", exitCode=0 if run.ended == "end" else 1)
+        self._event("terminated")
+
+    def _watch(self, task: Task) -> None:
+        """Before each statement: takes in requests, and holds the run where it is to be held."""
+        while not self.requests.empty() and not self.over:
+            self._take(self.requests.get())
+        reason = self.holding.reason(task)
+        if reason is not None and not self.over:
+            self._hold(task, reason)
+        if self.over:
+            task.kernel.end(Ending("stopped", "the debugger has ended the run"))
+            task.kernel.hub.switch()
+
+    def _take(self, request: Object | None) -> None:
+        if request is None:
+            self.over = True
+        else:
+            self._answer(request)
+
+    def _hold(self, task: Task, reason: Reason) -> None:
+        self._tell_log()
+        self.held = task
+        assert self.view is not None
+        self.view.begin()
+        thread = self.view.thread(task)
+        self._event("stopped", reason=reason, threadId=thread, allThreadsStopped=True)
+        while self.held is not None and not self.over:
+            self._take(self.requests.get())
+
+    def _resume(self, step: Step | None = None) -> None:
+        self.holding.go(step)
+        self.held = None
+
+    def _tell_log(self) -> None:
+        assert self.kernel is not None
+        for row in self.kernel.log[self._logged :]:
+            body: Object = {
+                "category": "stdout",
+                "output": f"{row.time:.3f} {self.told(row.what)}\n",
+            }
+            if row.place is not None:
+                body |= {"source": {"path": row.place[0]}, "line": row.place[1]}
+            self._event("output", **body)
+        self._logged = len(self.kernel.log)
+
+    def _set_points(self, arguments: Object) -> Object:
+        path = text(inner(arguments, "source"), "path")
+        lines = [number(point, "line") for point in several(arguments, "breakpoints")]
+        self.holding.set_points(path, lines)
+        return {"breakpoints": [{"verified": True, "line": line} for line in lines]}
+
+    def _nothing(self, _: Object) -> None:
+        """An error ends the run: there is nothing to choose."""
+
+    def _go_on(self, _: Object) -> Object:
+        self._resume()
+        return {"allThreadsContinued": True}
+
+    def _pause(self, _: Object) -> None:
+        if self.held is None:
+            self.holding.pause = "pause"
+
+    def _step_over(self, _: Object) -> None:
+        self._step("over")
+
+    def _step_in(self, _: Object) -> None:
+        self._step("in")
+
+    def _step_out(self, _: Object) -> None:
+        self._step("out")
+
+    def _step(self, stride: Stride) -> None:
+        task = self.held
+        if task is None:
+            raise LookupError("the program is not held")
+        self._resume(Step(task, stride, len(task.levels())))
+
+    def _leave(self, _: Object) -> None:
+        self.over = True
+
+    def _terminate(self, _: Object) -> None:
+        self.over = True
+        self._event("terminated")
+
+    def _look(self, does: Callable[[View, Object], Object], arguments: Object) -> Object:
+        """What is asked of a program that is held."""
+        if self.view is None:
+            raise LookupError("nothing was launched")
+        return does(self.view, arguments)
+
+
+def _of_view(does: Callable[[View, Object], Object]) -> Callable[[Adapter, Object], Object]:
+    return lambda adapter, arguments: adapter._look(does, arguments)
+
+
+REQUESTS: Final[Mapping[str, Callable[[Adapter, Object], Object | None]]] = {
+    "initialize": Adapter._initialize,
+    "launch": Adapter._launch,
+    "configurationDone": Adapter._configured,
+    "setBreakpoints": Adapter._set_points,
+    "setExceptionBreakpoints": Adapter._nothing,
+    "continue": Adapter._go_on,
+    "pause": Adapter._pause,
+    "next": Adapter._step_over,
+    "stepIn": Adapter._step_in,
+    "stepOut": Adapter._step_out,
+    "disconnect": Adapter._leave,
+    "terminate": Adapter._terminate,
+    "threads": _of_view(View.threads),
+    "stackTrace": _of_view(View.stack),
+    "scopes": _of_view(View.scopes),
+    "variables": _of_view(View.variables),
+    "setVariable": _of_view(View.set_variable),
+    "evaluate": _of_view(View.evaluate),
+}
+"""What an editor may ask, by the names of the protocol."""

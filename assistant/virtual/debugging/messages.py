@@ -1,0 +1,83 @@
+"""Messages of the Debug Adapter Protocol: a header with their length, and JSON."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import BinaryIO, Final
+
+Object = dict[str, object]
+"""A JSON object."""
+
+MOST_BYTES: Final = 10_000_000
+"""Of one message; a longer one is no message of an editor."""
+MOST_HEADER: Final = 4_096
+
+
+class NoMessage(ValueError):
+    """What was read is no message of the protocol."""
+
+
+def read(stream: BinaryIO) -> Object | None:
+    """The next message, None at the end; raises NoMessage for what is none."""
+    length = _length(stream)
+    if length is None:
+        return None
+    data = stream.read(length)
+    if len(data) < length:
+        raise NoMessage(f"the message ends after {len(data)} of {length} bytes")
+    try:
+        message = json.loads(data)
+    except (ValueError, RecursionError) as error:
+        raise NoMessage(f"a message that is no JSON: {error}") from None
+    if not isinstance(message, dict):
+        raise NoMessage("a message that is no JSON object")
+    return message
+
+
+def _length(stream: BinaryIO) -> int | None:
+    length = None
+    while line := stream.readline(MOST_HEADER):
+        if not line.strip():
+            if length is None:
+                raise NoMessage("a header without Content-Length")
+            return length
+        name, _, value = line.decode("ascii", "replace").partition(":")
+        if name.strip().lower() == "content-length":
+            number = value.strip()
+            if not (number.isascii() and number.isdigit()) or len(number) > 9:
+                raise NoMessage(f"a Content-Length of `{number[:20]}`")
+            length = int(number)
+            if length > MOST_BYTES:
+                raise NoMessage(f"a message of {length} bytes, {MOST_BYTES} at most")
+    return None
+
+
+def write(stream: BinaryIO, message: Mapping[str, object]) -> None:
+    data = json.dumps(message).encode()
+    stream.write(b"Content-Length: %d\r\n\r\n" % len(data) + data)
+    stream.flush()
+
+
+def text(message: Mapping[str, object], key: str) -> str:
+    """A text of a message, empty where there is none."""
+    value = message.get(key)
+    return value if isinstance(value, str) else ""
+
+
+def number(message: Mapping[str, object], key: str) -> int:
+    """A whole number of a message, 0 where there is none."""
+    value = message.get(key)
+    return value if isinstance(value, int) else 0
+
+
+def inner(message: Mapping[str, object], key: str) -> Object:
+    """An object inside of a message, empty where there is none."""
+    value = message.get(key)
+    return value if isinstance(value, dict) else {}
+
+
+def several(message: Mapping[str, object], key: str) -> list[Object]:
+    """The objects in a list of a message."""
+    value = message.get(key)
+    return [one for one in value if isinstance(one, dict)] if isinstance(value, list) else []

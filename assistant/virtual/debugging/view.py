@@ -1,0 +1,125 @@
+"""What an editor is shown of a program that is held: tasks, calls, data and signals."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+
+from assistant.virtual.debugging.messages import Object, number, text
+from assistant.virtual.kernel import Kernel, Signals, Task
+from assistant.virtual.kernel.looking import Level, Shown
+
+
+class View:
+    """Numbers stand for calls and for data with parts, from one stop of the run to the next."""
+
+    def __init__(self, kernel: Kernel) -> None:
+        self.kernel = kernel
+        self._threads: dict[str, int] = {}
+        self.begin()
+
+    def begin(self) -> None:
+        """The run is held anew: what was numbered before is no more."""
+        self._levels: list[Level] = []
+        self._shown: list[Callable[[], Sequence[Shown]]] = []
+        self._inputs: set[int] = set()
+
+    def thread(self, task: Task) -> int:
+        return self._threads.setdefault(task.name, len(self._threads) + 1)
+
+    def threads(self, _: Object) -> Object:
+        tasks = self.kernel.tasks
+        return {"threads": [{"id": self.thread(task), "name": task.name} for task in tasks]}
+
+    def stack(self, arguments: Object) -> Object:
+        wanted = number(arguments, "threadId")
+        tasks = self.kernel.tasks
+        levels = [x for task in tasks if self.thread(task) == wanted for x in task.levels()]
+        frames = [self._frame(level) for level in levels]
+        return {"stackFrames": frames, "totalFrames": len(frames)}
+
+    def _frame(self, level: Level) -> Object:
+        self._levels.append(level)
+        frame: Object = {"id": len(self._levels), "name": level.name, "line": 0, "column": 1}
+        if level.place is not None:
+            path, line = level.place
+            name = path.replace("\\", "/").rpartition("/")[2]
+            frame |= {"source": {"name": name, "path": path}, "line": line}
+        return frame
+
+    def scopes(self, arguments: Object) -> Object:
+        level = self._level(number(arguments, "frameId"))
+        scopes = [self._scope(name, shown) for name, shown in level.groups.items()]
+        board = self.kernel.board
+        scopes.append(self._scope("Inputs", partial(_signals, board.inputs)))
+        self._inputs.add(len(self._shown))
+        scopes.append(self._scope("Outputs", partial(_signals, board.outputs)))
+        return {"scopes": scopes}
+
+    def _level(self, frame: int) -> Level:
+        if not 1 <= frame <= len(self._levels):
+            raise LookupError("there is no such call")
+        return self._levels[frame - 1]
+
+    def _scope(self, name: str, shown: Callable[[], Sequence[Shown]]) -> Object:
+        return {"name": name, "variablesReference": self._reference(shown), "expensive": False}
+
+    def _reference(self, shown: Callable[[], Sequence[Shown]] | None) -> int:
+        if shown is None:
+            return 0
+        self._shown.append(shown)
+        return len(self._shown)
+
+    def variables(self, arguments: Object) -> Object:
+        reference = number(arguments, "variablesReference")
+        if not 1 <= reference <= len(self._shown):
+            raise LookupError("there are no such data")
+        return {"variables": [self._variable(one) for one in self._shown[reference - 1]()]}
+
+    def _variable(self, one: Shown) -> Object:
+        reference = self._reference(one.parts)
+        return {
+            "name": one.name, "value": one.value, "type": one.type, "variablesReference": reference,
+        }  # fmt: skip
+
+    def set_variable(self, arguments: Object) -> Object:
+        """Of inputs only: what the program itself holds is not changed behind its back."""
+        if number(arguments, "variablesReference") not in self._inputs:
+            raise LookupError("only inputs can be set")
+        try:
+            value = float(text(arguments, "value"))
+        except ValueError:
+            raise LookupError("the value of a signal is a number") from None
+        self.kernel.board.inputs.set(text(arguments, "name"), value)
+        return {"value": f"{value:g}"}
+
+    def evaluate(self, arguments: Object) -> Object:
+        """A name, with components and elements behind it."""
+        wanted = text(arguments, "expression").strip()
+        frame = number(arguments, "frameId")
+        levels = [self._level(frame)] if frame else self._levels[:1]
+        for level in levels:
+            for shown in level.groups.values():
+                found = _found(shown(), wanted.lower())
+                if found is not None:
+                    variable = self._variable(found)
+                    return {"result": variable.pop("value"), **variable}
+        raise LookupError(f"`{wanted}` is no data that is known here")
+
+
+def _signals(signals: Signals) -> Sequence[Shown]:
+    source = signals.source
+    names = set(signals.values) | (set() if callable(source) else set(source))
+    return [Shown(name, f"{signals.read(name):g}") for name in sorted(names)]
+
+
+def _found(shown: Sequence[Shown], wanted: str) -> Shown | None:
+    """The data of a name in lower case; components follow a point, elements in their brackets."""
+    for one in shown:
+        name = one.name.lower()
+        if wanted == name:
+            return one
+        rest = wanted[len(name) :]
+        if wanted.startswith(name) and rest[:1] in (".", "{", "(") and one.parts is not None:
+            return _found(one.parts(), rest.removeprefix("."))
+    return None
