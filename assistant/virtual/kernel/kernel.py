@@ -18,6 +18,8 @@ from assistant.virtual.kernel.signals import Board
 from assistant.virtual.kernel.task import Body, Task
 
 MOST_STEPS: Final = 100_000
+SLICE: Final = 0.002
+"""Seconds of real time after which a task that waits for the outside looks again."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +73,7 @@ class Kernel:
         self._numbers = count()
         self._due = math.inf
         self._began: float | None = None
+        self._since: tuple[float, float] | None = None
 
     # ----------------------------------------------------------------------------- tasks
 
@@ -114,6 +117,7 @@ class Kernel:
             went |= not task.waiting
             if self.ending is not None:
                 return
+        self._keep_pace_with_outside()
         if not any(task.essential for task in self.tasks):
             self.end(Ending())
         elif not went and before == self.steps and not self._advance():
@@ -139,11 +143,15 @@ class Kernel:
         self._due = self._timers[0].time
         return timer
 
-    def count(self, task: Task) -> None:
-        """A statement of a task is about to run; raises OutOfSteps."""
+    def spend(self) -> None:
+        """Something happens that a run must not do for ever; raises OutOfSteps."""
         self.steps += 1
         if self.steps > self.most_steps:
             raise OutOfSteps
+
+    def count(self, task: Task) -> None:
+        """A statement of a task is about to run; raises OutOfSteps."""
+        self.spend()
         self.now += self.statement_time
         if self.now >= self._due:
             self._fire()
@@ -157,6 +165,10 @@ class Kernel:
         """Lets time pass until something happens; False if nothing ever will."""
         wakes = [task.wakes for task in self.tasks if task.waiting]
         following = min([self._due, *wakes])
+        if self._since is not None:
+            real, then = self._since
+            passed = max(self.now + SLICE, then + time.monotonic() - real)
+            following = min(following, passed)
         if math.isinf(following):
             return False
         if following > self.most_time:
@@ -173,6 +185,20 @@ class Kernel:
             )
             time.sleep(max(0.0, began + moment / self.pace - time.monotonic()))
         self.now = moment
+        self._hold()
+
+    def _keep_pace_with_outside(self) -> None:
+        """While a task waits for the outside, simulated time is never ahead of real time."""
+        if not any(task.outside for task in self.tasks):
+            self._since = None
+        elif self._since is None:
+            self._since = time.monotonic(), self.now
+        self._hold()
+
+    def _hold(self) -> None:
+        if self._since is not None:
+            real, then = self._since
+            time.sleep(max(0.0, real + self.now - then - time.monotonic()))
 
     def _fire(self) -> None:
         while self._timers and self._timers[0].time <= self.now:

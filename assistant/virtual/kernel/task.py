@@ -38,6 +38,7 @@ class Task:
         self.ended: Ending | None = None
         self.coroutine = greenlet(self._run, kernel.hub)
         self.waits_for = ""
+        self.outside = False
         self.wakes = -math.inf
         self.waiting = False
         self._posted: deque[Callable[[], None]] = deque()
@@ -72,11 +73,17 @@ class Task:
         self.wait(None, seconds)
 
     def wait(
-        self, until: Callable[[], bool] | None, seconds: float | None = None, what: str = ""
+        self,
+        until: Callable[[], bool] | None,
+        seconds: float | None = None,
+        what: str = "",
+        outside: bool = False,
     ) -> bool:
         """Waits until a condition holds, for some seconds at most; False if it did not come to.
 
-        what: what is waited for, for the message if it never can come. Interrupts come meanwhile.
+        what: what is waited for, for the message if it never can come. outside: it may come from
+        outside of the run, so that simulated time passes as real time does. Interrupts come
+        meanwhile.
         """
         end = math.inf if seconds is None else self.kernel.now + seconds
         while True:
@@ -87,8 +94,9 @@ class Task:
             if self.kernel.now >= end:
                 return False
             self.waiting, self.wakes, self.waits_for = True, end, what
+            self.outside = outside
             self._pause()
-            self.waiting = False
+            self.waiting = self.outside = False
 
     # ------------------------------------------------------------------------- interrupts
 
