@@ -80,9 +80,13 @@ class Stopped:
 
 Event = Moved | Switched | Waited | Said | Stopped
 
-Why = Literal["end", "stopped", "steps", "time", "error", "unknown"]
+Place = tuple[str, int]
+"""A file's name, and a line from 1."""
+
+Why = Literal["end", "stopped", "steps", "time", "error", "unknown", "until"]
 """Why a run is over: `end` where the program came to its end, `stopped` where it waits for what
-never comes, `steps` and `time` where it took more of them than it may."""
+never comes, `steps` and `time` where it took more of them than it may, `until` where it was to be
+ended from outside."""
 
 
 @dataclass(slots=True)
@@ -91,16 +95,24 @@ class Logged:
 
     time: float
     task: str
-    place: tuple[str, int] | None
+    place: Place | None
     what: Event
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """What happened, in order. ended: why it is over. log: the events with their times."""
+    """What happened, in order. ended: why it is over. log: the events with their times.
+
+    task, place: where the task was that ended it, None if it was none of them. seconds: simulated,
+    when it was over. steps: statements that ran.
+    """
 
     events: tuple[Event, ...] = field(default=())
     ended: Why = "end"
     message: str = ""
     """Of `error`: what the controller would say; of `unknown`: what is not simulated."""
     log: tuple[Logged, ...] = field(default=(), repr=False)
+    task: str = field(default="", compare=False)
+    place: Place | None = field(default=None, compare=False)
+    seconds: float = field(default=0.0, compare=False)
+    steps: int = field(default=0, compare=False)

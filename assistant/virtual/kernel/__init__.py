@@ -4,7 +4,7 @@ It knows no language. A language runs each of its programs in a `Task`: it tells
 waits, and counts statements through it.
 """
 
-from assistant.virtual.kernel.kernel import MOST_STEPS, Ending, Kernel, OutOfSteps
+from assistant.virtual.kernel.kernel import MOST_STEPS, Ending, Kernel
 from assistant.virtual.kernel.motion import Instant, Motion
 from assistant.virtual.kernel.signals import Board, Signals
 from assistant.virtual.kernel.task import Task
@@ -16,7 +16,6 @@ __all__ = [
     "Instant",
     "Kernel",
     "Motion",
-    "OutOfSteps",
     "Signals",
     "Task",
 ]

@@ -12,7 +12,7 @@ from typing import Final
 
 from greenlet import getcurrent
 
-from assistant.virtual.events import Event, Logged, Moved, Run, Why
+from assistant.virtual.events import Event, Logged, Moved, Place, Run, Why
 from assistant.virtual.kernel.motion import Instant, Motion
 from assistant.virtual.kernel.signals import Board
 from assistant.virtual.kernel.task import Body, Task
@@ -31,7 +31,7 @@ class Ending:
 
 
 class OutOfSteps(Exception):
-    """More statements were run than the run may take."""
+    """More happened than the run may take."""
 
 
 @dataclass(slots=True, order=True)
@@ -69,6 +69,7 @@ class Kernel:
     def __post_init__(self) -> None:
         self.hub = getcurrent()
         self.ending: Ending | None = None
+        self.ended_in: tuple[str, Place | None] = "", None
         self._timers: list[Timer] = []
         self._numbers = count()
         self._due = math.inf
@@ -84,10 +85,17 @@ class Kernel:
         self.shared = len(self.tasks) > 1
         return made
 
-    def end(self, ending: Ending) -> None:
-        """Ends the run: all tasks stop where they are."""
+    def end(self, ending: Ending, task: Task | None = None) -> None:
+        """Ends the run: all tasks stop where they are. task: the one that it ends in."""
         if self.ending is None:
             self.ending = ending
+            if task is not None:
+                self.ended_in = task.name, task.where()
+
+    def halt(self, task: Task, ending: Ending) -> None:
+        """Ends the run out of a task, between two statements; it does not come back."""
+        self.end(ending, task)
+        self.hub.switch()
 
     def run(self) -> Run:
         """Runs the tasks until every essential one has ended, or one has gone wrong."""
@@ -96,12 +104,18 @@ class Kernel:
             while self.ending is None:
                 self._turns()
         except OutOfSteps:
-            self.end(Ending("steps", f"more than {self.most_steps} statements"))
+            self.end(self._too_many())
         finally:
             for task in self.tasks:
                 task.kill()
-        ending = self.ending or Ending()
-        return Run(tuple(x.what for x in self.log), ending.ended, ending.message, tuple(self.log))
+        ending, (name, place) = self.ending or Ending(), self.ended_in
+        events = tuple(row.what for row in self.log)
+        return Run(
+            events, ending.ended, ending.message, tuple(self.log), name, place, self.now, self.steps
+        )
+
+    def _too_many(self) -> Ending:
+        return Ending("steps", f"more than {self.most_steps} statements")
 
     def _turns(self) -> None:
         """A turn of each task that can go on; time passes if none can."""
@@ -127,12 +141,13 @@ class Kernel:
         self.tasks.remove(task)
         self.shared = len(self.tasks) > 1
         if task.ended is not None and task.ended.ended != "end":
-            self.end(task.ended)
+            self.end(task.ended, task)
 
     def _stuck(self) -> None:
         """Nothing that could still happen ends the wait of any task."""
         waiting = next(task for task in self.tasks if task.essential)
-        self.end(Ending("stopped", waiting.waits_for or "a wait for what never comes"))
+        what = waiting.waits_for or "a wait for what never comes"
+        self.end(Ending("stopped", what), waiting)
 
     # ------------------------------------------------------------------------------ time
 
@@ -150,14 +165,15 @@ class Kernel:
             raise OutOfSteps
 
     def count(self, task: Task) -> None:
-        """A statement of a task is about to run; raises OutOfSteps."""
-        self.spend()
+        """A statement of a task is about to run; it does not if there were too many."""
+        if self.steps >= self.most_steps:
+            self.halt(task, self._too_many())
+        self.steps += 1
         self.now += self.statement_time
         if self.now >= self._due:
             self._fire()
         if self.now > self.most_time:
-            self.end(Ending("time", f"more than {self.most_time:g} s"))
-            self.hub.switch()
+            self.halt(task, Ending("time", f"more than {self.most_time:g} s"))
         if self.watch is not None:
             self.watch(task)
 
@@ -172,7 +188,8 @@ class Kernel:
         if math.isinf(following):
             return False
         if following > self.most_time:
-            self.end(Ending("time", f"more than {self.most_time:g} s"))
+            waiting = next((task for task in self.tasks if task.essential), None)
+            self.end(Ending("time", f"more than {self.most_time:g} s"), waiting)
             return True
         self._pass_to(max(self.now, following))
         self._fire()

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-Place = tuple[str, int]
-"""A file's name, and a line from 1."""
+from assistant.virtual.events import Place
 
 
 @dataclass(frozen=True, slots=True)

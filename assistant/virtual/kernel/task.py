@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from greenlet import greenlet
 
-from assistant.virtual.events import Event, OnWay, Switched, Waited
-from assistant.virtual.kernel.looking import Level, Place
+from assistant.virtual.events import Event, OnWay, Place, Switched, Waited
+from assistant.virtual.kernel.looking import Level
 
 if TYPE_CHECKING:
     from assistant.virtual.kernel.kernel import Ending, Kernel
@@ -47,7 +47,7 @@ class Task:
     # ---------------------------------------------------------------- what a language says
 
     def step(self) -> None:
-        """A statement is about to run; raises OutOfSteps. Interrupts come between statements."""
+        """A statement is about to run. Interrupts come between statements."""
         kernel = self.kernel
         kernel.count(self)
         if self._posted and not self.closed:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
-from assistant.virtual.kernel.looking import Level, Place, Shown
+from assistant.virtual.events import Place
+from assistant.virtual.kernel.looking import Level, Shown
 from assistant.virtual.melfa.machine import Frame, Machine
 from assistant.virtual.melfa.memory import Cell, Memory
 from assistant.virtual.melfa.values import (

@@ -44,8 +44,8 @@ class Machine:
     """Everything that a running program can see or change.
 
     task: what it runs in. named: what all modules know, by name in lower case. predefined: what
-    every controller knows. at: the statement at hand. on_way: what is set on the way of the next
-    motion.
+    every controller knows. at: the statement at hand. row: the line of it, from 0, in a run of
+    moves. on_way: what is set on the way of the next motion.
     """
 
     task: Task
@@ -58,6 +58,7 @@ class Machine:
     predefined: Mapping[str, Meaning] = field(default_factory=dict)
     frames: list[Frame] = field(default_factory=list)
     at: tuple[Unit, Span | None] | None = None
+    row: int = 0
     on_way: Sequence[Switched] = ()
 
     @property
@@ -83,7 +84,7 @@ class Machine:
 
     def step(self, node: s.StatementNode) -> None:
         """Counts a statement that is about to run."""
-        self.at = (self.frame.unit, node.span)
+        self.at, self.row = (self.frame.unit, node.span), 0
         self.task.step()
 
     def go(self, moved: Moved, before: Pose | None) -> None:
@@ -96,7 +97,8 @@ class Machine:
 
     def place(self) -> tuple[str, int] | None:
         """The file and the line of the statement at hand."""
-        return place_of(self.at)
+        found = place_of(self.at)
+        return found and (found[0], found[1] + self.row)
 
 
 def place_of(at: tuple[Unit, Span | None] | None) -> tuple[str, int] | None:

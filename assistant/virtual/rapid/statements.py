@@ -149,7 +149,8 @@ def _test(machine: Machine, node: s.TestOf) -> None:
 
 
 def _moves(machine: Machine, node: s.MoveRunNode) -> None:
-    for move in moves(node.run):
+    for row, move in enumerate(moves(node.run)):
+        machine.row = row
         machine.task.step()
         _call(machine, move)
 
