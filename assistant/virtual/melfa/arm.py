@@ -1,4 +1,4 @@
-"""The arm of a running program: where it stands, and the settings that hold for its moves."""
+"""The arm of a controller: where it stands. The settings of a slot that hold for its moves."""
 
 from __future__ import annotations
 
@@ -22,21 +22,12 @@ FULL: Final = 100.0
 
 
 @dataclass(slots=True)
-class Arm:
-    """flange: in the robot's own base, None where not known. flags: of the last position.
+class Settings:
+    """What a slot sets for its moves. override, joint_override, acceleration: percent.
 
-    joints: degrees, None where not known. tool, base: as set; shown are their positions.
     speed: mm/s. corner: mm of `Cnt`, 0 for none, infinite for a size that the controller takes.
     """
 
-    robot: Robot | None = None
-    flange: Pose | None = None
-    joints: tuple[float, ...] | None = None
-    flags: tuple[int | None, int | None] = (None, None)
-    tool: Position = ORIGIN
-    base: Position = ORIGIN
-    tip: Pose = IDENTITY
-    foot: Pose = IDENTITY
     speed: float = OPTIMUM
     override: float = FULL
     joint_override: float = FULL
@@ -47,6 +38,23 @@ class Arm:
         """What `End` sets back; tool and base stay (COSIROP: END)."""
         self.speed, self.override, self.joint_override = OPTIMUM, FULL, FULL
         self.corner, self.acceleration = 0.0, (FULL, FULL)
+
+
+@dataclass(slots=True)
+class Arm:
+    """flange: in the robot's own base, None where not known. flags: of the last position.
+
+    joints: degrees, None where not known. tool, base: as set; shown are their positions.
+    """
+
+    robot: Robot | None = None
+    flange: Pose | None = None
+    joints: tuple[float, ...] | None = None
+    flags: tuple[int | None, int | None] = (None, None)
+    tool: Position = ORIGIN
+    base: Position = ORIGIN
+    tip: Pose = IDENTITY
+    foot: Pose = IDENTITY
 
     # ------------------------------------------------------------------------------ reading
 

@@ -121,12 +121,12 @@ def _moved(
     joints: tuple[float, ...] | None = None,
 ) -> Moved:
     """The event of a motion with the speed and the corner that hold."""
-    arm = m.world.arm
+    arm, held = m.world.arm, m.world.settings
     speed = percent = None
     if kind == "joint":
-        percent = arm.override * arm.joint_override / 100.0
-    elif arm.speed != OPTIMUM:
-        speed = arm.override * arm.speed / 100.0
+        percent = held.override * held.joint_override / 100.0
+    elif held.speed != OPTIMUM:
+        speed = held.override * held.speed / 100.0
     made: Moved = Moved(
         kind,  # type: ignore[arg-type] # one of its three
         flange,
@@ -135,7 +135,7 @@ def _moved(
         joints=joints,
         speed=speed,
         percent=percent,
-        blend=arm.corner,
+        blend=held.corner,
     )
     return made
 

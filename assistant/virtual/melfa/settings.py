@@ -67,7 +67,7 @@ def _speed(m: Machine, node: s.Expression) -> None:
     speed = expressions.plain(m, node, "the speed")
     if speed <= 0:
         raise out_of_range(f"the speed {speed}")
-    m.world.arm.speed = min(float(speed), OPTIMUM)
+    m.world.settings.speed = min(float(speed), OPTIMUM)
 
 
 def _percent(m: Machine, node: s.Expression | None, what: str) -> float:
@@ -80,16 +80,16 @@ def _percent(m: Machine, node: s.Expression | None, what: str) -> float:
 def _override(m: Machine, node: s.Expression, *others: s.Expression | None) -> None:
     if others:
         raise Unknown("Ovrd by the direction of the motion")
-    m.world.arm.override = _percent(m, node, "the override")
+    m.world.settings.override = _percent(m, node, "the override")
 
 
 def _joint_override(m: Machine, node: s.Expression) -> None:
-    m.world.arm.joint_override = _percent(m, node, "the joint override")
+    m.world.settings.joint_override = _percent(m, node, "the joint override")
 
 
 def _acceleration(m: Machine, *nodes: s.Expression | None) -> None:
     first, second, *_ = (*nodes, None, None)
-    m.world.arm.acceleration = (
+    m.world.settings.acceleration = (
         _percent(m, first, "the acceleration"),
         _percent(m, second, "the deceleration"),
     )
@@ -101,7 +101,7 @@ def _corner(m: Machine, switch: s.Expression, *sizes: s.Expression | None) -> No
     given = [float(expressions.plain(m, node, "a corner")) for node in sizes if node is not None]
     if on not in (0, 1) or any(size < 0 for size in given):
         raise out_of_range("an argument of Cnt")
-    m.world.arm.corner = min(given, default=math.inf) if on else 0.0
+    m.world.settings.corner = min(given, default=math.inf) if on else 0.0
 
 
 def _servo(_: Machine, node: s.Expression, *mechanism: s.Expression | None) -> None:
@@ -187,7 +187,7 @@ CAUTION: Final = 9200
 
 def _end(m: Machine) -> None:
     if m.depth == 0:
-        m.world.arm.reset()
+        m.world.settings.reset()
     raise Ended
 
 

@@ -20,19 +20,25 @@ ARM: Final[Mapping[str, Callable[[Arm], Value]]] = {
     "J_FBC": Arm.shown_joints,
     "P_TOOL": lambda arm: arm.tool,
     "P_BASE": lambda arm: arm.base,
-    "M_SPD": lambda arm: arm.speed,
-    "M_OVRD": lambda arm: arm.override,
-    "M_JOVRD": lambda arm: arm.joint_override,
-    "M_ACL": lambda arm: arm.acceleration[0],
-    "M_DACL": lambda arm: arm.acceleration[1],
 }
-"""Of the own mechanism or slot, which an index of 1 names too."""
+"""Of the mechanism, which an index of 1 names too."""
+
+SLOT: Final[Mapping[str, Callable[[World], Value]]] = {
+    "M_SPD": lambda world: world.settings.speed,
+    "M_OVRD": lambda world: world.settings.override,
+    "M_JOVRD": lambda world: world.settings.joint_override,
+    "M_ACL": lambda world: world.settings.acceleration[0],
+    "M_DACL": lambda world: world.settings.acceleration[1],
+    "M_BRKCQ": lambda world: int(world.left),
+    "M_SKIPCQ": lambda world: int(world.skipped),
+}
+"""Of a slot, its own one where no index stands."""
 
 CONSTANT: Final[Mapping[str, Value]] = {
     "P_NTOOL": ORIGIN, "P_NBASE": ORIGIN, "P_ZERO": ORIGIN,
     "M_NSPD": OPTIMUM, "M_NOVRD": FULL, "M_NJOVRD": FULL, "M_NACL": FULL, "M_NDACL": FULL,
     "M_OPOVRD": FULL, "M_PI": math.pi, "M_EXP": math.e, "M_G": STANDARD_GRAVITY,
-    "M_ON": 1, "M_OFF": 0, "M_SVO": 1, "M_ERR": 0, "M_ERRLVL": 0, "M_ERRNO": 0, "M_SKIPCQ": 0,
+    "M_ON": 1, "M_OFF": 0, "M_SVO": 1, "M_ERR": 0, "M_ERRLVL": 0, "M_ERRNO": 0,
 }  # fmt: skip
 """What does not change while a program runs here: nothing goes wrong and nobody interferes."""
 
@@ -59,8 +65,8 @@ def read(world: World, name: str, arguments: tuple[Value, ...]) -> Value:
         return _signed(value, width)
     if name == "M_TIMER" and len(index) == 1:
         return world.timer(timer_number(index[0]))
-    if name == "M_BRKCQ" and index in ((), OWN):
-        return int(world.left)
+    if name in SLOT and len(index) <= 1:
+        return SLOT[name](world.of_slot(*index))
     if name in ARM and index in ((), OWN):
         return ARM[name](world.arm)
     if name in CONSTANT and index in ((), OWN):

@@ -10,7 +10,7 @@ from assistant.program.geometry import Pose
 from assistant.virtual.events import Moved, Switched
 from assistant.virtual.kernel.signals import Source
 from assistant.virtual.kernel.task import Task
-from assistant.virtual.melfa.arm import Arm
+from assistant.virtual.melfa.arm import Arm, Settings
 from assistant.virtual.melfa.memory import Memory, Scope
 from assistant.virtual.melfa.stops import Unknown, out_of_range
 from assistant.virtual.on_way import told
@@ -34,6 +34,7 @@ class World:
 
     task: Task
     arm: Arm
+    settings: Settings = field(default_factory=Settings)
     timers: dict[int, float] = field(default_factory=dict)
     running: list[Machine] = field(default_factory=list)
     shared: Memory = field(default_factory=lambda: Memory(Scope()))
@@ -45,6 +46,14 @@ class World:
     """Where outputs go that are only worked out, to be set on the way of a motion."""
     left: bool = False
     """Whether the last block was left by `Break` (M_BrkCq)."""
+    skipped: bool = False
+    """Whether the last motion that may be skipped was (M_SkipCq)."""
+
+    def of_slot(self, number: int = 1) -> World:
+        """The world of a slot's program, its own without a number."""
+        if number != 1:
+            raise Unknown(f"the slot {number}")
+        return self
 
     @property
     def clock(self) -> float:
