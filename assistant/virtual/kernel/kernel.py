@@ -50,7 +50,10 @@ class Kernel:
 
     statement_time: seconds that a statement takes. pace: simulated seconds for each real one,
     None for as fast as possible. watch: is asked before each statement, to trace it or to hold the
-    run. now: simulated seconds. shared: whether several tasks run.
+    run. branch: is told of each way that a statement goes on: its file, where it stands there, and
+    which way, counted from 0. stuck: is asked before the run ends because a task waits for what
+    nothing will bring; True if it has brought it. now: simulated seconds. shared: whether several
+    tasks run.
     """
 
     board: Board = field(default_factory=Board)
@@ -60,6 +63,8 @@ class Kernel:
     statement_time: float = 0.0
     pace: float | None = None
     watch: Callable[[Task], None] | None = None
+    branch: Callable[[str, int, int], None] | None = None
+    stuck: Callable[[Task], bool] | None = None
     now: float = 0.0
     steps: int = 0
     shared: bool = False
@@ -146,6 +151,8 @@ class Kernel:
     def _stuck(self) -> None:
         """Nothing that could still happen ends the wait of any task."""
         waiting = next(task for task in self.tasks if task.essential)
+        if self.stuck is not None and self.stuck(waiting):
+            return
         what = waiting.waits_for or "a wait for what never comes"
         self.end(Ending("stopped", what), waiting)
 

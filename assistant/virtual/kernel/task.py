@@ -39,6 +39,7 @@ class Task:
         self.coroutine = greenlet(self._run, kernel.hub)
         self.waits_for = ""
         self.outside = False
+        self.until: Callable[[], bool] | None = None
         self.wakes = -math.inf
         self.waiting = False
         self._posted: deque[Callable[[], None]] = deque()
@@ -95,6 +96,7 @@ class Task:
                 return False
             self.waiting, self.wakes, self.waits_for = True, end, what
             self.outside = outside
+            self.until = until
             self._pause()
             self.waiting = self.outside = False
 

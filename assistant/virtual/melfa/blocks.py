@@ -19,14 +19,15 @@ def enter_if(m: Machine, node: s.If) -> None:
     """Goes to the first part whose condition is met."""
     block = m.code.opened[m.here]
     if holds(expressions.value(m, node.condition)):
+        m.took(0)
         return
-    for part in block.parts:
+    for way, part in enumerate(block.parts, 1):
         statement = m.code.rows[part].statement
         m.at = part + 1
-        if not isinstance(statement, s.ElseIf):
+        if not isinstance(statement, s.ElseIf) or holds(expressions.value(m, statement.condition)):
+            m.took(way)
             return
-        if holds(expressions.value(m, statement.condition)):
-            return
+    m.took(len(block.parts) + 1)
     m.at = block.end + 1
 
 
@@ -56,7 +57,9 @@ def begin_for(m: Machine, node: s.For) -> None:
     place, index = expressions.reference(m, node.variable)
     place.set(first, index)
     m.frame.loops[m.here] = Loop(last, step)
-    if not _goes_on(number(place.get(index)), last, step):
+    runs = _goes_on(number(place.get(index)), last, step)
+    m.took(0 if runs else 1)
+    if not runs:
         block = m.code.opened[m.here]
         m.at = block.end + 1
 
@@ -99,7 +102,9 @@ def _goes_on(value: float, last: float, step: float) -> bool:
 
 
 def test_while(m: Machine, node: s.Command) -> None:
-    if not holds(expressions.value(m, node.arguments[0])):
+    met = holds(expressions.value(m, node.arguments[0]))
+    m.took(0 if met else 1)
+    if not met:
         m.at = m.code.opened[m.here].end + 1
 
 
@@ -115,13 +120,15 @@ def choose(m: Machine, node: s.Select) -> None:
     """The first part that fits, Default where none does; lines before the first never run."""
     block = m.code.opened[m.here]
     subject = expressions.value(m, node.subject)
-    for part in block.parts:
+    for way, part in enumerate(block.parts):
         statement = m.code.rows[part].statement
         if not isinstance(statement, s.Case) or any(
             _fits(m, item, subject) for item in statement.items
         ):
+            m.took(way)
             m.at = part + 1
             return
+    m.took(len(block.parts))
     m.at = block.end + 1
 
 

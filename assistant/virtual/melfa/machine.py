@@ -106,6 +106,12 @@ class Machine:
                 self.world.task.step()
                 execute(self, statement)
 
+    def took(self, way: int) -> None:
+        """Tells who listens which way the statement at hand goes on, counted from 0."""
+        listener = self.world.task.kernel.branch
+        if listener is not None:
+            listener(self.code.path, self.here, way)
+
     def jump(self, target: s.Target) -> None:
         self.at = self.code.target(target, self.frame.function)
 

@@ -102,7 +102,9 @@ def _if(m: Machine, node: s.If) -> None:
     if node.then is None:
         blocks.enter_if(m, node)
         return
-    branch = node.then if holds(expressions.value(m, node.condition)) else node.otherwise
+    met = holds(expressions.value(m, node.condition))
+    m.took(0 if met else 1)
+    branch = node.then if met else node.otherwise
     if isinstance(branch, s.Target):
         m.jump(branch)
     elif branch is not None:
@@ -120,7 +122,9 @@ def _on(m: Machine, node: s.OnJump) -> None:
     which = expressions.integer(m, node.subject, "the place of a jump")
     if not 0 <= which <= LARGEST:
         raise out_of_range(f"the place {which} of a jump")
-    if not 1 <= which <= len(node.targets):
+    passed = not 1 <= which <= len(node.targets)
+    m.took(0 if passed else which)
+    if passed:
         return
     target = node.targets[which - 1]
     if target is None:

@@ -87,6 +87,13 @@ class Machine:
         self.at, self.row = (self.frame.unit, node.span), 0
         self.task.step()
 
+    def took(self, node: s.StatementNode, way: int) -> None:
+        """Tells who listens which way a statement goes on, counted from 0."""
+        listener = self.task.kernel.branch
+        if listener is not None and node.span is not None:
+            source = self.frame.unit.source
+            listener((source and source.path) or "", node.span.start, way)
+
     def go(self, moved: Moved, before: Pose | None) -> None:
         """Commands a motion. before: the flange where it begins, None if that is not known."""
         self.task.kernel.motion.go(self.task, moved, told(moved, before, self.on_way))

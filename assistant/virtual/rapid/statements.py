@@ -92,17 +92,21 @@ def _word(machine: Machine, node: s.Word) -> None:
 
 
 def _if(machine: Machine, node: s.IfThen) -> None:
-    for branch in node.branches:
+    for way, branch in enumerate(node.branches):
         if branch.condition is None:
             raise Fault("a branch that was never filled in")
         if condition(machine, branch.condition):
+            machine.took(node, way)
             execute(machine, branch.body)
             return
+    machine.took(node, len(node.branches))
     execute(machine, node.otherwise or ())
 
 
 def _compact_if(machine: Machine, node: s.CompactIf) -> None:
-    if condition(machine, node.condition):
+    met = condition(machine, node.condition)
+    machine.took(node, 0 if met else 1)
+    if met:
         execute(machine, (node.statement,))
 
 
@@ -112,6 +116,8 @@ def _for(machine: Machine, node: s.ForLoop) -> None:
     step = (1.0 if first <= last else -1.0) if node.step is None else numeric(machine, node.step)
     if step == 0.0:
         raise NotSimulated("a FOR whose step is 0")
+    runs = first <= last if step > 0.0 else first >= last
+    machine.took(node, 0 if runs else 1)
     names, name = machine.frame.names, node.variable.lower()
     hidden = names.get(name)
     try:
@@ -130,21 +136,25 @@ def _for(machine: Machine, node: s.ForLoop) -> None:
 
 def _while(machine: Machine, node: s.WhileLoop) -> None:
     while condition(machine, node.condition):
+        machine.took(node, 0)
         execute(machine, node.body)
         machine.step(node)
+    machine.took(node, 1)
 
 
 def _test(machine: Machine, node: s.TestOf) -> None:
     subject = evaluate(machine, node.subject)
-    for case in node.cases:
+    for way, case in enumerate(node.cases):
         if not case.values:
             raise Fault("a case that was never filled in")
         try:
             if any(equal(subject, evaluate(machine, value)) for value in case.values):
+                machine.took(node, way)
                 execute(machine, case.body)
                 return
         except ValueError as error:
             raise Fault(str(error)) from None
+    machine.took(node, len(node.cases))
     execute(machine, node.otherwise or ())
 
 
