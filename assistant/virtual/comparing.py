@@ -10,7 +10,17 @@ import numpy as np
 
 from assistant.program import rotations
 from assistant.program.geometry import Pose
-from assistant.virtual.events import Event, Moved, OnWay, Run, Said, Stopped, Switched, Waited
+from assistant.virtual.events import (
+    Event,
+    Moved,
+    OnWay,
+    Reported,
+    Run,
+    Said,
+    Stopped,
+    Switched,
+    Waited,
+)
 
 POSITION: Final = 0.02
 """mm. MELFA-BASIC has two decimals of a millimetre, so that a place is off by 0.009 at most, and
@@ -74,7 +84,7 @@ def _doings(run: Run, signals: Bits) -> Iterator[Event]:
     named = {str(number) for numbers in signals.values() for number in numbers}
     for event in run.events:
         match event:
-            case Said() | Waited(seconds=0.0):
+            case Said() | Reported() | Waited(seconds=0.0):
                 continue
             case Switched(signal, value, at):
                 for bit, on in _bits(signal, value, signals):

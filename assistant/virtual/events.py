@@ -72,13 +72,22 @@ class Said:
 
 
 @dataclass(frozen=True, slots=True)
+class Reported:
+    """A message in the event log. kind: `error`, `warning` or `information`."""
+
+    kind: str
+    header: str
+    lines: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class Stopped:
     """The program waits for a person. end: for good."""
 
     end: bool = False
 
 
-Event = Moved | Switched | Waited | Said | Stopped
+Event = Moved | Switched | Waited | Said | Reported | Stopped
 
 Place = tuple[str, int]
 """A file's name, and a line from 1."""

@@ -243,7 +243,7 @@ def test_exit_and_stop() -> None:
         ("Frobnicate 1;", "unknown", "`Frobnicate`"),
         ("SetDO\\SDelay:=1,doA,1;", "unknown", "sdelay"),
         ("again;", "unknown", "routines inside of one another"),
-        ("handled;", "unknown", "error handler of `handled`"),
+        ("handled;", "end", ""),
     ],
 )
 def test_ends(main: str, ended: str, message: str) -> None:
@@ -257,6 +257,6 @@ def test_an_error_is_told_with_its_line() -> None:
     tree = languages.get("rapid").parse(
         "MODULE M\nPROC main()\nsub;\nENDPROC\nPROC sub()\nreg1:=1/0;\nENDPROC\nENDMODULE"
     )
-    assert run(tree).message == "6: division by zero"
-    assert run(tree, entry="sub").message == "6: division by zero"
+    assert run(tree).message == "6: division by zero (ERR_DIVZERO)"
+    assert run(tree, entry="sub").message == "6: division by zero (ERR_DIVZERO)"
     assert run(tree, entry="nothing").ended == "error"

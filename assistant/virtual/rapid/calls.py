@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from assistant.languages.rapid.tree import syntax as s
-from assistant.virtual.rapid.ends import Fault, Jump, NotSimulated, Returned
+from assistant.virtual.rapid.ends import Cycled, Fault, Jump, NotSimulated, Returned
 from assistant.virtual.rapid.expressions import declare
 from assistant.virtual.rapid.machine import MOST_CALLS, Machine
 from assistant.virtual.rapid.parameters import parameters
+from assistant.virtual.rapid.recovery import undo
 from assistant.virtual.rapid.rows import targets
 from assistant.virtual.rapid.scopes import Cell, Frame, Known
 from assistant.virtual.rapid.statements import execute
@@ -25,8 +26,13 @@ def call(machine: Machine, known: Known, arguments: Sequence[s.Argument]) -> Val
     try:
         value = _run(machine, known.node)
     except Fault as fault:
-        if any(handler.kind == "ERROR" for handler in known.node.handlers):
-            raise NotSimulated(f"the error handler of `{known.node.name}` ({fault})") from None
+        if fault.goal is not None:
+            undo(machine, frame, execute)
+        if known.node.kind == "TRAP":  # its errors are dealt with by the system
+            fault.number = None
+        raise
+    except Cycled:
+        undo(machine, frame, execute)
         raise
     finally:
         machine.frames.pop()
@@ -46,7 +52,7 @@ def _run(machine: Machine, routine: s.Routine) -> Value | None:
     except Jump as jump:
         raise Fault(f"there is no label `{jump.label}` that can be jumped to") from None
     if routine.kind == "FUNC":
-        raise Fault(f"`{routine.name}` ends without RETURN")
+        raise Fault(f"`{routine.name}` ends without RETURN", "ERR_FNCNORET")
     return None
 
 

@@ -2,13 +2,31 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
+from assistant.program.diagnostics import Span
+from assistant.virtual.rapid.errors import NUMBERS
 from assistant.virtual.rapid.values import Value
+
+if TYPE_CHECKING:
+    from assistant.virtual.rapid.scopes import Frame, Unit
 
 
 class Fault(Exception):
-    """What a controller stops at with an error."""
+    """What a controller stops at with an error.
+
+    number: of an error that the program can recover from, None for any other. at: the statement
+    that it happened in. leaves: the call that it was not recovered in. goal: the call whose handler
+    it goes to in one step, None for that of the next caller.
+    """
+
+    def __init__(self, message: str, error: str = "", number: int | None = None) -> None:
+        """error: the name of its number."""
+        super().__init__(f"{message} ({error})" if error else message)
+        self.number = NUMBERS[error.lower()] if error else number
+        self.at: tuple[Unit, Span | None] | None = None
+        self.leaves: Frame | None = None
+        self.goal: Frame | None = None
 
 
 class NotSimulated(Exception):
@@ -23,6 +41,18 @@ class Over(Exception):
     ) -> None:
         super().__init__(message)
         self.ended: Literal["end", "stopped", "steps"] = ended
+
+
+class Cycled(Over):
+    """ExitCycle: the program pointer goes to the first routine."""
+
+
+class Again(Exception):
+    """RETRY."""
+
+
+class Onward(Exception):
+    """TRYNEXT."""
 
 
 class Jump(Exception):

@@ -128,7 +128,8 @@ def _named(machine: Machine, name: str) -> Place:
         case Place() as reference:
             return reference
         case Absent():
-            raise Fault(f"the optional parameter `{name}` is read, which was not given")
+            message = f"the optional parameter `{name}` is read, which was not given"
+            raise Fault(message, "ERR_NOTPRES")
         case Signal() | Known():
             raise Fault(f"`{name}` is no data")
     if name.lower() in predefined.data():
@@ -161,7 +162,8 @@ def _item(array: Place, index: int) -> Place:
     items = array.get()
     assert isinstance(items, Array)
     if not 1 <= index <= len(items.items):
-        raise Fault(f"the index {index} of an array of {len(items.items)} elements")
+        message = f"the index {index} of an array of {len(items.items)} elements"
+        raise Fault(message, "ERR_OUTOFBND")
     return Place(items, index - 1, array.shape.element, array.storage)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
 from typing import Final
 
 from assistant.languages.rapid.tree import syntax as s
@@ -31,27 +32,54 @@ CORNER: Final = {"movejdo": 4, "moveldo": 4, "movecdo": 5}
 """Motions that set an output, and which argument it is."""
 
 
-def load(files: Sequence[s.File], types: Types) -> tuple[dict[str, Meaning], list[Cell]]:
-    """What all modules know, by name in lower case, and every datum of a module.
+@dataclass(slots=True)
+class Loaded:
+    """named: what all modules know, by name in lower case. cells: every datum of a module."""
 
-    Raises Fault where two mean the same name.
+    named: dict[str, Meaning] = field(default_factory=dict)
+    units: dict[str, Unit] = field(default_factory=dict)
+    cells: list[Cell] = field(default_factory=list)
+
+
+def load(files: Sequence[s.File], types: Types, shared: dict[str, Cell]) -> Loaded:
+    """The names and data of modules; raises Fault where two mean the same name.
+
+    shared: persistents of all tasks by name in lower case, which is added to.
     """
-    named: dict[str, Meaning] = {}
-    cells: list[Cell] = []
+    loaded = Loaded()
+    named, cells = loaded.named, loaded.cells
     for file in files:
         for module in file.modules:
-            unit = Unit(file.source)
+            unit = loaded.units[module.name.lower()] = Unit(file.source, name=module.name)
             for item in module.items:
                 if isinstance(item, s.Record | s.Alias):
                     types.declare(item)
             for local, name, meaning in _meanings(module, unit):
-                names = unit.names if local else named
-                if name.lower() in names:
+                names, key = unit.names if local else named, name.lower()
+                if isinstance(meaning, Cell) and _is_shared(meaning):
+                    shared_cell = _shared(meaning, key, shared)
+                    if names.get(key) is shared_cell:
+                        continue
+                    meaning = shared_cell
+                if key in names:
                     raise Fault(f"two meanings of the name `{name}`")
-                names[name.lower()] = meaning
+                names[key] = meaning
                 if isinstance(meaning, Cell):
                     cells.append(meaning)
-    return named, cells
+    return loaded
+
+
+def _is_shared(cell: Cell) -> bool:
+    """A PERS that is neither LOCAL nor TASK is one and the same under its name everywhere."""
+    return cell.pending is not None and cell.storage == "PERS" and not cell.pending.node.scope
+
+
+def _shared(cell: Cell, key: str, shared: dict[str, Cell]) -> Cell:
+    """The one cell of a persistent: with the value of the first declaration that states one."""
+    known = shared.setdefault(key, cell)
+    if known.pending is not None and known.pending.node.value is None:
+        known.pending = cell.pending
+    return known
 
 
 def _meanings(module: s.Module, unit: Unit) -> Iterator[tuple[bool, str, Meaning]]:

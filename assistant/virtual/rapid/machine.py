@@ -15,6 +15,7 @@ from assistant.virtual.events import Moved, Switched
 from assistant.virtual.kernel.task import Task
 from assistant.virtual.on_way import told
 from assistant.virtual.rapid.arm import Arm
+from assistant.virtual.rapid.controller import Controller
 from assistant.virtual.rapid.scopes import Frame, Known, Meaning, Unit
 from assistant.virtual.rapid.signals import Signals
 from assistant.virtual.rapid.types import Types
@@ -44,8 +45,9 @@ class Machine:
     """Everything that a running program can see or change.
 
     task: what it runs in. named: what all modules know, by name in lower case. predefined: what
-    every controller knows. at: the statement at hand. row: the line of it, from 0, in a run of
-    moves. on_way: what is set on the way of the next motion.
+    every controller knows. modules: by name in lower case. controller: what its tasks share. at:
+    the statement at hand. row: the line of it, from 0, in a run of moves. on_way: what is set on
+    the way of the next motion.
     """
 
     task: Task
@@ -56,6 +58,8 @@ class Machine:
     robot: Robot | None = None
     named: dict[str, Meaning] = field(default_factory=dict)
     predefined: Mapping[str, Meaning] = field(default_factory=dict)
+    modules: dict[str, Unit] = field(default_factory=dict)
+    controller: Controller = field(default_factory=Controller)
     frames: list[Frame] = field(default_factory=list)
     at: tuple[Unit, Span | None] | None = None
     row: int = 0
@@ -82,9 +86,9 @@ class Machine:
         finally:
             self.frames.pop()
 
-    def step(self, node: s.StatementNode) -> None:
+    def step(self, node: s.StatementNode, row: int = 0) -> None:
         """Counts a statement that is about to run."""
-        self.at, self.row = (self.frame.unit, node.span), 0
+        self.at, self.row = (self.frame.unit, node.span), row
         self.task.step()
 
     def took(self, node: s.StatementNode, way: int) -> None:

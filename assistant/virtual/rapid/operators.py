@@ -54,7 +54,7 @@ def prefix(sign: str, value: Value) -> Value:
 def joined(text: str) -> str:
     """A text that was put together; raises Fault where it is too long for a string."""
     if len(text) > LONGEST_TEXT:
-        raise Fault(f"a string of {len(text)} characters")
+        raise Fault(f"a string of {len(text)} characters", "ERR_STRTOOLNG")
     return text
 
 
@@ -66,7 +66,7 @@ def whole(value: float, what: str) -> int:
 
 def _divide(left: float, right: float) -> float:
     if right == 0.0:
-        raise Fault("division by zero")
+        raise Fault("division by zero", "ERR_DIVZERO")
     return left / right
 
 
@@ -80,7 +80,7 @@ def _remainder(left: float, right: float) -> float:
     """-14 MOD 4 is -2: with the sign of what is divided."""
     a, b = whole(left, "an operand of MOD"), whole(right, "an operand of MOD")
     if b == 0:
-        raise Fault("division by zero")
+        raise Fault("division by zero", "ERR_DIVZERO")
     return math.fmod(a, b) + 0.0
 
 

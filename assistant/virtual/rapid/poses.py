@@ -50,7 +50,7 @@ def quaternion_of(value: Value) -> Quaternion:
     """Of unit length; raises Fault for what is no orientation."""
     q = np.array([number(part) for part in record(value, "orient").parts.values()])
     if not abs(float(q @ q) - 1.0) <= MOST_OFF:
-        raise Fault("an orientation whose squares do not add up to 1")
+        raise Fault("an orientation whose squares do not add up to 1", "ERR_ILLQUAT")
     w, x, y, z = (float(part) for part in rotations.canonical(q))
     return w, x, y, z
 

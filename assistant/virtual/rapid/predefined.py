@@ -11,6 +11,7 @@ from typing import Final
 
 from assistant.program.geometry import IDENTITY
 from assistant.robots import Robot
+from assistant.virtual.rapid.errors import NUMBERS as ERROR_NUMBERS
 from assistant.virtual.rapid.poses import orient, pos, pose
 from assistant.virtual.rapid.scopes import Cell, Storage
 from assistant.virtual.rapid.values import Clock, Record, Shape, Value
@@ -52,6 +53,8 @@ def predefined(robot: Robot | None) -> Mapping[str, Cell]:
     cells |= {name: _cell(_zone(name, sizes)) for name, sizes in ZONES.items()}
     cells |= {name: _cell(value) for name, value in NUMBERS.items()}
     cells |= {name: _cell(text) for name, text in TEXTS.items()}
+    cells |= ERRORS
+    cells["errno"] = _cell(0.0)
     cells |= {f"reg{i}": _cell(0.0, "VAR") for i in range(1, 6)}
     cells["clock1"] = Cell(Shape("clock"), "VAR", Clock())
     cells["load0"] = _cell(load(), "CONST")
@@ -106,3 +109,6 @@ def _cell(value: Value, storage: Storage = "CONST") -> Cell:
         case Record(type):
             return Cell(Shape(type), storage, value)
     return Cell(Shape("num"), storage, value)
+
+
+ERRORS: Final[Mapping[str, Cell]] = {name: _cell(float(n)) for name, n in ERROR_NUMBERS.items()}

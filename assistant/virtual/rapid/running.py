@@ -14,6 +14,7 @@ from assistant.virtual.kernel import MOST_STEPS, Board, Ending, Kernel, Signals,
 from assistant.virtual.kernel.signals import Source
 from assistant.virtual.rapid.arm import Arm
 from assistant.virtual.rapid.calls import call
+from assistant.virtual.rapid.controller import Controller
 from assistant.virtual.rapid.ends import Fault, NotSimulated, Over
 from assistant.virtual.rapid.expressions import settled
 from assistant.virtual.rapid.functions import FUNCTIONS
@@ -37,6 +38,7 @@ def run(
     entry: str = "main",
     most_steps: int = MOST_STEPS,
     start: Pose | None = None,
+    controller: Controller | None = None,
 ) -> Run:
     """Runs one cycle of a program, from the call of its first routine to the end of that.
 
@@ -44,12 +46,13 @@ def run(
     table those that are not 0. They stay as they are: a wait for another value ends the run as
     `stopped`. robot: the arm, without which a motion to joints ends nowhere that is known.
     start: the flange in the base before the first motion, None where it is not known.
+    controller: what tasks share, and what differs between controllers; a new one if there is none.
     Motions take no time, and outputs are 0 before they are set.
     """
     files = (modules,) if isinstance(modules, s.File) else tuple(modules)
     board = Board(Signals({} if inputs is None else inputs))
     kernel = Kernel(board, most_steps=most_steps)
-    start_task(kernel, files, robot=robot, entry=entry, start=start)
+    start_task(kernel, files, robot=robot, entry=entry, start=start, controller=controller)
     return kernel.run()
 
 
@@ -61,6 +64,7 @@ def start_task(
     robot: Robot | None = None,
     entry: str = "main",
     start: Pose | None = None,
+    controller: Controller | None = None,
 ) -> Task:
     """A task of a controller that runs one cycle of a program; see `run`."""
 
@@ -75,13 +79,15 @@ def start_task(
             Arm(start),
             robot,
             predefined=predefined(robot),
+            controller=controller or Controller(),
         )
         task.where, task.levels = machine.place, lambda: levels(machine)
         try:
             if any(has_errors(file.findings) for file in files):
                 raise Fault("the text of a module has errors")
-            machine.named, cells = load(files, types)
-            _begin(machine, cells, entry)
+            loaded = load(files, types, machine.controller.persistents)
+            machine.named, machine.modules = loaded.named, loaded.units
+            _begin(machine, loaded.cells, entry)
         except Fault as fault:
             return Ending("error", _told(machine, str(fault)))
         except NotSimulated as unknown:

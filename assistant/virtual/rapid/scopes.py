@@ -116,6 +116,7 @@ class Unit:
 
     source: SourceText | None
     names: dict[str, Meaning] = field(default_factory=dict)
+    name: str = ""
 
 
 @dataclass(slots=True, eq=False)
@@ -123,9 +124,13 @@ class Frame:
     """A call of a routine. names: of its parameters, data and loops, in lower case.
 
     routine: None while data of a module gets its first value. called_at: the statement that calls.
+    handling: the error whose handler runs. retries: of the statement that it happened in, that are
+    left.
     """
 
     unit: Unit
     routine: s.Routine | None
     names: dict[str, Meaning] = field(default_factory=dict)
     called_at: tuple[Unit, Span | None] | None = None
+    handling: Fault | None = None
+    retries: int = 0

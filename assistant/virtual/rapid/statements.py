@@ -3,16 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any, Final
 
+from assistant.languages.rapid.tables.standard import INSTRUCTIONS
 from assistant.languages.rapid.tree import syntax as s
 from assistant.virtual.events import Stopped
-from assistant.virtual.rapid.ends import Fault, Jump, NotSimulated, Over, Returned
+from assistant.virtual.rapid.ends import (
+    Again,
+    Fault,
+    Jump,
+    NotSimulated,
+    Onward,
+    Over,
+    Returned,
+)
+from assistant.virtual.rapid.errors import MOST_RAISED, NAMES
 from assistant.virtual.rapid.expressions import condition, evaluate, numeric, place
 from assistant.virtual.rapid.machine import Machine
+from assistant.virtual.rapid.operators import whole
 from assistant.virtual.rapid.poses import text
+from assistant.virtual.rapid.recovery import attempt, leave, name_of
 from assistant.virtual.rapid.rows import moves
-from assistant.virtual.rapid.scopes import Cell, Known
+from assistant.virtual.rapid.scopes import Cell, Known, Meaning
 from assistant.virtual.rapid.values import NUMBER, Shape, equal
 
 Body = Sequence[s.StatementNode]
@@ -44,11 +57,10 @@ def _label(body: Body, label: str) -> int | None:
 def _run(machine: Machine, node: s.StatementNode) -> None:
     if isinstance(node, s.CommentLine | s.Data | s.TargetRunNode | s.LabelMark):
         return
-    machine.step(node)
     does = STATEMENTS.get(type(node))
     if does is None:
         raise NotSimulated(f"the statement {type(node).__name__}")
-    does(machine, node)
+    attempt(machine, node, does, execute)
 
 
 def _assign(machine: Machine, node: s.Assignment) -> None:
@@ -57,19 +69,43 @@ def _assign(machine: Machine, node: s.Assignment) -> None:
 
 
 def _call(machine: Machine, node: s.ProcedureCall) -> None:
-    name = node.name
-    if not isinstance(name, str):
-        name = text(evaluate(machine, name)).rpartition(":")[2]
-    meaning = machine.meaning(name)
+    if isinstance(node.name, str):
+        call_named(machine, node.name, machine.meaning(node.name), node.arguments)
+        return
+    name = text(evaluate(machine, node.name))
+    call_late(machine, name, node.arguments)
+
+
+def call_late(machine: Machine, name: str, arguments: Sequence[s.Argument]) -> None:
+    """A call of what is named while the program runs, `Module:procedure` or by name alone."""
+    module, _, own = name.rpartition(":")
+    meaning = machine.meaning(own)
+    if module:
+        unit = machine.modules.get(module.lower())
+        meaning = None
+        if unit is not None:
+            found = unit.names.get(own.lower()) or machine.named.get(own.lower())
+            meaning = found if isinstance(found, Known) and found.unit is unit else None
+    if meaning is None and own.lower() not in INSTRUCTIONS:
+        raise Fault(f"a call of `{name}`, which there is not", "ERR_REFUNKPRC")
+    if meaning is not None and not (isinstance(meaning, Known) and meaning.node.kind == "PROC"):
+        raise Fault(f"a call of `{name}`, which is no procedure", "ERR_CALLPROC")
+    call_named(machine, own, meaning, arguments)
+
+
+def call_named(
+    machine: Machine, name: str, meaning: Meaning | None, arguments: Sequence[s.Argument]
+) -> None:
+    """A call of a procedure of the program, or of an instruction of every controller."""
     if isinstance(meaning, Known):
         if meaning.node.kind != "PROC":
             raise Fault(f"`{name}` is no procedure")
-        machine.abilities.call(machine, meaning, node.arguments)
+        machine.abilities.call(machine, meaning, arguments)
         return
     instruction = machine.abilities.instructions.get(name.lower())
     if instruction is None:
         raise NotSimulated(f"the instruction or procedure `{name}`")
-    instruction(machine, node.arguments)
+    instruction(machine, arguments)
 
 
 def _goto(_: Machine, node: s.GotoLabel) -> None:
@@ -85,16 +121,36 @@ def _return(machine: Machine, node: s.ReturnFrom) -> None:
 
 
 def _word(machine: Machine, node: s.Word) -> None:
-    if node.word != "EXIT":
+    if node.word == "EXIT":
+        machine.task.tell(Stopped(end=True))
+        raise Over("end")
+    if machine.frame.handling is None:
         raise Fault(f"{node.word} outside of an error handler")
-    machine.task.tell(Stopped(end=True))
-    raise Over("end")
+    raise Again if node.word == "RETRY" else Onward
+
+
+def _raise(machine: Machine, node: s.RaiseError) -> None:
+    """Without a number it is for a handler, with one for anywhere else."""
+    handling = machine.frame.handling
+    if node.value is None:
+        if handling is None:
+            raise Fault("RAISE without a number outside of an error handler")
+        leave(machine, machine.frame, handling)
+    if handling is not None:
+        raise Fault("RAISE with a number inside of an error handler")
+    assert node.value is not None
+    number = whole(numeric(machine, node.value), "the number of an error")
+    known = 1 <= number <= MOST_RAISED or number in machine.controller.booked or number in NAMES
+    if not known:
+        raise Fault(f"RAISE of the number {number}, which nobody booked", "ERR_ILLRAISE")
+    name = node.value.name if isinstance(node.value, s.NameRef) else name_of(number)
+    raise Fault(f"the error {name} is raised", number=number)
 
 
 def _if(machine: Machine, node: s.IfThen) -> None:
     for way, branch in enumerate(node.branches):
         if branch.condition is None:
-            raise Fault("a branch that was never filled in")
+            raise Fault("a branch that was never filled in", "ERR_EXECPHR")
         if condition(machine, branch.condition):
             machine.took(node, way)
             execute(machine, branch.body)
@@ -146,7 +202,7 @@ def _test(machine: Machine, node: s.TestOf) -> None:
     subject = evaluate(machine, node.subject)
     for way, case in enumerate(node.cases):
         if not case.values:
-            raise Fault("a case that was never filled in")
+            raise Fault("a case that was never filled in", "ERR_EXECPHR")
         try:
             if any(equal(subject, evaluate(machine, value)) for value in case.values):
                 machine.took(node, way)
@@ -160,13 +216,15 @@ def _test(machine: Machine, node: s.TestOf) -> None:
 
 def _moves(machine: Machine, node: s.MoveRunNode) -> None:
     for row, move in enumerate(moves(node.run)):
-        machine.row = row
-        machine.task.step()
-        _call(machine, move)
+        attempt(machine, node, partial(_move, move), execute, row)
+
+
+def _move(move: s.ProcedureCall, machine: Machine, _: s.MoveRunNode) -> None:
+    _call(machine, move)
 
 
 def _placeholder(_: Machine, node: s.Placeholder) -> None:
-    raise Fault(f"the placeholder `{node.text}`")
+    raise Fault(f"the placeholder `{node.text}`", "ERR_EXECPHR")
 
 
 STATEMENTS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
@@ -175,6 +233,7 @@ STATEMENTS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
     s.GotoLabel: _goto,
     s.ReturnFrom: _return,
     s.Word: _word,
+    s.RaiseError: _raise,
     s.IfThen: _if,
     s.CompactIf: _compact_if,
     s.ForLoop: _for,
@@ -183,4 +242,4 @@ STATEMENTS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
     s.MoveRunNode: _moves,
     s.Placeholder: _placeholder,
 }
-"""Others, as RAISE and CONNECT, are not simulated."""
+"""Others, as CONNECT, are not simulated."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from assistant.virtual.rapid.ends import Fault
+from assistant.virtual.rapid.ends import Fault, NotSimulated
 from assistant.virtual.rapid.given import Given, is_present, takes
 from assistant.virtual.rapid.instructions.others import clock
 from assistant.virtual.rapid.machine import Function
@@ -20,7 +20,7 @@ def _size(given: Given) -> float:
     sizes = given.place(0).shape.sizes
     dimension = whole(given.number(1), "a dimension")
     if not 1 <= dimension <= len(sizes):
-        raise Fault(f"there is no dimension {dimension} (ERR_ILLDIM)")
+        raise Fault(f"there is no dimension {dimension}", "ERR_ILLDIM")
     return float(sizes[dimension - 1])
 
 
@@ -37,6 +37,14 @@ def _clock(given: Given) -> float:
     return one.total + (0.0 if one.since is None else given.machine.task.kernel.now - one.since)
 
 
+def _retries(given: Given) -> float:
+    """Of the statement whose error is handled."""
+    frame = given.machine.frame
+    if frame.handling is None:
+        raise NotSimulated("RemainingRetries outside of an error handler")
+    return float(frame.retries)
+
+
 READS: Final = (
     *("DInput", "DOutput", "GInput", "GOutput", "AInput", "AOutput"),
     *("GInputDnum", "GOutputDnum"),
@@ -48,6 +56,7 @@ TABLE: Final[Mapping[str, Function]] = dict(
         takes("Dim", 2, _size),
         takes("TestDI", 1, _test),
         *(takes(name, 1, _signal) for name in READS),
+        takes("RemainingRetries", 0, _retries),
         takes("ClkRead", 1, _clock, "highres"),
     )
 )

@@ -16,7 +16,7 @@ def _position(given: Given, text: str) -> int:
     """From 0, of a character that is there."""
     place = whole(given.number(1), "the place of a character")
     if not 1 <= place <= len(text):
-        raise Fault(f"there is no character {place} among {len(text)} (ERR_OUTOFBND)")
+        raise Fault(f"there is no character {place} among {len(text)}", "ERR_OUTOFBND")
     return place - 1
 
 
@@ -25,7 +25,8 @@ def _part(given: Given) -> str:
     start = _position(given, text)
     length = whole(given.number(2), "a length")
     if not 0 <= length <= len(text) - start:
-        raise Fault(f"{length} characters from the {start + 1}. of {len(text)} (ERR_OUTOFBND)")
+        message = f"{length} characters from the {start + 1}. of {len(text)}"
+        raise Fault(message, "ERR_OUTOFBND")
     return text[start : start + length]
 
 

@@ -5,7 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from assistant.virtual.rapid.instructions import motions, others, signals
+from assistant.virtual.rapid.instructions import errors, motions, others, signals
 from assistant.virtual.rapid.machine import Function
 
-INSTRUCTIONS: Final[Mapping[str, Function]] = {**motions.TABLE, **signals.TABLE, **others.TABLE}
+INSTRUCTIONS: Final[Mapping[str, Function]] = {
+    **motions.TABLE,
+    **signals.TABLE,
+    **others.TABLE,
+    **errors.TABLE,
+}

@@ -7,7 +7,7 @@ from typing import Final
 
 from assistant.virtual.events import Said, Stopped
 from assistant.virtual.rapid import poses
-from assistant.virtual.rapid.ends import Fault, Over
+from assistant.virtual.rapid.ends import Cycled, Fault
 from assistant.virtual.rapid.given import Given, takes
 from assistant.virtual.rapid.machine import Function
 from assistant.virtual.rapid.operators import whole
@@ -78,7 +78,7 @@ def _halt(given: Given) -> None:
 
 
 def _next_cycle(_: Given) -> None:
-    raise Over("end")
+    raise Cycled
 
 
 def _nothing(given: Given) -> None:

@@ -87,7 +87,7 @@ def _await(given: Given, is_met: Callable[[], bool], what: str) -> None:
     if met:
         return
     if flag is None:
-        raise Fault(f"{what}, and the longest time is over (ERR_WAIT_MAXTIME)")
+        raise Fault(f"{what}, and the longest time is over", "ERR_WAIT_MAXTIME")
     task.tell(Waited(longest or 0.0))
 
 

@@ -1,0 +1,35 @@
+"""What all tasks of a controller share: how it is configured, and its persistent data."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Final
+
+from assistant.virtual.rapid.scopes import Cell
+
+RETRIES: Final = 4
+"""The system parameter No Of Retry, as controllers are delivered (reference, 2.1)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """What differs from controller to controller, or where its manuals leave more than one way.
+
+    retries: of a statement, by RETRY. retries_end: what one more does: `stop` the program, or
+    `raise` ERR_EXCRTYMAX in that statement. propagates: an error in a routine without a handler
+    goes to that of its caller, as the kernel manual says; else it stops the program at once, as
+    the overview does.
+    """
+
+    retries: int = RETRIES
+    retries_raise: bool = False
+    propagates: bool = True
+
+
+@dataclass(slots=True, eq=False)
+class Controller:
+    """persistents: what the tasks share, by name in lower case. booked: numbers of errors."""
+
+    options: Options = field(default_factory=Options)
+    persistents: dict[str, Cell] = field(default_factory=dict)
+    booked: set[int] = field(default_factory=set)

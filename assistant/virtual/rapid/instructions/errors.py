@@ -1,0 +1,81 @@
+"""Errors that a program makes itself, and messages for the event log."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import count
+from typing import Final
+
+from assistant.virtual.events import Reported
+from assistant.virtual.rapid import poses
+from assistant.virtual.rapid.ends import Fault
+from assistant.virtual.rapid.errors import FIRST_BOOKED
+from assistant.virtual.rapid.given import Given, takes
+from assistant.virtual.rapid.machine import Function
+from assistant.virtual.rapid.operators import whole
+from assistant.virtual.rapid.recovery import leave
+from assistant.virtual.rapid.scopes import Cell
+
+LONGEST: Final = 46
+"""Characters of the header of an ErrWrite (manual, ErrWrite)."""
+
+
+def _book(given: Given) -> None:
+    """BookErrNo: a number that nobody else has."""
+    booked = given.machine.controller.booked
+    number = next(n for n in count(FIRST_BOOKED) if n not in booked)
+    given.place(0).set(float(number))
+    booked.add(number)
+
+
+def _write(given: Given) -> None:
+    header = given.text(0)
+    if len(header) > LONGEST:
+        raise Fault(f"a header of {len(header)} characters, {LONGEST} at most", "ERR_ARGVALERR")
+    lines = [given.text(1)]
+    lines += [poses.text(v) for name in LINES if (v := given.optional(name)) is not None]
+    _report(given, header, lines)
+
+
+def _log(given: Given) -> None:
+    number = whole(given.number(0), "the number of a message")
+    _report(given, str(number), [given.text(i) for i in range(1, 6)])
+
+
+def _report(given: Given, header: str, lines: list[str]) -> None:
+    kind = "warning" if given.has("w") else "information" if given.has("i") else "error"
+    given.machine.task.tell(Reported(kind, header, tuple(lines)))
+
+
+def _raise(given: Given) -> None:
+    """ErrRaise: a warning, and the error whose number a datum of this name has."""
+    machine, name = given.machine, given.text(0)
+    cell = machine.meaning(name)
+    if not isinstance(cell, Cell) or not isinstance(cell.value, float):
+        raise Fault(f"there is no error `{name}`", "ERR_ILLRAISE")
+    texts = tuple(given.text(i) for i in range(2, 7))
+    number = whole(given.number(1), "the number of a message")
+    machine.task.tell(Reported("warning", str(number), texts))
+    fault = Fault(f"the error {name} is raised", number=int(cell.value))
+    if machine.frame.handling is None:
+        raise fault
+    fault.at = machine.at
+    machine.frame.handling = fault
+    leave(machine, machine.frame, fault)
+
+
+def _reset(given: Given) -> None:
+    given.machine.frame.retries = given.machine.controller.options.retries
+
+
+LINES: Final = ("rl2", "rl3", "rl4")
+
+TABLE: Final[Mapping[str, Function]] = dict(
+    (
+        takes("BookErrNo", 1, _book),
+        takes("ErrWrite", 2, _write, "w i rl2 rl3 rl4"),
+        takes("ErrLog", 6, _log, "w i"),
+        takes("ErrRaise", 7, _raise),
+        takes("ResetRetryCount", 0, _reset),
+    )
+)

@@ -1,0 +1,58 @@
+"""What RAPID means, case by case, each with what states it.
+
+`semantics/rapid/*.toml` holds the cases. `cites`: a number is a section of the reference of RAPID
+that was collected for this project, `kernel` and `overview` are manuals of the language, and the
+name of an instruction or function its page in the manual of instructions, functions and data types.
+`program`: the body of `main`; `data` and `routines`: more of its module; `modules`: further ones.
+`expected`: what the program writes, to the pendant and to the event log. `ended`, `message`: how it
+ends, `end` where nothing is stated. `options`: of the controller.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from assistant import languages
+from assistant.virtual.events import Reported, Said
+from assistant.virtual.rapid import run
+from assistant.virtual.rapid.controller import Controller, Options
+
+CASES = Path(__file__).parent / "semantics" / "rapid"
+
+
+def cases() -> Iterator[Any]:
+    for path in sorted(CASES.glob("*.toml")):
+        for name, case in tomllib.loads(path.read_text(encoding="utf-8")).items():
+            yield pytest.param(case, id=f"{path.stem}-{name}")
+
+
+@pytest.mark.parametrize("case", list(cases()))
+def test_a_case(case: dict[str, Any], tmp_path: Path) -> None:
+    assert case["cites"]
+    main = f"PROC main()\n{case['program']}\nENDPROC\n"
+    own = f"MODULE Cell\n{case.get('data', '')}\n{main}{case.get('routines', '')}\nENDMODULE\n"
+    files = [languages.get("rapid").parse(text) for text in (own, *case.get("modules", ()))]
+    assert not [finding for file in files for finding in file.findings]
+    controller = Controller(Options(**case.get("options", {})))
+    found = run(files, controller=controller)
+    told = [line for event in found.events if (line := _line(event)) is not None]
+    assert (told, found.ended) == (case["expected"], case.get("ended", "end"))
+    assert case.get("message", "") in found.message
+
+
+def _line(event: object) -> str | None:
+    match event:
+        case Said(text):
+            return text
+        case Reported(kind, header, lines):
+            return " | ".join((kind, header, *lines))
+    return None
+
+
+def test_there_are_enough_cases_and_all_have_names_of_their_own() -> None:
+    assert len(list(cases())) >= 1
