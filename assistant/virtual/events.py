@@ -125,3 +125,5 @@ class Run:
     place: Place | None = field(default=None, compare=False)
     seconds: float = field(default=0.0, compare=False)
     steps: int = field(default=0, compare=False)
+    notes: tuple[str, ...] = field(default=(), compare=False)
+    """What the program asks for that the run takes without any effect, each once."""

@@ -70,6 +70,7 @@ class Kernel:
     shared: bool = False
     tasks: list[Task] = field(default_factory=list)
     log: list[Logged] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.hub = getcurrent()
@@ -115,9 +116,9 @@ class Kernel:
                 task.kill()
         ending, (name, place) = self.ending or Ending(), self.ended_in
         events = tuple(row.what for row in self.log)
-        return Run(
-            events, ending.ended, ending.message, tuple(self.log), name, place, self.now, self.steps
-        )
+        log, notes = tuple(self.log), tuple(self.notes)
+        done = Run(events, ending.ended, ending.message, log, name, place, self.now, self.steps)
+        return replace(done, notes=notes)
 
     def _too_many(self) -> Ending:
         return Ending("steps", f"more than {self.most_steps} statements")
@@ -236,6 +237,11 @@ class Kernel:
     def tell(self, task: Task, event: Event) -> None:
         place = task.where()
         self.log.append(Logged(self.now, task.name, place, event))
+
+    def note(self, what: str) -> None:
+        """Says of what a program asks for that it is taken without any effect; once for a run."""
+        if what not in self.notes:
+            self.notes.append(what)
 
     def stop_latest(self) -> None:
         """The latest motion ends at its target, whatever corner it states."""

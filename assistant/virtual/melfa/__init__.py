@@ -18,11 +18,16 @@ from assistant.virtual.melfa.arm import Arm
 from assistant.virtual.melfa.code import code_of
 from assistant.virtual.melfa.looking import levels, place
 from assistant.virtual.melfa.machine import Machine
+from assistant.virtual.melfa.options import Options
+from assistant.virtual.melfa.plugins import Command, Given, by_name
 from assistant.virtual.melfa.stops import Failed, Unknown
 from assistant.virtual.melfa.world import STEP_TIME, Inputs, World, inputs_of
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
+    from assistant.virtual.melfa.plugins import Commands
+
+__all__ = ["Command", "Given", "Options", "run", "start_slot"]
 
 
 def run(
@@ -33,13 +38,18 @@ def run(
     start: Pose | None = None,
     names: Sequence[str] = (),
     most_steps: int = MOST_STEPS,
+    options: Options | None = None,
+    commands: Commands | None = None,
+    repeat: bool = False,
 ) -> Run:
     """One cycle of a program, from its first line to `End`.
 
     trees: the program first, then those that it calls. inputs: 0 or 1 by number, the same all the
     time. start: the flange in the robot's base before the first move, None where it is not known.
     names: of the programs, in the order of the trees, where they call each other. most_steps:
-    statements after which the run is over.
+    statements after which the run is over. options: what the manuals leave open. commands: by
+    name, commands, functions and status variables that are not simulated, or not as they should
+    be. repeat: at its end the program begins again (REP), instead of stopping (CYC).
 
     A wait for an input that does not come ends the run as `stopped`. What the controller would
     refuse it with `error` and its number; what nothing tells, or what is not simulated, with
@@ -48,7 +58,16 @@ def run(
     files = [trees] if isinstance(trees, s.File) else list(trees)
     board = Board(Signals(inputs_of(inputs)))
     kernel = Kernel(board, most_steps=most_steps, statement_time=STEP_TIME)
-    start_slot(kernel, files, robot=robot, start=start, names=names)
+    start_slot(
+        kernel,
+        files,
+        robot=robot,
+        start=start,
+        names=names,
+        options=options,
+        commands=commands,
+        repeat=repeat,
+    )
     return kernel.run()
 
 
@@ -60,11 +79,15 @@ def start_slot(
     robot: Robot | None = None,
     start: Pose | None = None,
     names: Sequence[str] = (),
+    options: Options | None = None,
+    commands: Commands | None = None,
+    repeat: bool = False,
 ) -> Task:
     """A slot of a controller that runs one cycle of a program; see `run`."""
 
     def body(task: Task) -> Ending:
         world = World(task, Arm(robot, start))
+        world.options, world.commands = options or Options(), by_name(commands)
         try:
             machines = [_machine(file, world, {}) for file in files]
             programs = dict(zip((name.upper() for name in names), machines, strict=False))
@@ -73,6 +96,9 @@ def start_slot(
             task.where = lambda: place(world)
             task.levels = lambda: levels(world)
             machines[0].run()
+            while repeat:
+                task.step()
+                machines[0].run()
         except Failed as failed:
             return Ending("error", str(failed))
         except Unknown as unknown:

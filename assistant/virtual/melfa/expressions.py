@@ -54,6 +54,11 @@ def value(m: Machine, node: s.Expression | None) -> Value:
     raise Failed(4220, "an expression that is none")
 
 
+def values(m: Machine, nodes: tuple[s.Expression | None, ...]) -> tuple[Value | None, ...]:
+    """What arguments come to, None for those that are left out."""
+    return tuple(None if node is None else value(m, node) for node in nodes)
+
+
 def integer(m: Machine, node: s.Expression | None, what: str = "the value") -> int:
     return whole(value(m, node), what)
 
@@ -76,6 +81,8 @@ def _whole_value(m: Machine, node: s.Variable) -> Value:
     if m.is_result(node):
         return m.result()
     if not m.is_own(key):
+        if key in m.world.commands:
+            return plugged(m, node)
         if key in m.code.functions:
             return m.called(node)
         if key in m.code.definitions:
@@ -91,12 +98,29 @@ def _whole_value(m: Machine, node: s.Variable) -> Value:
     return place.get(index)
 
 
+def plugged(m: Machine, node: s.Variable) -> Value:
+    """What a plug-in gives for a function or a status variable."""
+    found = m.world.given(node.key, values(m, node.arguments or ()))
+    if found is None:
+        raise Unknown(f"the plug-in {node.name} gives no value")
+    return found
+
+
+def bare(node: s.Expression | None) -> str:
+    """The word that an argument is, capitalised; empty where it is none."""
+    if isinstance(node, s.Word):
+        return node.text.capitalize()
+    if isinstance(node, s.Variable) and node.arguments is None and not node.component:
+        return node.marked.capitalize()
+    return ""
+
+
 def _applied(m: Machine, node: s.Variable, arguments: tuple[s.Expression | None, ...]) -> Value:
     """What a function of the language gives."""
     known, count = vocabulary.function(node.key), len(arguments)
     if known and not known.least <= count <= (count if known.most is None else known.most):
         raise Failed(3120, f"{node.name} with {count} arguments")
-    given = tuple(None if a is None else value(m, a) for a in arguments)
+    given = values(m, arguments)
     return functions.call(node.key.removesuffix("$"), given, m.world.arm.robot)
 
 

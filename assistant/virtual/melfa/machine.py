@@ -91,6 +91,8 @@ class Machine:
         with suppress(Ended):
             self.go_on(self.frame)
         self.world.running.pop()
+        if self.depth == 0:
+            self.world.settings.reset()
 
     def go_on(self, until: Frame) -> None:
         """Runs until a frame is left; the last row of a program is its end."""

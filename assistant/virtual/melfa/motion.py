@@ -26,7 +26,11 @@ SAME_RADIUS: Final = 0.01
 
 def move(m: Machine, node: s.Motion) -> None:
     """Runs a motion with what is appended to it; raises Unknown for a kind not simulated."""
-    kind = KINDS.get(node.keyword.upper())
+    word = node.keyword.upper()
+    if word in m.world.commands:
+        m.world.given(word, expressions.values(m, node.arguments))
+        return
+    kind = KINDS.get(word)
     if kind is None:
         raise Unknown(f"the motion {node.keyword}")
     if node.append is None:

@@ -13,7 +13,7 @@ from assistant.virtual.melfa import blocks, expressions, pallets, poses
 from assistant.virtual.melfa.arm import FULL, OPTIMUM
 from assistant.virtual.melfa.code import nodes
 from assistant.virtual.melfa.stops import Ended, Failed, Unknown, out_of_range
-from assistant.virtual.melfa.values import Position, holds, position
+from assistant.virtual.melfa.values import Position, Value, holds, position
 
 if TYPE_CHECKING:
     from assistant.virtual.melfa.machine import Machine
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 def command(m: Machine, node: s.Command) -> None:
     """Runs a command; raises Unknown for one that is not simulated."""
     word = " ".join(node.keyword.upper().split())
+    if m.world.commands and _plugged(m, word, node.arguments):
+        return
     if word in STRUCTURE:
         STRUCTURE[word](m, node)
     elif word in WORDS:
@@ -32,6 +34,26 @@ def command(m: Machine, node: s.Command) -> None:
     elif word not in QUIET:
         raise Unknown(f"the statement {node.keyword}")
 
+
+def _plugged(m: Machine, word: str, nodes: tuple[s.Expression | None, ...]) -> bool:
+    """Runs the plug-in of a command, which may have its first word of arguments in its name."""
+    first = nodes[0] if nodes else None
+    two = f"{word} {expressions.bare(first)}".upper()
+    name = two if two in m.world.commands else word
+    if name not in m.world.commands:
+        return False
+    rest = nodes[1:] if name == two else nodes
+    m.world.given(name, tuple(None if a is None else _loose(m, a) for a in rest))
+    return True
+
+
+def _loose(m: Machine, node: s.Expression) -> Value:
+    """The value of an argument of a plug-in; a bare word is a text."""
+    word = expressions.bare(node)
+    return word if word in LOOSE else expressions.value(m, node)
+
+
+LOOSE: Final = frozenset(("On", "Off", "Jnt", "Pos", "Tool"))
 
 QUIET: Final = frozenset((
     "ENDIF", "END SELECT", "OADL", "LOADSET", "FINE", "PREC", "MVTUNE", "SPDOPT", "COLCHK",
@@ -185,9 +207,7 @@ CAUTION: Final = 9200
 """From here on the program runs on."""
 
 
-def _end(m: Machine) -> None:
-    if m.depth == 0:
-        m.world.settings.reset()
+def _end(_: Machine) -> None:
     raise Ended
 
 

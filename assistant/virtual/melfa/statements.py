@@ -136,7 +136,12 @@ LARGEST: Final = 32767
 
 
 def _call(m: Machine, node: s.Call) -> None:
-    m.call(node.function)
+    if node.function.key in m.world.commands:
+        given = node.function.arguments or ()
+        arguments = expressions.values(m, given)
+        m.world.given(node.function.key, arguments)
+    else:
+        m.call(node.function)
 
 
 def _call_program(m: Machine, node: s.CallP) -> None:

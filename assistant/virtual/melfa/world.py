@@ -12,7 +12,10 @@ from assistant.virtual.kernel.signals import Source
 from assistant.virtual.kernel.task import Task
 from assistant.virtual.melfa.arm import Arm, Settings
 from assistant.virtual.melfa.memory import Memory, Scope
+from assistant.virtual.melfa.options import Options
+from assistant.virtual.melfa.plugins import Command, Given
 from assistant.virtual.melfa.stops import Unknown, out_of_range
+from assistant.virtual.melfa.values import Value
 from assistant.virtual.on_way import told
 
 if TYPE_CHECKING:
@@ -29,12 +32,15 @@ Inputs = Callable[[int], int]
 class World:
     """task: what the program runs in. timers: the clock, in ms, when each was at 0.
 
-    running: the programs that run, each called by the one before it.
+    options: what the manuals leave open. commands: plug-ins by name. running: the programs that
+    run, each called by the one before it.
     """
 
     task: Task
     arm: Arm
     settings: Settings = field(default_factory=Settings)
+    options: Options = field(default_factory=Options)
+    commands: Mapping[str, Command] = field(default_factory=dict)
     timers: dict[int, float] = field(default_factory=dict)
     running: list[Machine] = field(default_factory=list)
     shared: Memory = field(default_factory=lambda: Memory(Scope()))
@@ -59,6 +65,14 @@ class World:
     def clock(self) -> float:
         """Milliseconds."""
         return 1000.0 * self.task.kernel.now
+
+    def given(self, name: str, arguments: tuple[Value | None, ...]) -> Value | None:
+        """What the plug-in of a name gives; there must be one."""
+        return self.commands[name](Given(name, arguments, self.task, self.arm))
+
+    def note(self, what: str) -> None:
+        """Says once for the run what is taken without any effect."""
+        self.task.kernel.note(what)
 
     def read(self, output: bool, first: int, width: int) -> int:
         """Inputs or outputs of a width as one number, the first as the lowest bit."""

@@ -1,0 +1,72 @@
+"""What the manuals leave open, and the parameters of a controller that change what programs do."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+Frame = tuple[float, float, float, float, float, float]
+"""X, Y, Z in mm and A, B, C in degrees, as parameters have them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    r"""How a run takes what is unsure. None: such a run ends as `unknown` instead of guessing.
+
+    Numbers.
+    truth: the number of a comparison that holds.
+    power: `^` with operands that are not whole: as they are (CR1D, table 4-11), or rounded first
+    (CR1D 4-151 says so, too).
+    quotients: where `\\` of opposite signs goes, and `Mod` with it: to 0, or downwards.
+    overflow: of a whole variable: an error, or its bits as far as they fit.
+    bits: the width of a whole number where its bits show: `<<`, `Hex$`, `Bin$`.
+    signed: whether 16 or 32 signals whose highest is on are a negative number.
+    digits: significant ones of a number that is not whole as text, in `Str$`.
+    degrees: components of angles in degrees instead of radian (parameter PRGMDEG).
+    slides: whether additional axes slide: their components are mm then, else angles.
+
+    Names.
+    unset: what reading a number that was never set gives.
+    parameters: how a Function takes those without ByVal and ByRef.
+    nested: whether functions of several arguments take what other functions give (COSIROP: not).
+
+    Flow.
+    bounds: whether the end and the step of `For` are worked out once, or at each turn.
+
+    Positions.
+    over: what `P1/P2` is.
+    pallets: the posture at a point of a pallet of direction 1 to 3: divided between its corners
+    (CR1D 4-189), or that of its start.
+    conversions: what JtoP and PtoJ have to do with a tool and a base: nothing, or all.
+
+    The arm.
+    tools, bases: by the numbers of `Tool n` and `Base n` (parameters MEXTLn and WKnCORD).
+    bases_are: whether those are seen from the robot's base, or the robot from them.
+    joint_turns: whether JRC is enabled (parameter JRCEXE).
+    waits_end_corners: whether Dly, Hlt, Wait and Servo have the move before them end at its target.
+    pulses: whether the end of a pulse is told with its beginning, or when its time is over.
+    """
+
+    truth: Literal[1, -1] = 1
+    power: Literal["real", "rounded"] = "real"
+    quotients: Literal["zero", "floor"] | None = None
+    overflow: Literal["error", "wrap"] | None = None
+    bits: Literal[16, 32] | None = None
+    signed: bool | None = None
+    digits: int | None = None
+    degrees: bool = False
+    slides: bool | None = None
+    unset: Literal["error", "zero"] = "error"
+    parameters: Literal["ByVal", "ByRef"] = "ByVal"
+    nested: bool = True
+    bounds: Literal["once", "each"] | None = None
+    over: Literal["P1*Inv(P2)", "Inv(P2)*P1"] = "P1*Inv(P2)"
+    pallets: Literal["divided", "start"] = "divided"
+    conversions: Literal["nothing", "all"] | None = None
+    tools: Mapping[int, Frame] = field(default_factory=dict)
+    bases: Mapping[int, Frame] = field(default_factory=dict)
+    bases_are: Literal["seen", "seeing"] | None = None
+    joint_turns: bool = False
+    waits_end_corners: bool = False
+    pulses: Literal["at once", "timed"] = "at once"
