@@ -1,0 +1,147 @@
+"""What is to be run: programs with all that they call, tasks, backups, and any other source."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant import languages, sources
+from assistant.compiler.entering import entered
+from assistant.compiler.formatting import programs_in
+from assistant.compiler.loading import (
+    language_of,
+    load,
+    load_text,
+    read_companions,
+    read_trees,
+)
+from assistant.program import pseudo
+from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, has_errors
+from assistant.program.text import SourceText, read_bytes
+from assistant.virtual.parts import Group, Part, Programs, groups
+
+if TYPE_CHECKING:
+    from assistant.languages import Language, Tree
+    from assistant.robots import Robot
+
+ONE_SOURCE: Final = error(
+    "CO021", "`{name}` is run by itself, beside no other program", "name it alone"
+)
+MIXED: Final = error(
+    "CO022",
+    "`{name}` is written in {language}, `{first}` in {other}",
+    "name programs of one language: one controller runs them",
+)
+OF_SOURCES: Final = error(
+    "CO023",
+    "--{option} is for drawings, tables and pseudo-programs, `{name}` is a robot program",
+    "leave it out",
+)
+
+
+def programs(
+    named: Sequence[str],
+    *,
+    language: str | None = None,
+    robot: Robot | None = None,
+    process: str | FilePath | None = None,
+    unit: str | None = None,
+    entry: str | None = None,
+) -> Programs:
+    """What files and folders hold that run together on one controller.
+
+    named: a drawing, table or pseudo-program; or robot programs of one language, or a folder with
+    them. language: of robot programs, where neither suffix nor text tell. robot, process, unit:
+    see `load`, of other sources. entry: the procedure that a pseudo-program begins with.
+    Raises Unreadable or Refused.
+    """
+    title = ", ".join(named)
+    folder = named[0] if FilePath(named[0]).is_dir() else None
+    if len(named) > 1:
+        for name in named:
+            if FilePath(name).is_dir() or _is_source(name):
+                raise Refused(ONE_SOURCE(path=name, name=name), exit_status=2)
+    elif folder is None and _is_source(named[0], language):
+        loaded = load(named[0], process=process, robot=robot, unit=unit)
+        is_text = FilePath(named[0]).suffix.lower() == pseudo.SUFFIX
+        program = entered(loaded.program, entry)
+        return Programs(title, program=program, path=named[0] if is_text else None)
+    for option, value in (("process", process), ("unit", unit)):
+        if value is not None:
+            raise Refused(OF_SOURCES(path=named[0], option=option, name=named[0]), exit_status=2)
+    files = list(programs_in(folder, language)) if folder else list(dict.fromkeys(named))
+    spoken = _one_language(files, language)
+    parts = [_part(spoken, group) for group in groups(spoken, files, folder)]
+    return Programs(title, spoken, tuple(parts))
+
+
+def programs_of_text(
+    text: SourceText, *, language: str | None = None, entry: str | None = None
+) -> Programs:
+    """The same for a text that is no file: a robot language's if named, else pseudo text."""
+    title = text.path or "standard input"
+    if language is None:
+        program = entered(load_text(text).program, entry)
+        return Programs(title, program=program, path=text.path)
+    spoken = language_of(language)
+    tree = spoken.parse(text)
+    _refuse_errors([tree])
+    (group,) = groups(spoken, [title], None)
+    return Programs(title, spoken, (Part(group.name, (tree,), (title,)),))
+
+
+def _is_source(name: str, language: str | None = None) -> bool:
+    suffix = FilePath(name).suffix.lower()
+    if language is not None:
+        return False
+    if suffix == pseudo.SUFFIX or suffix in sources.READERS:
+        return True
+    # What is no robot program is to be said as for any source that cannot be read.
+    return not FilePath(name).is_dir() and languages.of_file(name, read_bytes(name)) is None
+
+
+def _one_language(files: Sequence[str], named: str | None) -> Language[Any]:
+    """The language of all files; raises Refused if there are two."""
+    first: tuple[str, Language[Any]] | None = None
+    for file in files:
+        spoken = language_of(named) if named else languages.of_file(file, read_bytes(file))
+        if spoken is None:
+            raise Refused(ONE_SOURCE(path=file, name=file), exit_status=2)
+        if first is not None and spoken.family != first[1].family:
+            raise Refused(
+                MIXED(
+                    path=file,
+                    name=FilePath(file).name,
+                    language=spoken.title,
+                    first=FilePath(first[0]).name,
+                    other=first[1].title,
+                ),
+                exit_status=2,
+            )
+        first = first or (file, spoken)
+    assert first is not None
+    return first[1]
+
+
+def _part(spoken: Language[Any], group: Group) -> Part:
+    """Raises Refused where one of the files has errors."""
+    texts = [spoken.read(file) for file in group.files]
+    folder = FilePath(group.files[0]).parent if group.beside else None
+    trees = read_trees(spoken, texts, beside=folder)
+    if folder is not None:
+        known = {_path(tree) for tree in trees}
+        trees += [t for t in read_companions(spoken, trees, folder) if _path(t) not in known]
+    _refuse_errors(trees)
+    names = tuple(_path(tree).stem for tree in trees)
+    return Part(group.name, tuple(trees), names, group.essential)
+
+
+def _path(tree: Tree) -> FilePath:
+    return FilePath((tree.source.path if tree.source else None) or "")
+
+
+def _refuse_errors(trees: Sequence[Tree]) -> None:
+    found: list[Diagnostic] = [f for tree in trees for f in tree.findings]
+    if has_errors(found):
+        raise Refused(*(f for f in found if f.severity is Severity.ERROR))

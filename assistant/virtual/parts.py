@@ -1,0 +1,91 @@
+"""Programs that run together: the tasks or slots of a controller, and what is loaded in each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+from assistant.languages import Language
+from assistant.program.diagnostics import Refused, error
+from assistant.program.program import Program
+
+NOT_RUN: Final = error(
+    "VC201", "programs in {language} cannot be run here", "choose a program in {languages}"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """Files that are loaded together. name: of their task or slot.
+
+    essential: whether the run goes on until it ends. beside: whether files that it calls are
+    looked for in the folder of the first.
+    """
+
+    name: str
+    files: tuple[str, ...]
+    essential: bool = True
+    beside: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A task or slot with what is loaded in it.
+
+    trees: of one language, the program first. names: of the programs, where they call each other.
+    """
+
+    name: str
+    trees: tuple[Any, ...]
+    names: tuple[str, ...] = ()
+    essential: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Programs:
+    """What runs together: parts in one language, or a pseudo-program.
+
+    title: as the user named it. language: None for the pseudo-program. path: the file of the
+    pseudo-program's text, None where it comes from another source.
+    """
+
+    title: str
+    language: Language[Any] | None = None
+    parts: tuple[Part, ...] = ()
+    program: Program | None = None
+    path: str | None = None
+
+
+def groups(language: Language[Any], files: Sequence[str], folder: str | None) -> list[Group]:
+    """The tasks or slots that files are loaded into; raises Refused where that is not clear.
+
+    folder: that the files were found in, None where each was named.
+    """
+    return _of_family(language, GROUPS)(files, folder)
+
+
+def _of_family(language: Language[Any], table: Mapping[str, Grouping]) -> Grouping:
+    if language.family not in table:
+        spoken = ", ".join(table)
+        raise Refused(NOT_RUN(language=language.title, languages=spoken), exit_status=2)
+    return table[language.family]
+
+
+Grouping = Callable[[Sequence[str], str | None], list[Group]]
+
+
+def _tasks(files: Sequence[str], folder: str | None) -> list[Group]:
+    from assistant.virtual.rapid.tasks import tasks
+
+    return tasks(files, folder)
+
+
+def _slots(files: Sequence[str], folder: str | None) -> list[Group]:
+    from assistant.virtual.melfa.slots import slots
+
+    return slots(files, folder)
+
+
+GROUPS: Final[Mapping[str, Grouping]] = {"RA": _tasks, "MB": _slots}
+"""By the family of a language."""

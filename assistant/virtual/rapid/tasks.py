@@ -1,0 +1,105 @@
+"""Files of RAPID in the tasks of a controller: modules of a folder, and whole backups.
+
+A backup keeps the modules of a task in `RAPID/TASKn/PROGMOD` and `SYSMOD`, those that all tasks
+share in `RAPID/TASK0`, the names of the tasks in `BACKINFO/backinfo.txt`, and how they start in
+`SYSPAR/SYS.cfg`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Final
+
+from assistant import languages
+from assistant.program.diagnostics import Refused, error
+from assistant.virtual.parts import Group
+
+SEVERAL: Final = error(
+    "VC204",
+    "the folder holds programs in several folders: {names}",
+    "name the folder of one task, a backup, or the modules that one task loads",
+)
+SEVERAL_LISTS: Final = error(
+    "VC205",
+    "the folder holds several lists of programs: {names}",
+    "name the one that the task loads",
+)
+TASK: Final = "T_ROB1"
+LIST: Final = ".pgf"
+SHARED: Final = "TASK0"
+_BACKUP: Final = re.compile(r"(?i)(?:^|/)RAPID/(TASK\d+)$")
+_NAMED: Final = re.compile(r"(?im)^>>\s*(TASK\d+)\s*:\s*\(\s*([A-Za-z]\w*)")
+_TABLE: Final = re.compile(r"(?ims)^CAB_TASKS:(.*?)(?:^\S|\Z)")
+_ATTRIBUTE: Final = re.compile(r'-(\w+)(?:\s+"([^"]*)")?')
+
+
+def tasks(files: Sequence[str], folder: str | None) -> list[Group]:
+    """The task that moves the robot first. Files that were named are all of one task."""
+    if folder is None:
+        return [Group(TASK, tuple(files))]
+    language = languages.get("rapid")
+    inside: dict[Path, list[str]] = {}
+    for file in files:
+        inside.setdefault(language.program_of(Path(file)), []).append(file)
+    backup = {found[1].upper(): path for path in inside if (found := _task_of(path))}
+    if backup:
+        return list(_of_backup(backup, inside))
+    if len(inside) > 1:
+        names = ", ".join(f"`{path}`" for path in inside)
+        raise Refused(SEVERAL(path=folder, names=names), exit_status=2)
+    return [Group(TASK, _modules(folder, files), beside=False)]
+
+
+def _task_of(path: Path) -> re.Match[str] | None:
+    return _BACKUP.search(path.absolute().as_posix())
+
+
+def _modules(folder: str, files: Sequence[str]) -> tuple[str, ...]:
+    """The modules of a folder, without the list that names them."""
+    lists = [file for file in files if file.lower().endswith(LIST)]
+    if len(lists) > 1:
+        names = ", ".join(f"`{Path(file).name}`" for file in lists)
+        raise Refused(SEVERAL_LISTS(path=folder, names=names), exit_status=2)
+    return tuple(file for file in files if file not in lists) or tuple(lists)
+
+
+def _of_backup(backup: dict[str, Path], inside: dict[Path, list[str]]) -> Iterator[Group]:
+    root = next(iter(backup.values())).absolute().parents[1]
+    names = {key.upper(): name for key, name in _NAMED.findall(_text(root, "BACKINFO"))}
+    rows = list(_rows(_text(root, "SYSPAR")))
+    moving = {row["Name"] for row in rows if "MotionTask" in row and "Name" in row}
+    beside = {row.get("Name", "") for row in rows if row.get("Type", "").upper() in BACKGROUND}
+    shared = [f for key, path in backup.items() if key == SHARED for f in inside[path]]
+    found = []
+    for key, path in sorted(backup.items()):
+        if key == SHARED:
+            continue
+        name = names.get(key) or (TASK if key == "TASK1" else key)
+        modules = (*_modules(str(path), inside[path]), *shared)
+        found.append(Group(name, modules, essential=name not in beside, beside=False))
+    yield from sorted(found, key=lambda group: group.name not in moving)
+
+
+BACKGROUND: Final = ("STATIC", "SEMISTATIC")
+"""Types of tasks that run all the time, whether or not the others have ended."""
+FILES: Final = {"BACKINFO": "backinfo.txt", "SYSPAR": "SYS.cfg"}
+
+
+def _text(root: Path, folder: str) -> str:
+    """A file of a backup, empty where it is not there or may not be read."""
+    try:
+        return (root / folder / FILES[folder]).read_text("latin-1")
+    except OSError:
+        return ""
+
+
+def _rows(text: str) -> Iterator[dict[str, str]]:
+    """The tasks that the system parameters state, by their attributes."""
+    table = _TABLE.search(text)
+    if table is None:
+        return
+    for row in re.split(r"(?m)^\s*(?=-Name\b)", table[1].replace("\\\n", " ")):
+        if attributes := dict(_ATTRIBUTE.findall(row)):
+            yield attributes

@@ -1,0 +1,105 @@
+"""Runs programs together on one virtual controller: its tasks or slots, clock, signals and arm."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from assistant.program.diagnostics import Refused
+from assistant.program.geometry import Pose
+from assistant.virtual.kernel import Board, Kernel, Motion, Signals
+from assistant.virtual.kernel.motion import Instant
+from assistant.virtual.kernel.signals import Source
+from assistant.virtual.parts import GROUPS, NOT_RUN, Part, Programs
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+
+MOST_STEPS: Final = 1_000_000
+MOST_TIME: Final = 3600.0
+"""Simulated seconds after which a run is over, unless it is told otherwise."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settings:
+    """How programs are run.
+
+    robot: the arm, None for one of which nothing is known. motion: how it follows, None for the
+    timed model, or without a robot for motions that take no time. entry: the routine that the
+    first task begins with, None for its own. inputs: what each reads that nothing has set, by name
+    in lower case or number as text. most_steps: statements of all tasks. most_time: simulated
+    seconds. pace: simulated seconds for each real one, None for as fast as possible.
+    """
+
+    robot: Robot | None = None
+    motion: Motion | None = None
+    entry: str | None = None
+    inputs: Source = field(default_factory=dict)
+    most_steps: int = MOST_STEPS
+    most_time: float = MOST_TIME
+    pace: float | None = None
+
+
+def prepared(programs: Programs, settings: Settings | None = None) -> Kernel:
+    """A kernel in which the programs begin as soon as it runs; the arm stands at its home."""
+    chosen = settings or Settings()
+    kernel = Kernel(
+        Board(Signals(chosen.inputs)),
+        motion=chosen.motion or Instant(),
+        most_steps=chosen.most_steps,
+        most_time=chosen.most_time,
+        pace=chosen.pace,
+    )
+    if programs.language is None:
+        raise Refused(NOT_RUN(language="pseudo text", languages=", ".join(GROUPS)), exit_status=2)
+    start = STARTS[programs.language.family]
+    for number, part in enumerate(programs.parts):
+        start(kernel, part, chosen, chosen.entry if number == 0 else None)
+    return kernel
+
+
+def home(robot: Robot | None) -> Pose | None:
+    """The flange in the base where an arm stands before its first motion."""
+    if robot is None:
+        return None
+    position, quaternion = robot.fk(np.array([robot.home], dtype=np.float64))
+    return Pose.of(position[0], quaternion[0])
+
+
+Start = Callable[[Kernel, Part, Settings, str | None], None]
+
+
+def _task(kernel: Kernel, part: Part, settings: Settings, entry: str | None) -> None:
+    from assistant.virtual.rapid.running import start_task
+
+    task = start_task(
+        kernel,
+        part.trees,
+        name=part.name,
+        robot=settings.robot,
+        entry=entry or "main",
+        start=home(settings.robot),
+    )
+    task.essential = part.essential
+
+
+def _slot(kernel: Kernel, part: Part, settings: Settings, entry: str | None) -> None:  # noqa: ARG001
+    from assistant.virtual.melfa import start_slot
+    from assistant.virtual.melfa.world import STEP_TIME
+
+    kernel.statement_time = STEP_TIME
+    start_slot(
+        kernel,
+        part.trees,
+        slot=int(part.name),
+        robot=settings.robot,
+        start=home(settings.robot),
+        names=part.names,
+    )
+
+
+STARTS: Final[Mapping[str, Start]] = {"RA": _task, "MB": _slot}
+"""By the family of a language."""
