@@ -82,7 +82,7 @@ def _tasks(files: Sequence[str], folder: str | None) -> list[Group]:
 
 
 def _slots(files: Sequence[str], folder: str | None) -> list[Group]:
-    from assistant.virtual.melfa.slots import slots
+    from assistant.virtual.melfa.loading import slots
 
     return slots(files, folder)
 
