@@ -5,13 +5,15 @@ that was collected for this project, `kernel` and `overview` are manuals of the 
 name of an instruction or function its page in the manual of instructions, functions and data types.
 `program`: the body of `main`; `data` and `routines`: more of its module; `modules`: further ones.
 `expected`: what the program writes, to the pendant and to the event log. `ended`, `message`: how it
-ends, `end` where nothing is stated. `options`: of the controller.
+ends, `end` where nothing is stated. `options`: of the controller. `signals`: inputs that are set
+from outside, each a time in seconds, a name and a value. `tasks`: further tasks, each its module.
 """
 
 from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +21,9 @@ import pytest
 
 from assistant import languages
 from assistant.virtual.events import Reported, Said
-from assistant.virtual.rapid import run
+from assistant.virtual.kernel import Kernel
 from assistant.virtual.rapid.controller import Controller, Options
+from assistant.virtual.rapid.running import start_task
 
 CASES = Path(__file__).parent / "semantics" / "rapid"
 
@@ -39,7 +42,16 @@ def test_a_case(case: dict[str, Any], tmp_path: Path) -> None:
     files = [languages.get("rapid").parse(text) for text in (own, *case.get("modules", ()))]
     assert not [finding for file in files for finding in file.findings]
     controller = Controller(Options(**case.get("options", {})))
-    found = run(files, controller=controller)
+    kernel = Kernel()
+    for seconds, name, value in case.get("signals", ()):
+        kernel.at(seconds, partial(kernel.board.inputs.set, name, float(value)))
+    start_task(kernel, files, controller=controller)
+    for number, task in enumerate(case.get("tasks", ()), 2):
+        file = languages.get("rapid").parse(task["module"])
+        assert not file.findings
+        kind = task.get("kind", "normal")
+        start_task(kernel, [file], name=f"T_ROB{number}", controller=controller, kind=kind)
+    found = kernel.run()
     told = [line for event in found.events if (line := _line(event)) is not None]
     assert (told, found.ended) == (case["expected"], case.get("ended", "end"))
     assert case.get("message", "") in found.message

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, Literal
 
+from assistant.virtual.kernel.task import Task
 from assistant.virtual.rapid.scopes import Cell
 
+Kind = Literal["normal", "static", "semistatic"]
+"""Of a task: who starts it, and what becomes of it at power on (RAPID overview, Multitasking)."""
 RETRIES: Final = 4
 """The system parameter No Of Retry, as controllers are delivered (reference, 2.1)."""
 
@@ -28,8 +32,17 @@ class Options:
 
 @dataclass(slots=True, eq=False)
 class Controller:
-    """persistents: what the tasks share, by name in lower case. booked: numbers of errors."""
+    """persistents: what the tasks share, by name in lower case. booked: numbers of errors.
+
+    tasks: in the order in which they were started. outputs, known: names of signals in lower case
+    that programs set, and of all that they use. looks: are called before each statement of any
+    task, to see whether shared data has changed.
+    """
 
     options: Options = field(default_factory=Options)
     persistents: dict[str, Cell] = field(default_factory=dict)
     booked: set[int] = field(default_factory=set)
+    outputs: set[str] = field(default_factory=set)
+    known: set[str] = field(default_factory=set)
+    tasks: list[Task] = field(default_factory=list)
+    looks: list[Callable[[], None]] = field(default_factory=list)

@@ -19,11 +19,15 @@ SETS: Final = frozenset(
     (
         *("set", "reset", "setdo", "setgo", "setao", "invertdo", "pulsedo"),
         *("waitdo", "waitgo", "waitao", "doutput", "goutput", "aoutput", "goutputdnum"),
+        *("isignaldo", "isignalgo", "isignalao"),
     )
 )
 """Instructions and functions whose first argument is an output."""
 READS: Final = frozenset(
-    ("waitdi", "waitgi", "waitai", "testdi", "dinput", "ginput", "ainput", "ginputdnum")
+    (
+        *("waitdi", "waitgi", "waitai", "testdi", "dinput", "ginput", "ainput", "ginputdnum"),
+        *("isignaldi", "isignalgi", "isignalai"),
+    )
 )
 """The same of an input."""
 SET_UP: Final = frozenset(("triggio", "triggequip"))

@@ -16,6 +16,7 @@ from assistant.virtual.kernel.task import Task
 from assistant.virtual.on_way import told
 from assistant.virtual.rapid.arm import Arm
 from assistant.virtual.rapid.controller import Controller
+from assistant.virtual.rapid.interrupts import Interrupts
 from assistant.virtual.rapid.scopes import Frame, Known, Meaning, Unit
 from assistant.virtual.rapid.signals import Signals
 from assistant.virtual.rapid.types import Types
@@ -47,7 +48,7 @@ class Machine:
     task: what it runs in. named: what all modules know, by name in lower case. predefined: what
     every controller knows. modules: by name in lower case. controller: what its tasks share. at:
     the statement at hand. row: the line of it, from 0, in a run of moves. on_way: what is set on
-    the way of the next motion.
+    the way of the next motion. moves: whether the task has a robot.
     """
 
     task: Task
@@ -64,6 +65,11 @@ class Machine:
     at: tuple[Unit, Span | None] | None = None
     row: int = 0
     on_way: Sequence[Switched] = ()
+    moves: bool = True
+    interrupts: Interrupts = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.interrupts = Interrupts(self.task)
 
     @property
     def frame(self) -> Frame:
@@ -89,6 +95,8 @@ class Machine:
     def step(self, node: s.StatementNode, row: int = 0) -> None:
         """Counts a statement that is about to run."""
         self.at, self.row = (self.frame.unit, node.span), row
+        for look in tuple(self.controller.looks):
+            look()
         self.task.step()
 
     def took(self, node: s.StatementNode, way: int) -> None:

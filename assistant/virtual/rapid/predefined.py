@@ -42,6 +42,20 @@ ZONE_PARTS: Final = (
     *("zone_ori", "zone_leax", "zone_reax"),
 )
 NUMBERS: Final = {"pi": 3.141592654, "low": 0.0, "high": 1.0, "edge": 2.0, "wait_max": 99999.0}
+COUNTED: Final = (
+    (
+        1,
+        "AIO_ABOVE_HIGH AIO_BELOW_HIGH AIO_ABOVE_LOW AIO_BELOW_LOW AIO_BETWEEN AIO_OUTSIDE "
+        "AIO_ALWAYS",
+    ),
+    (1, "SOCKET_CREATED SOCKET_CONNECTED SOCKET_BOUND SOCKET_LISTENING SOCKET_CLOSED"),
+    (0, "iconNone iconInfo iconWarning iconError"),
+    (-1, "btnNone btnOK btnAbrtRtryIgn btnOKCancel btnRetryCancel btnYesNo btnYesNoCancel"),
+    (0, "resUnkwn resOK resAbort resRetry resIgnore resCancel resYes resNo"),
+)
+"""Names whose numbers follow each other, with the first (manual, data types aiotrigg, socketstatus,
+icondata, buttondata and btnres).
+"""
 TEXTS: Final = {"stempty": "", "diskhome": "HOME:", "disktemp": "TEMP:", "diskram": "RAMDISK:"}
 
 
@@ -52,9 +66,15 @@ def predefined(robot: Robot | None) -> Mapping[str, Cell]:
     cells["vmax"] = _cell(_speed(fastest))
     cells |= {name: _cell(_zone(name, sizes)) for name, sizes in ZONES.items()}
     cells |= {name: _cell(value) for name, value in NUMBERS.items()}
+    cells |= {
+        name.lower(): _cell(float(number))
+        for first, names in COUNTED
+        for number, name in enumerate(names.split(), first)
+    }
     cells |= {name: _cell(text) for name, text in TEXTS.items()}
     cells |= ERRORS
     cells["errno"] = _cell(0.0)
+    cells["intno"] = _cell(0.0)
     cells |= {f"reg{i}": _cell(0.0, "VAR") for i in range(1, 6)}
     cells["clock1"] = Cell(Shape("clock"), "VAR", Clock())
     cells["load0"] = _cell(load(), "CONST")

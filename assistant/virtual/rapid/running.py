@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Final
 
 from assistant.languages.rapid.tree import syntax as s
@@ -14,8 +15,8 @@ from assistant.virtual.kernel import MOST_STEPS, Board, Ending, Kernel, Signals,
 from assistant.virtual.kernel.signals import Source
 from assistant.virtual.rapid.arm import Arm
 from assistant.virtual.rapid.calls import call
-from assistant.virtual.rapid.controller import Controller
-from assistant.virtual.rapid.ends import Fault, NotSimulated, Over
+from assistant.virtual.rapid.controller import Controller, Kind
+from assistant.virtual.rapid.ends import Cycled, Fault, NotSimulated, Over
 from assistant.virtual.rapid.expressions import settled
 from assistant.virtual.rapid.functions import FUNCTIONS
 from assistant.virtual.rapid.instructions import INSTRUCTIONS
@@ -25,6 +26,7 @@ from assistant.virtual.rapid.machine import Abilities, Machine
 from assistant.virtual.rapid.predefined import predefined
 from assistant.virtual.rapid.scopes import Cell, Frame, Known, Unit
 from assistant.virtual.rapid.signals import Signals as OwnSignals
+from assistant.virtual.rapid.traps import run_trap
 from assistant.virtual.rapid.types import Types
 
 ABILITIES: Final = Abilities(FUNCTIONS, INSTRUCTIONS, call)
@@ -65,43 +67,68 @@ def start_task(
     entry: str = "main",
     start: Pose | None = None,
     controller: Controller | None = None,
+    kind: Kind = "normal",
+    moves: bool = True,
 ) -> Task:
-    """A task of a controller that runs one cycle of a program; see `run`."""
+    """A task of a controller that runs one cycle of a program; see `run`.
 
-    def body(task: Task) -> Ending:
-        types = Types()
-        outputs, known = signals(files)
-        machine = Machine(
-            task,
-            ABILITIES,
-            types,
-            OwnSignals(task, outputs, known),
-            Arm(start),
-            robot,
-            predefined=predefined(robot),
-            controller=controller or Controller(),
+    kind: of others than `normal` ones the program runs again and again, until those have ended.
+    moves: whether the task has a robot. All tasks are to be there before the kernel runs.
+    """
+    shared = controller or Controller()
+    task = kernel.task(name, lambda _: ending(), essential=kind == "normal")
+    outputs, known = signals(files)
+    shared.outputs |= outputs
+    shared.known |= known
+    machine = Machine(
+        task,
+        ABILITIES,
+        Types(),
+        OwnSignals(task, shared.outputs, shared.known),
+        Arm(start),
+        robot,
+        predefined=predefined(robot),
+        controller=shared,
+        moves=moves,
+    )
+    machine.interrupts.run = partial(run_trap, machine)
+    task.where, task.levels = machine.place, lambda: levels(machine)
+    shared.tasks.append(task)
+    cells: list[Cell] = []
+
+    def prepare() -> None:
+        if any(has_errors(file.findings) for file in files):
+            raise Fault("the text of a module has errors")
+        loaded = load(files, machine.types, shared.persistents)
+        machine.named, machine.modules = loaded.named, loaded.units
+        cells.extend(loaded.cells)
+
+    wrong = _how_it_ends(machine, prepare)
+
+    def ending() -> Ending:
+        return (
+            wrong or _how_it_ends(machine, lambda: _begin(machine, cells, entry, kind)) or Ending()
         )
-        task.where, task.levels = machine.place, lambda: levels(machine)
-        try:
-            if any(has_errors(file.findings) for file in files):
-                raise Fault("the text of a module has errors")
-            loaded = load(files, types, machine.controller.persistents)
-            machine.named, machine.modules = loaded.named, loaded.units
-            _begin(machine, loaded.cells, entry)
-        except Fault as fault:
-            return Ending("error", _told(machine, str(fault)))
-        except NotSimulated as unknown:
-            return Ending("unknown", _told(machine, str(unknown)))
-        except RecursionError:
-            return Ending("unknown", _told(machine, "statements nested so deep"))
-        except Over as over:
-            return Ending(over.ended, _told(machine, str(over)) if str(over) else "")
-        return Ending()
 
-    return kernel.task(name, body)
+    return task
 
 
-def _begin(machine: Machine, cells: Sequence[Cell], entry: str) -> None:
+def _how_it_ends(machine: Machine, does: Callable[[], None]) -> Ending | None:
+    """None if it goes to its own end."""
+    try:
+        does()
+    except Fault as fault:
+        return Ending("error", _told(machine, str(fault)))
+    except NotSimulated as unknown:
+        return Ending("unknown", _told(machine, str(unknown)))
+    except RecursionError:
+        return Ending("unknown", _told(machine, "statements nested so deep"))
+    except Over as over:
+        return Ending(over.ended, _told(machine, str(over)) if str(over) else "")
+    return None
+
+
+def _begin(machine: Machine, cells: Sequence[Cell], entry: str, kind: Kind) -> None:
     """Every datum of a module has its value before the first statement."""
     unit = Unit(None)
     machine.frames.append(Frame(unit, None))
@@ -110,7 +137,15 @@ def _begin(machine: Machine, cells: Sequence[Cell], entry: str) -> None:
     first = machine.meaning(entry)
     if not isinstance(first, Known):
         raise Fault(f"there is no routine `{entry}` to begin with")
-    machine.abilities.call(machine, first, ())
+    while True:
+        try:
+            machine.abilities.call(machine, first, ())
+        except Cycled:
+            if kind == "normal":
+                raise
+        if kind == "normal":
+            return
+        machine.task.step()
 
 
 def _told(machine: Machine, message: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Set
 from dataclasses import dataclass
 
 from assistant.virtual.events import OnWay
@@ -10,14 +11,14 @@ from assistant.virtual.kernel.task import Task
 
 @dataclass(slots=True)
 class Signals:
-    """outputs: names, in lower case, of the signals that the program sets; the others are inputs.
+    """outputs: names, in lower case, of the signals that programs set; the others are inputs.
 
     known: names of signals, whichever; what else has no meaning in the program is none of them.
     """
 
     task: Task
-    outputs: frozenset[str]
-    known: frozenset[str]
+    outputs: Set[str]
+    known: Set[str]
 
     def knows(self, name: str) -> bool:
         inputs = self.task.kernel.board.inputs

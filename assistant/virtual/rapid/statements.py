@@ -26,6 +26,7 @@ from assistant.virtual.rapid.poses import text
 from assistant.virtual.rapid.recovery import attempt, leave, name_of
 from assistant.virtual.rapid.rows import moves
 from assistant.virtual.rapid.scopes import Cell, Known, Meaning
+from assistant.virtual.rapid.traps import connect
 from assistant.virtual.rapid.values import NUMBER, Shape, equal
 
 Body = Sequence[s.StatementNode]
@@ -234,6 +235,7 @@ STATEMENTS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
     s.ReturnFrom: _return,
     s.Word: _word,
     s.RaiseError: _raise,
+    s.Connect: connect,
     s.IfThen: _if,
     s.CompactIf: _compact_if,
     s.ForLoop: _for,
@@ -242,4 +244,3 @@ STATEMENTS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
     s.MoveRunNode: _moves,
     s.Placeholder: _placeholder,
 }
-"""Others, as CONNECT, are not simulated."""

@@ -140,6 +140,16 @@ def equal(left: Value, right: Value) -> bool:
     raise ValueError(f"{kind_of(left)} and {kind_of(right)} cannot be compared")
 
 
+def same(left: Value, right: Value) -> bool:
+    """Whether a value is what it was, of whatever type."""
+    match left, right:
+        case Record(parts=parts), Record():
+            return all(same(part, right.parts[name]) for name, part in parts.items())
+        case Array(items), Array():
+            return len(items) == len(right.items) and all(map(same, items, right.items))
+    return left == right
+
+
 def kind_of(value: Value) -> str:
     """What a value is, as a message says it."""
     match value:

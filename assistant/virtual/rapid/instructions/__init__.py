@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from assistant.virtual.rapid.instructions import errors, motions, others, signals
+from assistant.virtual.rapid.instructions import errors, interrupts, motions, others, signals
 from assistant.virtual.rapid.machine import Function
 
 INSTRUCTIONS: Final[Mapping[str, Function]] = {
@@ -13,4 +13,5 @@ INSTRUCTIONS: Final[Mapping[str, Function]] = {
     **signals.TABLE,
     **others.TABLE,
     **errors.TABLE,
+    **interrupts.TABLE,
 }
