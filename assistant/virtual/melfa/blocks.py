@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.virtual.melfa import expressions
 from assistant.virtual.melfa.code import nodes
-from assistant.virtual.melfa.expressions import RELATIONS, SPELLED
+from assistant.virtual.melfa.operators import RELATIONS, SPELLED, binary
 from assistant.virtual.melfa.stops import Failed, Unknown
 from assistant.virtual.melfa.values import Value, holds, number
 
 if TYPE_CHECKING:
-    from assistant.virtual.melfa.machine import Machine
+    from assistant.virtual.melfa.machine import Loop, Machine
 
 
 def enter_if(m: Machine, node: s.If) -> None:
@@ -80,13 +80,21 @@ def next_turn(m: Machine, _: s.Next) -> None:
         loop = m.frame.loops.get(closed.start)
         if loop is None:
             raise Failed(3230, "Next without its For")
-        if not _calls(m, statement) and _bounds(m, statement) != (loop.last, loop.step):
-            raise Unknown("a loop whose bounds change while it runs")
+        _follow_bounds(m, statement, loop)
         place, index = expressions.reference(m, statement.variable)
         place.set(number(place.get(index)) + loop.step, index)
         if _goes_on(number(place.get(index)), loop.last, loop.step):
             m.at = closed.start + 1
             return
+
+
+def _follow_bounds(m: Machine, node: s.For, loop: Loop) -> None:
+    """Whether bounds that change while the loop runs still count is an option."""
+    way = m.world.options.bounds
+    if way == "each":
+        loop.last, loop.step = _bounds(m, node)
+    elif way is None and not _calls(m, node) and _bounds(m, node) != (loop.last, loop.step):
+        raise Unknown("a loop whose bounds change while it runs")
 
 
 def _calls(m: Machine, node: s.For) -> bool:
@@ -146,4 +154,4 @@ def _fits(m: Machine, item: s.CaseRange | s.CaseIs, subject: Value) -> bool:
 def _compared(m: Machine, sign: str, left: Value, right: Value) -> bool:
     if sign not in RELATIONS:
         raise Failed(4220, f"Case Is {sign}")
-    return bool(expressions.binary(m, sign, left, right))
+    return bool(binary(m, sign, left, right))

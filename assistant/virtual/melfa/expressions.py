@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
-import math
-import operator
-from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.virtual.melfa import functions, pallets, poses, status
-from assistant.virtual.melfa.code import constant
+from assistant.virtual.melfa import functions, pallets, places, status
+from assistant.virtual.melfa.code import constant, nodes
 from assistant.virtual.melfa.memory import Index, Place, is_external
+from assistant.virtual.melfa.operators import binary, unary
 from assistant.virtual.melfa.stops import Failed, Unknown
 from assistant.virtual.melfa.values import (
-    Bare,
-    Joints,
-    Position,
     Value,
     component,
-    joints,
+    fitted,
     number,
-    position,
-    text,
     whole,
+    with_component,
 )
 
 if TYPE_CHECKING:
@@ -45,7 +39,7 @@ def value(m: Machine, node: s.Expression | None) -> Value:
         case s.Variable():
             return variable(m, node)
         case s.Unary(operator=sign, operand=operand):
-            return _unary(sign.upper(), value(m, operand))
+            return unary(sign.upper(), value(m, operand))
         case s.Binary(operator=sign, left=left, right=right):
             return binary(m, sign.upper(), value(m, left), value(m, right))
         case s.Pallet(number=number_, point=point):
@@ -54,9 +48,9 @@ def value(m: Machine, node: s.Expression | None) -> Value:
     raise Failed(4220, "an expression that is none")
 
 
-def values(m: Machine, nodes: tuple[s.Expression | None, ...]) -> tuple[Value | None, ...]:
+def values(m: Machine, given: tuple[s.Expression | None, ...]) -> tuple[Value | None, ...]:
     """What arguments come to, None for those that are left out."""
-    return tuple(None if node is None else value(m, node) for node in nodes)
+    return tuple(None if node is None else value(m, node) for node in given)
 
 
 def integer(m: Machine, node: s.Expression | None, what: str = "the value") -> int:
@@ -73,7 +67,9 @@ def plain(m: Machine, node: s.Expression | None, what: str = "the value") -> int
 def variable(m: Machine, node: s.Variable) -> Value:
     """A variable, an element, a status variable, or what a function gives."""
     found = _whole_value(m, node)
-    return component(found, node.component) if node.component else found
+    if node.component:
+        return component(found, node.component, m.world.options)
+    return found
 
 
 def _whole_value(m: Machine, node: s.Variable) -> Value:
@@ -95,7 +91,17 @@ def _whole_value(m: Machine, node: s.Variable) -> Value:
             index = tuple(value(m, a) for a in node.arguments or ())
             return status.read(m.world, key, index)
     place, index = reference(m, node)
+    if m.world.options.unset == "zero" and place.kind in NUMBERS and not place.is_set(index):
+        return 0
     return place.get(index)
+
+
+def store(m: Machine, node: s.Variable, given: Value) -> None:
+    """Gives a variable, or a component of one, a value."""
+    place, index = reference(m, node)
+    if node.component:
+        given = with_component(place.get(index), node.component, given, m.world.options)
+    place.set(fitted(given, place.kind, node.name, m.world.options), index)
 
 
 def plugged(m: Machine, node: s.Variable) -> Value:
@@ -120,8 +126,32 @@ def _applied(m: Machine, node: s.Variable, arguments: tuple[s.Expression | None,
     known, count = vocabulary.function(node.key), len(arguments)
     if known and not known.least <= count <= (count if known.most is None else known.most):
         raise Failed(3120, f"{node.name} with {count} arguments")
+    if count > 1 and not m.world.options.nested and any(map(_calls, arguments)):
+        raise Failed(None, f"a function with an argument among those of {node.name}")
+    if node.key == "CALARC":
+        return _arc(m, arguments)
     given = values(m, arguments)
-    return functions.call(node.key.removesuffix("$"), given, m.world.arm.robot)
+    return functions.call(node.key.removesuffix("$"), given, m.world)
+
+
+def _calls(node: s.Expression | None) -> bool:
+    """Whether a function with an argument stands in an expression."""
+    return any(
+        isinstance(part, s.Variable) and part.arguments and vocabulary.function(part.key)
+        for part in nodes(node)
+    )
+
+
+def _arc(m: Machine, arguments: tuple[s.Expression | None, ...]) -> int:
+    """CalArc, which gives most of what it finds back in its arguments."""
+    one, via, other = (value(m, node) for node in arguments[:3])
+    done, radius, angle, length, centre = places.arc(one, via, other)
+    found: tuple[Value, ...] = (radius, angle, length, centre)
+    for node, made in zip(arguments[3:], found, strict=True):
+        if not isinstance(node, s.Variable):
+            raise Failed(3810, "a result of CalArc goes to what is no variable")
+        store(m, node, made)
+    return done
 
 
 def is_status(key: str) -> bool:
@@ -152,142 +182,5 @@ def io_of(m: Machine, definition: s.DefIo) -> tuple[int, int, int]:
     return integer(m, definition.number, "the signal"), width, mask
 
 
-# --------------------------------------------------------------------------------- operators
-
-
-def _unary(sign: str, operand: Value) -> Value:
-    if sign == "NOT":
-        return not operand if isinstance(operand, bool) else ~whole(operand, "what NOT turns")
-    if isinstance(operand, Position):
-        return operand if sign == "+" else poses.scaled(operand, -1.0)
-    if isinstance(operand, Joints):
-        return operand if sign == "+" else poses.scaled(operand, -1.0)
-    given = number(operand, "what has a sign")
-    return given if sign == "+" else -given
-
-
-def binary(m: Machine, sign: str, left: Value, right: Value) -> Value:
-    """Two values and an operator between them."""
-    sign = SPELLED.get(sign, sign)
-    if isinstance(left, Position | Joints | Bare) or isinstance(right, Position | Joints | Bare):
-        return _of_positions(m, sign, left, right)
-    if isinstance(left, str) or isinstance(right, str):
-        return _of_texts(sign, left, right)
-    if sign in RELATIONS:
-        result: Value = RELATIONS[sign](number(left), number(right))
-        return result
-    if sign in BITWISE:
-        if isinstance(left, bool) and isinstance(right, bool):
-            return bool(BITWISE[sign](left, right))
-        return BITWISE[sign](whole(left, "an operand"), whole(right, "an operand"))
-    if sign in ARITHMETIC:
-        return _kept(ARITHMETIC[sign](number(left), number(right)))
-    raise Failed(4220, f"the operator {sign}")
-
-
-def _divided(left: float, right: float) -> float:
-    if right == 0:
-        raise Unknown("a division by 0")
-    return left / right
-
-
-EXACT: Final = 1 << 53
-"""Whole numbers below it are exact in double precision."""
-
-
-def _kept(made: int | float) -> int | float:
-    """A result in double precision; raises Unknown where that has no number for it."""
-    if isinstance(made, int):
-        return made if abs(made) < EXACT else float(made)
-    if not math.isfinite(made):
-        raise Unknown("a number that is not finite")
-    return made
-
-
-def _power(left: float, right: float) -> int | float:
-    made: float | complex
-    try:
-        made = float(left) ** float(right)
-    except (OverflowError, ZeroDivisionError):
-        raise Unknown(f"{left} to the power of {right}") from None
-    if isinstance(made, complex):
-        raise Unknown("the power of a negative number to one that is not whole")
-    return int(made) if made.is_integer() and abs(made) < EXACT else made
-
-
-def _quotient(left: float, right: float) -> int:
-    r"""`\`: operands are rounded; which way a negative quotient goes is not known."""
-    a, b = whole(left), whole(right)
-    if b == 0:
-        raise Unknown("a division by 0")
-    if a % b and (a < 0) != (b < 0):
-        raise Unknown("a whole quotient that is negative and leaves a remainder")
-    return abs(a) // abs(b) * (1 if (a < 0) == (b < 0) else -1)
-
-
-def _remainder(left: float, right: float) -> int:
-    """`Mod`: operands are rounded; of negative ones the sign is not known."""
-    a, b = whole(left), whole(right)
-    if b == 0:
-        raise Unknown("a remainder of a division by 0")
-    if a % b and (a < 0 or b < 0):
-        raise Unknown("Mod of negative numbers")
-    return abs(a) % abs(b)
-
-
-def _shifted(left: float, right: float, sign: int) -> int:
-    a, b = whole(left), whole(right)
-    if a < 0 or b < 0 or a << b >= 1 << 15:
-        raise Unknown("a shift beyond fifteen bits")
-    return a << b if sign > 0 else a >> b
-
-
-SPELLED: Final = {"><": "<>", "=<": "<=", "=>": ">="}
-
-RELATIONS: Final[Mapping[str, Callable[[Any, Any], bool]]] = {
-    "=": operator.eq, "<>": operator.ne, "<": operator.lt, "<=": operator.le,
-    ">": operator.gt, ">=": operator.ge,
-}  # fmt: skip
-BITWISE: Final[Mapping[str, Callable[[int, int], int]]] = {
-    "AND": operator.and_, "OR": operator.or_, "XOR": operator.xor,
-}  # fmt: skip
-ARITHMETIC: Final[Mapping[str, Callable[[Any, Any], Any]]] = {
-    "+": operator.add, "-": operator.sub, "*": operator.mul, "/": _divided,
-    "\\": _quotient, "MOD": _remainder, "^": _power,
-    "<<": lambda a, b: _shifted(a, b, 1), ">>": lambda a, b: _shifted(a, b, -1),
-}  # fmt: skip
-
-
-def _of_texts(sign: str, left: Value, right: Value) -> Value:
-    one, other = text(left, "an operand"), text(right, "an operand")
-    if sign == "+":
-        return one + other
-    if sign in RELATIONS:
-        return RELATIONS[sign](one, other)
-    raise Failed(4390, f"the operator {sign} between texts")
-
-
-def _of_positions(m: Machine, sign: str, left: Value, right: Value) -> Value:
-    """Sums go element by element, a product is one position in the frame of the other."""
-    robot = m.world.arm.robot
-    if isinstance(left, Joints) or isinstance(right, Joints):
-        if sign in ("*", "/") and isinstance(right, int | float):
-            return poses.scaled(joints(left), _factor(sign, right))
-        if sign in ("+", "-"):
-            return poses.elementwise(joints(left), joints(right), ARITHMETIC[sign])
-        raise Failed(4390, f"the operator {sign} between joints")
-    if sign in ("*", "/") and isinstance(right, int | float):
-        return poses.scaled(position(left), _factor(sign, right))
-    if sign in ("+", "-"):
-        if isinstance(left, Bare) and isinstance(right, Bare):
-            raise Unknown("a sum of two constants without flags")
-        return poses.elementwise(position(left), position(right), ARITHMETIC[sign])
-    if sign == "*":
-        return poses.composed(position(left), position(right), robot)
-    if sign == "/":
-        return poses.divided(position(left), position(right), robot)
-    raise Failed(4390, f"the operator {sign} between positions")
-
-
-def _factor(sign: str, given: float) -> float:
-    return float(given) if sign == "*" else _divided(1.0, given)
+NUMBERS: Final = ("number", "integer", "long")
+"""Types of variables that a number goes into."""

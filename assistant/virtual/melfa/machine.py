@@ -22,7 +22,7 @@ from assistant.virtual.melfa.memory import (
 )
 from assistant.virtual.melfa.pallets import Grid
 from assistant.virtual.melfa.stops import Ended, Failed, Unknown
-from assistant.virtual.melfa.values import Kind, Value, converted
+from assistant.virtual.melfa.values import Kind, Value, converted, fitted
 from assistant.virtual.melfa.world import World
 
 MOST_SUBROUTINES: Final = 800
@@ -165,6 +165,7 @@ class Machine:
             raise Failed(4220, f"{function.name} gives nothing back")
         mark = name[-1] if name[-1] in SUFFIXES else function.suffix
         kind: Kind = SUFFIXES.get(mark, "text" if name[0] == "C" else kind_by_name(name[0]))
+        value = fitted(value, kind, function.name, self.world.options)
         self.frame.result = converted(value, kind, function.name)
 
     # ------------------------------------------------------------------------------ calling

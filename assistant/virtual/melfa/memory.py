@@ -53,6 +53,10 @@ class Cell:
         self._check(index)
         self.values[index] = converted(value, self.kind, self._said(index))
 
+    def is_set(self, index: Index = ()) -> bool:
+        self._check(index)
+        return index in self.values
+
     def copy(self, name: str) -> Cell:
         """For an array that is given by value."""
         return Cell(name, self.kind, self.size, dict(self.values))
@@ -87,6 +91,10 @@ class Element:
     def set(self, value: Value, index: Index = ()) -> None:
         self._check(index)
         self.cell.set(value, self.at)
+
+    def is_set(self, index: Index = ()) -> bool:
+        self._check(index)
+        return self.cell.is_set(self.at)
 
     def _check(self, index: Index) -> None:
         if index:

@@ -76,6 +76,11 @@ def divided(left: Position, right: Position, robot: Robot | None) -> Position:
     return position_of(_plain(left, robot) @ _plain(right, robot).inverse(), left)
 
 
+def divided_from_left(left: Position, right: Position, robot: Robot | None) -> Position:
+    """The first one seen from the second."""
+    return position_of(_plain(right, robot).inverse() @ _plain(left, robot), left)
+
+
 def inverse(value: Position, robot: Robot | None) -> Position:
     return position_of(_plain(value, robot).inverse(), value)
 

@@ -56,22 +56,15 @@ def _assign(m: Machine, node: s.Assign) -> None:
     elif node.delay is not None:
         raise Failed(4220, "a pulse of what is no output")
     else:
-        _store(m, target, value)
+        expressions.store(m, target, value)
 
 
 def _result(m: Machine, target: s.Variable, value: Any) -> None:
     """The result of the Function that runs."""
     if target.component:
-        m.set_result(with_component(m.result(), target.component, value))
+        m.set_result(with_component(m.result(), target.component, value, m.world.options))
     else:
         m.set_result(value)
-
-
-def _store(m: Machine, target: s.Variable, value: Any) -> None:
-    place, index = expressions.reference(m, target)
-    if target.component:
-        value = with_component(place.get(index), target.component, value)
-    place.set(value, index)
 
 
 def _index(m: Machine, target: s.Variable) -> int:
@@ -153,14 +146,14 @@ def _parameters(m: Machine, node: s.FPrm) -> None:
     if len(node.variables) != len(m.arguments):
         raise Failed(3120, f"{len(m.arguments)} arguments for {len(node.variables)}")
     for variable, value in zip(node.variables, m.arguments, strict=True):
-        _store(m, variable, value)
+        expressions.store(m, variable, value)
 
 
 # ------------------------------------------------------------------------------ definitions
 
 
 def _const(m: Machine, node: s.Const) -> None:
-    _store(m, node.variable, expressions.value(m, node.value))
+    expressions.store(m, node.variable, expressions.value(m, node.value))
 
 
 def _other(m: Machine, node: s.DefOther) -> None:

@@ -62,7 +62,7 @@ def read(world: World, name: str, arguments: tuple[Value, ...]) -> Value:
     if name in WIDTHS and len(index) == 1:
         output, width = WIDTHS[name]
         value = world.read(output, index[0], width)
-        return _signed(value, width)
+        return _signed(world, value, width)
     if name == "M_TIMER" and len(index) == 1:
         return world.timer(timer_number(index[0]))
     if name in SLOT and len(index) <= 1:
@@ -80,8 +80,10 @@ def timer_number(number: int) -> int:
     return number
 
 
-def _signed(value: int, width: int) -> int:
+def _signed(world: World, value: int, width: int) -> int:
     """A number of 16 or 32 bits whose highest one is set may be shown as negative or not."""
     if width in (16, 32) and value >> (width - 1):
-        raise Unknown(f"the sign of a group of {width} signals whose highest is on")
+        if world.options.signed is None:
+            raise Unknown(f"the sign of a group of {width} signals whose highest is on")
+        return value - (1 << width) if world.options.signed else value
     return value

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 
 class Failed(Exception):
-    """The controller stops with an error. number: as it shows it (lists of errors, BFP-A8871)."""
+    """The controller stops with an error.
 
-    def __init__(self, number: int, what: str) -> None:
-        super().__init__(f"error {number}: {what}")
+    number: as it shows it (lists of errors, BFP-A8871), None where the manuals give none.
+    """
+
+    def __init__(self, number: int | None, what: str) -> None:
+        super().__init__(f"error {number}: {what}" if number else f"error: {what}")
         self.number = number
 
 

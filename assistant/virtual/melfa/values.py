@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
+from assistant.virtual.melfa.options import Options
 from assistant.virtual.melfa.stops import Failed, Unknown, number_wanted
 
 Kind = Literal["number", "integer", "long", "text", "position", "joints"]
@@ -118,6 +119,18 @@ def holds(value: Value) -> bool:
     return number(value, "the condition") != 0
 
 
+def fitted(value: Value, kind: Kind, what: str, options: Options) -> Value:
+    """A value that is to go into a variable: a whole one takes no more than its bits."""
+    if kind not in RANGES or isinstance(value, str) or options.overflow is None:
+        return value
+    bound, rounded = RANGES[kind], whole(value, what)
+    if -bound <= rounded < bound:
+        return rounded
+    if options.overflow == "error":
+        raise Failed(None, f"{rounded} does not fit into {what}")
+    return (rounded + bound) % (2 * bound) - bound
+
+
 def converted(value: Value, kind: Kind, what: str) -> Value:
     """A value as a variable of a type keeps it."""
     match kind:
@@ -141,12 +154,13 @@ def converted(value: Value, kind: Kind, what: str) -> Value:
 # ---------------------------------------------------------------------------- components
 
 
-def component(value: Value, name: str) -> int | float:
+def component(value: Value, name: str, options: Options) -> int | float:
     """A component: angles in radian (PRGMDEG 0), lengths in mm, flags whole."""
     if isinstance(value, Joints):
         if name not in JOINTS:
             raise Failed(4220, f"joints have no component {name}")
-        return math.radians(_defined(value.values[JOINTS.index(name)], name))
+        element = _defined(value.values[JOINTS.index(name)], name)
+        return math.radians(element) if _in_radian(name, options) else element
     given = position(value, f"what has a component {name}")
     if name in FLAGS:
         flag = given.flags[FLAGS.index(name)]
@@ -156,18 +170,17 @@ def component(value: Value, name: str) -> int | float:
     if name not in COMPONENTS:
         raise Failed(4220, f"positions have no component {name}")
     element = _defined(given.values[COMPONENTS.index(name)], name)
-    if name in ("L1", "L2"):
-        raise Unknown("whether an additional axis turns or slides")
-    return math.radians(element) if name in ("A", "B", "C") else element
+    return math.radians(element) if _in_radian(name, options) else element
 
 
-def with_component(value: Value, name: str, new: Value) -> Position | Joints:
+def with_component(value: Value, name: str, new: Value, options: Options) -> Position | Joints:
     """The value with one component set, which is given as `component` gives it."""
     if isinstance(value, Joints):
         if name not in JOINTS:
             raise Failed(4220, f"joints have no component {name}")
-        degrees = math.degrees(number(new, name))
-        return Joints(_put(value.values, JOINTS.index(name), degrees))
+        given_joint = float(number(new, name))
+        element = math.degrees(given_joint) if _in_radian(name, options) else given_joint
+        return Joints(_put(value.values, JOINTS.index(name), element))
     given = position(value, f"what has a component {name}")
     if name in FLAGS:
         one, two = given.flags
@@ -175,11 +188,20 @@ def with_component(value: Value, name: str, new: Value) -> Position | Joints:
         return replace(given, flags=(flag, two) if name == "FL1" else (one, flag))
     if name not in COMPONENTS:
         raise Failed(4220, f"positions have no component {name}")
-    if name in ("L1", "L2"):
-        raise Unknown("whether an additional axis turns or slides")
-    element = number(new, name)
-    element = math.degrees(element) if name in ("A", "B", "C") else element
+    element = float(number(new, name))
+    element = math.degrees(element) if _in_radian(name, options) else element
     return replace(given, values=_put(given.values, COMPONENTS.index(name), element))
+
+
+def _in_radian(name: str, options: Options) -> bool:
+    if name in ADDITIONAL:
+        if options.slides is None:
+            raise Unknown("whether an additional axis turns or slides")
+        return not options.slides and not options.degrees
+    return name not in ("X", "Y", "Z") and not options.degrees
+
+
+ADDITIONAL: Final = ("L1", "L2", "J7", "J8")
 
 
 def _put(values: Elements, at: int, value: float) -> Elements:

@@ -1,0 +1,344 @@
+"""Functions of positions: frames, flags, areas, and what stands between (COSIROP help, CR1D)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Final
+
+import numpy as np
+
+from assistant.program import rotations
+from assistant.program.arrays import Floats
+from assistant.program.geometry import IDENTITY, Pose
+from assistant.robots import Robot
+from assistant.virtual.melfa import poses
+from assistant.virtual.melfa.arm import Arm
+from assistant.virtual.melfa.circles import FLAT, circle_through
+from assistant.virtual.melfa.stops import Failed, Unknown, out_of_range
+from assistant.virtual.melfa.values import (
+    Bare,
+    Joints,
+    Position,
+    Value,
+    eight,
+    joints,
+    number,
+    position,
+    text,
+    whole,
+)
+from assistant.virtual.melfa.world import World
+
+LOOSE: Final = (None, None)
+"""Flags of a position that the manuals give none."""
+
+
+def _place(value: Value) -> Floats:
+    """X, Y, Z in mm."""
+    x, y, z = position(value).values[:3]
+    if x is None or y is None or z is None:
+        raise Failed(2800, "a position with elements that are not defined")
+    return np.array([x, y, z])
+
+
+def _distance(_: World, one: Value, other: Value) -> float:
+    return float(np.linalg.norm(_place(one) - _place(other)))
+
+
+# ------------------------------------------------------------------------------------ frames
+
+
+def _inverse(world: World, value: Value) -> Position:
+    return poses.inverse(position(value), world.arm.robot)
+
+
+def _frame(world: World, origin: Value, along: Value, beside: Value) -> Position:
+    """Fram: the origin, a place on its X axis, and one where Y is positive."""
+    _six_axes(world)
+    o, x, y = _place(origin), _place(along), _place(beside)
+    first, normal = x - o, np.cross(x - o, y - o)
+    length, size = float(np.linalg.norm(first)), float(np.linalg.norm(normal))
+    if size <= FLAT * length * float(np.linalg.norm(y - o)):
+        raise Unknown("a frame through places on a line")
+    first, normal = first / length, normal / size
+    turned = np.stack([first, np.cross(normal, first), normal], axis=-1)
+    made = Pose.of(o, rotations.canonical(rotations.from_matrix(turned)))
+    return poses.position_of(made, Position(eight(()), LOOSE))
+
+
+def _aligned(world: World, value: Value) -> Position:
+    """Align: A, B and C to the nearest of 0, 90 and 180 with their signs."""
+    _six_axes(world)
+    given = position(value)
+    turned = tuple(None if v is None else _right_angle(v) for v in given.values[3:6])
+    return Position((*given.values[:3], *turned, *given.values[6:]), given.flags)
+
+
+def _right_angle(angle: float) -> float:
+    quarters = angle / 90.0
+    if abs(quarters - math.floor(quarters) - 0.5) < HALFWAY:
+        raise Unknown(f"which right angle is nearest to {angle:g} degrees")
+    near = 90.0 * round(quarters)
+    while abs(near) > 180.0:
+        near -= math.copysign(360.0, near)
+    return near + 0.0
+
+
+HALFWAY: Final = 1e-9
+
+
+def _middle(world: World, one: Value, other: Value, detour: Value, kind: Value) -> Position:
+    """PosMid: halfway on a straight move, by the shorter way round."""
+    _six_axes(world)
+    first, last = position(one), position(other)
+    flags = first.flags[0], last.flags[0]
+    if None not in flags and flags[0] != flags[1]:
+        raise Failed(2810, "the posture flags of start and end differ")
+    if whole(kind) != 0:
+        raise Unknown("the middle of a move that is not of equivalent rotation")
+    a, b = poses.pose_of(first), poses.pose_of(last)
+    angle = float(rotations.angle_between(a.quaternion, b.quaternion))
+    if whole(detour) != 0 and angle > STILL:
+        raise Unknown("the middle of a move by the longer way round")
+    if angle > OPPOSITE:
+        raise Unknown("the middle of a turn by half a turn")
+    turned = rotations.between(a.quaternion, b.quaternion, 0.5)
+    made = Pose.of((_place(one) + _place(other)) / 2.0, rotations.canonical(turned))
+    return poses.position_of(made, first)
+
+
+STILL: Final = 1e-6
+OPPOSITE: Final = 179.999
+"""Degrees between two postures that are the same, and that every way round is as long between."""
+
+
+def _six_axes(world: World) -> None:
+    if world.arm.robot is not None and world.arm.robot.five_axis:
+        raise Unknown("such a function with an arm of five axes")
+
+
+# ------------------------------------------------------------------------------------- areas
+
+
+def _in_box(_: World, value: Value, one: Value, other: Value) -> int:
+    """Zone: each element between those of two places; angles the positive way round."""
+    given, first, last = (position(v).values[:6] for v in (value, one, other))
+    for at, (v, a, b) in enumerate(zip(given, first, last, strict=True)):
+        if v is None or a is None or b is None:
+            raise Unknown("an area with elements that are not defined")
+        if not (_turned_between(v, a, b) if at >= 3 else min(a, b) <= v <= max(a, b)):
+            return 0
+    return 1
+
+
+def _turned_between(v: float, a: float, b: float) -> bool:
+    return b - a >= 360.0 or (v - a) % 360.0 <= (b - a) % 360.0
+
+
+def _in_capsule(_: World, value: Value, one: Value, other: Value, radius: Value) -> int:
+    """Zone2: as near as a radius to the line between two places."""
+    within = number(radius, "the radius")
+    if within < 0:
+        raise out_of_range("the radius of an area")
+    p, a, b = _place(value), _place(one), _place(other)
+    along = b - a
+    length = float(along @ along)
+    share = 0.0 if length == 0.0 else min(1.0, max(0.0, float((p - a) @ along) / length))
+    return int(float(np.linalg.norm(p - a - share * along)) <= within)
+
+
+def _in_turned_box(_: World, value: Value, *rest: Value) -> int:
+    """Zone3: -1 where its three places make no plane (CR1D 4-342)."""
+    a, b, c = (_place(v) for v in rest[:3])
+    if any(number(v) < 0 for v in rest[3:5]):
+        raise out_of_range("the width or height of an area")
+    if circle_through(a, b, c) is None:
+        return -1
+    _place(value)
+    raise Unknown("the box of Zone3, which the manual tells by a drawing only")
+
+
+# ---------------------------------------------------------------------------------- the arm
+
+
+def _arm(world: World) -> Arm:
+    """The arm of its own for a conversion, with the tool and the base that it counts with."""
+    given = world.arm
+    if given.robot is None:
+        raise Unknown("the arm")
+    made = Arm(given.robot)
+    if (given.tip, given.foot) != (IDENTITY, IDENTITY):
+        if world.options.conversions is None:
+            raise Unknown("whether JtoP and PtoJ count with the tool and the base")
+        if world.options.conversions == "all":
+            made.tool, made.base, made.tip, made.foot = (
+                given.tool,
+                given.base,
+                given.tip,
+                given.foot,
+            )
+    return made
+
+
+def to_position(world: World, value: Value) -> Position:
+    arm = _arm(world)
+    arm.at_joints(tuple(v for v in joints(value).values if v is not None))
+    return arm.shown()
+
+
+def _to_joints(world: World, value: Value) -> Joints:
+    arm, given = _arm(world), position(value)
+    arm.at_position(arm.placed(given), given.flags)
+    return arm.shown_joints()
+
+
+def _reached(world: World, value: Value) -> int:
+    """PosCq: whether a position or joints are within the range of motion."""
+    robot = _robot(world)
+    if isinstance(value, Bare):
+        raise Unknown("whether a constant is a position or joints")
+    if isinstance(value, Joints):
+        given = tuple(v for v in value.values if v is not None)
+        own = robot.own_joints((*given, *(0.0,) * 6)[: max(6, len(given))])
+        return int(bool(robot.inside(np.array([own]))[0]))
+    arm, wanted = Arm(robot), position(value)
+    arm.tip, arm.foot = world.arm.tip, world.arm.foot
+    arm.at_position(arm.placed(wanted), wanted.flags)
+    try:
+        arm.shown_joints()
+    except Failed:
+        return 0
+    return 1
+
+
+def _robot(world: World) -> Robot:
+    if world.arm.robot is None:
+        raise Unknown("the arm")
+    return world.arm.robot
+
+
+# -------------------------------------------------------------------------------------- flags
+
+LETTERS: Final = (("L", "R"), ("B", "A"), ("F", "N"))
+"""Of FL1 for 0 and 1: bits 2, 1 and 0."""
+
+
+def _letter(_: World, value: Value, which: Value) -> str:
+    one, at = _flag(value, 0), whole(which)
+    if at not in range(3):
+        raise out_of_range(f"the structure flag {at}")
+    return LETTERS[at][one >> (2 - at) & 1]
+
+
+def _lettered(_: World, value: Value, letters: Value) -> Position:
+    """SetFl1: of two letters of one pair the last one holds."""
+    given, one = position(value), _flag(value, 0)
+    for letter in text(letters).upper():
+        place = next((i for i, pair in enumerate(LETTERS) if letter in pair), None)
+        if place is None:
+            raise out_of_range(f"the structure flag {letter}")
+        bit = 1 << (2 - place)
+        one = one | bit if LETTERS[place].index(letter) else one & ~bit
+    return Position(given.values, (one, given.flags[1]))
+
+
+def _turns(_: World, value: Value, axis: Value) -> int:
+    """RdFl2: four bits of each axis, with a sign."""
+    nibble = _flag(value, 1) >> _shift(axis) & 15
+    return nibble - 16 if nibble > 7 else nibble
+
+
+def _turned(_: World, value: Value, axis: Value, turns: Value) -> Position:
+    given, count = position(value), whole(turns)
+    if not -8 <= count <= 7:
+        raise out_of_range(f"{count} turns")
+    shift, two = _shift(axis), _flag(value, 1)
+    made = two & ~(15 << shift) | (count & 15) << shift
+    return Position(given.values, (given.flags[0], made))
+
+
+def _shift(axis: Value) -> int:
+    if whole(axis) not in range(1, 9):
+        raise out_of_range(f"the axis {whole(axis)}")
+    return 4 * (whole(axis) - 1)
+
+
+def _flag(value: Value, which: int) -> int:
+    flag = position(value).flags[which]
+    if flag is None:
+        raise Unknown(f"FL{which + 1} of a position without flags")
+    return flag
+
+
+# -------------------------------------------------------------------------------------- arcs
+
+
+def arc(one: Value, via: Value, other: Value) -> tuple[int, float, float, float, Position]:
+    """CalArc: whether there is one, its radius, angle in radian, length and centre."""
+    a, b, c = _place(one), _place(via), _place(other)
+    spread = max(float(np.linalg.norm(a - b)), float(np.linalg.norm(b - c)))
+    if spread == 0.0:
+        return -2, -1.0, 0.0, 0.0, _centre(np.zeros(3))
+    if spread < NEAR:
+        raise Unknown("whether an arc goes through places that are so near")
+    circle = circle_through(a, b, c)
+    if circle is None:
+        return -1, -1.0, 0.0, float(np.linalg.norm(c - a)), _centre(np.zeros(3))
+    radius, angle = float(np.linalg.norm(a - circle.centre)), circle.angle(a, c)
+    return 1, radius, angle, radius * angle, _centre(circle.centre)
+
+
+NEAR: Final = 0.01
+"""mm; the manual speaks of approximately the same place."""
+
+
+def _centre(place: Floats) -> Position:
+    return Position(eight((*(float(v) for v in place), 0.0, 0.0, 0.0)), LOOSE)
+
+
+# --------------------------------------------------------------------------------- the tables
+
+
+def _built(kind: type[Position] | type[Joints], radian: range) -> Callable[..., Value]:
+    """Of SetPos and SetJnt: elements of which some are angles in radian."""
+
+    def made(world: World, *given: Value | None) -> Value:
+        values: list[float | None] = []
+        for at, value in enumerate(given):
+            plain = None if value is None else float(number(value))
+            turns = at in radian
+            if at >= 6 and plain is not None:
+                if world.options.slides is None:
+                    raise Unknown("whether an additional axis turns or slides")
+                turns = not world.options.slides
+            if turns and plain is not None and world.options.degrees:
+                raise Unknown("the unit of angles in SetPos and SetJnt where PRGMDEG is 1")
+            values.append(math.degrees(plain) if plain is not None and turns else plain)
+        return kind(eight(tuple(values)))
+
+    return made
+
+
+PLAIN: Final[Mapping[str, Callable[..., Value]]] = {
+    "DIST": _distance,
+    "INV": _inverse,
+    "FRAM": _frame,
+    "ALIGN": _aligned,
+    "POSMID": _middle,
+    "ZONE": _in_box,
+    "ZONE2": _in_capsule,
+    "ZONE3": _in_turned_box,
+    "POSCQ": _reached,
+    "JTOP": to_position,
+    "PTOJ": _to_joints,
+    "RDFL1": _letter,
+    "SETFL1": _lettered,
+    "RDFL2": _turns,
+    "SETFL2": _turned,
+}
+BUILT: Final[Mapping[str, Callable[..., Value]]] = {
+    "SETPOS": _built(Position, range(3, 6)),
+    "SETJNT": _built(Joints, range(6)),
+}
+"""Functions whose arguments may be left out."""

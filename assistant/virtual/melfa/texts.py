@@ -1,0 +1,189 @@
+"""Functions of texts: parts of them, their codes, and numbers as text (COSIROP help, CR1D)."""
+
+from __future__ import annotations
+
+import math
+import re
+import struct
+from collections.abc import Callable, Mapping
+from typing import Final
+
+from assistant.virtual.melfa.options import Options
+from assistant.virtual.melfa.stops import Unknown, out_of_range
+from assistant.virtual.melfa.values import Value, number, text, whole
+
+CODES: Final = "latin-1"
+"""A character is one byte here: what it shows is up to the controller's code page."""
+
+# ------------------------------------------------------------------------------------- parts
+
+
+def _part(of: Value, at: Value, count: Value) -> str:
+    first, many, whole_text = whole(at), whole(count), text(of)
+    if first <= 0 or many <= 0 or first - 1 + many > len(whole_text):
+        raise out_of_range("the part of a text")
+    return whole_text[first - 1 : first - 1 + many]
+
+
+def _end(of: Value, count: Value, left: bool) -> str:
+    many, whole_text = whole(count), text(of)
+    if not 0 <= many <= len(whole_text):
+        raise out_of_range("the part of a text")
+    return whole_text[:many] if left else whole_text[len(whole_text) - many :]
+
+
+def _found(of: Value, sought: Value) -> int:
+    if not text(sought):
+        raise out_of_range("an empty text that is looked for")
+    return text(of).find(text(sought)) + 1
+
+
+# ------------------------------------------------------------------------------------- codes
+
+
+def _bytes(of: Value) -> bytes:
+    try:
+        return text(of).encode(CODES)
+    except UnicodeEncodeError:
+        raise Unknown(f"the codes of the characters of `{text(of)}`") from None
+
+
+def _code(of: Value) -> int:
+    if not text(of):
+        raise out_of_range("the first character of an empty text")
+    return _bytes(of)[0]
+
+
+def _character(code: Value) -> str:
+    if not 0 <= whole(code) < 256:
+        raise out_of_range(f"the character {whole(code)}")
+    return chr(whole(code))
+
+
+def _sum(of: Value, first: Value, last: Value) -> int:
+    """CkSum: the codes from one character to another, or to the end, in eight bits."""
+    codes, start, end = _bytes(of), whole(first), whole(last)
+    if not 1 <= start <= len(codes):
+        raise out_of_range(f"the character {start} of a text of {len(codes)}")
+    if end < start:
+        raise Unknown("a sum of characters that ends before it begins")
+    return sum(codes[start - 1 : end]) % 256
+
+
+def _mirrored(of: Value) -> str:
+    """Mirror$: all bits of the text in the other order, so that "BJ" becomes "RB"."""
+    codes = _bytes(of)
+    bits = "".join(f"{code:08b}" for code in codes)[::-1]
+    return bytes(int(bits[i : i + 8], 2) for i in range(0, len(bits), 8)).decode(CODES)
+
+
+def _packed(form: str) -> Callable[[Value], str]:
+    """Mki$, Mks$, Mkd$: the bytes of a number, the lowest first as `Cvi` has them."""
+
+    def made(given: Value) -> str:
+        value = number(given)
+        if form == WHOLE:
+            return (whole(value) & 0xFFFF).to_bytes(2, "little").decode(CODES)
+        try:
+            return struct.pack(form, value).decode(CODES)
+        except OverflowError:
+            raise Unknown(f"{value} in single precision") from None
+
+    return made
+
+
+def _unpacked(form: str) -> Callable[[Value], int | float]:
+    """Cvi, Cvs, Cvd: Cvi("10ABC") is &H3031, the first character the lowest byte (COSIROP)."""
+    size = struct.calcsize(form)
+
+    def made(of: Value) -> int | float:
+        codes = _bytes(of)[:size]
+        if len(codes) < size:
+            raise out_of_range(f"a text of fewer than {size} characters")
+        (value,) = struct.unpack(form, codes)
+        if not math.isfinite(value):
+            raise Unknown("a number that is not finite")
+        return int(value) if form == WHOLE else float(value)
+
+    return made
+
+
+WHOLE: Final = "<h"
+SINGLE: Final = "<f"
+DOUBLE: Final = "<d"
+
+# ----------------------------------------------------------------------------------- numbers
+
+
+def shown(options: Options, value: Value) -> str:
+    """A number as Str$ writes it; of those that are not whole the form is an option."""
+    given = number(value)
+    if given == int(given):
+        return str(int(given))
+    if options.digits is None:
+        raise Unknown("how Str$ writes a number that is not whole")
+    return f"{given:.{options.digits}g}"
+
+
+def _number_in(of: Value) -> int | float:
+    given = text(of).strip().upper()
+    if BASED.fullmatch(given):
+        return int(given[2:], BASES[given[1]])
+    value = float(given) if DECIMAL.fullmatch(given) else math.nan
+    if not math.isfinite(value):
+        raise Unknown(f"the number in the text `{text(of)}`")
+    return int(value) if value.is_integer() else value
+
+
+BASED: Final = re.compile(r"&H[0-9A-F]+|&B[01]+")
+BASES: Final = {"H": 16, "B": 2}
+DECIMAL: Final = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(E[+-]?\d+)?", re.ASCII)
+
+
+def _digits(options: Options, of: Value, base: str, count: Value | None = None) -> str:
+    """Hex$, Bin$; of a negative number the last four hexadecimal digits are sure."""
+    given, wanted = whole(of), None if count is None else whole(count)
+    if given < 0:
+        bits = options.bits
+        if bits is None and base == "X" and wanted is not None and wanted <= SURE:
+            bits = 16
+        if bits is None:
+            raise Unknown("the digits of a negative number")
+        given &= (1 << bits) - 1
+    made = format(given, base)
+    if wanted is None:
+        return made
+    if not 1 <= wanted <= len(made):
+        raise Unknown(f"{wanted} digits of the {len(made)} of a number")
+    return made[-wanted:]
+
+
+SURE: Final = 4
+
+PLAIN: Final[Mapping[str, Callable[..., Value]]] = {
+    "MID": _part,
+    "LEFT": lambda of, count: _end(of, count, left=True),
+    "RIGHT": lambda of, count: _end(of, count, left=False),
+    "LEN": lambda of: len(text(of)),
+    "ASC": _code,
+    "CHR": _character,
+    "STRPOS": _found,
+    "STRUPR": lambda of: text(of).upper(),
+    "STRLWR": lambda of: text(of).lower(),
+    "VAL": _number_in,
+    "CKSUM": _sum,
+    "MIRROR": _mirrored,
+    "MKI": _packed(WHOLE),
+    "MKS": _packed(SINGLE),
+    "MKD": _packed(DOUBLE),
+    "CVI": _unpacked(WHOLE),
+    "CVS": _unpacked(SINGLE),
+    "CVD": _unpacked(DOUBLE),
+}
+
+OPEN: Final[Mapping[str, Callable[..., Value]]] = {
+    "STR": shown,
+    "HEX": lambda options, of, count=None: _digits(options, of, "X", count),
+    "BIN": lambda options, of: _digits(options, of, "b"),
+}
+"""Functions that take the options first."""
