@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import zip_longest
 from typing import Final
 
@@ -12,21 +13,22 @@ from assistant.program import rotations
 from assistant.program.geometry import Pose
 from assistant.virtual.events import (
     Event,
+    Logged,
     Moved,
     OnWay,
-    Reported,
     Run,
     Said,
     Stopped,
     Switched,
     Waited,
 )
+from assistant.virtual.rounding import Allowed, Rounding, reach_of, tip_of
 
 POSITION: Final = 0.02
 """mm. MELFA-BASIC has two decimals of a millimetre, so that a place is off by 0.009 at most, and
 a tool or a frame by as much again; one that was read wrongly is off by far more."""
 ANGLE: Final = 0.02
-"""Degrees, for the same reason."""
+"""Degrees, for the same reason. Both where nothing tells what is printed, see `Rounding`."""
 JOINT: Final = 0.02
 SPEED: Final = 1e-3
 """Of the speed itself."""
@@ -37,36 +39,168 @@ Bits = Mapping[str, Sequence[int]]
 """Numbers of a signal's bits, the lowest first, by its name in lower case."""
 
 
-def difference(first: Run, second: Run, signals: Bits | None = None) -> str | None:
-    """What the second run does that the first does not, or the other way; None if they agree.
+@dataclass(frozen=True, slots=True)
+class Unlike:
+    """The first thing that two runs do differently. event: its number, 0 for how they end.
+
+    first, second: what either does there, None where it does nothing more.
+    """
+
+    event: int
+    what: str
+    first: Logged | None = None
+    second: Logged | None = None
+
+    def __str__(self) -> str:
+        return f"event {self.event}: {self.what}" if self.event else self.what
+
+
+@dataclass(frozen=True, slots=True)
+class Likeness:
+    """What was compared of two runs. visits: motions. changes: signals that were set.
+
+    apart: mm between the tips of the tools where motions end, the most. turned: degrees.
+    unlike: None if both do the same.
+    """
+
+    visits: int = 0
+    changes: int = 0
+    apart: float = 0.0
+    turned: float = 0.0
+    unlike: Unlike | None = None
+
+
+def difference(
+    first: Run, second: Run, signals: Bits | None = None, rounding: Rounding | None = None
+) -> str | None:
+    """What the second run does that the first does not, or the other way; None if they agree."""
+    unlike = likeness(first, second, signals, rounding).unlike
+    return None if unlike is None else str(unlike)
+
+
+def likeness(
+    first: Run, second: Run, signals: Bits | None = None, rounding: Rounding | None = None
+) -> Likeness:
+    """What two runs have in common, as far as they agree.
 
     signals: where a name of one run is a number of the other. A signal that is set to what it is
     anyway does nothing; nor do texts, and delays of no time. A corner of the second may be
     narrower. Joints are compared where nothing tells which flange they give: two arms that stand
     alike have other ones. Speeds of joint motions are not compared: they are percentages of an
     arm's own. A run of the first that waits for ever, or ends for good, may be one without end in
-    the second. Of a run that was broken off only what was told is compared.
+    the second. Of a run that was broken off only what was told is compared. rounding: what one of
+    the texts prints; without it places may be apart by POSITION and ANGLE.
     """
     ours = list(_doings(first, signals or {}))
     others = list(_doings(second, signals or {}))
-    halted = bool(ours) and ours[-1] == Stopped(end=True)
+    halted = bool(ours) and ours[-1].what == Stopped(end=True)
     if halted:  # a program that must not go on may stop again and again
-        ours[-1] = Stopped()
-        while len(others) > len(ours) and others[-1] == Stopped():
+        ours[-1] = _as(ours[-1], Stopped())
+        while len(others) > len(ours) and others[-1].what == Stopped():
             others.pop()
     both = (first.ended, second.ended)
     if {"steps", "unknown"} & set(both) and both != ("stopped", "steps"):
         shorter = min(len(ours), len(others))
         ours, others = ours[:shorter], others[:shorter]
-    for place, (one, two) in enumerate(zip_longest(ours, others), 1):
+    comparing = _Comparing(rounding, reach_of([x.what for x in ours if isinstance(x.what, Moved)]))
+    for number, (one, two) in enumerate(zip_longest(ours, others), 1):
         if one is None:
-            return f"event {place}: {_end(first)}, and {_said(two)}"
+            return comparing.found(number, f"{_end(first)}, and {_said(two.what)}", one, two)
         if two is None:
-            return f"event {place}: {_said(one)}, and {_end(second)}"
-        wrong = _unlike(one, two)
+            return comparing.found(number, f"{_said(one.what)}, and {_end(second)}", one, two)
+        wrong = comparing.unlike(one.what, two.what)
         if wrong is not None:
-            return f"event {place}: {wrong}: {_said(one)}, and {_said(two)}"
-    return None if halted or _end_alike(*both) else f"{_end(first)}, and {_end(second)}"
+            said = f"{wrong}: {_said(one.what)}, and {_said(two.what)}"
+            return comparing.found(number, said, one, two)
+    if halted or _end_alike(*both):
+        return comparing.found()
+    return comparing.found(0, f"{_end(first)}, and {_end(second)}")
+
+
+class _Comparing:
+    """Compares one event of either run after the other, and keeps how far they were apart."""
+
+    def __init__(self, rounding: Rounding | None, reach: float) -> None:
+        self.rounding, self.reach = rounding, reach
+        self.visits = self.changes = 0
+        self.apart = self.turned = 0.0
+        self.place = POSITION
+
+    def found(
+        self, event: int = 0, what: str = "", one: Logged | None = None, two: Logged | None = None
+    ) -> Likeness:
+        unlike = Unlike(event, what, one, two) if what else None
+        return Likeness(self.visits, self.changes, self.apart, self.turned, unlike)
+
+    def unlike(self, one: Event, two: Event) -> str | None:
+        """What differs of two events, None if they are the same."""
+        match one, two:
+            case Moved(), Moved():
+                self.visits += 1
+                return self._motion(one, two)
+            case Switched(), Switched():
+                self.changes += 1
+                if (one.signal, one.value) != (two.signal, two.value):
+                    return "another event"
+                return None if self._same_place(one.at, two.at) else "another place on the way"
+            case Waited(), Waited():
+                return None if abs(one.seconds - two.seconds) <= TIME else "another delay"
+        return None if one == two else "another event"
+
+    def _motion(self, one: Moved, two: Moved) -> str | None:
+        if one.kind != two.kind:
+            return "another kind of motion"
+        allowed = self._allowed(one)
+        self.place = 2.0 * allowed.tip
+        if one.flange is None or two.flange is None:
+            if one.joints is None or two.joints is None:
+                return "joints, and a position"
+            joint = JOINT if self.rounding is None else 2.0 * self.rounding.joint
+            if not _near(one.joints, two.joints, joint):
+                return "other joints"
+        elif wrong := self._tips(one, two, allowed):
+            return wrong
+        if (one.via is None) != (two.via is None):
+            return "no place on the way"
+        if one.via is not None and two.via is not None:
+            far, turned = _between(one.via @ one.tool, two.via @ two.tool)
+            if far > allowed.tip or turned > allowed.angle:
+                return f"another place on the way, {_off(far, turned)}"
+        far, turned = _between(one.tool, two.tool)
+        if far > allowed.tool or turned > allowed.tool_angle:
+            return f"another tool, {_off(far, turned)}"
+        if one.kind != "joint" and one.speed is not None:
+            if two.speed is None or abs(one.speed - two.speed) > SPEED * one.speed:
+                return "another speed"
+        return "a wider corner" if two.blend > one.blend + BLEND else None
+
+    def _tips(self, one: Moved, two: Moved, allowed: Allowed) -> str | None:
+        """The tips of the tools, and the flanges: a tool of its own may hide what differs."""
+        first, second = tip_of(one), tip_of(two)
+        assert first is not None and second is not None
+        assert one.flange is not None and two.flange is not None
+        if self.rounding is None:
+            first, second = one.flange, two.flange
+        far, turned = _between(first, second)
+        self.apart, self.turned = max(self.apart, far), max(self.turned, turned)
+        if far > allowed.tip or turned > allowed.angle:
+            return f"another flange, {_off(far, turned)}"
+        return None
+
+    def _allowed(self, move: Moved) -> Allowed:
+        if self.rounding is None:
+            return Allowed(POSITION, ANGLE, POSITION, ANGLE)
+        return self.rounding.allowed(move, self.reach)
+
+    def _same_place(self, one: OnWay | None, two: OnWay | None) -> bool:
+        if one is None or two is None:
+            return one is two
+        near = TIME if one.measure == "time" else self.place
+        return (
+            one.measure == two.measure
+            and abs(one.amount - two.amount) <= near
+            and abs(one.ahead - two.ahead) <= TIME
+        )
 
 
 def _end_alike(first: str, second: str) -> bool:
@@ -78,23 +212,27 @@ def _end(run: Run) -> str:
     return f"ended as `{run.ended}` {run.message}".rstrip()
 
 
-def _doings(run: Run, signals: Bits) -> Iterator[Event]:
+def _doings(run: Run, signals: Bits) -> Iterator[Logged]:
     """The events that count, signals as the bits that change."""
     state: dict[str, float] = {}
     named = {str(number) for numbers in signals.values() for number in numbers}
-    for event in run.events:
-        match event:
-            case Said() | Reported() | Waited(seconds=0.0):
+    for row in run.log or [Logged(0.0, "", None, event) for event in run.events]:
+        match row.what:
+            case Said() | Waited(seconds=0.0):
                 continue
             case Switched(signal, value, at):
                 for bit, on in _bits(signal, value, signals):
                     # A byte is written with what its other bits have, which are 0 at first.
                     before = None if bit in named or not bit.isdecimal() else 0.0
                     if state.get(bit, before) != on:
-                        yield Switched(bit, on, at)
+                        yield _as(row, Switched(bit, on, at))
                     state[bit] = on
             case _:
-                yield event
+                yield row
+
+
+def _as(row: Logged, event: Event) -> Logged:
+    return Logged(row.time, row.task, row.place, event)
 
 
 def _bits(signal: str, value: float, signals: Bits) -> Iterator[tuple[str, float]]:
@@ -106,62 +244,17 @@ def _bits(signal: str, value: float, signals: Bits) -> Iterator[tuple[str, float
         yield str(number), float(int(value) >> place & 1)
 
 
-def _unlike(one: Event, two: Event) -> str | None:
-    """What differs of two events, None if they are the same."""
-    match one, two:
-        case Moved(), Moved():
-            return _other_motion(one, two)
-        case Switched(), Switched():
-            if (one.signal, one.value) != (two.signal, two.value):
-                return "another event"
-            return None if _same_place(one.at, two.at) else "another place on the way"
-        case Waited(), Waited():
-            return None if abs(one.seconds - two.seconds) <= TIME else "another delay"
-    return None if one == two else "another event"
-
-
-def _same_place(one: OnWay | None, two: OnWay | None) -> bool:
-    if one is None or two is None:
-        return one is two
-    near = TIME if one.measure == "time" else POSITION
-    return (
-        one.measure == two.measure
-        and abs(one.amount - two.amount) <= near
-        and abs(one.ahead - two.ahead) <= TIME
-    )
-
-
-def _other_motion(one: Moved, two: Moved) -> str | None:
-    if one.kind != two.kind:
-        return "another kind of motion"
-    if one.flange is None or two.flange is None:
-        if one.joints is None or two.joints is None:
-            return "joints, and a position"
-        if not _near(one.joints, two.joints, JOINT):
-            return "other joints"
-    for what, a, b in (("flange", one.flange, two.flange), ("place on the way", one.via, two.via)):
-        if (a is None) != (b is None):
-            return f"no {what}"
-        if a is not None and b is not None and (apart := _apart(a, b)):
-            return f"another {what}, {apart}"
-    if apart := _apart(one.tool, two.tool):
-        return f"another tool, {apart}"
-    if one.kind != "joint" and one.speed is not None:
-        if two.speed is None or abs(one.speed - two.speed) > SPEED * one.speed:
-            return "another speed"
-    return "a wider corner" if two.blend > one.blend + BLEND else None
-
-
 def _near(one: Sequence[float], two: Sequence[float], most: float) -> bool:
     return len(one) == len(two) and bool(np.all(np.abs(np.subtract(one, two)) <= most))
 
 
-def _apart(one: Pose, two: Pose) -> str:
-    """How far two poses are apart, empty where it is less than rounding can be."""
+def _between(one: Pose, two: Pose) -> tuple[float, float]:
+    """How far two poses are apart, in mm and degrees."""
     far = float(np.linalg.norm(np.subtract(one.position, two.position)))
-    turned = float(rotations.angle_between(one.quaternion, two.quaternion))
-    if far <= POSITION and turned <= ANGLE:
-        return ""
+    return far, float(rotations.angle_between(one.quaternion, two.quaternion))
+
+
+def _off(far: float, turned: float) -> str:
     return f"{far:.2f} mm and {turned:.2f} degrees off"
 
 

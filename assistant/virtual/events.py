@@ -19,7 +19,9 @@ class Moved:
     flange: its pose in the robot's own base, mm and unit quaternions, where the motion ends.
     tool: the tool on the flange. via: the flange on the way of an arc. joints: degrees, where
     the motion names them. speed: of the tool in mm/s where the motion states one, percent of the
-    axes' own where it states that. blend: mm, 0 for a motion that ends at its target.
+    axes' own where it states that. blend: mm, 0 for a motion that ends at its target. frame: in the
+    base, what the target is told in: where a program says it does not change what the robot does,
+    but how far the place is off if the frame is rounded.
     """
 
     kind: Literal["joint", "linear", "circular"]
@@ -30,6 +32,7 @@ class Moved:
     speed: float | None = None
     percent: float | None = None
     blend: float = 0.0
+    frame: Pose = field(default=Pose(), compare=False)
 
 
 @dataclass(frozen=True, slots=True)

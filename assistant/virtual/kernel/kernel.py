@@ -52,8 +52,8 @@ class Kernel:
     None for as fast as possible. watch: is asked before each statement, to trace it or to hold the
     run. branch: is told of each way that a statement goes on: its file, where it stands there, and
     which way, counted from 0. stuck: is asked before the run ends because a task waits for what
-    nothing will bring; True if it has brought it. now: simulated seconds. shared: whether several
-    tasks run.
+    nothing will bring; True if it has brought it. told: is told of each event. now: simulated
+    seconds. shared: whether several tasks run.
     """
 
     board: Board = field(default_factory=Board)
@@ -65,6 +65,7 @@ class Kernel:
     watch: Callable[[Task], None] | None = None
     branch: Callable[[str, int, int], None] | None = None
     stuck: Callable[[Task], bool] | None = None
+    told: Callable[[Logged], None] | None = None
     now: float = 0.0
     steps: int = 0
     shared: bool = False
@@ -236,7 +237,10 @@ class Kernel:
 
     def tell(self, task: Task, event: Event) -> None:
         place = task.where()
-        self.log.append(Logged(self.now, task.name, place, event))
+        row = Logged(self.now, task.name, place, event)
+        self.log.append(row)
+        if self.told is not None:
+            self.told(row)
 
     def note(self, what: str) -> None:
         """Says of what a program asks for that it is taken without any effect; once for a run."""

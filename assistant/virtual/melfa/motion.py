@@ -140,6 +140,7 @@ def _moved(
         speed=speed,
         percent=percent,
         blend=held.corner,
+        frame=arm.foot.inverse(),
     )
     return made
 

@@ -48,6 +48,11 @@ class Arm:
         return (self.flange @ place).inverse() @ tip
 
 
+def work_object(frame: Record, tool: Record) -> Pose:
+    """In the base where it stands there, else on the flange."""
+    return _frame(frame, _tip(tool)[1])
+
+
 def carried(tool: Record) -> Pose:
     """The tool on the flange; none where the robot carries the work piece to it."""
     tip, held = _tip(tool)

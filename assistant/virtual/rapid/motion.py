@@ -9,7 +9,7 @@ import numpy as np
 
 from assistant.program.geometry import Pose
 from assistant.virtual.events import Moved
-from assistant.virtual.rapid.arm import carried
+from assistant.virtual.rapid.arm import carried, work_object
 from assistant.virtual.rapid.ends import Fault
 from assistant.virtual.rapid.expressions import evaluate
 from assistant.virtual.rapid.given import Given
@@ -74,7 +74,8 @@ def _to_target(
     arm.configuration = record(copied(target.parts["robconf"]), "confdata")
     arm.external = record(copied(target.parts["extax"]), "extjoint")
     speed, blend = _speed(given, first + 1), _blend(given, first + 2)
-    moved = Moved(kind, flange, carried(tool), via=between, speed=speed, blend=blend)
+    place = work_object(frame, tool) @ arm.displacement
+    moved = Moved(kind, flange, carried(tool), via=between, speed=speed, blend=blend, frame=place)
     given.machine.go(moved, before)
 
 
