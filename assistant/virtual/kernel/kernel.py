@@ -14,6 +14,7 @@ from greenlet import getcurrent
 
 from assistant.virtual.events import Event, Logged, Moved, Place, Run, Why
 from assistant.virtual.kernel.motion import Instant, Motion
+from assistant.virtual.kernel.script import Person
 from assistant.virtual.kernel.signals import Board
 from assistant.virtual.kernel.task import Body, Task
 
@@ -53,7 +54,7 @@ class Kernel:
     run. branch: is told of each way that a statement goes on: its file, where it stands there, and
     which way, counted from 0. stuck: is asked before the run ends because a task waits for what
     nothing will bring; True if it has brought it. told: is told of each event. now: simulated
-    seconds. shared: whether several tasks run.
+    seconds. person: answers what programs ask. shared: whether several tasks run.
     """
 
     board: Board = field(default_factory=Board)
@@ -68,6 +69,7 @@ class Kernel:
     told: Callable[[Logged], None] | None = None
     now: float = 0.0
     steps: int = 0
+    person: Person = field(default_factory=Person)
     shared: bool = False
     tasks: list[Task] = field(default_factory=list)
     log: list[Logged] = field(default_factory=list)

@@ -1,0 +1,186 @@
+"""Scripts of a simulated run, as TOML: inputs that change, and answers to what programs ask.
+
+Times are seconds of the run. Signals go by their name, in any case, or by their number.
+
+    [[set]]
+    input = "diPart"          # or a number
+    value = 1                 # a number, true or false; 1 if left out
+    at = 2.5                  # 0 if left out
+    for = 0.5                 # then it is what it was before
+    every = 10                # again and again
+
+    [[set]]
+    input = "diClosed"
+    value = 1
+    when = "doGrip = 1"       # each time that this output gets this value; or "input NAME = VALUE"
+    after = 0.3               # 0 if left out
+
+    [[answer]]
+    to = "How many"           # a part of the question, in any case; any if left out
+    value = "12"              # a text or a number: what is typed in, or the key that is pressed
+    after = 3                 # 0 if left out
+    always = false            # true: to each such question, not only to the next one
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path as FilePath
+from typing import Any, Final
+
+from assistant.program.diagnostics import Refused, error, has_errors
+from assistant.program.text import SourceText, decode, read_bytes
+from assistant.sources.process import values
+from assistant.sources.process.file import ENCODINGS, read_toml
+from assistant.sources.process.table import Table
+from assistant.sources.process.values import Read, Wrong, kind_of, shown
+from assistant.virtual.kernel.script import Answer, Change, Script, When
+
+NO_ROWS: Final = error("CO031", "`{key}` is {what}, not rows", "write [[{key}]] above each of them")
+MISSING: Final = error("CO032", "the {row} states no `{key}`", "write `{example}`")
+NOT_BOTH: Final = error(
+    "CO033", "`{key}` and `{other}` do not go together", "keep one of them, or write two rows"
+)
+TOO_LONG: Final = error(
+    "CO034", "it lasts {lasts:g} s and comes again every {every:g} s", "write a shorter `for`"
+)
+
+_WHEN: Final = re.compile(r"\s*(?:(input|output)\s+)?([A-Za-z]\w*|\d+)\s*=\s*(\S+)\s*", re.I)
+_SIGNAL: Final = re.compile(r"[A-Za-z]\w*|\d+")
+_TRUTHS: Final = {"true": 1.0, "false": 0.0, "high": 1.0, "low": 0.0}
+MOST_SECONDS: Final = 1e9
+
+
+def _signal(value: Any) -> str:
+    if isinstance(value, int) and not isinstance(value, bool) and value >= 0:
+        return str(value)
+    name = values.text(value).strip()
+    if _SIGNAL.fullmatch(name) is None:
+        raise Wrong(f'is "{shown(name)}"', "write the name of a signal, or its number")
+    return _key(name)
+
+
+def _key(name: str) -> str:
+    return str(int(name)) if name.isdecimal() else name.lower()
+
+
+def _value(value: Any) -> float:
+    if isinstance(value, bool):
+        return float(value)
+    found: float = values.number("", least=-values.MOST_VALUE, most=values.MOST_VALUE)(value)
+    return found
+
+
+def _when(value: Any) -> When:
+    cure = 'write "NAME = VALUE" of an output, or "input NAME = VALUE"'
+    text = values.text(value)
+    found = _WHEN.fullmatch(text)
+    if found is None:
+        raise Wrong(f'is "{shown(text)}"', cure)
+    wanted = _TRUTHS.get(found[3].lower())
+    try:
+        number = _value(float(found[3]) if wanted is None else wanted)
+    except ValueError:
+        raise Wrong(f'is "{shown(text)}"', cure) from None
+    return When(_key(found[2]), number, (found[1] or "").lower() == "input")
+
+
+def _answer(value: Any) -> str:
+    if isinstance(value, bool) or not isinstance(value, str | int | float):
+        raise Wrong(f"is {kind_of(value)}", "write a text in quotes, or a number")
+    return value if isinstance(value, str) else f"{value:.15g}"
+
+
+def _text(value: Any) -> str:
+    if not isinstance(value, str):
+        raise Wrong(f"is {kind_of(value)}", "write a text in quotes")
+    return value
+
+
+_SECONDS: Final = values.number("seconds", least=0.0, most=MOST_SECONDS)
+_SOME_SECONDS: Final = values.number("seconds", above=0.0, most=MOST_SECONDS)
+
+SET: Final[Mapping[str, Read]] = {
+    "input": _signal,
+    "value": _value,
+    "at": _SECONDS,
+    "when": _when,
+    "after": _SECONDS,
+    "for": _SOME_SECONDS,
+    "every": _SOME_SECONDS,
+}
+ANSWER: Final[Mapping[str, Read]] = {
+    "to": _text,
+    "value": _answer,
+    "after": _SECONDS,
+    "always": values.truth,
+}
+
+
+def _as_it_is(value: Any) -> Any:
+    return value
+
+
+TOP: Final[Mapping[str, Read]] = {"set": _as_it_is, "answer": _as_it_is}
+
+
+def read_script(path: str | FilePath) -> Script:
+    """What a script says; raises Unreadable if it is no TOML, Refused for what is wrong in it."""
+    return parse_script(decode(read_bytes(path), str(path), ENCODINGS))
+
+
+def parse_script(source: SourceText) -> Script:
+    """As `read_script`, from a text."""
+    top = read_toml(source)
+    top.read(TOP)
+    changes = [_change(row) for row in _rows(top, "set")]
+    answers = [_answered(row) for row in _rows(top, "answer")]
+    findings = sorted(top.page.findings, key=lambda f: f.line or 0)
+    if has_errors(findings):
+        raise Refused(*findings, exit_status=2)
+    return Script(tuple(changes), tuple(answers))
+
+
+def _rows(top: Table, key: str) -> Iterator[Table]:
+    rows = top.content.get(key, [])
+    if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
+        top.say(NO_ROWS, key, key=key, what=kind_of(rows))
+        return
+    for number, row in enumerate(rows):
+        yield Table(top.page, (key, str(number)), row)
+
+
+def _change(row: Table) -> Change:
+    found = row.read(SET)
+    if "input" not in row.content:
+        row.say(MISSING, row="change", key="input", example='input = "diPart"')
+    for key, other in (("at", "when"), ("every", "when")):
+        if key in row.content and other in row.content:
+            row.say(NOT_BOTH, key, key=key, other=other)
+    if "after" in row.content and "when" not in row.content:
+        row.say(MISSING, "after", row="change", key="when", example='when = "doGrip = 1"')
+    lasts, every = found.get("for"), found.get("every")
+    if lasts is not None and every is not None and lasts >= every:
+        row.say(TOO_LONG, "for", lasts=lasts, every=every)
+    return Change(
+        name=found.get("input", ""),
+        value=found.get("value", 1.0),
+        at=found.get("at", 0.0),
+        when=found.get("when"),
+        after=found.get("after", 0.0),
+        lasts=lasts,
+        every=every,
+    )
+
+
+def _answered(row: Table) -> Answer:
+    found = row.read(ANSWER)
+    if "value" not in row.content:
+        row.say(MISSING, row="answer", key="value", example='value = "OK"')
+    return Answer(
+        value=found.get("value", ""),
+        to=found.get("to", ""),
+        after=found.get("after", 0.0),
+        always=found.get("always", False),
+    )

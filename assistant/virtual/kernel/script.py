@@ -1,0 +1,131 @@
+"""What happens outside of a controller while it runs: inputs that change, a person who answers."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from assistant.virtual.kernel.kernel import Kernel
+    from assistant.virtual.kernel.task import Task
+
+
+@dataclass(frozen=True, slots=True)
+class When:
+    """A signal that gets a value: an output, or an input. name: in lower case, or a number."""
+
+    name: str
+    value: float
+    is_input: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Change:
+    """An input that gets a value: at a time, or each time that a signal gets another one.
+
+    name: in lower case, or a number as text. at, after: seconds, behind the start or behind
+    `when`. lasts: seconds after which it is what it was before; None to stay. every: seconds from
+    one time to the next; None for once.
+    """
+
+    name: str
+    value: float
+    at: float = 0.0
+    when: When | None = None
+    after: float = 0.0
+    lasts: float | None = None
+    every: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Answer:
+    """What a person answers to a question. to: a part of its text, in any case; empty for any.
+
+    after: seconds that it takes. always: to each such question, not only to the next one.
+    """
+
+    value: str
+    to: str = ""
+    after: float = 0.0
+    always: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Script:
+    changes: tuple[Change, ...] = ()
+    answers: tuple[Answer, ...] = ()
+
+
+@dataclass(slots=True, eq=False)
+class Person:
+    """Answers what programs ask. answers: those that are left, in their order."""
+
+    answers: list[Answer] = field(default_factory=list)
+
+    def answer(self, task: Task, question: str) -> str | None:
+        """Waits as long as the person takes; None at once if nobody will ever answer."""
+        asked = question.casefold()
+        found = next((one for one in self.answers if one.to.casefold() in asked), None)
+        if found is None:
+            return None
+        if not found.always:
+            self.answers.remove(found)
+        task.wait(None, found.after)
+        return found.value
+
+
+@dataclass(frozen=True, slots=True)
+class Given:
+    """An input that got a value. time: simulated seconds."""
+
+    time: float
+    name: str
+    value: float
+
+
+def follow(kernel: Kernel, script: Script) -> list[Given]:
+    """Has a kernel do what a script says; gives the inputs that are changed, as the run goes on."""
+    given: list[Given] = []
+    inputs = kernel.board.inputs
+
+    def put(name: str, value: float) -> None:
+        kernel.spend()
+        if inputs.read(name) != value:
+            given.append(Given(kernel.now, name, value))
+            inputs.set(name, value)
+
+    def change(one: Change) -> None:
+        before = inputs.read(one.name)
+        put(one.name, one.value)
+        if one.lasts is not None:
+            kernel.at(kernel.now + one.lasts, partial(put, one.name, before))
+        if one.every is not None:
+            kernel.at(kernel.now + one.every, partial(change, one))
+
+    for one in script.changes:
+        if one.when is None:
+            kernel.at(one.at, partial(change, one))
+    for is_input, signals in ((False, kernel.board.outputs), (True, inputs)):
+        awaited: dict[tuple[str, float], list[Change]] = defaultdict(list)
+        for one in script.changes:
+            if one.when is not None and one.when.is_input is is_input:
+                awaited[one.when.name, one.when.value].append(one)
+        if awaited:
+            signals.listeners.append(_listener(kernel, awaited, change))
+    kernel.person.answers.extend(script.answers)
+    return given
+
+
+def _listener(
+    kernel: Kernel,
+    awaited: dict[tuple[str, float], list[Change]],
+    change: Callable[[Change], None],
+) -> Callable[[str, float, float], None]:
+    def heard(name: str, before: float, now: float) -> None:  # noqa: ARG001
+        for one in awaited.get((name, now), ()):
+            kernel.at(kernel.now + one.after, partial(change, one))
+
+    return heard
