@@ -78,6 +78,8 @@ class Kernel:
     def __post_init__(self) -> None:
         self.hub = getcurrent()
         self.ending: Ending | None = None
+        self.stirred = False
+        """Whether a task has begun to wait, or an interrupt has run, since the round began."""
         self.ended_in: tuple[str, Place | None] = "", None
         self._timers: list[Timer] = []
         self._numbers = count()
@@ -93,6 +95,14 @@ class Kernel:
         self.tasks.append(made)
         self.shared = len(self.tasks) > 1
         return made
+
+    def drop(self, task: Task) -> None:
+        """Ends a task where it is, on behalf of another one."""
+        task.coroutine.parent = getcurrent()
+        task.kill()
+        task.ended = task.ended or Ending()
+        self.tasks.remove(task)
+        self.shared = len(self.tasks) > 1
 
     def end(self, ending: Ending, task: Task | None = None) -> None:
         """Ends the run: all tasks stop where they are. task: the one that it ends in."""
@@ -129,7 +139,7 @@ class Kernel:
     def _turns(self) -> None:
         """A turn of each task that can go on; time passes if none can."""
         before = self.steps
-        went = False
+        went = self.stirred = False
         for task in tuple(self.tasks):
             if task.ended is not None:
                 continue
@@ -143,7 +153,7 @@ class Kernel:
         self._keep_pace_with_outside()
         if not any(task.essential for task in self.tasks):
             self.end(Ending())
-        elif not went and before == self.steps and not self._advance():
+        elif not went and not self.stirred and before == self.steps and not self._advance():
             self._stuck()
 
     def _ended(self, task: Task) -> None:

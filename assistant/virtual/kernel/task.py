@@ -53,11 +53,15 @@ class Task:
         kernel.count(self)
         if self._posted and not self.closed:
             self._run_posted()
-        if kernel.shared:
-            self._left -= 1
-            if self._left <= 0:
-                self._left = self.lines
+        self._left -= 1
+        if self._left <= 0:
+            self._left = self.lines
+            if kernel.shared:
                 self._pause()
+
+    def prompt(self) -> None:
+        """Before it begins: its first statements run in its first turn."""
+        self._left = self.lines + 1
 
     def tell(self, event: Event) -> None:
         """Something happens to the world."""
@@ -87,6 +91,7 @@ class Task:
         meanwhile.
         """
         end = math.inf if seconds is None else self.kernel.now + seconds
+        self.kernel.stirred = True
         while True:
             if self._posted and not self.closed:
                 self._run_posted()
@@ -113,6 +118,7 @@ class Task:
 
     def _run_posted(self) -> None:
         while self._posted and not self.closed:
+            self.kernel.stirred = True
             self._posted.popleft()()
 
     # ------------------------------------------------------------------------- coroutine

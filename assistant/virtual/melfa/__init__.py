@@ -16,6 +16,7 @@ from assistant.virtual.events import Run
 from assistant.virtual.kernel import MOST_STEPS, Board, Ending, Kernel, Signals, Task
 from assistant.virtual.melfa.arm import Arm
 from assistant.virtual.melfa.code import code_of
+from assistant.virtual.melfa.controller import Controller, Entry
 from assistant.virtual.melfa.looking import levels, place
 from assistant.virtual.melfa.machine import Machine
 from assistant.virtual.melfa.options import Options
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
     from assistant.virtual.melfa.plugins import Commands
 
-__all__ = ["Command", "Given", "Options", "run", "start_slot"]
+__all__ = ["Command", "Controller", "Entry", "Given", "Options", "run", "start_slot"]
 
 
 def run(

@@ -33,6 +33,7 @@ def move(m: Machine, node: s.Motion) -> None:
     kind = KINDS.get(word)
     if kind is None:
         raise Unknown(f"the motion {node.keyword}")
+    m.world.needs_mechanism("a motion")
     if node.append is None:
         kind(m, node)
         return

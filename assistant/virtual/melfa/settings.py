@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.virtual.events import Stopped
-from assistant.virtual.melfa import blocks, expressions, pallets, poses
+from assistant.virtual.melfa import blocks, expressions, multitask, pallets, poses
 from assistant.virtual.melfa.arm import FULL, OPTIMUM
 from assistant.virtual.melfa.code import nodes
 from assistant.virtual.melfa.stops import Ended, Failed, Unknown, out_of_range
@@ -126,7 +126,8 @@ def _corner(m: Machine, switch: s.Expression, *sizes: s.Expression | None) -> No
     m.world.settings.corner = min(given, default=math.inf) if on else 0.0
 
 
-def _servo(_: Machine, node: s.Expression, *mechanism: s.Expression | None) -> None:
+def _servo(m: Machine, node: s.Expression, *mechanism: s.Expression | None) -> None:
+    m.world.needs_mechanism("Servo")
     if node != s.Word("On") or mechanism:
         raise Unknown("what a program does without servo")
 
@@ -183,6 +184,8 @@ def _wait(m: Machine, node: s.Expression) -> None:
 
 def _halt(m: Machine) -> None:
     m.world.task.tell(Stopped())
+    if m.world.slot is not None:
+        m.world.slot.hold()
 
 
 def _return(m: Machine, node: s.Expression | None = None) -> None:
@@ -230,6 +233,7 @@ WORDS: Final[Mapping[str, Callable[..., None]]] = {
     "END": _end,
     "EXIT FUNCTION": lambda m: m.leave(),
     "FEND": lambda m: m.leave(),
+    **multitask.WORDS,
 }
 
 STRUCTURE: Final[Mapping[str, Callable[[Machine, Any], None]]] = {

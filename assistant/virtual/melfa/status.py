@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Final
 
+from assistant.virtual.melfa import slot_status
 from assistant.virtual.melfa.arm import FULL, OPTIMUM, Arm
 from assistant.virtual.melfa.stops import Unknown, out_of_range
 from assistant.virtual.melfa.values import ORIGIN, Value, whole
@@ -65,6 +66,9 @@ def read(world: World, name: str, arguments: tuple[Value, ...]) -> Value:
         return _signed(world, value, width)
     if name == "M_TIMER" and len(index) == 1:
         return world.timer(timer_number(index[0]))
+    about_slots = slot_status.read(world, name, index)
+    if about_slots is not None:
+        return about_slots
     if name in SLOT and len(index) <= 1:
         return SLOT[name](world.of_slot(*index))
     if name in ARM and index in ((), OWN):

@@ -14,12 +14,13 @@ from assistant.virtual.melfa.arm import Arm, Settings
 from assistant.virtual.melfa.memory import Memory, Scope
 from assistant.virtual.melfa.options import Options
 from assistant.virtual.melfa.plugins import Command, Given
-from assistant.virtual.melfa.stops import Unknown, out_of_range
+from assistant.virtual.melfa.stops import Failed, Unknown, out_of_range
 from assistant.virtual.melfa.values import Value
 from assistant.virtual.on_way import told
 
 if TYPE_CHECKING:
     from assistant.virtual.melfa.machine import Machine
+    from assistant.virtual.melfa.slots import Slot
 
 STEP_TIME: Final = 0.001
 """Seconds that a statement takes on the clock of M_Timer."""
@@ -54,12 +55,22 @@ class World:
     """Whether the last block was left by `Break` (M_BrkCq)."""
     skipped: bool = False
     """Whether the last motion that may be skipped was (M_SkipCq)."""
+    slot: Slot | None = None
+    """The slot of a controller; None where a program runs alone, as in slot 1."""
 
-    def of_slot(self, number: int = 1) -> World:
+    def of_slot(self, number: int | None = None) -> World:
         """The world of a slot's program, its own without a number."""
-        if number != 1:
-            raise Unknown(f"the slot {number}")
-        return self
+        if number is None or (self.slot is None and number == 1):
+            return self
+        world = None if self.slot is None else self.slot.controller.slot(number).world
+        if world is None:
+            raise Unknown(f"what holds for slot {number}, where no program ran")
+        return world
+
+    def needs_mechanism(self, what: str) -> None:
+        """Only the slot that has the arm moves it, or switches its motors (COSIROP: GETM)."""
+        if self.slot is not None and self.slot.controller.owner is not self.slot:
+            raise Failed(3280, f"{what} without GetM")
 
     @property
     def clock(self) -> float:

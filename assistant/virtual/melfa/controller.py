@@ -1,0 +1,199 @@
+"""A CR controller: programs by name, slots that run them side by side, and what slots share.
+
+Facts about slots: COSIROP help on XRUN, XSTP, XRST, XCLR, XLOAD, GETM, RELM, PRIORITY and SLT*.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, Literal
+
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.program.diagnostics import has_errors
+from assistant.program.geometry import Pose
+from assistant.virtual.kernel import Kernel
+from assistant.virtual.melfa.arm import Arm
+from assistant.virtual.melfa.code import Code, code_of
+from assistant.virtual.melfa.machine import Machine
+from assistant.virtual.melfa.memory import Memory, Place, Scope
+from assistant.virtual.melfa.options import Options
+from assistant.virtual.melfa.plugins import by_name
+from assistant.virtual.melfa.slots import Slot
+from assistant.virtual.melfa.stops import Failed
+from assistant.virtual.melfa.world import World
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+    from assistant.virtual.melfa.plugins import Commands
+
+SLOTS: Final = 8
+"""As the parameter TASKMAX is set by the maker; 32 at most."""
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A row of the slot table, the parameters SLT1 to SLT32, with the maker's settings.
+
+    mode: `REP` begins again behind the end of the program, `CYC` stops there. condition: `START`
+    programs begin with the start signal, `ALWAYS` programs with the power, `ERROR` programs when
+    an error stops the others. lines: that run until the next slot has its turn.
+    """
+
+    program: str = ""
+    mode: Literal["REP", "CYC"] = "REP"
+    condition: Literal["START", "ALWAYS", "ERROR"] = "START"
+    lines: int = 1
+
+
+class Controller:
+    """programs: by their names. table: slots that are not set as the maker sets them.
+
+    start: the flange in the robot's base before the first move. base: the user base program
+    (PRGUSR), which declares the external variables beside the controller's own. always_may: whether
+    programs that always run may start and stop others (ALWENA is 7). options, commands: see `run`.
+    """
+
+    def __init__(
+        self,
+        kernel: Kernel,
+        programs: Mapping[str, s.File],
+        table: Mapping[int, Entry] | None = None,
+        *,
+        robot: Robot | None = None,
+        start: Pose | None = None,
+        base: s.File | None = None,
+        slots: int = SLOTS,
+        always_may: bool = False,
+        options: Options | None = None,
+        commands: Commands | None = None,
+    ) -> None:
+        self.kernel = kernel
+        self.arm = Arm(robot, start)
+        self.always_may = always_may
+        self.options, self.commands = options or Options(), by_name(commands)
+        self.timers: dict[int, float] = {}
+        self.error: Failed | None = None
+        self.owner: Slot | None = None
+        self.shared = Shared(None if base is None else code_of(base))
+        self._files = {name.upper(): file for name, file in programs.items()}
+        self._machines: dict[str, Machine] = {}
+        rows = table or {}
+        self.slots = [Slot(self, n, rows.get(n, Entry())) for n in range(1, slots + 1)]
+
+    # ----------------------------------------------------------------------------- slots
+
+    def slot(self, number: int) -> Slot:
+        if not 1 <= number <= len(self.slots):
+            raise Failed(3880, f"there is no slot {number}")
+        return self.slots[number - 1]
+
+    def start(self) -> None:
+        """The power is on, and the start signal comes: all slots begin but those for errors."""
+        for slot in self.slots:
+            if slot.program and slot.condition != "ERROR":
+                slot.run()
+
+    def fail(self, where: Slot, failed: Failed) -> None:
+        """An error of one slot stops all others but those that always run; some begin with it."""
+        self.error = failed
+        for slot in self.slots:
+            if slot.condition == "START" and slot is not where:
+                slot.stop()
+            elif slot.condition == "ERROR" and slot.program and slot.state == "reset":
+                slot.run()
+
+    @property
+    def handles(self) -> bool:
+        """Whether a program that begins with an error still runs."""
+        return any(slot.condition == "ERROR" and slot.state == "runs" for slot in self.slots)
+
+    # -------------------------------------------------------------------------- programs
+
+    def exists(self, name: str) -> bool:
+        return name.upper() in self._files
+
+    def selected(self, name: str) -> Slot | None:
+        """The slot that a program is loaded in."""
+        return next((slot for slot in self.slots if slot.program == name.upper()), None)
+
+    def machine(self, name: str, world: World) -> Machine | None:
+        """A program that a slot runs now; its variables keep their values from run to run."""
+        name = name.upper()
+        if name not in self._files:
+            return None
+        if name not in self._machines:
+            file = self._files[name]
+            if has_errors(file.findings):
+                raise Failed(4220, "; ".join(f.message for f in file.findings))
+            self._machines[name] = Machine(code_of(file), world, {})
+        machine = self._machines[name]
+        if machine.world is not world:
+            if machine in machine.world.running:
+                raise Failed(4180, f"the program {name} runs in another slot")
+            machine.world, machine.programs = world, _Programs(self, world)
+        elif not isinstance(machine.programs, _Programs):
+            machine.programs = _Programs(self, world)
+        return machine
+
+    # ------------------------------------------------------------------------- mechanism
+
+    def get(self, slot: Slot, mechanism: int) -> None:
+        """`GetM`: only one slot moves the arm."""
+        if mechanism != 1:
+            raise Failed(3870, f"there is no mechanism {mechanism}")
+        if self.owner is not None:
+            raise Failed(3830, f"slot {self.owner.number} has mechanism {mechanism}")
+        self.owner = slot
+
+    def release(self, slot: Slot) -> bool:
+        """Whether the slot had the mechanism."""
+        had = self.owner is slot
+        if had:
+            self.owner = None
+        return had
+
+
+class _Programs(Mapping[str, Machine]):
+    """What `CallP` of one slot finds."""
+
+    def __init__(self, controller: Controller, world: World) -> None:
+        self._controller, self._world = controller, world
+
+    def __getitem__(self, name: str) -> Machine:
+        machine = self._controller.machine(name, self._world)
+        if machine is None:
+            raise Failed(4140, f"there is no program {name}")
+        return machine
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._controller._files)
+
+    def __len__(self) -> int:
+        return len(self._controller._files)
+
+
+OWN: Final = re.compile(r"[PJMC]_[01]\d")
+OWN_ARRAY: Final = re.compile(r"[PJMC]_10[0-4]")
+"""External variables that every controller has; arrays of them have ten elements."""
+OWN_ELEMENTS: Final = 10
+
+
+class Shared(Memory):
+    """Variables of all programs: the controller's own, and those that a base program declares."""
+
+    def __init__(self, base: Code | None) -> None:
+        super().__init__(Scope() if base is None else base.main)
+        for name, index, value in base.data if base is not None else ():
+            self.place(name).set(value, index)
+
+    def place(self, name: str) -> Place:
+        if name not in self.places:
+            if OWN_ARRAY.fullmatch(name):
+                self.scope.sizes[name] = (OWN_ELEMENTS,)
+            elif not OWN.fullmatch(name) and name not in self.scope.declared | set(
+                self.scope.kinds
+            ):
+                raise Failed(4341, f"no base program declares the external variable {name}")
+        return super().place(name)

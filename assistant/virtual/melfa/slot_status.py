@@ -1,0 +1,68 @@
+"""Status variables about slots and errors, in tables: M_Run, M_Wai, M_Psa, M_Line, C_Prg, M_Err."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Final
+
+from assistant.virtual.melfa.stops import Unknown
+from assistant.virtual.melfa.values import Value
+
+if TYPE_CHECKING:
+    from assistant.virtual.melfa.slots import Slot
+    from assistant.virtual.melfa.world import World
+
+
+def _line(slot: Slot) -> Value:
+    """The number of the step that runs."""
+    running = slot.world.running if slot.world is not None else []
+    number = running[-1].code.rows[running[-1].here].number if running else None
+    if number is None:
+        raise Unknown(f"the line of slot {slot.number}")
+    return number
+
+
+def _program(slot: Slot) -> Value:
+    if not slot.program:
+        raise Unknown(f"the program of slot {slot.number}, which has none")
+    return slot.program
+
+
+def _level(slot: Slot) -> Value:
+    """Of the error: 1 for a caution, 2 for a low one, 3 for a high one."""
+    error = slot.controller.error
+    if error is None:
+        return 0
+    return 3 if error.number in HIGH else 2
+
+
+HIGH: Final = range(9000, 9100)
+"""Errors of the user's that are of the high level; those that are raised here else are low."""
+
+STATUS: Final[Mapping[str, Callable[[Slot], Value]]] = {
+    "M_RUN": lambda slot: int(slot.state == "runs"),
+    "M_WAI": lambda slot: int(slot.state == "waits"),
+    "M_PSA": lambda slot: int(slot.state == "reset"),
+    "M_LINE": _line,
+    "C_PRG": _program,
+}
+"""Of a slot, the own one where no index stands."""
+
+ERRORS: Final[Mapping[str, Callable[[Slot], Value]]] = {
+    "M_ERR": lambda slot: int(slot.controller.error is not None),
+    "M_ERRLVL": _level,
+    "M_ERRNO": lambda slot: 0 if slot.controller.error is None else slot.controller.error.number,
+}
+"""Of the controller."""
+
+
+def read(world: World, name: str, index: tuple[int, ...]) -> Value | None:
+    """A status variable about slots; None for another one, or without a controller."""
+    slot = world.slot
+    if slot is None or len(index) > 1:
+        return None
+    if name in ERRORS and not index:
+        return ERRORS[name](slot)
+    if name not in STATUS:
+        return None
+    return STATUS[name](slot.controller.slot(index[0]) if index else slot)

@@ -1,0 +1,156 @@
+"""A slot of a controller: its program, and whether that runs, waits or is reset."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
+
+from assistant.virtual.kernel import Ending, Task
+from assistant.virtual.melfa.looking import levels, place
+from assistant.virtual.melfa.stops import Failed, Unknown
+from assistant.virtual.melfa.world import World
+
+if TYPE_CHECKING:
+    from assistant.virtual.melfa.controller import Controller, Entry
+
+State = Literal["reset", "runs", "waits"]
+
+
+class Slot:
+    """program: upper-case name, empty for none. mode, condition, lines: see Entry.
+
+    world: of the program that runs, or of the one that ran last.
+    """
+
+    def __init__(self, controller: Controller, number: int, entry: Entry) -> None:
+        self.controller: Controller = controller
+        self.number = number
+        self.program, self.mode = entry.program.upper(), entry.mode
+        self.condition, self.lines = entry.condition, entry.lines
+        self.world: World | None = None
+        self._task: Task | None = None
+        self._stops = self._held = False
+
+    @property
+    def state(self) -> State:
+        """`reset` also where no program is loaded; `waits` where one was stopped on its way."""
+        if self._task is None:
+            return "reset"
+        return "waits" if self._held else "runs"
+
+    # ---------------------------------------------------------------------- what others say
+
+    def load(self, program: str) -> None:
+        """`XLoad`: selects a program; raises Failed."""
+        name = program.upper()
+        if self.state != "reset":
+            raise Failed(3360, f"slot {self.number} is not reset")
+        if not self.controller.exists(name):
+            raise Failed(4140, f"there is no program {program}")
+        other = self.controller.selected(name)
+        if other not in (None, self):
+            raise Failed(4190, f"the program {program} is selected for another slot")
+        self.program = name
+
+    def run(self) -> None:
+        """`XRun`: from the top, or on from where the program was stopped."""
+        if self.state == "runs":
+            raise Failed(3310, f"slot {self.number} runs")
+        if not self.program:
+            raise Failed(3320, f"slot {self.number} has no program")
+        if self.state == "waits":
+            self._held = False
+            return
+        kernel = self.controller.kernel
+        essential = self.condition == "START"
+        self._task = kernel.task(str(self.number), self._body, self.lines, essential)
+        self._task.prompt()
+
+    def stop(self) -> None:
+        """`XStp`: before the next statement of the program, or in its wait."""
+        if self.state == "runs" and not self._stops and self._task is not None:
+            self._stops = True
+            self._task.post(self.hold)
+
+    def reset(self) -> None:
+        """`XRst`: a program that was stopped will begin at its top."""
+        if self.state == "runs":
+            raise Failed(3350, f"slot {self.number} runs")
+        if self._task is not None:
+            task, self._task = self._task, None
+            self.controller.kernel.drop(task)
+
+    def clear(self) -> None:
+        """`XClr`: no program is selected."""
+        if not self.program:
+            raise Failed(3370, f"slot {self.number} has no program")
+        if self.state != "reset":
+            raise Failed(3380, f"slot {self.number} is not reset")
+        self.program = ""
+
+    def rank(self, lines: int) -> None:
+        """`Priority`: statements until the next slot has its turn."""
+        self.lines = lines
+        if self._task is not None:
+            self._task.lines = lines
+
+    # ------------------------------------------------------------------------- in its task
+
+    def hold(self) -> None:
+        """Waits until the program is started again; a stopped one gives the arm up meanwhile."""
+        task = self._task
+        assert task is not None
+        if not self.controller.kernel.motion.stands() and self.controller.owner is self:
+            raise Unknown("where the arm is that is stopped on its way")
+        had = self.controller.release(self)
+        self._held, self._stops, task.essential = True, False, False
+        task.wait(lambda: not self._held, what=f"slot {self.number} waits for its start")
+        task.essential = self.condition == "START"
+        if had:
+            self.controller.get(self, 1)
+
+    def _body(self, task: Task) -> Ending:
+        controller = self.controller
+        world = World(task, controller.arm, timers=controller.timers, shared=controller.shared)
+        world.options, world.commands = controller.options, controller.commands
+        world.slot, self.world = self, world
+        task.where, task.levels = (lambda: place(world)), (lambda: levels(world))
+        try:
+            self._cycles(world)
+        except Failed as failed:
+            return self._failed(task, failed)
+        except Unknown as unknown:
+            return Ending("unknown", f"slot {self.number}: {unknown}")
+        finally:
+            self._leave(world)
+        return Ending()
+
+    def _cycles(self, world: World) -> None:
+        controller = self.controller
+        machine = controller.machine(self.program, world)
+        if machine is None:
+            raise Failed(4140, f"there is no program {self.program}")
+        if self.number == 1 and controller.owner is None:
+            controller.get(self, 1)
+        while True:
+            before = controller.kernel.steps
+            machine.run()
+            if self.mode == "CYC":
+                return
+            if controller.kernel.steps == before:
+                raise Failed(3286, f"the program {self.program} is empty")
+
+    def _failed(self, task: Task, failed: Failed) -> Ending:
+        """The others stop; programs for errors run to their end before the run is over."""
+        if self.condition != "ERROR":
+            self.controller.fail(self, failed)
+            task.wait(lambda: not self.controller.handles, what="a program that begins with errors")
+        return Ending("error", f"slot {self.number}: {failed}")
+
+    def _leave(self, world: World) -> None:
+        """The program is reset; slot 1 keeps the arm, as it has it from the beginning."""
+        self._task, self._held, self._stops = None, False, False
+        if self.number != 1:
+            self.controller.release(self)
+        for machine in world.running:
+            machine.depth = 0
+        world.running.clear()
