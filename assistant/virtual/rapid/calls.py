@@ -13,7 +13,7 @@ from assistant.virtual.rapid.recovery import undo
 from assistant.virtual.rapid.rows import targets
 from assistant.virtual.rapid.scopes import Cell, Frame, Known
 from assistant.virtual.rapid.statements import execute
-from assistant.virtual.rapid.values import Shape, Value, copied, is_like
+from assistant.virtual.rapid.values import Shape, Value, copied, fitted, is_like
 
 
 def call(machine: Machine, known: Known, arguments: Sequence[s.Argument]) -> Value | None:
@@ -70,4 +70,4 @@ def _result(machine: Machine, routine: s.Routine, value: Value | None) -> Value 
     wanted = Shape(machine.types.name(routine.type))
     if value is None or not is_like(value, wanted):
         raise Fault(f"`{routine.name}` does not give {routine.type}")
-    return copied(value)
+    return fitted(copied(value), wanted)

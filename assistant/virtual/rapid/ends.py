@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 from assistant.program.diagnostics import Span
 from assistant.virtual.rapid.errors import NUMBERS
@@ -12,18 +12,25 @@ if TYPE_CHECKING:
     from assistant.virtual.rapid.scopes import Frame, Unit
 
 
+UNSURE: Final = "unsure"
+"""Instead of the name of an error, where the manuals do not tell whether it has one."""
+
+
 class Fault(Exception):
     """What a controller stops at with an error.
 
-    number: of an error that the program can recover from, None for any other. at: the statement
+    number: of an error that the program can recover from, None for any other. unsure: whether it
+    has a number, so that nobody knows what a handler would do. at: the statement
     that it happened in. leaves: the call that it was not recovered in. goal: the call whose handler
     it goes to in one step, None for that of the next caller.
     """
 
     def __init__(self, message: str, error: str = "", number: int | None = None) -> None:
         """error: the name of its number."""
-        super().__init__(f"{message} ({error})" if error else message)
-        self.number = NUMBERS[error.lower()] if error else number
+        self.unsure = error == UNSURE
+        named = bool(error) and not self.unsure
+        super().__init__(f"{message} ({error})" if named else message)
+        self.number = NUMBERS[error.lower()] if named else number
         self.at: tuple[Unit, Span | None] | None = None
         self.leaves: Frame | None = None
         self.goal: Frame | None = None

@@ -8,6 +8,7 @@ from assistant.virtual.rapid.ends import Fault, NotSimulated
 from assistant.virtual.rapid.machine import Machine
 from assistant.virtual.rapid.operators import infix, prefix, whole
 from assistant.virtual.rapid.poses import number, truth
+from assistant.virtual.rapid.precision import Exact, single
 from assistant.virtual.rapid.scopes import Absent, Cell, Known, Place, Signal
 from assistant.virtual.rapid.values import Array, Record, Shape, Value, copied
 
@@ -21,7 +22,7 @@ def evaluate(machine: Machine, node: s.Expression | s.Whole, wanted: Shape | Non
     """
     match node:
         case s.NumberLiteral(text):
-            return literal(text)
+            return Exact(literal(text))
         case s.StringLiteral(value):
             return value
         case s.BoolLiteral(value):
@@ -43,7 +44,8 @@ def evaluate(machine: Machine, node: s.Expression | s.Whole, wanted: Shape | Non
             if meaning is None and _is_signal(machine, name):
                 return machine.signals.read(name.lower())
     if isinstance(node, s.NameRef | s.Component | s.Element):
-        return place(machine, node).get()
+        found = place(machine, node).get()
+        return single(found) if type(found) is float else found
     raise NotSimulated(f"{type(node).__name__} in an expression")
 
 

@@ -11,7 +11,7 @@ from assistant.virtual.rapid.ends import Fault, NotSimulated
 from assistant.virtual.rapid.expressions import evaluate, place, signal
 from assistant.virtual.rapid.machine import Function, Machine
 from assistant.virtual.rapid.scopes import Absent, Place
-from assistant.virtual.rapid.values import Record, Shape, Value
+from assistant.virtual.rapid.values import Record, Shape, Value, fitted
 
 
 @dataclass(slots=True)
@@ -51,7 +51,9 @@ class Given:
         node = self.options.get(option)
         if node is None:
             return None
-        return evaluate(self.machine, node, Shape(type) if type else None)
+        wanted = Shape(type) if type else None
+        value = evaluate(self.machine, node, wanted)
+        return value if wanted is None else fitted(value, wanted)
 
     def optional_number(self, option: str) -> float | None:
         value = self.optional(option)

@@ -13,6 +13,7 @@ from assistant.program import rotations
 from assistant.program.arrays import Floats
 from assistant.virtual.rapid.ends import Fault
 from assistant.virtual.rapid.poses import orient, pos, quaternion_of, truth, vector_of
+from assistant.virtual.rapid.precision import LARGEST, as_kind, paired
 from assistant.virtual.rapid.values import Record, Value, equal, kind_of
 
 LONGEST_TEXT: Final = 80
@@ -28,9 +29,10 @@ def infix(sign: str, left: Value, right: Value) -> Value:
         except ValueError as error:
             raise Fault(str(error)) from None
     if _are_numbers(left, right):
+        one, two, kind = paired(_float(left), _float(right))
         if sign in ORDERS:
-            return ORDERS[sign](left, right)
-        return _finite(NUMBERS[sign](_float(left), _float(right)))
+            return ORDERS[sign](one, two)
+        return as_kind(_finite(NUMBERS[sign](one, two), kind), kind)
     if sign == "+" and isinstance(left, str) and isinstance(right, str):
         return joined(left + right)
     found = _vectors(sign, left, right)
@@ -44,7 +46,7 @@ def prefix(sign: str, value: Value) -> Value:
         return not truth(value)
     factor = -1.0 if sign == "-" else 1.0
     if isinstance(value, float) and not isinstance(value, bool):
-        return factor * value
+        return type(value)(factor * value)
     if isinstance(value, Record) and value.type == "pos":
         x, y, z = vector_of(value)
         return pos((factor * x, factor * y, factor * z))
@@ -118,9 +120,9 @@ def _float(value: Value) -> float:
     return value
 
 
-def _finite(value: float) -> float:
-    if math.isnan(value):
-        raise Fault("a number that is none")
+def _finite(value: float, kind: type[float]) -> float:
+    if math.isnan(value) or (kind is float and abs(value) > LARGEST and not math.isinf(value)):
+        raise Fault(f"the number {value:g}, which is too large", "ERR_NUM_LIMIT")
     return value
 
 

@@ -11,7 +11,7 @@ from assistant.virtual.rapid.expressions import evaluate, place, signal
 from assistant.virtual.rapid.given import is_present
 from assistant.virtual.rapid.machine import Machine
 from assistant.virtual.rapid.scopes import Absent, Cell, Meaning, Place, Signal, Storage
-from assistant.virtual.rapid.values import Shape, copied, is_like, kind_of, sizes
+from assistant.virtual.rapid.values import Shape, copied, fitted, is_like, kind_of, sizes
 
 REFERS_TO: Final[Mapping[str, tuple[Storage, ...]]] = {
     "VAR": ("VAR", "IN"),
@@ -73,7 +73,7 @@ def _bound(machine: Machine, one: s.ParameterNode, value: s.Expression | None) -
         return Signal(signal(machine, value))
     if one.mode in REFERS_TO:
         return _reference(machine, one, value, shape)
-    found = copied(evaluate(machine, value, shape))
+    found = fitted(copied(evaluate(machine, value, shape)), shape)
     if not is_like(found, shape):
         raise Fault(f"{kind_of(found)} for the parameter `{one.name}`")
     return Cell(Shape(shape.type, sizes(found)), "IN", found)

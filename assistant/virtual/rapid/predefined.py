@@ -41,7 +41,10 @@ ZONE_PARTS: Final = (
     *("pzone_tcp", "pzone_ori", "pzone_eax"),
     *("zone_ori", "zone_leax", "zone_reax"),
 )
-NUMBERS: Final = {"pi": 3.141592654, "low": 0.0, "high": 1.0, "edge": 2.0, "wait_max": 99999.0}
+NUMBERS: Final = {
+    **{"pi": 3.141592654, "low": 0.0, "high": 1.0, "edge": 2.0, "wait_max": 99999.0},
+    **{"eof_bin": -1.0, "eof_num": 9.998e36},
+}
 COUNTED: Final = (
     (
         1,
@@ -52,11 +55,19 @@ COUNTED: Final = (
     (0, "iconNone iconInfo iconWarning iconError"),
     (-1, "btnNone btnOK btnAbrtRtryIgn btnOKCancel btnRetryCancel btnYesNo btnYesNoCancel"),
     (0, "resUnkwn resOK resAbort resRetry resIgnore resCancel resYes resNo"),
+    (1, "LT LTEQ EQ NOTEQ GTEQ GT"),
+    (1, "OpAdd OpSub OpMult OpDiv OpMod"),
 )
 """Names whose numbers follow each other, with the first (manual, data types aiotrigg, socketstatus,
-icondata, buttondata and btnres).
+icondata, buttondata and btnres; of opnum and opcalc the names alone are stated).
 """
-TEXTS: Final = {"stempty": "", "diskhome": "HOME:", "disktemp": "TEMP:", "diskram": "RAMDISK:"}
+CAPITALS: Final = "".join(map(chr, (*range(65, 91), *range(0xC0, 0xD7), *range(0xD8, 0xDF))))
+TEXTS: Final = {
+    **{"stempty": "", "diskhome": "HOME:", "disktemp": "TEMP:", "diskram": "RAMDISK:"},
+    **{"eof": "EOF", "str_digit": "0123456789"},
+    **{"str_upper": CAPITALS, "str_lower": CAPITALS.lower()},
+}
+"""The letters are those of Latin-1 that have both cases."""
 
 
 def predefined(robot: Robot | None) -> Mapping[str, Cell]:

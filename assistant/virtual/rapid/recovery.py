@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from assistant.languages.rapid.tree import syntax as s
-from assistant.virtual.rapid.ends import Again, Fault, Jump, Onward
+from assistant.virtual.rapid.ends import Again, Fault, Jump, NotSimulated, Onward
 from assistant.virtual.rapid.errors import ANY, NAMES, NUMBERS
 from assistant.virtual.rapid.expressions import numeric
 from assistant.virtual.rapid.machine import Machine
@@ -72,6 +72,8 @@ def undo(machine: Machine, frame: Frame, execute: Execute) -> None:
 
 def _recovered(machine: Machine, frame: Frame, fault: Fault, left: int, execute: Execute) -> bool:
     """Runs the handler of an error; whether the statement is to run again, or the next one."""
+    if fault.unsure and any(_handler(one, "ERROR") for one in machine.frames):
+        raise NotSimulated(f"whether a handler is there for this error: {fault}") from None
     if fault.leaves is frame or fault.number is None:
         raise fault
     if fault.goal is not None and fault.goal is not frame:

@@ -15,6 +15,7 @@ from assistant.virtual.rapid.values import (
     Shape,
     Value,
     copied,
+    fitted,
     is_like,
     kind_of,
     overwrite,
@@ -72,6 +73,7 @@ class Place:
             raise Fault("what cannot be changed is assigned to")
         if not is_like(value, self.shape):
             raise Fault(f"{kind_of(value)} is assigned to data of type {self.shape.type}")
+        value = fitted(value, self.shape)
         try:
             stored = overwrite(self.get(), value)
         except ValueError as error:

@@ -22,7 +22,8 @@ from assistant.virtual.rapid.errors import MOST_RAISED, NAMES
 from assistant.virtual.rapid.expressions import condition, evaluate, numeric, place
 from assistant.virtual.rapid.machine import Machine
 from assistant.virtual.rapid.operators import whole
-from assistant.virtual.rapid.poses import text
+from assistant.virtual.rapid.poses import number, text
+from assistant.virtual.rapid.precision import Double, as_kind, single
 from assistant.virtual.rapid.recovery import attempt, leave, name_of
 from assistant.virtual.rapid.rows import moves
 from assistant.virtual.rapid.scopes import Cell, Known, Meaning
@@ -169,10 +170,8 @@ def _compact_if(machine: Machine, node: s.CompactIf) -> None:
 
 def _for(machine: Machine, node: s.ForLoop) -> None:
     """Bounds and step are worked out once; without STEP it goes towards the end by 1."""
-    first, last = numeric(machine, node.first), numeric(machine, node.last)
-    step = (1.0 if first <= last else -1.0) if node.step is None else numeric(machine, node.step)
-    if step == 0.0:
-        raise NotSimulated("a FOR whose step is 0")
+    first, last, step = _counted(machine, node)
+    kind = Shape("dnum") if isinstance(first, Double) else NUMBER
     runs = first <= last if step > 0.0 else first >= last
     machine.took(node, 0 if runs else 1)
     names, name = machine.frame.names, node.variable.lower()
@@ -180,15 +179,27 @@ def _for(machine: Machine, node: s.ForLoop) -> None:
     try:
         value = first
         while (value <= last) if step > 0.0 else (value >= last):
-            names[name] = Cell(NUMBER, "LOOP", value)
+            names[name] = Cell(kind, "LOOP", value)
             execute(machine, node.body)
             machine.step(node)
-            value += step
+            value = as_kind(value + step, type(first))
     finally:
         if hidden is None:
             names.pop(name, None)
         else:
             names[name] = hidden
+
+
+def _counted(machine: Machine, node: s.ForLoop) -> list[float]:
+    """First and last value and step; of dnum if one of them is."""
+    nodes = (node.first, node.last, *(() if node.step is None else (node.step,)))
+    values = [evaluate(machine, one) for one in nodes]
+    of = Double if any(isinstance(value, Double) for value in values) else single
+    first, last, *steps = [of(number(value)) for value in values]
+    step = steps[0] if steps else 1.0 if first <= last else -1.0
+    if step == 0.0:
+        raise NotSimulated("a FOR whose step is 0")
+    return [first, last, step]
 
 
 def _while(machine: Machine, node: s.WhileLoop) -> None:

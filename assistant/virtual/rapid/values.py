@@ -1,6 +1,6 @@
 """Values while a program runs: numbers, texts, truths, records, arrays and clocks.
 
-A num is held as a double: what the single precision of a controller rounds away is not simulated.
+Numbers that functions put into a record are rounded to single precision when they are read.
 """
 
 from __future__ import annotations
@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from assistant.virtual.events import Switched
+from assistant.virtual.rapid.precision import Double, digits, paired, single
 
 
 @dataclass(slots=True, eq=False)
@@ -62,6 +63,16 @@ NUMBER = Shape("num")
 TRUTH = Shape("bool")
 TEXT = Shape("string")
 NUMBERS = ("num", "dnum")
+
+
+def fitted(value: Value, shape: Shape) -> Value:
+    """A number as exact as where it is stored; any other value as it is."""
+    if isinstance(value, float) and not isinstance(value, bool):
+        if shape.type == "num":
+            return single(value)
+        if shape.type == "dnum":
+            return Double(value)
+    return value
 
 
 def copied(value: Value) -> Value:
@@ -133,7 +144,10 @@ def equal(left: Value, right: Value) -> bool:
             return left == right
         case bool(), _:
             pass
-        case (float(), float()) | (str(), str()):
+        case float(), float():
+            one, two, _ = paired(left, right)
+            return one == two
+        case str(), str():
             return left == right
         case Record(), Record() if left.type == right.type:
             return all(equal(part, right.parts[name]) for name, part in left.parts.items())
@@ -169,12 +183,12 @@ def kind_of(value: Value) -> str:
 
 
 def text_of(value: Value) -> str:
-    """A value as ValToStr writes it: six significant digits."""
+    """A value as ValToStr writes it: six significant digits of a num, 15 of a dnum."""
     match value:
         case bool():
             return "TRUE" if value else "FALSE"
         case float():
-            return f"{value:.6G}"
+            return f"{value:.{digits(value)}G}"
         case str():
             return f'"{value}"'
         case Record(parts=parts):

@@ -6,20 +6,24 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Final
 
-from assistant.virtual.rapid.ends import Fault
+from assistant.virtual.rapid.ends import UNSURE, Fault
 from assistant.virtual.rapid.given import Given, takes
 from assistant.virtual.rapid.machine import Function
 from assistant.virtual.rapid.operators import whole
+from assistant.virtual.rapid.precision import LARGEST, Double, single
+
+Of = Callable[[float], float]
+"""Makes a num or a dnum of a number."""
 
 
-def _of(formula: Callable[..., float], count: int) -> Callable[[Given], float]:
+def _of(formula: Callable[..., float], count: int, of: Of = single) -> Callable[[Given], float]:
     """A formula of numbers; raises Fault where it has no value."""
 
     def does(given: Given) -> float:
         try:
-            return float(formula(*(given.number(i) for i in range(count))))
+            return of(float(formula(*(of(given.number(i)) for i in range(count)))))
         except (ValueError, OverflowError, ZeroDivisionError):
-            raise Fault("a function outside of what it is defined for") from None
+            raise Fault("a function outside of what it is defined for", UNSURE) from None
 
     return does
 
@@ -37,15 +41,33 @@ def _power(base: float, exponent: float) -> float:
     return float(found)
 
 
-def _rounded(given: Given) -> float:
+def _shortened(
+    shorten: Callable[[float, float], float], of: Of = single
+) -> Callable[[Given], float]:
+    def does(given: Given) -> float:
+        return of(shorten(of(given.number(0)), _scale(given)))
+
+    return does
+
+
+def _rounded(value: float, scale: float) -> float:
     """Halves away from zero."""
-    value, scale = given.number(0), _scale(given)
     return math.copysign(math.floor(abs(value) * scale + 0.5) / scale, value) + 0.0
 
 
-def _truncated(given: Given) -> float:
-    value, scale = given.number(0), _scale(given)
+def _truncated(value: float, scale: float) -> float:
     return math.trunc(value * scale) / scale + 0.0
+
+
+def _to_num(given: Given) -> float:
+    r"""DnumToNum; with \Integer the value is to be a whole number that a num can hold."""
+    value = given.number(0)
+    found = single(value)
+    if given.has("integer") and not (value.is_integer() and found == value):
+        raise Fault(f"the dnum {value:.15g} as a whole num", "ERR_ARGVALERR")
+    if abs(value) > LARGEST:
+        raise Fault(f"the dnum {value:g} as a num", "ERR_NUM_LIMIT")
+    return found
 
 
 def _scale(given: Given) -> float:
@@ -70,14 +92,16 @@ TABLE: Final[Mapping[str, Function]] = dict(
     (
         *(takes(name, count, _of(does, count)) for name, (does, count) in FORMULAS.items()),
         *(
-            takes(f"{name}Dnum", count, _of(does, count))
+            takes(f"{name}Dnum", count, _of(does, count, Double))
             for name, (does, count) in FORMULAS.items()
         ),
-        *(takes(name, 1, _rounded, "dec") for name in ("Round", "RoundDnum")),
-        *(takes(name, 1, _truncated, "dec") for name in ("Trunc", "TruncDnum")),
+        takes("Round", 1, _shortened(_rounded), "dec"),
+        takes("RoundDnum", 1, _shortened(_rounded, Double), "dec"),
+        takes("Trunc", 1, _shortened(_truncated), "dec"),
+        takes("TruncDnum", 1, _shortened(_truncated, Double), "dec"),
         takes("Max", 2, _of(max, 2)),
         takes("Min", 2, _of(min, 2)),
-        takes("NumToDnum", 1, _of(float, 1)),
-        takes("DnumToNum", 1, _of(float, 1)),
+        takes("NumToDnum", 1, lambda given: Double(single(given.number(0)))),
+        takes("DnumToNum", 1, _to_num, "integer"),
     )
 )

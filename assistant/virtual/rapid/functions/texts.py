@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import operator
+from collections.abc import Callable, Mapping
 from typing import Final
 
-from assistant.virtual.rapid.ends import Fault, NotSimulated
+from assistant.virtual.rapid.ends import UNSURE, Fault, NotSimulated
 from assistant.virtual.rapid.given import Given, takes
 from assistant.virtual.rapid.machine import Function
 from assistant.virtual.rapid.operators import joined, whole
-from assistant.virtual.rapid.values import NUMBERS, text_of
+from assistant.virtual.rapid.precision import Double, single
+from assistant.virtual.rapid.values import text_of
+from assistant.virtual.rapid.written import read
 
 
 def _position(given: Given, text: str) -> int:
@@ -40,6 +43,8 @@ def _find(given: Given) -> float:
 
 def _match(given: Given) -> float:
     text, pattern = given.text(0), given.text(2)
+    if not pattern:
+        raise NotSimulated("StrMatch of an empty pattern")
     found = text.find(pattern, _position(given, text))
     return float((len(text) if found < 0 else found) + 1)
 
@@ -52,14 +57,34 @@ def _member(given: Given) -> bool:
 def _mapped(given: Given) -> str:
     text, before, after = given.text(0), given.text(1), given.text(2)
     if len(before) != len(after):
-        raise Fault("StrMap between sets of other sizes")
+        raise Fault("StrMap between sets of other sizes", UNSURE)
     return text.translate(str.maketrans(before, after))
 
 
-def _number(given: Given) -> str:
-    decimals = whole(given.number(1), "the number of decimals")
-    form = "E" if given.has("exp") else "f"
-    return f"{given.number(0):.{decimals}{form}}"
+def _ordered(given: Given) -> bool:
+    """Whether a string stands before another, or is the same; what has no order comes last."""
+    one, two, order = (given.text(i) for i in range(3))
+
+    def ranks(text: str) -> list[int]:
+        found = (order.find(character) for character in text)
+        return [
+            len(order) + ord(c) if rank < 0 else rank for c, rank in zip(text, found, strict=True)
+        ]
+
+    return ranks(one) <= ranks(two)
+
+
+def _number(of: Callable[[float], float]) -> Callable[[Given], str]:
+    """NumToStr and DnumToStr."""
+
+    def does(given: Given) -> str:
+        decimals = whole(given.number(1), "the number of decimals")
+        if decimals < 0:
+            raise Fault(f"{decimals} decimals", "ERR_NEGARG")
+        form = "E" if given.has("exp") else "f"
+        return joined(f"{of(given.number(0)):.{decimals}{form}}")
+
+    return does
 
 
 def _value(given: Given) -> str:
@@ -68,20 +93,105 @@ def _value(given: Given) -> str:
 
 def _parsed(given: Given) -> bool:
     """StrToVal: whether a string is a value of the data that it is put into."""
-    text, place = given.text(0).strip(), given.place(1)
-    if place.shape.type == "bool" and not place.shape.sizes:
-        if text.upper() in ("TRUE", "FALSE"):
-            place.set(text.upper() == "TRUE")
-            return True
+    place = given.place(1)
+    value = read(given.text(0), place.shape, given.machine.types)
+    if value is None:
         return False
-    if place.shape.type not in NUMBERS or place.shape.sizes:
-        raise NotSimulated(f"StrToVal of {place.shape.type}")
-    try:
-        place.set(float(text))
-    except ValueError:
-        return False
+    place.set(value)
     return True
 
+
+BYTES: Final[Mapping[str, tuple[int, str]]] = {
+    "hex": (16, "02X"),
+    "okt": (8, "03o"),
+    "bin": (2, "08b"),
+}
+"""How a byte is written: to what base, and in how many digits (manual, ByteToStr)."""
+
+
+def _byte_text(given: Given) -> str:
+    value = whole(given.number(0), "a byte")
+    if not 0 <= value < 256:
+        raise Fault(f"{value} as a byte", UNSURE)
+    if given.has("char"):
+        return chr(value)
+    form = next((form for name, (_, form) in BYTES.items() if given.has(name)), "d")
+    return f"{value:{form}}"
+
+
+def _byte_of_text(given: Given) -> float:
+    text = given.text(0)
+    if given.has("char"):
+        if len(text) != 1:
+            raise Fault(f"`{text}` as one character", UNSURE)
+        return float(ord(text))
+    base = next((base for name, (base, _) in BYTES.items() if given.has(name)), 10)
+    value = _whole(text, base)
+    if value > 255:
+        raise Fault(f"`{text}` as a byte", UNSURE)
+    return float(value)
+
+
+def _whole(text: str, base: int) -> int:
+    """Of digits alone."""
+    try:
+        return int(text if text.isalnum() else "x", base)
+    except ValueError:
+        raise Fault(f"`{text}` as a number to the base {base}", UNSURE) from None
+
+
+def _to_base(base: int, form: str) -> Callable[[Given], str]:
+    """DecToHex and HexToDec, of numbers up to 7FFFFFFFFFFFFFFF."""
+
+    def does(given: Given) -> str:
+        value = _whole(given.text(0), base)
+        if value >= 1 << 63:
+            raise Fault(f"the number {value}", UNSURE)
+        return f"{value:{form}}"
+
+    return does
+
+
+def _compared(given: Given) -> bool:
+    """StrDigCmp: numbers of digits alone, up to 4294967295."""
+    relation = whole(given.number(1), "a relation")
+    if not 1 <= relation <= len(RELATIONS):
+        raise Fault(f"the relation {relation}", UNSURE)
+    return RELATIONS[relation - 1](_digits(given, 0), _digits(given, 2))
+
+
+def _calculated(given: Given) -> str:
+    one, sign, two = _digits(given, 0), whole(given.number(1), "an operation"), _digits(given, 2)
+    if not 1 <= sign <= len(OPERATIONS):
+        raise Fault(f"the operation {sign}", UNSURE)
+    if sign > 3 and two == 0:
+        raise Fault("division of digits by zero", "ERR_CALC_DIVZERO")
+    found = OPERATIONS[sign - 1](one, two)
+    if found < 0:
+        raise Fault("a negative number of digits", "ERR_CALC_NEG")
+    if found > LARGEST:
+        raise Fault(f"the number {found} of digits", "ERR_CALC_OVERFLOW")
+    return str(found)
+
+
+def _digits(given: Given, index: int) -> int:
+    text = given.text(index)
+    if not (text.isascii() and text.isdecimal()):
+        raise Fault(f"`{text}` as digits", "ERR_INT_NOTVAL")
+    if int(text) > LARGEST:
+        raise Fault(f"the number {text} of digits", "ERR_INT_MAXVAL")
+    return int(text)
+
+
+LARGEST: Final = 4294967295
+RELATIONS: Final = (operator.lt, operator.le, operator.eq, operator.ne, operator.ge, operator.gt)
+"""LT, LTEQ, EQ, NOTEQ, GTEQ, GT, which count from 1."""
+OPERATIONS: Final = (
+    *(operator.add, operator.sub, operator.mul),
+    *(operator.floordiv, operator.mod),
+)
+"""OpAdd, OpSub, OpMult, OpDiv, OpMod, which count from 1."""
+KINDS: Final = "hex okt bin char"
 
 TABLE: Final[Mapping[str, Function]] = dict(
     (
@@ -91,9 +201,16 @@ TABLE: Final[Mapping[str, Function]] = dict(
         takes("StrMatch", 3, _match),
         takes("StrMemb", 3, _member),
         takes("StrMap", 3, _mapped),
+        takes("StrOrder", 3, _ordered),
         takes("StrToVal", 2, _parsed),
-        takes("NumToStr", 2, _number, "exp"),
-        takes("DnumToStr", 2, _number, "exp"),
+        takes("NumToStr", 2, _number(single), "exp"),
+        takes("DnumToStr", 2, _number(Double), "exp"),
         takes("ValToStr", 1, _value),
+        takes("ByteToStr", 1, _byte_text, KINDS),
+        takes("StrToByte", 1, _byte_of_text, KINDS),
+        takes("DecToHex", 1, _to_base(10, "X")),
+        takes("HexToDec", 1, _to_base(16, "d")),
+        takes("StrDigCmp", 3, _compared),
+        takes("StrDigCalc", 3, _calculated),
     )
 )

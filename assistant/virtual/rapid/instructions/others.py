@@ -11,13 +11,16 @@ from assistant.virtual.rapid.ends import Cycled, Fault
 from assistant.virtual.rapid.given import Given, takes
 from assistant.virtual.rapid.machine import Function
 from assistant.virtual.rapid.operators import whole
+from assistant.virtual.rapid.precision import as_kind, paired
 from assistant.virtual.rapid.values import Clock, text_of
 
 
 def _add(change: Callable[[Given], float]) -> Callable[[Given], None]:
     def does(given: Given) -> None:
         place = given.place(0)
-        place.set(poses.number(place.get()) + change(given))
+        value = place.get()
+        one, two, kind = paired(poses.number(value), change(given))
+        place.set(as_kind(one + two, kind))
 
     return does
 

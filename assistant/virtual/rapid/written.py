@@ -1,0 +1,131 @@
+"""Values as text: what StrToVal reads, and persistent data as it is written into its module."""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+from assistant.virtual.rapid.precision import Double
+from assistant.virtual.rapid.types import Types
+from assistant.virtual.rapid.values import NUMBERS, Array, Record, Shape, Value, fitted
+
+_WORD: Final = re.compile(
+    r"""\s*(?:
+        (?P<number>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)
+      | "(?P<text>(?:[^"]|"")*)"
+      | (?P<word>[A-Za-z]+)
+      | (?P<sign>[][,])
+    )\s*""",
+    re.VERBOSE,
+)
+
+
+def read(text: str, shape: Shape, types: Types) -> Value | None:
+    """The value that a text is, None if it is none of that type."""
+    words: list[re.Match[str]] = []
+    at = 0
+    while at < len(text):
+        found = _WORD.match(text, at)
+        if found is None:
+            return None
+        words.append(found)
+        at = found.end()
+    try:
+        value, rest = _value(words, shape, types)
+    except (ValueError, LookupError):
+        return None
+    return None if rest else value
+
+
+Words = list[re.Match[str]]
+
+
+def _value(words: Words, shape: Shape, types: Types) -> tuple[Value, Words]:
+    """The value that the words begin with, and the words behind it; raises ValueError if none."""
+    first, rest = words[0], words[1:]
+    if shape.sizes:
+        items: list[Value] = []
+        for i in range(shape.sizes[0]):
+            item, rest = _value(
+                _behind(rest if i else words, "," if i else "["), shape.element, types
+            )
+            items.append(item)
+        return Array(items), _behind(rest, "]")
+    if shape.type in NUMBERS:
+        return fitted(float(first["number"] or "x"), shape), rest
+    if shape.type == "bool":
+        return {"TRUE": True, "FALSE": False}[(first["word"] or "").upper()], rest
+    if shape.type == "string":
+        if first["text"] is None:
+            raise ValueError
+        return first["text"].replace('""', '"'), rest
+    record = types.first(shape)
+    if not isinstance(record, Record):
+        raise ValueError  # noqa: TRY004 - a text that is no value of this type
+    rest = words
+    for i, name in enumerate(record.parts):
+        part = types.component(shape.type, name)
+        assert part is not None
+        behind = _behind(rest, "," if i else "[")
+        record.parts[name], rest = _value(behind, part, types)
+    return record, _behind(rest, "]")
+
+
+def _behind(words: Words, sign: str) -> Words:
+    if words[0]["sign"] != sign:
+        raise ValueError
+    return words[1:]
+
+
+def written(value: Value, shape: Shape, types: Types) -> str:
+    """An expression of literals that is the very value; raises ValueError if it has none."""
+    match value:
+        case bool():
+            return "TRUE" if value else "FALSE"
+        case float():
+            return _number(value)
+        case str():
+            return '"' + "".join(map(_character, value)) + '"'
+        case Array(items):
+            return "[" + ",".join(written(item, shape.element, types) for item in items) + "]"
+        case Record(type, parts):
+            said = []
+            for name, part in parts.items():
+                of = types.component(type, name)
+                assert of is not None
+                said.append(written(fitted(part, of), of, types))
+            return "[" + ",".join(said) + "]"
+    raise ValueError(f"data of type {shape.type} has no value")
+
+
+def _number(value: float) -> str:
+    """The shortest text that reads back the same: of a num nine digits, of a dnum 17 at most."""
+    if isinstance(value, Double):
+        return _plain(repr(float(value)))
+    for digits in range(1, 10):
+        text = f"{value:.{digits}G}"
+        if fitted(float(text), Shape("num")) == value:
+            return _plain(text)
+    return _plain(repr(value))
+
+
+def _plain(text: str) -> str:
+    """`9E9` for `9E+09`, and whole numbers without a point."""
+    mantissa, e, exponent = text.upper().partition("E")
+    mantissa = mantissa.removesuffix(".0")
+    power = int(exponent or 0)
+    if -5 < power < 7 or not e:
+        return mantissa if not e else _shifted(mantissa, power)
+    return f"{mantissa}E{power}"
+
+
+def _shifted(mantissa: str, power: int) -> str:
+    """`1.5E3` written out."""
+    text = f"{float(f'{mantissa}E{power}'):.17f}".rstrip("0").rstrip(".")
+    return text if float(text) == float(f"{mantissa}E{power}") else f"{mantissa}E{power}"
+
+
+def _character(character: str) -> str:
+    if character in '"\\':
+        return character * 2
+    return character if character >= " " else f"\\{ord(character):02X}"
