@@ -42,8 +42,13 @@ ZONE_PARTS: Final = (
     *("zone_ori", "zone_leax", "zone_reax"),
 )
 NUMBERS: Final = {
-    **{"pi": 3.141592654, "low": 0.0, "high": 1.0, "edge": 2.0, "wait_max": 99999.0},
-    **{"eof_bin": -1.0, "eof_num": 9.998e36},
+    "pi": 3.141592654,
+    "low": 0.0,
+    "high": 1.0,
+    "edge": 2.0,
+    "wait_max": 99999.0,
+    "eof_bin": -1.0,
+    "eof_num": 9.998e36,
 }
 COUNTED: Final = (
     (
@@ -63,9 +68,14 @@ icondata, buttondata and btnres; of opnum and opcalc the names alone are stated)
 """
 CAPITALS: Final = "".join(map(chr, (*range(65, 91), *range(0xC0, 0xD7), *range(0xD8, 0xDF))))
 TEXTS: Final = {
-    **{"stempty": "", "diskhome": "HOME:", "disktemp": "TEMP:", "diskram": "RAMDISK:"},
-    **{"eof": "EOF", "str_digit": "0123456789"},
-    **{"str_upper": CAPITALS, "str_lower": CAPITALS.lower()},
+    "stempty": "",
+    "diskhome": "HOME:",
+    "disktemp": "TEMP:",
+    "diskram": "RAMDISK:",
+    "eof": "EOF",
+    "str_digit": "0123456789",
+    "str_upper": CAPITALS,
+    "str_lower": CAPITALS.lower(),
 }
 """The letters are those of Latin-1 that have both cases."""
 
