@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Final
 
 from assistant.virtual.rapid.ends import UNSURE, Fault, NotSimulated
@@ -184,9 +184,16 @@ def _digits(given: Given, index: int) -> int:
 
 
 LARGEST: Final = 4294967295
-RELATIONS: Final = (operator.lt, operator.le, operator.eq, operator.ne, operator.ge, operator.gt)
+RELATIONS: Final[Sequence[Callable[[int, int], bool]]] = (
+    operator.lt,
+    operator.le,
+    operator.eq,
+    operator.ne,
+    operator.ge,
+    operator.gt,
+)
 """LT, LTEQ, EQ, NOTEQ, GTEQ, GT, which count from 1."""
-OPERATIONS: Final = (
+OPERATIONS: Final[Sequence[Callable[[int, int], int]]] = (
     *(operator.add, operator.sub, operator.mul),
     *(operator.floordiv, operator.mod),
 )
