@@ -104,6 +104,9 @@ def test_the_first_dialect_comes_back(tree: s.File) -> None:
 
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @example(languages.get(V).parse("1 If M1=1 Then\n2 Close\n3 EndIf\n"))
+@example(
+    languages.get(V).parse("1 On M1 GoTo *Assembly_Error_1\n2 *Assembly_Error_1 P1=P_CavDir\n")
+)
 @example(languages.get(V).parse("1 If M1=1 Then\n2 GoTo *X\n3 Else\n4 XRun 2\n5 EndIf\n"))
 @example(
     languages.get(V).parse(

@@ -20,7 +20,12 @@ from assistant.languages.melfa_basic.text.layout.lines import lay_out
 from assistant.languages.melfa_basic.text.rendering import render
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import blocks_of
-from assistant.languages.melfa_basic.tree.targets import labelled, labels_of, labels_written
+from assistant.languages.melfa_basic.tree.targets import (
+    labelled,
+    labels_of,
+    labels_written,
+    targets_in,
+)
 from assistant.program.diagnostics import Diagnostic, has_errors
 from assistant.program.text import SourceText, finding_in
 
@@ -145,10 +150,12 @@ class _File:
         """Names that the dialect takes; what they were goes into the heading."""
         if self.before.level == 4:
             return
+        # also labels that are nowhere, and only jumps name
+        named = (str(target.place) for target in targets_in(self.items))
         for kind, written in (
             ("named", names.variables_of(self.items)),
             ("stems", names.stems_of(self.items)),
-            ("labelled", labels_written(self.items)),
+            ("labelled", (*named, *labels_written(self.items))),
         ):
             known = {name.upper(): name for name in written}
             made = getattr(short, kind).items()
