@@ -105,9 +105,11 @@ class Calls:
     """A line calls these, in an order that nobody knows.
 
     called: procedures by their number; of what is not known, the settings that it may change.
+    inside: whether what is not known is lines of the program.
     """
 
     called: tuple[int | frozenset[int], ...]
+    inside: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,7 +138,7 @@ def calls_in(steps: Steps) -> Iterator[int | frozenset[int]]:
     """What steps may call."""
     for step in steps:
         match step:
-            case Calls(called):
+            case Calls(called=called):
                 yield from called
             case Either(branches):
                 for branch in branches:
@@ -327,10 +329,11 @@ class Flow:
                     held = self._by_any_line(setting) if held.is_inherited else held
                     made = held.met(Held(UNKNOWN, by - {ELSEWHERE}, by), UNKNOWN)
                     behind = (*behind[:setting], made, *behind[setting + 1 :])
-                case Calls(called):
+                case Calls(called, inside):
                     before = self._between(called, behind)
                     met += [(one, before) for one in called if isinstance(one, int)]
-                    behind = _any_of([self._left_by(one, before) for one in called], every=True)
+                    left = [self._left_by(one, before, inside) for one in called]
+                    behind = _any_of(left, every=True)
                 case Either(branches):
                     behind = _any_of([self._ran(at, branch, behind, met) for branch in branches])
         return behind
@@ -344,13 +347,20 @@ class Flow:
             state = known if made is None else joined(known, made)
         return state
 
-    def _left_by(self, called: int | frozenset[int], state: State) -> State | None:
-        """What holds behind a call; one that nobody knows may leave what lines before it made."""
+    def _left_by(
+        self, called: int | frozenset[int], state: State, inside: bool = False
+    ) -> State | None:
+        """What holds behind a call; one that nobody knows may leave what lines before it made.
+
+        inside: or what any line of the program makes.
+        """
         if isinstance(called, int):
             end = self.exits[called]
             return None if end is None else resolved(end, state)
         return tuple(
-            Held(UNKNOWN, before=held.needed) if k in called else held
+            Held(UNKNOWN, before=held.needed | (self.lost[k].before if inside else frozenset()))
+            if k in called
+            else held
             for k, held in enumerate(state)
         )
 

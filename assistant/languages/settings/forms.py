@@ -84,10 +84,11 @@ class CalledForms:
     """The forms of all procedures of a program.
 
     forms: by procedure, in the order in which calls are met from the first procedure on.
+    single: procedures that have one form for all ways of calling them.
     """
 
-    def __init__(self, flow: Flow, initial: State) -> None:
-        self.flow = flow
+    def __init__(self, flow: Flow, initial: State, single: frozenset[int] = frozenset()) -> None:
+        self.flow, self.single = flow, single
         self._part_at = {
             places[0]: part
             for number in flow.divided
@@ -171,7 +172,9 @@ class CalledForms:
         count = sum(1 for one in known.values() if one.part == part)
         needs = self._needs[procedure, part]
         key: Any = (part, *(held.value if k in needs else None for k, held in enumerate(state)))
-        if key not in known and count >= MOST_FORMS:
+        if known is self.forms[procedure] and procedure in self.single:
+            key = part, UNKNOWN
+        elif key not in known and count >= MOST_FORMS:
             key = part, UNKNOWN  # the same for all if there are too many
             state = tuple(Held(UNKNOWN, held.by, before=held.before) for held in state)
         if key not in known:

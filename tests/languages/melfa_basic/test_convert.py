@@ -372,3 +372,25 @@ def test_a_case_of_a_function_is_worked_out_in_front_of_its_select(tmp_path: Pat
     done = assistant.translate(source, to="melfa-basic-4")
     assert [(f.code, f.line) for f in done.findings] == [("MB501", 4)]
     assert [(row.place.line, row.level) for row in done.rows][2] == (4, "not")
+
+
+KEPT = "3 Mvs P1 WthIf M_In(3)=1,M_Out(3)=1\n"
+
+
+@pytest.mark.parametrize(
+    ("code", "lines"),
+    [
+        (f"1 Mvs P1\n{KEPT}4 Mvs P1\n5 End\n", []),
+        (f"1 Spd 9\n2 Mvs P1\n{KEPT}4 End\n", ["Spd 9"]),
+        (f"1 Spd 9\n2 While M_In(1)=1\n{KEPT}4 Mvs P1\n5 WEnd\n6 End\n", ["Spd 9"]),
+        (f"1 Spd 9\n2 Mvs P1\n{KEPT}4 Spd 8\n5 Mvs P1\n6 End\n", ["Spd 9", "Spd 8"]),
+        ("1 Mvs P1\n2 Mvc P1,P_Curr,P1\n3 GoSub *S\n4 End\n5 *S\n6 Mvs P1\n7 Return\n", []),
+        ("1 Mvs P1\n2 End\n", ["Tool P_NTool", "Base P_NBase", "Spd M_NSpd", "Cnt 0"]),
+    ],
+)
+def test_settings_that_texts_depend_on_are_said_once(code: str, lines: list[str]) -> None:
+    written, told = translated(code, V)
+    words = ("Spd", "Cnt", "Tool", "Base")
+    steps = (line.split(" ", 1)[1].strip() for line in written.splitlines() if " " in line)
+    assert [step for step in steps if step.startswith(words)] == lines
+    assert told == (["MB233 1", "MB233 1"] if "Tool P_NTool" in lines else [])

@@ -119,3 +119,34 @@ def test_a_tool_stays_set_for_lines_that_are_come_to_in_unknown_ways(
         f"*SUB0\n{between}\n*SUB1\nMov P1\nReturn\n*LAST\nEnd\n{positions}"
     )
     assert "Tool PT" in [one.text for one in program.statements() if isinstance(one, p.Opaque)]
+
+
+LINES_THAT_DIFFER = "Tool P_NTool\nBase P_NBase\nCnt 0\nSpd 100\n"
+
+
+def test_a_text_that_calls_a_subroutine_calls_it_as_its_settings_are() -> None:
+    program = lifted(
+        "Spd 250\nGoTo *MAIN\n*ODD\nReturn\n*PART\nMvs P1\nReturn\n*MAIN\n"
+        f"GoSub *PART\n{LINES_THAT_DIFFER}On M1 GoSub *ODD,*PART\n"
+        "If M_In(9)=1 Then GoTo *ODD\nEnd\n"
+    )
+    assert names(program) == ["main", "PART"]
+    (move,) = program.procedures[1].body
+    assert isinstance(move, p.Opaque)
+
+
+def test_a_text_that_calls_a_function_calls_it_as_its_settings_are() -> None:
+    program = lifted(
+        f"Function Main\nSpd 250\nM1=Go(1)\n{LINES_THAT_DIFFER}"
+        "Mvs P2 WthIf Go(1)>0,M_Out(1)=1\nFEnd\n"
+        "Function M Go(ByVal M0)\nMvs P1\nGo=1\nFEnd\n"
+    )
+    assert names(program) == ["main", "Go"]
+
+
+def test_a_tool_stays_that_lines_set_which_a_call_leads_into_from_outside() -> None:
+    positions = "PT=(0,0,120,0,0,0)(0,0)\nP1=(500,0,400,180,0,180)(7,0)\n"
+    program = lifted(
+        "GoSub *ODD\nMov P1\nIf M_In(9)=1 Then GoTo *ODD\nEnd\n*ODD\nTool PT\nReturn\n" + positions
+    )
+    assert "Tool PT" in [one.text for one in program.statements() if isinstance(one, p.Opaque)]

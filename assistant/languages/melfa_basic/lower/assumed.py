@@ -6,6 +6,8 @@ from collections.abc import Iterator, Mapping
 from typing import Any, Final, Literal
 
 from assistant.languages.melfa_basic import rules
+from assistant.languages.melfa_basic.lift.settings.held import FRAME, TOOL
+from assistant.languages.melfa_basic.lower.depended import depended_on
 from assistant.languages.melfa_basic.tables.dialects import DIALECTS
 from assistant.languages.melfa_basic.tables.functions import BITS
 from assistant.languages.melfa_basic.tree import syntax as s
@@ -21,12 +23,12 @@ from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.geometry import BASE, FLANGE
 from assistant.program.program import Program
 
-KEPT: Final[tuple[tuple[str, Literal["tool", "frame"], str, str, str], ...]] = (
-    ("Tool", "tool", FLANGE, "P_NTool", "M_TOOL"),
-    ("Base", "frame", BASE, "P_NBase", "M_BSNO"),
+KEPT: Final[tuple[tuple[str, int, Literal["tool", "frame"], str, str, str], ...]] = (
+    ("Tool", TOOL, "tool", FLANGE, "P_NTool", "M_TOOL"),
+    ("Base", FRAME, "frame", BASE, "P_NBase", "M_BSNO"),
 )
-"""Settings that stay when the power is off: statement, what it sets, what counts without it, that
-said in words, and the status variable that sets it as well."""
+"""Settings that stay when the power is off: statement, its number, what it sets, what counts
+without it, that said in words, and the status variable that sets it as well."""
 
 FIRST: Final[Mapping[str, str]] = {"number": "0", "integer": "0", "text": "an empty text"}
 """What a variable of a type begins with in other languages."""
@@ -36,7 +38,10 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
     """Findings on a lifted program, with its spans, that is written anew in the language `to`."""
     trees = () if program.origin is None else program.origin.trees
     commands = list(_commands(trees))
-    for word, of, default, plain, status in KEPT:
+    left = depended_on(program) if to in DIALECTS else frozenset()
+    for word, number, of, default, plain, status in KEPT:
+        if number in left:
+            continue  # it is not written either, see `UnitLines`
         set_at = [span for span, node in commands if _sets(node, word, status)]
         span = first_move(program, default, of)
         if span is not None and all(one is not None and one.start > span.start for one in set_at):

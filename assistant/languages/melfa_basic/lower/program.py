@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Final, Literal
@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Final, Literal
 import numpy as np
 
 from assistant.languages.line_steps import numbered
+from assistant.languages.melfa_basic.lift.files.program import settings_that_hold
+from assistant.languages.melfa_basic.lower.depended import depended_on
 from assistant.languages.melfa_basic.lower.expressions import joint_constant, position_constant
 from assistant.languages.melfa_basic.lower.heading import heading, named
 from assistant.languages.melfa_basic.lower.names import naming
@@ -76,8 +78,23 @@ class UnitLines(Writer):
 
     def tree(self, code: list[s.Item]) -> s.File:
         """The file of its code lines, which it gave before, and its variable lines."""
+        data = list(gathered(list(self.data())))
+        depended = depended_on(self.program)
+        if depended:
+            code = self._without_settings_that_hold(code, data, depended)
         steps = gathered(numbered(code, self.dialect.step, LAST_STEP))
-        return s.File(self.dialect.name, (*steps, *gathered(list(self.data()))))
+        return s.File(self.dialect.name, (*steps, *data))
+
+    def _without_settings_that_hold(
+        self, code: list[s.Item], data: Sequence[s.Item], depended: frozenset[int]
+    ) -> list[s.Item]:
+        """The lines without settings that hold already, of those that kept texts depend on.
+
+        Such a text would depend on what is written for a move, and no longer on what it did.
+        """
+        tree = s.File(self.dialect.name, (*code, *data))
+        again = self.settings.intersection(map(id, settings_that_hold(tree, depended)))
+        return [item for item in code if id(item) not in again]
 
     def as_subroutines(self, first: Procedure | None, others: list[Procedure]) -> None:
         """The first procedure, and what it calls behind its end."""

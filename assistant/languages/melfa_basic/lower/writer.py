@@ -63,6 +63,8 @@ class Writer:
         self.findings, self.wanting = Findings(), list[Diagnostic]()
         self.state: dict[str, object] = {}
         """What the word of each setting has set, where that is known."""
+        self.settings: set[int] = set()
+        """Lines that set what a statement needs, by their identity."""
         self.previous: tuple[str, str, str] | None = None
         """Position variable, tool and frame of the move before, if that is known."""
         self.number = names.position
@@ -235,6 +237,7 @@ class Writer:
         if self.state.get(word) != value:
             self.state[word] = value
             self.add(s.Command(word, arguments))
+            self.settings.add(id(self.items[-1]))
 
     def _note(self) -> None:
         """The lines since the last time are those of the statement at hand."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +23,7 @@ from assistant.languages.melfa_basic.lift.values.pallets import pallets, still_m
 from assistant.languages.melfa_basic.lift.values.symbols import Inside, Routine, Symbols
 from assistant.languages.melfa_basic.lift.values.timers import timers
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.blocks import statement_of
 from assistant.languages.settings.divided_forms import divided
 from assistant.languages.settings.flow import UNKNOWN, Flow, Held, State
 from assistant.languages.settings.forms import CalledForms, Form
@@ -104,12 +105,13 @@ class Unit:
 
         divide: procedures in which settings differ with the way are read once for each way.
         """
-        reading = self._read(frozenset())
-        if divide and not self.own and reading.reader.depending:
-            reading = self._divided(reading)
-        kept = self._kept(reading)
-        if kept:
-            reading = self._read(kept)
+        whole = self.ways
+        kept, reading = self._settled(divide)
+        while several := self._called_in_texts(reading):
+            single = several | self.ways.called.single
+            called = CalledForms(whole.called.flow, self._initial(), single)
+            self.ways = replace(whole, called=called)
+            kept, reading = self._settled(divide)
         if reading.symbols.pallets and still_mentioned(tuple(reading.procedures)):
             self.grids = False
             reading = self._read(kept)
@@ -135,13 +137,32 @@ class Unit:
             declarations=(*program.declarations, *reading.declarations),
         )
 
+    def _settled(self, divide: bool) -> tuple[frozenset[int], _Reading]:
+        """The lines of settings that are kept, and the reading with them."""
+        reading = self._read(frozenset())
+        if divide and not self.own and reading.reader.depending:
+            reading = self._divided(reading)
+        kept = self._kept(reading)
+        return kept, self._read(kept) if kept else reading
+
+    def _called_in_texts(self, reading: _Reading) -> frozenset[int]:
+        """Procedures of several forms that texts call, which know of one name."""
+        names, forms = reading.symbols.in_texts, self.ways.called.forms
+        return frozenset(
+            number
+            for number, region in enumerate(self.ways.regions)
+            if len(forms[number]) > 1
+            and (region.function.name if region.function else region.label or "").upper() in names
+        )
+
     def _divided(self, whole: _Reading) -> _Reading:
         """The reading with divided procedures if that leaves less as its text."""
         ways = self.ways
         undivided: frozenset[int] = frozenset()
         while True:
             flow = divided(ways.called.flow, undivided)
-            called = CalledForms(flow, self._initial()) if flow.cuts else ways.called
+            single = ways.called.single
+            called = CalledForms(flow, self._initial(), single) if flow.cuts else ways.called
             if not flow.cuts or called.too_long:
                 return whole
             if not called.unread:
@@ -165,6 +186,20 @@ class Unit:
             if slot in settings
             for line in held.needed
         )
+
+    def settings_that_hold(self, wanted: frozenset[int]) -> Iterator[s.Entry]:
+        """Lines that set what holds there already, however they are come to.
+
+        wanted: the numbers of the settings that are looked at.
+        """
+        again: dict[int, bool] = {}
+        for form in (form for forms in self.ways.called.forms for form in forms.values()):
+            for at in form.places:
+                effect = self.ways.settings.effect(statement_of(self.code[at]))
+                if effect is not None and effect[0] in wanted and effect[1] is not UNKNOWN:
+                    held = self.ways.called.at(at, form)[effect[0]]
+                    again[at] = again.get(at, True) and held.value == effect[1]
+        yield from (self.code[at] for at, held in again.items() if held)
 
     # ------------------------------------------------------------------------- one reading
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import PurePath
 from typing import TYPE_CHECKING
@@ -55,6 +55,17 @@ def lift(trees: Sequence[s.File], robot: Robot | None = None, *, divide: bool = 
         counted = (counted_on(procedure, starts[id(file)]) for procedure in added)
         program = replace(program, procedures=(*known, *counted))
     return program if any(file.own for file in files) else without_needless_rounding(program)
+
+
+def settings_that_hold(tree: s.File, wanted: frozenset[int]) -> Iterator[s.Entry]:
+    """Lines of a program in one file that set what holds there already, see `Unit`."""
+    file, name = File(tree), "-"
+    program = Program(name, signals=dict(file.header.signals))
+    touched = touching({name: file})
+    robot = _robot(file.header.robot)
+    called = frozenset(name for name in file.called() if name is not None)
+    unit = Unit(program, file, file, None, robot, touched, frozenset(), called)
+    return unit.settings_that_hold(wanted)
 
 
 def _robot(name: str | None) -> Robot | None:

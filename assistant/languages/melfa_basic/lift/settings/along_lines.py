@@ -94,9 +94,10 @@ def lines_of(
         if effect is not None:
             return (Sets(*effect),)
         calls = tuple(called(statement))
+        inside = isinstance(statement, s.Jump | s.OnJump)
         if isinstance(statement, s.OnJump):
-            return (Either((*((Calls((one,)),) for one in calls), ())),)
-        before: Steps = (Calls(calls),) if calls else ()
+            return (Either((*((Calls((one,), inside),) for one in calls), ())),)
+        before: Steps = (Calls(calls, inside),) if calls else ()
         if isinstance(statement, s.If) and statement.then is not None:
             return (*before, Either((steps(statement.then), steps(statement.otherwise))))
         if isinstance(statement, s.Motion) and statement.append is not None:

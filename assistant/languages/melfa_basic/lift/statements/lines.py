@@ -13,7 +13,7 @@ from assistant.languages.melfa_basic.lift.statements import waits
 from assistant.languages.melfa_basic.lift.statements.moves import Moves
 from assistant.languages.melfa_basic.lift.statements.paths import Runs, Values
 from assistant.languages.melfa_basic.lift.structure.blocks import Code
-from assistant.languages.melfa_basic.lift.structure.regions import Region
+from assistant.languages.melfa_basic.lift.structure.regions import Region, place_name
 from assistant.languages.melfa_basic.lift.values import reasons
 from assistant.languages.melfa_basic.lift.values.expressions import Expressions
 from assistant.languages.melfa_basic.lift.values.symbols import Routine, Symbols, Unliftable
@@ -145,6 +145,7 @@ class Statements:
         self.runs.forget()
         self.runs.arc_pending = False
         self.note_dependence(statement)
+        self.note_names(statement)
         if found is kept_reasons.WAYS and self.form is not None:
             state = self.called.at(self.at, self.form)
             found = self.unknown.reason(state, depends(statement)) or found
@@ -166,6 +167,14 @@ class Statements:
         if self.source is None or item.span is None:
             return text
         return f"{text} in line {self.source.line_column(item.span.start)[0]}"
+
+    def note_names(self, statement: s.Statement) -> None:
+        """Notes what a statement that stays as its text may call."""
+        for part in nodes(statement):
+            if isinstance(part, s.Target):
+                self.symbols.in_texts.add(place_name(part))
+            elif isinstance(part, s.Variable):
+                self.symbols.in_texts.add(part.key)
 
     def note_dependence(self, statement: s.Statement) -> None:
         """Notes what a statement at hand, which stays as its text, depends on."""

@@ -30,6 +30,7 @@ from assistant.languages.melfa_basic.tables.vocabulary.timers import MILLISECOND
 from assistant.languages.melfa_basic.text import effects, printer
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.positions import target_of
+from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.program import expressions as e
 from assistant.program.geometry import Target
 from assistant.program.timers import in_seconds
@@ -72,6 +73,7 @@ class Expressions(Types):
     def verbatim(self, node: s.Expression, reason: e.Reason | None = None) -> e.Verbatim:
         upper = self.m.dialect.endswith("-4")
         text = printer.expression(node, upper)
+        self.m.in_texts |= {part.key for part in nodes(node) if isinstance(part, s.Variable)}
         return e.Verbatim(self.m.dialect, text, reason=reason, effect=effects.of_node(node, text))
 
     def plain(self, node: s.Expression) -> e.Expression:

@@ -96,6 +96,8 @@ class Symbols:
         """Tool and frame that hold at the line that is read."""
         self.variants: dict[str, str] = {}
         """Names of the forms of functions that are called from the line that is read."""
+        self.in_texts: set[str] = set()
+        """What texts that stay may call by its name: functions, labels, in upper case."""
 
     # ------------------------------------------------------------------------------- names
 

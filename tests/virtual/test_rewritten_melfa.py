@@ -1,0 +1,76 @@
+"""Random MELFA-BASIC programs written anew in their own dialect do what they did."""
+
+from __future__ import annotations
+
+import random
+import re
+from collections.abc import Callable, Iterable
+
+import pytest
+
+from tests.virtual.random_melfa import program
+from tests.virtual.test_translated_melfa import SCENARIOS, run_melfa
+from tests.virtual.translating import Tally, judge
+
+LEVELS = (4, 5, 6)
+SIGNALS = {str(number): [number] for number in range(9100)}
+LAST = re.compile(r"(\d+) End\b", re.IGNORECASE)
+SUBROUTINE = re.compile(r"\*(S[ABC])\b")
+
+
+def odd(level: int, seed: int) -> str:
+    """A program with a jump from its main part into a subroutine, which is never taken.
+
+    With it nobody knows from the text what holds where that subroutine begins.
+    """
+    text = program(level, seed)
+    subroutines = sorted(set(SUBROUTINE.findall(text)))
+    end = LAST.search(text)
+    if not subroutines or end is None:
+        return text
+    into = random.Random(seed).choice(subroutines)
+    step = int(end[1]) - (5 if level == 4 else 0)
+    tail = text[end.start() :]
+    if level != 4:  # its steps have no room between them
+        tail = re.sub(r"(?m)^(\d+) ", lambda found: f"{int(found[1]) + 1} ", tail)
+    return f"{text[: end.start()]}{step} If M_In(39)=1 Then GoTo *{into}\n{tail}"
+
+
+def tally_of(level: int, texts: Iterable[tuple[str, str]]) -> Tally:
+    """Programs, by name, written anew and compared."""
+    language = f"melfa-basic-{level}"
+    running = language, lambda *given: run_melfa(level, None, *given)
+    tally = Tally()
+    for name, text in texts:
+        judge(tally, name, text, SCENARIOS, source=running, target=running, signals=SIGNALS)
+    print(f"{language} to itself: {tally}")  # noqa: T201
+    return tally
+
+
+@pytest.mark.parametrize(
+    ("level", "seeds"),
+    [(4, (10, 1)), (5, (27, 1)), (6, (5, 15))],  # with texts that depend on settings
+)
+def test_random_programs_do_the_same(level: int, seeds: tuple[int, ...]) -> None:
+    tally = tally_of(level, ((f"seed {seed}", program(level, seed)) for seed in seeds))
+    assert tally.kept == []
+    assert tally.counts["equal"] == len(seeds)
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_programs_with_odd_jumps_do_the_same(level: int) -> None:
+    tally = tally_of(level, ((f"seed {seed}", odd(level, seed)) for seed in (5, 6)))
+    assert tally.kept == []
+    assert tally.counts["equal"] == 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", [program, odd])
+@pytest.mark.parametrize("level", LEVELS)
+def test_a_thousand_random_programs_do_the_same(
+    level: int, kind: Callable[[int, int], str]
+) -> None:
+    tally = tally_of(level, ((f"seed {seed}", kind(level, seed)) for seed in range(1000)))
+    assert tally.kept == []
+    assert tally.counts["not judged"] == 0
+    assert tally.counts["translated"] >= 0.99 * tally.counts["tried"], tally.reasons
