@@ -218,7 +218,7 @@ RENAMED_IN_TEXT = error(
 
 SETTING_KEPT = warning(
     "MB233", "nothing sets the {what} of this move, which `{word}` set last is kept for: it is "
-    "written with none",
+    "written {how}",
     "write `{word} {plain}` in front of it, or `{word}` with the position that is meant",
 )  # fmt: skip
 LOOP_CHANGED = warning(

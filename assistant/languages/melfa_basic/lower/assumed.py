@@ -40,12 +40,11 @@ def assumed(program: Program, to: str) -> Iterator[Diagnostic]:
     commands = list(_commands(trees))
     left = depended_on(program) if to in DIALECTS else frozenset()
     for word, number, of, default, plain, status in KEPT:
-        if number in left:
-            continue  # it is not written either, see `UnitLines`
         set_at = [span for span, node in commands if _sets(node, word, status)]
         span = first_move(program, default, of)
         if span is not None and all(one is not None and one.start > span.start for one in set_at):
-            yield rules.SETTING_KEPT(word=word, what=word.lower(), plain=plain, span=span)
+            how = "as it stands, like the texts that stay" if number in left else "with none"
+            yield rules.SETTING_KEPT(word=word, what=word.lower(), how=how, plain=plain, span=span)
     if to not in DIALECTS:
         yield from _loops(program)
         yield from _signed_bits(program)
