@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
@@ -55,9 +55,7 @@ def prepared(programs: Programs, settings: Settings | None = None) -> Kernel:
     )
     if programs.language is None:
         raise Refused(NOT_RUN(language="pseudo text", languages=", ".join(GROUPS)), exit_status=2)
-    start = STARTS[programs.language.family]
-    for number, part in enumerate(programs.parts):
-        start(kernel, part, chosen, chosen.entry if number == 0 else None)
+    STARTS[programs.language.family](kernel, programs.parts, chosen)
     return kernel
 
 
@@ -69,37 +67,43 @@ def home(robot: Robot | None) -> Pose | None:
     return Pose.of(position[0], quaternion[0])
 
 
-Start = Callable[[Kernel, Part, Settings, str | None], None]
+Start = Callable[[Kernel, Sequence[Part], Settings], None]
 
 
-def _task(kernel: Kernel, part: Part, settings: Settings, entry: str | None) -> None:
+def _tasks(kernel: Kernel, parts: Sequence[Part], settings: Settings) -> None:
+    from assistant.virtual.rapid.controller import Controller
     from assistant.virtual.rapid.running import start_task
 
-    task = start_task(
-        kernel,
-        part.trees,
-        name=part.name,
-        robot=settings.robot,
-        entry=entry or "main",
-        start=home(settings.robot),
-    )
-    task.essential = part.essential
+    controller = Controller()
+    for number, part in enumerate(parts):
+        start_task(
+            kernel,
+            part.trees,
+            name=part.name,
+            robot=settings.robot,
+            entry=(settings.entry if number == 0 else None) or "main",
+            start=home(settings.robot),
+            controller=controller,
+            kind="normal" if part.essential else "semistatic",
+            moves=True if number == 0 else None,
+        )
 
 
-def _slot(kernel: Kernel, part: Part, settings: Settings, entry: str | None) -> None:  # noqa: ARG001
+def _slots(kernel: Kernel, parts: Sequence[Part], settings: Settings) -> None:
     from assistant.virtual.melfa import start_slot
     from assistant.virtual.melfa.world import STEP_TIME
 
     kernel.statement_time = STEP_TIME
-    start_slot(
-        kernel,
-        part.trees,
-        slot=int(part.name),
-        robot=settings.robot,
-        start=home(settings.robot),
-        names=part.names,
-    )
+    for part in parts:
+        start_slot(
+            kernel,
+            part.trees,
+            slot=int(part.name),
+            robot=settings.robot,
+            start=home(settings.robot),
+            names=part.names,
+        )
 
 
-STARTS: Final[Mapping[str, Start]] = {"RA": _task, "MB": _slot}
+STARTS: Final[Mapping[str, Start]] = {"RA": _tasks, "MB": _slots}
 """By the family of a language."""

@@ -21,7 +21,7 @@ import pytest
 
 from assistant import languages
 from assistant.virtual.events import Reported, Said
-from assistant.virtual.kernel import Kernel
+from assistant.virtual.kernel import Board, Kernel, Signals
 from assistant.virtual.rapid.controller import Controller, Options
 from assistant.virtual.rapid.running import start_task
 
@@ -42,7 +42,8 @@ def test_a_case(case: dict[str, Any], tmp_path: Path) -> None:
     files = [languages.get("rapid").parse(text) for text in (own, *case.get("modules", ()))]
     assert not [finding for file in files for finding in file.findings]
     controller = Controller(Options(**case.get("options", {})))
-    kernel = Kernel()
+    inputs = dict.fromkeys((name for _, name, _ in case.get("signals", ())), 0.0)
+    kernel = Kernel(Board(Signals(inputs)))
     for seconds, name, value in case.get("signals", ()):
         kernel.at(seconds, partial(kernel.board.inputs.set, name, float(value)))
     start_task(kernel, files, controller=controller)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from datetime import datetime
 from typing import Final, Literal
 
 from assistant.virtual.kernel.task import Task
@@ -11,6 +12,8 @@ from assistant.virtual.rapid.scopes import Cell
 
 Kind = Literal["normal", "static", "semistatic"]
 """Of a task: who starts it, and what becomes of it at power on (RAPID overview, Multitasking)."""
+BEGAN: Final = datetime(2026, 1, 1)
+"""A time of no place, so that a run always tells the same."""
 RETRIES: Final = 4
 """The system parameter No Of Retry, as controllers are delivered (reference, 2.1)."""
 
@@ -22,12 +25,13 @@ class Options:
     retries: of a statement, by RETRY. retries_end: what one more does: `stop` the program, or
     `raise` ERR_EXCRTYMAX in that statement. propagates: an error in a routine without a handler
     goes to that of its caller, as the kernel manual says; else it stops the program at once, as
-    the overview does.
+    the overview does. began: when the simulated clock is at 0, as CDate and CTime tell it.
     """
 
     retries: int = RETRIES
     retries_raise: bool = False
     propagates: bool = True
+    began: datetime = BEGAN
 
 
 @dataclass(slots=True, eq=False)
@@ -35,8 +39,9 @@ class Controller:
     """persistents: what the tasks share, by name in lower case. booked: numbers of errors.
 
     tasks: in the order in which they were started. outputs, known: names of signals in lower case
-    that programs set, and of all that they use. looks: are called before each statement of any
-    task, to see whether shared data has changed.
+    that programs set, and of all that they use. come: how often a task came to a point of
+    WaitSyncTask, both by name in lower case. looks: are called before each statement of any task,
+    to see whether shared data has changed.
     """
 
     options: Options = field(default_factory=Options)
@@ -45,4 +50,5 @@ class Controller:
     outputs: set[str] = field(default_factory=set)
     known: set[str] = field(default_factory=set)
     tasks: list[Task] = field(default_factory=list)
+    come: dict[tuple[str, str], int] = field(default_factory=dict)
     looks: list[Callable[[], None]] = field(default_factory=list)

@@ -81,6 +81,13 @@ def _is_shared(cell: Cell) -> bool:
 def _shared(cell: Cell, key: str, shared: dict[str, Cell]) -> Cell:
     """The one cell of a persistent: with the value of the first declaration that states one."""
     known = shared.setdefault(key, cell)
+    if known.pending is not None and cell.pending is not None:
+        first, second = known.pending.node, cell.pending.node
+        if (first.type.lower(), len(first.dimensions)) != (
+            second.type.lower(),
+            len(second.dimensions),
+        ):
+            raise Fault(f"the persistent `{second.name}` is of another type elsewhere")
     if known.pending is not None and known.pending.node.value is None:
         known.pending = cell.pending
     return known

@@ -7,7 +7,16 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from assistant.virtual.kernel.looking import Level, Shown
 from assistant.virtual.rapid.machine import Machine, place_of
 from assistant.virtual.rapid.scopes import Cell, Frame, Meaning, Place
-from assistant.virtual.rapid.values import Array, Clock, Record, Shape, Trigger, Value, text_of
+from assistant.virtual.rapid.values import (
+    Array,
+    Clock,
+    Handle,
+    Record,
+    Shape,
+    Trigger,
+    Value,
+    text_of,
+)
 
 
 def levels(machine: Machine) -> list[Level]:
@@ -47,7 +56,7 @@ def _shown(name: str, value: Value | None, shape: Shape) -> Shown:
             inside = [_shown(key, part, Shape("")) for key, part in parts.items()]
         case Array(items):
             inside = [_shown(f"{{{i}}}", item, shape.element) for i, item in enumerate(items, 1)]
-        case Clock() | Trigger():
+        case Clock() | Trigger() | Handle():
             return Shown(name, f"<{kind}>", kind)
         case _:
             return Shown(name, text_of(value), kind)

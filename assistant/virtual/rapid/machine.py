@@ -48,7 +48,9 @@ class Machine:
     task: what it runs in. named: what all modules know, by name in lower case. predefined: what
     every controller knows. modules: by name in lower case. controller: what its tasks share. at:
     the statement at hand. row: the line of it, from 0, in a run of moves. on_way: what is set on
-    the way of the next motion. moves: whether the task has a robot.
+    the way of the next motion. moves: whether the task has a robot, None
+    where nothing states it. hangs_on: what the condition at hand hangs on that no statement
+    changes, `time` or `outside`.
     """
 
     task: Task
@@ -65,7 +67,8 @@ class Machine:
     at: tuple[Unit, Span | None] | None = None
     row: int = 0
     on_way: Sequence[Switched] = ()
-    moves: bool = True
+    moves: bool | None = True
+    hangs_on: set[str] = field(default_factory=set)
     interrupts: Interrupts = field(init=False)
 
     def __post_init__(self) -> None:
@@ -95,9 +98,13 @@ class Machine:
     def step(self, node: s.StatementNode, row: int = 0) -> None:
         """Counts a statement that is about to run."""
         self.at, self.row = (self.frame.unit, node.span), row
+        self.look()
+        self.task.step()
+
+    def look(self) -> None:
+        """Lets those see it who watch shared data, if that has changed."""
         for look in tuple(self.controller.looks):
             look()
-        self.task.step()
 
     def took(self, node: s.StatementNode, way: int) -> None:
         """Tells who listens which way a statement goes on, counted from 0."""

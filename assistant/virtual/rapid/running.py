@@ -68,7 +68,7 @@ def start_task(
     start: Pose | None = None,
     controller: Controller | None = None,
     kind: Kind = "normal",
-    moves: bool = True,
+    moves: bool | None = True,
 ) -> Task:
     """A task of a controller that runs one cycle of a program; see `run`.
 
@@ -106,9 +106,9 @@ def start_task(
     wrong = _how_it_ends(machine, prepare)
 
     def ending() -> Ending:
-        return (
-            wrong or _how_it_ends(machine, lambda: _begin(machine, cells, entry, kind)) or Ending()
-        )
+        ended = wrong or _how_it_ends(machine, lambda: _begin(machine, cells, entry, kind))
+        machine.look()
+        return ended or Ending()
 
     return task
 

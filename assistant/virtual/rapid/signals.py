@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Set
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from assistant.virtual.events import OnWay
+from assistant.virtual.events import Logged, OnWay, Switched
+from assistant.virtual.kernel.kernel import Timer
 from assistant.virtual.kernel.task import Task
 
 
@@ -19,6 +20,7 @@ class Signals:
     task: Task
     outputs: Set[str]
     known: Set[str]
+    later: dict[str, Timer] = field(default_factory=dict)
 
     def knows(self, name: str) -> bool:
         inputs = self.task.kernel.board.inputs
@@ -32,3 +34,15 @@ class Signals:
     def set(self, name: str, value: float, at: OnWay | None = None) -> None:
         """at: see `Switched`."""
         self.task.switch(name, value, at)
+
+    def set_later(self, name: str, value: float, seconds: float) -> None:
+        """While the program goes on; instead of what still is to become of the signal."""
+        if name in self.later:
+            self.later[name].cancelled = True
+        kernel, task, place = self.task.kernel, self.task, self.task.where()
+
+        def change() -> None:
+            kernel.log.append(Logged(kernel.now, task.name, place, Switched(name, value)))
+            kernel.board.outputs.set(name, value)
+
+        self.later[name] = kernel.at(kernel.now + seconds, change)

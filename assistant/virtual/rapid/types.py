@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from assistant.languages.rapid.tables import predefined
 from assistant.languages.rapid.tree import syntax as s
 from assistant.virtual.rapid.ends import NotSimulated
-from assistant.virtual.rapid.values import Array, Clock, Record, Shape, Trigger, Value
+from assistant.virtual.rapid.values import Array, Clock, Handle, Record, Shape, Trigger, Value
 
 PLAIN: Mapping[str, Value] = {"num": 0.0, "dnum": 0.0, "bool": False, "string": "", "switch": True}
 """First values of the types without components."""
@@ -67,6 +67,9 @@ class Types:
             return Clock()
         if shape.type == "triggdata":
             return Trigger()
+        known = predefined.types().get(shape.type)
+        if known is not None and known.kind == "HANDLE":
+            return Handle(shape.type)
         parts = self.components(shape.type)
         if parts is None:
             raise NotSimulated(f"data of type {shape.type}")

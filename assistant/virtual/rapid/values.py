@@ -41,7 +41,15 @@ class Trigger:
     change: Switched | None = None
 
 
-Value = float | bool | str | Record | Array | Clock | Trigger
+@dataclass(slots=True, eq=False)
+class Handle:
+    """What a program cannot look into, as a socket. type: in lower case. inside: what it is."""
+
+    type: str
+    inside: object | None = None
+
+
+Value = float | bool | str | Record | Array | Clock | Trigger | Handle
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,6 +187,8 @@ def kind_of(value: Value) -> str:
             return "array"
         case Trigger():
             return "triggdata"
+        case Handle(type):
+            return type
     return "clock"
 
 

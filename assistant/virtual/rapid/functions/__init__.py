@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from assistant.virtual.rapid.functions import bits, data, numbers, places, positions, texts
+from assistant.virtual.rapid.functions import bits, data, numbers, places, positions, texts, times
+from assistant.virtual.rapid.instructions.tasks import FUNCTIONS as FUNCTIONS_OF_TASKS
 from assistant.virtual.rapid.machine import Function
 
 FUNCTIONS: Final[Mapping[str, Function]] = {
@@ -15,4 +16,6 @@ FUNCTIONS: Final[Mapping[str, Function]] = {
     **places.TABLE,
     **positions.TABLE,
     **data.TABLE,
+    **times.TABLE,
+    **FUNCTIONS_OF_TASKS,
 }

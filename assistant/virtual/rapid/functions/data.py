@@ -34,6 +34,8 @@ def _test(given: Given) -> bool:
 
 def _clock(given: Given) -> float:
     one = clock(given)
+    if one.since is not None:
+        given.machine.hangs_on.add("time")
     return one.total + (0.0 if one.since is None else given.machine.task.kernel.now - one.since)
 
 

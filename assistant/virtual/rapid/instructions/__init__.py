@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from assistant.virtual.rapid.instructions import errors, interrupts, motions, others, signals
+from assistant.virtual.rapid.instructions import (
+    errors,
+    interrupts,
+    motions,
+    others,
+    signals,
+    tasks,
+    waits,
+)
 from assistant.virtual.rapid.machine import Function
 
 INSTRUCTIONS: Final[Mapping[str, Function]] = {
@@ -14,4 +22,6 @@ INSTRUCTIONS: Final[Mapping[str, Function]] = {
     **others.TABLE,
     **errors.TABLE,
     **interrupts.TABLE,
+    **tasks.INSTRUCTIONS,
+    **waits.TABLE,
 }
