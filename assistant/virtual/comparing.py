@@ -15,6 +15,7 @@ from assistant.virtual.events import (
     Event,
     Logged,
     Moved,
+    Noted,
     OnWay,
     Run,
     Said,
@@ -218,7 +219,7 @@ def _doings(run: Run, signals: Bits) -> Iterator[Logged]:
     named = {str(number) for numbers in signals.values() for number in numbers}
     for row in run.log or [Logged(0.0, "", None, event) for event in run.events]:
         match row.what:
-            case Said() | Waited(seconds=0.0):
+            case Said() | Noted() | Waited(seconds=0.0):
                 continue
             case Switched(signal, value, at):
                 for bit, on in _bits(signal, value, signals):

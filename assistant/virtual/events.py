@@ -7,9 +7,31 @@ the reading that it was written by.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Final, Literal
 
 from assistant.program.geometry import Pose
+
+
+@dataclass(frozen=True, slots=True)
+class How:
+    """What a motion tells its controller beside where it leads; it is no part of what is compared.
+
+    configuration: neutral columns as of a `Path`, None where any arm branch will do. rotation:
+    degrees/s of the tool. acceleration, deceleration: factors. behind: mm behind the target where
+    the corner ends, None for as many as before it. seconds: that the motion is to take, None
+    where its speed tells. mass: kg of the tool, None where it is not known.
+    """
+
+    configuration: tuple[int, ...] | None = None
+    rotation: float = 500.0
+    acceleration: float = 1.0
+    deceleration: float = 1.0
+    behind: float | None = None
+    seconds: float | None = None
+    mass: float | None = None
+
+
+PLAIN: Final = How()
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +55,7 @@ class Moved:
     percent: float | None = None
     blend: float = 0.0
     frame: Pose = field(default=Pose(), compare=False)
+    how: How = field(default=PLAIN, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +113,14 @@ class Stopped:
     end: bool = False
 
 
-Event = Moved | Switched | Waited | Said | Reported | Stopped
+@dataclass(frozen=True, slots=True)
+class Noted:
+    """Something about the motion that a controller tells, or that is only assumed."""
+
+    text: str
+
+
+Event = Moved | Switched | Waited | Said | Reported | Stopped | Noted
 
 Place = tuple[str, int]
 """A file's name, and a line from 1."""

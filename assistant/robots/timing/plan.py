@@ -1,4 +1,4 @@
-"""A plan: the motion through a straight piece of program, from rest to rest."""
+"""A plan: the motion through a straight piece of program, from rest to rest unless stated."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from assistant.robots.timing.drive import Drive
 from assistant.robots.timing.knots import knots_of
 from assistant.robots.timing.profile import Profile, profile_of
 from assistant.robots.timing.rows import Moves
+from assistant.robots.timing.sections import AT_REST, Ends
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,6 +26,34 @@ class Plan:
     @property
     def seconds(self) -> float:
         return float(self.profile.times[-1])
+
+    def passing(self, places: Floats) -> Floats:
+        """When places (m,) along the course are come to, seconds from the start of the plan."""
+        profile = self.profile
+        if not len(profile.step):
+            return np.zeros(len(places))
+        ends = np.cumsum(profile.distance)
+        index = np.clip(np.searchsorted(ends, places), 0, len(ends) - 1)
+        d = np.clip(places - (ends - profile.distance)[index], 0.0, profile.distance[index])
+        v0, v1 = profile.speed[index], profile.speed[index + 1]
+        peak, rise, fall = profile.peak[index], profile.rise[index], profile.fall[index]
+        left = profile.distance[index] - d
+        climb, drop = (peak**2 - v0**2) / (2.0 * rise), (peak**2 - v1**2) / (2.0 * fall)
+        up = (np.sqrt(v0**2 + 2.0 * rise * np.minimum(d, climb)) - v0) / rise
+        down = (np.sqrt(v1**2 + 2.0 * fall * np.minimum(left, drop)) - v1) / fall
+        even = np.maximum(d - climb, 0.0) / np.maximum(peak, 1e-300)
+        behind = profile.times[index + 1] - down
+        return np.asarray(np.where(left < drop, behind, profile.times[index] + up + even))
+
+    def place(self, seconds: float) -> float:
+        """How far along the course the arm is."""
+        profile = self.profile
+        if not len(profile.step):
+            return 0.0
+        index = np.searchsorted(profile.times, [seconds], side="right") - 1
+        index = np.clip(index, 0, len(profile.step) - 1)
+        done, _ = _within(profile, index, np.clip([seconds] - profile.times[index], 0.0, None))
+        return float(profile.distance[: index[0]].sum() + done[0])
 
     def at(self, times: Floats) -> Moment:
         """Where everything is at times (m,), seconds from the start of the plan."""
@@ -66,10 +95,14 @@ class Moment:
     velocities: Floats
 
 
-def plan_of(moves: Moves, start: Floats, robot: Robot, drive: Drive) -> Plan:
-    """The motion from joints (a,) through at least one move."""
+def plan_of(moves: Moves, start: Floats, robot: Robot, drive: Drive, ends: Ends = AT_REST) -> Plan:
+    """The motion from joints (a,) through at least one move.
+
+    ends: mm/s along the course (degrees/s on the spot) at its start and its end, at most; infinite
+    for as fast as the rest allows.
+    """
     course = course_of(moves, knots_of(moves, start, robot), robot)
-    return Plan(course, profile_of(moves, course, drive))
+    return Plan(course, profile_of(moves, course, drive, ends))
 
 
 class _Places:

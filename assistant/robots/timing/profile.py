@@ -13,7 +13,7 @@ from assistant.robots.timing.bounds import Bounds
 from assistant.robots.timing.course import Course, sums
 from assistant.robots.timing.drive import Drive
 from assistant.robots.timing.rows import Moves
-from assistant.robots.timing.sections import sections_of
+from assistant.robots.timing.sections import AT_REST, Ends, sections_of
 
 ACCELERATION, SPEED, ROTATION, MOST, PERCENT, FIRST_AXIS = range(6)
 """What binds a move; from FIRST_AXIS on the axes."""
@@ -44,10 +44,10 @@ class Profile:
     binds: NDArray[np.uint8]
 
 
-def profile_of(moves: Moves, course: Course, drive: Drive) -> Profile:
-    """The fastest motion along a course that starts and ends at rest."""
+def profile_of(moves: Moves, course: Course, drive: Drive, ends: Ends = AT_REST) -> Profile:
+    """The fastest motion along a course, with the speeds at its ends at most."""
     bounds = Bounds(moves, course, drive)
-    sections = sections_of(bounds)
+    sections = sections_of(bounds, ends)
     v, peak = (np.sqrt(w) for w in sections.fastest())
     rise, fall, d = sections.rise, sections.fall, sections.distance
     up, down = (peak - v[:-1]) / rise, (peak - v[1:]) / fall

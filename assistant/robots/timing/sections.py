@@ -24,6 +24,10 @@ BENDING: Final = 0.999
 PASSES: Final = 3
 """Times that the speeds are computed where there are bends."""
 
+Ends = tuple[float, float]
+"""Speeds at the start and the end of a course."""
+AT_REST: Final[Ends] = (0.0, 0.0)
+
 
 @dataclass(slots=True, eq=False)
 class Sections:
@@ -58,12 +62,14 @@ class Sections:
         return w, peak
 
 
-def sections_of(bounds: Bounds) -> Sections:
+def sections_of(bounds: Bounds, ends: Ends = AT_REST) -> Sections:
     """The sections of a course, with the speeds and accelerations that they allow."""
     room, d, bend = bounds.course.room, bounds.course.distance, bounds.bend
     caps, why = bounds.caps
     with np.errstate(divide="ignore", over="ignore"):
         knots = np.where(room > 0.0, BENDING / bend, 0.0)
+    if len(d):
+        knots[0], knots[-1] = ends[0] ** 2, ends[1] ** 2
     # Nothing is faster than this: as if bends took nothing of an acceleration.
     rise, fall = bounds.accelerations()
     w, peak = speeds(knots, caps**2, rise, fall, d)
@@ -188,7 +194,6 @@ def speeds(
     lid = most.copy()
     np.minimum(lid[:-1], ceiling, out=lid[:-1])
     np.minimum(lid[1:], ceiling, out=lid[1:])
-    lid[0] = lid[-1] = 0.0
     w = _largest(lid, 2.0 * rise * d, 2.0 * fall * d)
     top = (fall * w[:-1] + rise * w[1:] + 2.0 * rise * fall * d) / (rise + fall)
     return w, np.maximum(np.minimum(top, ceiling), np.maximum(w[:-1], w[1:]))

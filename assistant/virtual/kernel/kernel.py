@@ -53,8 +53,9 @@ class Kernel:
     None for as fast as possible. watch: is asked before each statement, to trace it or to hold the
     run. branch: is told of each way that a statement goes on: its file, where it stands there, and
     which way, counted from 0. stuck: is asked before the run ends because a task waits for what
-    nothing will bring; True if it has brought it. told: is told of each event. now: simulated
-    seconds. person: answers what programs ask. shared: whether several tasks run.
+    nothing will bring; True if it has brought it. told: is told of each event. clock: simulated
+    seconds, but behind `now` while a program runs ahead of its arm. person: answers what programs
+    ask. shared: whether several tasks run.
     """
 
     board: Board = field(default_factory=Board)
@@ -67,7 +68,7 @@ class Kernel:
     branch: Callable[[str, int, int], None] | None = None
     stuck: Callable[[Task], bool] | None = None
     told: Callable[[Logged], None] | None = None
-    now: float = 0.0
+    clock: float = 0.0
     steps: int = 0
     person: Person = field(default_factory=Person)
     shared: bool = False
@@ -82,6 +83,7 @@ class Kernel:
         """Whether a task has begun to wait, or an interrupt has run, since the round began."""
         self.ended_in: tuple[str, Place | None] = "", None
         self._timers: list[Timer] = []
+        self._handed = 0
         self._numbers = count()
         self._due = math.inf
         self._began: float | None = None
@@ -91,6 +93,7 @@ class Kernel:
 
     def task(self, name: str, body: Body, lines: int = 1, essential: bool = True) -> Task:
         """A program that runs beside those that there are; it begins at its next turn."""
+        self.catch_up()
         made = Task(self, name, body, lines, essential)
         self.tasks.append(made)
         self.shared = len(self.tasks) > 1
@@ -127,10 +130,11 @@ class Kernel:
         finally:
             for task in self.tasks:
                 task.kill()
+            self.catch_up()
         ending, (name, place) = self.ending or Ending(), self.ended_in
         events = tuple(row.what for row in self.log)
         log, notes = tuple(self.log), tuple(self.notes)
-        done = Run(events, ending.ended, ending.message, log, name, place, self.now, self.steps)
+        done = Run(events, ending.ended, ending.message, log, name, place, self.clock, self.steps)
         return replace(done, notes=notes)
 
     def _too_many(self) -> Ending:
@@ -152,7 +156,11 @@ class Kernel:
                 return
         self._keep_pace_with_outside()
         if not any(task.essential for task in self.tasks):
-            self.end(Ending())
+            rest = self.motion.rest()
+            if rest <= self.clock:
+                self.end(Ending())
+            elif not went and not self.stirred:
+                self._advance(rest)
         elif not went and not self.stirred and before == self.steps and not self._advance():
             self._stuck()
 
@@ -172,8 +180,40 @@ class Kernel:
 
     # ------------------------------------------------------------------------------ time
 
+    @property
+    def now(self) -> float:
+        """Simulated seconds, with those that the arm took for what it was told."""
+        if self.motion.behind:
+            self.catch_up()
+        return self.clock
+
+    def catch_up(self) -> None:
+        """A program that runs ahead of its arm is in time again."""
+        self.motion.catch_up(self)
+        self._hand_on()
+
+    @property
+    def alone(self) -> bool:
+        """Whether nothing but the one program that runs can see or make any change."""
+        board = self.board
+        return not (
+            self.shared
+            or self._due < math.inf
+            or self.pace is not None
+            or self._since is not None
+            or board.inputs.listeners
+            or board.outputs.listeners
+        )
+
+    def fail(self, task: Task, place: Place | None, ending: Ending) -> None:
+        """Ends the run, for what went wrong before anything else did; no task goes on."""
+        self.ending, self.ended_in = ending, (task.name, place)
+        if getcurrent() is not self.hub:
+            self.hub.switch()
+
     def at(self, moment: float, action: Callable[[], None]) -> Timer:
         """Has an action run at a simulated time, between two statements."""
+        self.catch_up()
         timer = Timer(moment, next(self._numbers), action)
         heapq.heappush(self._timers, timer)
         self._due = self._timers[0].time
@@ -190,21 +230,22 @@ class Kernel:
         if self.steps >= self.most_steps:
             self.halt(task, self._too_many())
         self.steps += 1
-        self.now += self.statement_time
-        if self.now >= self._due:
+        self.clock += self.statement_time
+        if self.clock >= self._due:
             self._fire()
-        if self.now > self.most_time:
+        if self.clock > self.most_time:
             self.halt(task, Ending("time", f"more than {self.most_time:g} s"))
         if self.watch is not None:
             self.watch(task)
 
-    def _advance(self) -> bool:
+    def _advance(self, latest: float = math.inf) -> bool:
         """Lets time pass until something happens; False if nothing ever will."""
+        self.catch_up()
         wakes = [task.wakes for task in self.tasks if task.waiting]
-        following = min([self._due, *wakes])
+        following = min([self._due, latest, *wakes])
         if self._since is not None:
             real, then = self._since
-            passed = max(self.now + SLICE, then + time.monotonic() - real)
+            passed = max(self.clock + SLICE, then + time.monotonic() - real)
             following = min(following, passed)
         if math.isinf(following):
             return False
@@ -212,17 +253,17 @@ class Kernel:
             waiting = next((task for task in self.tasks if task.essential), None)
             self.end(Ending("time", f"more than {self.most_time:g} s"), waiting)
             return True
-        self._pass_to(max(self.now, following))
+        self._pass_to(max(self.clock, following))
         self._fire()
         return True
 
     def _pass_to(self, moment: float) -> None:
         if self.pace is not None:
             began = self._began = (
-                time.monotonic() - self.now / self.pace if (self._began is None) else self._began
+                time.monotonic() - self.clock / self.pace if (self._began is None) else self._began
             )
             time.sleep(max(0.0, began + moment / self.pace - time.monotonic()))
-        self.now = moment
+        self.clock = moment
         self._hold()
 
     def _keep_pace_with_outside(self) -> None:
@@ -230,16 +271,16 @@ class Kernel:
         if not any(task.outside for task in self.tasks):
             self._since = None
         elif self._since is None:
-            self._since = time.monotonic(), self.now
+            self._since = time.monotonic(), self.clock
         self._hold()
 
     def _hold(self) -> None:
         if self._since is not None:
             real, then = self._since
-            time.sleep(max(0.0, real + self.now - then - time.monotonic()))
+            time.sleep(max(0.0, real + self.clock - then - time.monotonic()))
 
     def _fire(self) -> None:
-        while self._timers and self._timers[0].time <= self.now:
+        while self._timers and self._timers[0].time <= self.clock:
             timer = heapq.heappop(self._timers)
             if not timer.cancelled:
                 timer.action()
@@ -247,12 +288,19 @@ class Kernel:
 
     # ------------------------------------------------------------------------------- log
 
-    def tell(self, task: Task, event: Event) -> None:
-        place = task.where()
-        row = Logged(self.now, task.name, place, event)
+    def tell(self, task: Task, event: Event, place: Place | None = None) -> None:
+        """place: of the statement; None for the one at hand."""
+        row = Logged(self.clock, task.name, place or task.where(), event)
         self.log.append(row)
+        if self.told is not None and not self.motion.behind:
+            self._hand_on()
+
+    def _hand_on(self) -> None:
+        """Tells of the events whose times are known by now."""
         if self.told is not None:
-            self.told(row)
+            while self._handed < len(self.log):
+                self._handed += 1
+                self.told(self.log[self._handed - 1])
 
     def note(self, what: str) -> None:
         """Says of what a program asks for that it is taken without any effect; once for a run."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Protocol
 
@@ -9,11 +10,22 @@ from assistant.program.geometry import Pose
 from assistant.virtual.events import Moved, Switched
 
 if TYPE_CHECKING:
+    from assistant.virtual.kernel.kernel import Kernel
     from assistant.virtual.kernel.task import Task
+
+Standing = tuple[Pose, tuple[float, ...]]
+"""The flange in the base, and the joints J1, J2, … in degrees."""
 
 
 class Motion(Protocol):
-    """The arm of a controller."""
+    """The arm of a controller.
+
+    A motion that takes time may let a program run ahead as long as nobody asks for the time: the
+    times of what is logged meanwhile are put right by `catch_up`. behind: whether they are to be.
+    """
+
+    @property
+    def behind(self) -> bool: ...
 
     def go(self, task: Task, moved: Moved, changes: Sequence[Switched] = ()) -> None:
         """Commands a motion, and waits as the controller does before the next statement.
@@ -27,14 +39,34 @@ class Motion(Protocol):
     def stands(self) -> bool:
         """Whether the arm does not move now."""
 
-    def where(self) -> tuple[Pose, tuple[float, ...]] | None:
-        """The flange in the base and the joints in degrees while the arm moves, else None: then it
-        stands where the latest motion leads.
+    def where(self) -> Standing | None:
+        """Where the arm is now; None if only the motions tell, which take no time."""
+
+    def progress(self) -> tuple[float, float] | None:
+        """Of the motion that is made now the mm that are left and the percent that is done; None
+        while the arm stands.
         """
+
+    def catch_up(self, kernel: Kernel) -> None:
+        """Somebody asks for the time: it is as late as the program is."""
+
+    def rest(self) -> float:
+        """The time from which on the arm stands, if nothing more is commanded."""
+
+    def cut(self, task: Task) -> Standing | None:
+        """Ends all motions where the arm is, and tells where that is."""
+
+    def hold(self, kernel: Kernel) -> None:
+        """Stops the arm on its way."""
+
+    def resume(self, kernel: Kernel) -> None:
+        """Lets the arm go on."""
 
 
 class Instant:
     """Motions take no time: the arm is where it is sent."""
+
+    behind = False
 
     def go(self, task: Task, moved: Moved, changes: Sequence[Switched] = ()) -> None:
         task.tell(moved)
@@ -50,3 +82,21 @@ class Instant:
 
     def where(self) -> None:
         return None
+
+    def progress(self) -> None:
+        return None
+
+    def catch_up(self, kernel: Kernel) -> None:
+        """There is nothing behind."""
+
+    def rest(self) -> float:
+        return -math.inf
+
+    def cut(self, task: Task) -> None:
+        """The latest motion has come to its end."""
+
+    def hold(self, kernel: Kernel) -> None:
+        """The arm stands."""
+
+    def resume(self, kernel: Kernel) -> None:
+        """The arm stands."""

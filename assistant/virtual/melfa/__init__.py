@@ -89,6 +89,9 @@ def start_slot(
     def body(task: Task) -> Ending:
         world = World(task, Arm(robot, start))
         world.options, world.commands = options or Options(), by_name(commands)
+        standing = None if start is not None else kernel.motion.where()
+        if standing is not None:
+            world.arm.at_joints(standing[1])
         try:
             machines = [_machine(file, world, {}) for file in files]
             programs = dict(zip((name.upper() for name in names), machines, strict=False))

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.arrays import Floats
-from assistant.program.geometry import Pose, Vector
-from assistant.virtual.events import Moved
+from assistant.program.geometry import IDENTITY, Pose, Vector
+from assistant.robots.configurations import from_flags
+from assistant.virtual.events import How, Moved
 from assistant.virtual.melfa import appended, expressions, poses
 from assistant.virtual.melfa.arm import OPTIMUM
 from assistant.virtual.melfa.circles import circle_about, circle_through
@@ -115,7 +118,15 @@ def _go(m: Machine, moved: Moved, flags: tuple[int | None, int | None]) -> None:
     before = arm.flange
     assert moved.flange is not None
     arm.at_position(moved.flange, flags)
+    if flags[0] is not None:
+        stated = _configuration(flags[0], flags[1] or 0)
+        moved = replace(moved, how=replace(moved.how, configuration=stated))
     m.world.go(moved, before)
+
+
+@lru_cache(256)
+def _configuration(one: int, two: int) -> tuple[int, ...]:
+    return tuple(from_flags([[one, two]])[0].tolist())
 
 
 def _moved(
@@ -142,6 +153,11 @@ def _moved(
         percent=percent,
         blend=held.corner,
         frame=arm.foot.inverse(),
+        how=How(
+            acceleration=held.acceleration[0] / 100.0,
+            deceleration=held.acceleration[1] / 100.0,
+            mass=0.0 if arm.tip == IDENTITY else None,
+        ),
     )
     return made
 

@@ -15,8 +15,9 @@ class Arm:
     """flange: its pose in the robot's base; joints: degrees; each None while it is not known.
 
     tool, frame: records of the latest motion, None before the first. configuration, external:
-    as the latest target says them. displacement: of all targets, by PDispSet. speed: percent
-    and most mm/s, by VelSet.
+    as the latest target says them. displacement: of all targets, by PDispSet. override, most:
+    percent and mm/s, by VelSet. acceleration: percent, by AccSet. watches_joints, watches_lines:
+    whether motions keep to the configurations of their targets, by ConfJ and ConfL.
     """
 
     flange: Pose | None = None
@@ -28,6 +29,9 @@ class Arm:
     displacement: Pose = IDENTITY
     override: float = 100.0
     most: float = float("inf")
+    acceleration: float = 100.0
+    watches_joints: bool = True
+    watches_lines: bool = True
 
     def flange_at(self, target: Pose, tool: Record, frame: Record) -> Pose:
         """The flange where a tool reaches a target of a work object."""

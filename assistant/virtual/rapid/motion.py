@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
 
 from assistant.program.geometry import Pose
-from assistant.virtual.events import Moved
-from assistant.virtual.rapid.arm import carried, work_object
+from assistant.robots.configurations import from_confdata
+from assistant.virtual.events import How, Moved
+from assistant.virtual.rapid.arm import Arm, carried, work_object
 from assistant.virtual.rapid.ends import Fault
 from assistant.virtual.rapid.expressions import evaluate
 from assistant.virtual.rapid.given import Given
@@ -44,11 +47,11 @@ def absolute(given: Given) -> None:
     arm.flange = flange_of(given.machine, arm.joints)
     arm.tool, arm.frame = tool, frame
     arm.configuration, arm.external = None, record(copied(target.parts["extax"]), "extjoint")
-    speed, blend = _speed(given, 1), _blend(given, 2)
-    given.machine.go(
-        Moved("joint", arm.flange, carried(tool), joints=arm.joints, speed=speed, blend=blend),
-        before,
+    speed, blend, how = _speed(given, 1), _blend(given, 2), _how(given, 1)
+    moved = Moved(
+        "joint", arm.flange, carried(tool), joints=arm.joints, speed=speed, blend=blend, how=how
     )
+    given.machine.go(moved, before)
 
 
 def flange_of(machine: Machine, joints: tuple[float, ...]) -> Pose | None:
@@ -75,8 +78,41 @@ def _to_target(
     arm.external = record(copied(target.parts["extax"]), "extjoint")
     speed, blend = _speed(given, first + 1), _blend(given, first + 2)
     place = work_object(frame, tool) @ arm.displacement
-    moved = Moved(kind, flange, carried(tool), via=between, speed=speed, blend=blend, frame=place)
-    given.machine.go(moved, before)
+    how = replace(_how(given, first + 1), configuration=_configuration(arm, kind))
+    moved = Moved(kind, flange, carried(tool), between, speed=speed, blend=blend, how=how)
+    given.machine.go(replace(moved, frame=place), before)
+
+
+def _how(given: Given, index: int) -> How:
+    """index: of the speed among the arguments."""
+    arm, rotation = given.machine.arm, number(given.record(index, "speeddata").parts["v_ori"])
+    share = arm.acceleration / 100.0
+    assert arm.tool is not None
+    mass = number(record(arm.tool.parts["tload"], "loaddata").parts["mass"])
+    return How(
+        rotation=rotation * arm.override / 100.0,
+        acceleration=share,
+        deceleration=share,
+        seconds=given.optional_number("t"),
+        mass=mass if mass >= 0.0 else None,
+    )
+
+
+def _configuration(arm: Arm, kind: str) -> tuple[int, ...] | None:
+    """As the target states it, where ConfJ or ConfL has it looked at."""
+    watched = arm.watches_joints if kind == "joint" else arm.watches_lines
+    if arm.configuration is None or not watched:
+        return None
+    stated = [number(part) for part in arm.configuration.parts.values()]
+    return _neutral(*stated)
+
+
+@lru_cache(256)
+def _neutral(*stated: float) -> tuple[int, ...] | None:
+    """The columns of a configuration in whole numbers."""
+    if not all(part.is_integer() and abs(part) < 128 for part in stated):
+        return None
+    return tuple(from_confdata([[int(part) for part in stated]])[0].tolist())
 
 
 def _tool(given: Given, index: int) -> Record:

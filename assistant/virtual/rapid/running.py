@@ -85,7 +85,7 @@ def start_task(
         ABILITIES,
         Types(),
         OwnSignals(task, shared.outputs, shared.known),
-        Arm(start),
+        Arm(start or _standing(kernel)),
         robot,
         predefined=predefined(robot),
         controller=shared,
@@ -126,6 +126,12 @@ def _how_it_ends(machine: Machine, does: Callable[[], None]) -> Ending | None:
     except Over as over:
         return Ending(over.ended, _told(machine, str(over)) if str(over) else "")
     return None
+
+
+def _standing(kernel: Kernel) -> Pose | None:
+    """The flange where the arm stands, where its motion tells."""
+    standing = kernel.motion.where()
+    return None if standing is None else standing[0]
 
 
 def _begin(machine: Machine, cells: Sequence[Cell], entry: str, kind: Kind) -> None:

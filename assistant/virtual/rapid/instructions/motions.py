@@ -79,6 +79,19 @@ def _velocity(given: Given) -> None:
     given.machine.arm.override, given.machine.arm.most = given.number(0), given.number(1)
 
 
+def _accelerate(given: Given) -> None:
+    """The ramp, how fast an acceleration builds up, has no part in the timing."""
+    given.machine.arm.acceleration = min(max(given.number(0), LEAST_ACCELERATION), 100.0)
+
+
+def _watch_joints(given: Given) -> None:
+    given.machine.arm.watches_joints = not given.has("off")
+
+
+def _watch_lines(given: Given) -> None:
+    given.machine.arm.watches_lines = not given.has("off")
+
+
 def _displace(given: Given) -> None:
     given.machine.arm.displacement = pose_of(given.record(0, "pose"))
 
@@ -96,6 +109,8 @@ def _nothing(given: Given) -> None:
     """What changes how the arm moves, and not where, or only what a person sees."""
 
 
+LEAST_ACCELERATION: Final = 20.0
+"""Percent: AccSet takes 20 to 100."""
 MORE: Final = "t2 t3 t4 t5 t6 t7 t8"
 OUTPUTS: Final = ("dop", "gop", "aop")
 ON_WAY: Final = f"{motion.OPTIONS} {MORE}"
@@ -118,9 +133,9 @@ TABLE: Final[Mapping[str, Function]] = dict(
         takes("VelSet", 2, _velocity),
         takes("PDispSet", 1, _displace),
         takes("PDispOff", 0, _displace_no_more),
-        takes("AccSet", 2, _nothing, ANY),
-        takes("ConfJ", 0, _nothing, ANY),
-        takes("ConfL", 0, _nothing, ANY),
+        takes("AccSet", 2, _accelerate, ANY),
+        takes("ConfJ", 0, _watch_joints, ANY),
+        takes("ConfL", 0, _watch_lines, ANY),
         takes("SingArea", 0, _nothing, ANY),
         takes("MotionSup", 0, _nothing, ANY),
         takes("CornerPathWarning", 1, _nothing),
