@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -45,6 +45,8 @@ class Arm:
     """flange: in the robot's own base, None where not known. flags: of the last position.
 
     joints: degrees, None where not known. tool, base: as set; shown are their positions.
+    tool_number, base_number: None where they were set by a position. hands: what each was told, 1
+    to open. soft: the kind of `Cmp` that holds, empty for none.
     """
 
     robot: Robot | None = None
@@ -55,6 +57,11 @@ class Arm:
     base: Position = ORIGIN
     tip: Pose = IDENTITY
     foot: Pose = IDENTITY
+    tool_number: int | None = None
+    base_number: int | None = None
+    servo: bool = True
+    hands: dict[int, float] = field(default_factory=dict)
+    soft: str = ""
 
     # ------------------------------------------------------------------------------ reading
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.virtual.melfa import expressions
-from assistant.virtual.melfa.code import nodes
+from assistant.virtual.melfa.code import Block, nodes
 from assistant.virtual.melfa.operators import RELATIONS, SPELLED, binary
 from assistant.virtual.melfa.stops import Failed, Unknown
 from assistant.virtual.melfa.values import Value, holds, number
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 def enter_if(m: Machine, node: s.If) -> None:
     """Goes to the first part whose condition is met."""
     block = m.code.opened[m.here]
+    deep(block)
     if holds(expressions.value(m, node.condition)):
         m.took(0)
         return
@@ -29,6 +30,19 @@ def enter_if(m: Machine, node: s.If) -> None:
             return
     m.took(len(block.parts) + 1)
     m.at = block.end + 1
+
+
+def deep(block: Block) -> None:
+    """Raises Failed where blocks stand too deep in each other."""
+    if block.loops > MOST_LOOPS:
+        raise Failed(3240, f"more than {MOST_LOOPS} loops in each other")
+    if block.branches > MOST_BRANCHES:
+        raise Failed(3253, f"more than {MOST_BRANCHES} If in each other")
+
+
+MOST_LOOPS: Final = 16
+MOST_BRANCHES: Final = 8
+"""CR1D 4-151 and 4-208."""
 
 
 def skip_rest(m: Machine, _: Any) -> None:
@@ -52,6 +66,7 @@ def begin_for(m: Machine, node: s.For) -> None:
     """Bounds are worked out once; a loop without a turn is passed (COSIROP: FOR)."""
     from assistant.virtual.melfa.machine import Loop
 
+    deep(m.code.opened[m.here])
     first = expressions.plain(m, node.first, "the first value of a loop")
     last, step = _bounds(m, node)
     place, index = expressions.reference(m, node.variable)
@@ -110,6 +125,7 @@ def _goes_on(value: float, last: float, step: float) -> bool:
 
 
 def test_while(m: Machine, node: s.Command) -> None:
+    deep(m.code.opened[m.here])
     met = holds(expressions.value(m, node.arguments[0]))
     m.took(0 if met else 1)
     if not met:

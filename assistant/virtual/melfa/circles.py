@@ -22,9 +22,12 @@ class Circle:
 
     def middle(self, start: Floats, end: Floats) -> Floats:
         """The place halfway from one place to another, the positive way round."""
+        return self.at(start, self.angle(start, end) / 2.0)
+
+    def at(self, start: Floats, angle: float) -> Floats:
+        """The place by an angle in radian from another one, the positive way round."""
         u = start - self.centre
         v = np.cross(self.normal, u)
-        angle = self.angle(start, end) / 2.0
         return np.asarray(self.centre + np.cos(angle) * u + np.sin(angle) * v)
 
     def angle(self, start: Floats, end: Floats) -> float:

@@ -32,13 +32,16 @@ class Row:
 @dataclass(slots=True)
 class Block:
     """kind: `If`, `For`, `While`, `Select` or `Function`. parts: rows of `ElseIf`, `Else`,
-    `Case` and `Default`. end: the row that closes it.
+    `Case` and `Default`. end: the row that closes it. loops, branches: how deep it stands in
+    blocks of those kinds, itself counted.
     """
 
     kind: str
     start: int
     parts: list[int] = field(default_factory=list)
     end: int = -1
+    loops: int = 0
+    branches: int = 0
 
 
 @dataclass(slots=True)
@@ -61,6 +64,9 @@ class Code:
     definitions: dict[str, s.DefFunction]
     signals: dict[str, s.DefIo]
     path: str = ""
+    level: int = 5
+    constants: set[str] = field(default_factory=set)
+    takes: bool = False
 
     def place(self, row: int) -> tuple[str, int] | None:
         """The file and the line of a row, None where it has none."""
@@ -84,6 +90,7 @@ class Code:
 
 
 FUNCTION: Final = "Function"
+LOOPS: Final = ("For", "While")
 MISMATCH: Final = {"If": 3252, "For": 3230, "While": 3250, "Select": 3254, "Function": 3220}
 
 
@@ -92,6 +99,8 @@ def code_of(file: s.File) -> Code:
     rows = list(_rows(file))
     code = Code(rows, {}, {}, {}, {}, {}, [], {}, Scope(), {}, list(_data(file)), {}, {})
     code.path = (file.source.path or "") if file.source is not None else ""
+    code.level = int(file.dialect[-1])
+    code.takes = any(isinstance(row.statement, s.FPrm) for row in rows)
     open_: list[Block] = []
     for at, row in enumerate(rows):
         if row.label:
@@ -201,6 +210,8 @@ def _blocks(code: Code, open_: list[Block], at: int, statement: s.Statement | No
     code.inside.append(open_[-1] if open_ else None)
     if kind:
         block = Block(kind, at)
+        block.loops = sum(b.kind in LOOPS for b in open_) + (kind in LOOPS)
+        block.branches = sum(b.kind == "If" for b in open_) + (kind == "If")
         code.opened[at] = block
         open_.append(block)
         if isinstance(statement, s.Function):
@@ -243,6 +254,8 @@ def _declare(code: Code, scope: Scope, statement: s.Statement | None) -> None:
                 _size(scope, variable)
         case s.Const(type=type_, variable=variable):
             scope.declared.add(variable.key)
+            if scope is code.main:
+                code.constants.add(variable.key)
             if type_ in DEFINED:
                 scope.kinds[variable.key] = DEFINED[type_]
         case s.Static(definition=definition):

@@ -17,7 +17,7 @@ from assistant.virtual.kernel import Kernel
 from assistant.virtual.melfa.arm import Arm
 from assistant.virtual.melfa.code import Code, code_of
 from assistant.virtual.melfa.machine import Machine
-from assistant.virtual.melfa.memory import Memory, Place, Scope
+from assistant.virtual.melfa.memory import OWN_ARRAY, OWN_ELEMENTS, Memory, Place, Scope
 from assistant.virtual.melfa.options import Options
 from assistant.virtual.melfa.plugins import by_name
 from assistant.virtual.melfa.slots import Slot
@@ -175,9 +175,7 @@ class _Programs(Mapping[str, Machine]):
 
 
 OWN: Final = re.compile(r"[PJMC]_[01]\d")
-OWN_ARRAY: Final = re.compile(r"[PJMC]_10[0-4]")
-"""External variables that every controller has; arrays of them have ten elements."""
-OWN_ELEMENTS: Final = 10
+"""External variables that every controller has, beside its arrays."""
 
 
 class Shared(Memory):

@@ -98,6 +98,8 @@ def _whole_value(m: Machine, node: s.Variable) -> Value:
 
 def store(m: Machine, node: s.Variable, given: Value) -> None:
     """Gives a variable, or a component of one, a value."""
+    if node.key in m.code.constants and not m.is_own(node.key):
+        raise Failed(3210, f"{node.name} is a constant")
     place, index = reference(m, node)
     if node.component:
         given = with_component(place.get(index), node.component, given, m.world.options)

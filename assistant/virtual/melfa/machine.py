@@ -11,6 +11,8 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.virtual.melfa import expressions
 from assistant.virtual.melfa.code import Block, Code
 from assistant.virtual.melfa.memory import (
+    OWN_ARRAY,
+    OWN_ELEMENTS,
     SUFFIXES,
     Cell,
     Element,
@@ -27,8 +29,8 @@ from assistant.virtual.melfa.world import World
 
 MOST_SUBROUTINES: Final = 800
 MOST_FUNCTIONS: Final = 16
-MOST_PROGRAMS: Final = 8
-"""How deep calls may go (CR1D 4-151); of GoSub about 800."""
+MOST_PROGRAMS: Final = {4: 7, 5: 8, 6: 8}
+"""How deep calls may go (CR1D 4-151, COSIROP: FPRM); of GoSub about 800."""
 
 
 @dataclass(slots=True)
@@ -76,7 +78,7 @@ class Machine:
         self.pallets: dict[int, Grid] = {}
         self.arguments: tuple[Value, ...] = ()
         for name, index, value in self.code.data:
-            self.main.place(name).set(value, index)
+            self.memory_of(name).place(name).set(value, index)
 
     @property
     def frame(self) -> Frame:
@@ -92,7 +94,7 @@ class Machine:
             self.go_on(self.frame)
         self.world.running.pop()
         if self.depth == 0:
-            self.world.settings.reset()
+            self.world.end()
 
     def go_on(self, until: Frame) -> None:
         """Runs until a frame is left; the last row of a program is its end."""
@@ -128,6 +130,7 @@ class Machine:
     def memory_of(self, name: str) -> Memory:
         """Where a variable stands: shared by all programs, of the function, or of the program."""
         if is_external(name):
+            self._share(name)
             return self.world.shared
         frame = self.frame
         if not frame.function:
@@ -140,6 +143,18 @@ class Machine:
         if name in self.code.main.declared and name not in scope.declared:
             return self.main
         return frame.memory
+
+    def _share(self, name: str) -> None:
+        """Makes a variable of all programs as the first one declares it that meets it.
+
+        Behind a slot the controller knows them.
+        """
+        places = self.world.shared.places
+        if name not in places and self.world.slot is None:
+            cell = self.code.main.cell(name)
+            if not cell.size and OWN_ARRAY.fullmatch(name):
+                cell.size = (OWN_ELEMENTS,)
+            places[name] = cell
 
     def is_own(self, name: str) -> bool:
         """Whether the function that runs has a variable of that name itself."""
@@ -205,6 +220,7 @@ class Machine:
         self, parameter: s.FunctionParameter, node: s.Expression | None, scope: Scope
     ) -> Place:
         name = parameter.name.upper()
+        mode = parameter.mode or self.world.options.parameters
         whole = isinstance(node, s.Variable) and not node.arguments and not node.component
         if parameter.array:
             if not isinstance(node, s.Variable) or not whole:
@@ -212,9 +228,9 @@ class Machine:
             place = self.memory_of(node.key).place(node.key)
             if not isinstance(place, Cell):
                 raise Failed(3810, f"{parameter.name} takes an array")
-            return place if parameter.mode == "ByRef" else place.copy(name)
+            return place if mode == "ByRef" else place.copy(name)
         kind = scope.kinds.get(name, kind_by_name(name))
-        if parameter.mode == "ByRef" and isinstance(node, s.Variable):
+        if mode == "ByRef" and isinstance(node, s.Variable):
             if node.component or self.is_result(node):
                 raise Unknown("a component or a result that is given by reference")
             place, index = expressions.reference(self, node)
@@ -260,10 +276,12 @@ class Machine:
         called = self.programs.get(name.upper())
         if called is None:
             raise Unknown(f"the program {name}, which is not at hand")
-        if self.depth + 1 > MOST_PROGRAMS:
+        if self.depth + 1 > MOST_PROGRAMS[self.code.level]:
             raise Failed(3710, "programs call too deep")
         if called.depth or called is self:
             raise Failed(3710, f"the program {name} calls itself")
+        if arguments and not called.code.takes:
+            raise Failed(3120, f"{len(arguments)} arguments of {name}, which takes none")
         called.depth, called.arguments = self.depth + 1, arguments
         called.run()
         called.depth = 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Final
@@ -20,6 +21,11 @@ DEFINED: Final[Mapping[str, Kind]] = {
     "Pos": "position", "Jnt": "joints",
 }  # fmt: skip
 """Type of `Def …`."""
+
+
+OWN_ARRAY: Final = re.compile(r"[PJMC]_10[0-4]")
+OWN_ELEMENTS: Final = 10
+"""Arrays that all programs share on every controller, and how many elements each has."""
 
 
 def kind_by_name(name: str) -> Kind:

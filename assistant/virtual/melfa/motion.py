@@ -15,7 +15,7 @@ from assistant.program.geometry import IDENTITY, Pose, Vector
 from assistant.robots.configurations import from_flags
 from assistant.virtual.events import How, Moved
 from assistant.virtual.melfa import appended, expressions, poses
-from assistant.virtual.melfa.arm import OPTIMUM
+from assistant.virtual.melfa.arm import OPTIMUM, Arm
 from assistant.virtual.melfa.circles import circle_about, circle_through
 from assistant.virtual.melfa.stops import Failed, Unknown
 from assistant.virtual.melfa.values import Bare, Joints, Position, Value, position
@@ -30,6 +30,8 @@ SAME_RADIUS: Final = 0.01
 def move(m: Machine, node: s.Motion) -> None:
     """Runs a motion with what is appended to it; raises Unknown for a kind not simulated."""
     word = node.keyword.upper()
+    if not m.world.arm.servo:
+        raise Failed(2000, "the servo is off")
     if word in m.world.commands:
         m.world.given(word, expressions.values(m, node.arguments))
         return
@@ -60,31 +62,52 @@ def _joint(m: Machine, node: s.Motion) -> None:
 
 
 def _to_joints(m: Machine, goal: Joints) -> None:
-    arm = m.world.arm
-    count = max((i + 1 for i, v in enumerate(goal.values) if v is not None), default=0)
-    joints = tuple(v for v in goal.values[:count] if v is not None)
-    if len(joints) != count or not count:
-        raise Failed(2802, "a joint position with elements that are not defined")
+    arm, joints = m.world.arm, _axes(goal)
     before = arm.flange
     arm.at_joints(joints)
     m.world.go(_moved(m, "joint", arm.flange, joints=joints), before)
 
 
+def _axes(goal: Joints) -> tuple[float, ...]:
+    """The joints up to the last that is defined."""
+    count = max((i + 1 for i, v in enumerate(goal.values) if v is not None), default=0)
+    joints = tuple(v for v in goal.values[:count] if v is not None)
+    if len(joints) != count or not count:
+        raise Failed(2802, "a joint position with elements that are not defined")
+    return joints
+
+
 def _linear(m: Machine, node: s.Motion) -> None:
     goal = _goal(m, node)
-    if isinstance(goal, Joints):
-        raise Unknown("a straight move to joints")
-    _straight(m, goal, agree=node.type is None)
+    _straight(m, _shown(m, goal) if isinstance(goal, Joints) else goal, _agree(m, node))
+
+
+def _agree(m: Machine, node: s.Motion) -> bool:
+    """Whether the structure flags of both ends must be the same: not with `Type 0,1` or `0,2`."""
+    return node.type is None or expressions.integer(m, node.type[1], "the type") == 0
+
+
+def _shown(m: Machine, joints: Joints) -> Position:
+    """Where the tip stands at joints, with the tool and the base that hold."""
+    arm = m.world.arm
+    if arm.robot is None:
+        raise Unknown("where the arm stands at joints")
+    there = Arm(arm.robot, tip=arm.tip, foot=arm.foot)
+    there.at_joints(_axes(joints))
+    return there.shown()
 
 
 def _straight(m: Machine, goal: Position, agree: bool = True) -> None:
     """agree: whether the structure flags of both ends must be the same."""
-    arm = m.world.arm
-    one, two = arm.flags[0], goal.flags[0]
-    if agree and one is not None and two is not None and one != two:
-        raise Failed(2810, "the posture flags of start and end differ")
+    if agree:
+        _same_posture(m.world.arm.flags[0], goal.flags[0])
     flange = _flange(m, goal)
     _go(m, _moved(m, "linear", flange), goal.flags)
+
+
+def _same_posture(one: int | None, other: int | None) -> None:
+    if one is not None and other is not None and one != other:
+        raise Failed(2810, "the posture flags of start and end differ")
 
 
 def _goal(m: Machine, node: s.Motion) -> Position | Joints:
@@ -95,7 +118,7 @@ def _goal(m: Machine, node: s.Motion) -> Position | Joints:
         return goal
     distance = expressions.plain(m, more[0], "the distance")
     if isinstance(goal, Joints):
-        raise Unknown("a distance from joints")
+        goal = _shown(m, goal)
     away = poses.pose_of(goal, m.world.arm.robot).offset(z=distance)
     return poses.position_of(away, goal, m.world.arm.robot)
 
@@ -168,8 +191,9 @@ def _moved(
 def _three(m: Machine, node: s.Motion) -> tuple[Position, Position, Position]:
     if len(node.arguments) < 3 or None in node.arguments[:3]:
         raise Failed(3120, f"{node.keyword} takes three positions")
+    given = [expressions.value(m, a) for a in node.arguments[:3]]
     first, second, third = (
-        position(expressions.value(m, a), "a place of an arc") for a in node.arguments[:3]
+        _shown(m, v) if isinstance(v, Joints) else position(v, "a place of an arc") for v in given
     )
     return first, second, third
 
@@ -196,6 +220,8 @@ def _through(m: Machine, node: s.Motion) -> None:
     if circle_through(*(_at(m, p) for p in (start, via, end))) is None:
         _straight(m, end)
         return
+    if _agree(m, node):
+        _same_posture(start.flags[0], end.flags[0])
     _arc(m, _flange(m, via), end)
 
 
@@ -208,6 +234,8 @@ def _round_other_side(m: Machine, node: s.Motion) -> None:
     if circle is None:
         _straight(m, end)
         return
+    if _agree(m, node):
+        _same_posture(start.flags[0], end.flags[0])
     _arc_by(m, circle.middle(b, a), end)
 
 
@@ -216,10 +244,15 @@ def _about(m: Machine, node: s.Motion) -> None:
     start, end, centre = _three(m, node)
     _to_start(m, start)
     a, b, c = (_at(m, p) for p in (start, end, centre))
+    if np.array_equal(a, b):
+        _straight(m, end)
+        return
     radii = np.linalg.norm(a - c), np.linalg.norm(b - c)
     circle = circle_about(a, b, c)
     if abs(radii[0] - radii[1]) > SAME_RADIUS or circle is None:
         raise Failed(2803, "the centre of an arc")
+    if _agree(m, node):
+        _same_posture(start.flags[0], end.flags[0])
     _arc_by(m, circle.middle(a, b), end)
 
 

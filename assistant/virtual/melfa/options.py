@@ -29,6 +29,7 @@ class Options:
     Names.
     unset: what reading a number that was never set gives.
     parameters: how a Function takes those without ByVal and ByRef.
+    resets: whether `Reset Err` is allowed (a program that always runs, parameter ALWENA).
     nested: whether functions of several arguments take what other functions give (COSIROP: not).
 
     Flow.
@@ -59,6 +60,7 @@ class Options:
     slides: bool | None = None
     unset: Literal["error", "zero"] = "error"
     parameters: Literal["ByVal", "ByRef"] = "ByVal"
+    resets: bool = False
     nested: bool = True
     bounds: Literal["once", "each"] | None = None
     over: Literal["P1*Inv(P2)", "Inv(P2)*P1"] = "P1*Inv(P2)"

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.virtual.events import Stopped
-from assistant.virtual.melfa import blocks, expressions, multitask, pallets, poses
+from assistant.virtual.events import Said, Stopped
+from assistant.virtual.melfa import blocks, data, expressions, mechanism, multitask, pallets
 from assistant.virtual.melfa.arm import FULL, OPTIMUM
 from assistant.virtual.melfa.code import nodes
 from assistant.virtual.melfa.stops import Ended, Failed, Unknown, out_of_range
-from assistant.virtual.melfa.values import Position, Value, holds, position
+from assistant.virtual.melfa.values import Value, holds, position
 
 if TYPE_CHECKING:
     from assistant.virtual.melfa.machine import Machine
@@ -31,6 +31,8 @@ def command(m: Machine, node: s.Command) -> None:
         if known and not known.least <= count <= (count if known.most is None else known.most):
             raise Failed(3120, f"{node.keyword} with {count} arguments")
         WORDS[word](m, *node.arguments)
+    elif word in TUNING:
+        m.world.note(f"{node.keyword} has no effect on this run")
     elif word not in QUIET:
         raise Unknown(f"the statement {node.keyword}")
 
@@ -55,34 +57,15 @@ def _loose(m: Machine, node: s.Expression) -> Value:
 
 LOOSE: Final = frozenset(("On", "Off", "Jnt", "Pos", "Tool"))
 
-QUIET: Final = frozenset((
-    "ENDIF", "END SELECT", "OADL", "LOADSET", "FINE", "PREC", "MVTUNE", "SPDOPT", "COLCHK",
-    "COLLVL", "TITLE",
+QUIET: Final = frozenset(("ENDIF", "END SELECT", "TITLE"))
+"""Ends of blocks, and what is a comment."""
+TUNING: Final = frozenset((
+    "OADL", "LOADSET", "FINE", "PREC", "MVTUNE", "SPDOPT", "COLCHK", "COLLVL", "CAVCHK", "CMPG",
+    "TORQ",
 ))  # fmt: skip
-"""Words that change no event: ends of blocks, and settings."""
+"""Settings that change no event: how the arm is driven, and what it watches."""
 
 # ------------------------------------------------------------------------------------ motion
-
-
-def _tool(m: Machine, node: s.Expression) -> None:
-    """Holds at once, also for P_Curr."""
-    arm = m.world.arm
-    arm.tool = _frame(m, node)
-    arm.tip = poses.pose_of(arm.tool)
-
-
-def _base(m: Machine, node: s.Expression) -> None:
-    """The robot's base seen from where positions are counted."""
-    arm = m.world.arm
-    arm.base = _frame(m, node)
-    arm.foot = poses.pose_of(arm.base)
-
-
-def _frame(m: Machine, node: s.Expression) -> Position:
-    found = expressions.value(m, node)
-    if isinstance(found, int | float):
-        raise Unknown("a tool or base by its number")
-    return position(found, "a tool or base")
 
 
 def _speed(m: Machine, node: s.Expression) -> None:
@@ -100,8 +83,8 @@ def _percent(m: Machine, node: s.Expression | None, what: str) -> float:
 
 
 def _override(m: Machine, node: s.Expression, *others: s.Expression | None) -> None:
-    if others:
-        raise Unknown("Ovrd by the direction of the motion")
+    for other in others:
+        _percent(m, other, "the override of Mva")
     m.world.settings.override = _percent(m, node, "the override")
 
 
@@ -126,25 +109,7 @@ def _corner(m: Machine, switch: s.Expression, *sizes: s.Expression | None) -> No
     m.world.settings.corner = min(given, default=math.inf) if on else 0.0
 
 
-def _servo(m: Machine, node: s.Expression, *mechanism: s.Expression | None) -> None:
-    m.world.needs_mechanism("Servo")
-    if node != s.Word("On") or mechanism:
-        raise Unknown("what a program does without servo")
-
-
-# -------------------------------------------------------------------------- hands and pallets
-
-
-def _hand(m: Machine, node: s.Expression, value: float) -> None:
-    hand = expressions.integer(m, node, "the hand")
-    if not 1 <= hand <= HANDS:
-        raise out_of_range(f"the hand {hand}")
-    m.world.task.switch(HAND.format(hand), value)
-
-
-HANDS: Final = 8
-HAND: Final = "hand{}"
-"""The event of a hand: 1 as it opens, 0 as it closes."""
+# ----------------------------------------------------------------------------------- pallets
 
 
 def define_pallet(m: Machine, arguments: tuple[s.Expression | None, ...]) -> None:
@@ -159,7 +124,9 @@ def define_pallet(m: Machine, arguments: tuple[s.Expression | None, ...]) -> Non
         expressions.integer(m, a, "an argument of Def Plt") for a in arguments[5:]
     )
     places = tuple(None if c is None else position(c, "a corner of the pallet") for c in corners)
-    m.pallets[number] = pallets.grid(number, places, (first, second), direction)
+    m.pallets[number] = pallets.grid(
+        number, places, (first, second), direction, fixed=m.world.options.pallets == "start"
+    )
 
 
 # ------------------------------------------------------------------------------ waits and ends
@@ -169,12 +136,14 @@ def _delay(m: Machine, node: s.Expression) -> None:
     seconds = float(expressions.plain(m, node, "the time"))
     if seconds < 0:
         raise out_of_range(f"a time of {seconds} seconds")
+    m.world.stand()
     m.world.task.delay(seconds)
 
 
 def _wait(m: Machine, node: s.Expression) -> None:
     """A timer goes on by itself, so that a condition with one is asked again and again."""
     task = m.world.task
+    m.world.stand()
     if any(isinstance(part, s.Variable) and part.key == "M_TIMER" for part in nodes(node)):
         while not holds(expressions.value(m, node)):
             task.step()
@@ -183,6 +152,7 @@ def _wait(m: Machine, node: s.Expression) -> None:
 
 
 def _halt(m: Machine) -> None:
+    m.world.stand()
     m.world.task.tell(Stopped())
     if m.world.slot is not None:
         m.world.slot.hold()
@@ -200,9 +170,16 @@ def _error(m: Machine, node: s.Expression) -> None:
     number = expressions.integer(m, node, "the number of an error")
     if number not in USER_ERRORS:
         raise out_of_range(f"the error {number}")
-    if number >= CAUTION:
-        raise Unknown("a caution that the program raises")
-    raise Failed(number, "raised by the program")
+    if number < CAUTION:
+        raise Failed(number, "raised by the program")
+    m.world.warn(number)
+    m.world.task.tell(Said(f"error {number}"))
+
+
+def _reset_error(m: Machine) -> None:
+    if not m.world.options.resets:
+        raise Failed(None, "Reset Err in a program that does not always run (ALWENA)")
+    m.world.warn(0)
 
 
 USER_ERRORS: Final = range(9000, 9300)
@@ -215,21 +192,19 @@ def _end(_: Machine) -> None:
 
 
 WORDS: Final[Mapping[str, Callable[..., None]]] = {
-    "TOOL": _tool,
-    "BASE": _base,
+    **mechanism.WORDS,
+    **data.WORDS,
     "SPD": _speed,
     "OVRD": _override,
     "JOVRD": _joint_override,
     "ACCEL": _acceleration,
     "CNT": _corner,
-    "SERVO": _servo,
-    "HOPEN": lambda m, hand, *_: _hand(m, hand, 1.0),
-    "HCLOSE": lambda m, hand: _hand(m, hand, 0.0),
     "DLY": _delay,
     "WAIT": _wait,
     "HLT": _halt,
     "RETURN": _return,
     "ERROR": _error,
+    "RESET ERR": _reset_error,
     "END": _end,
     "EXIT FUNCTION": lambda m: m.leave(),
     "FEND": lambda m: m.leave(),

@@ -33,9 +33,19 @@ def _level(slot: Slot) -> Value:
     error = slot.controller.error
     if error is None:
         return 0
-    return 3 if error.number in HIGH else 2
+    return 1 if error.number in CAUTIONS else 3 if error.number in HIGH else 2
 
 
+def _number(slot: Slot) -> Value:
+    error = slot.controller.error
+    if error is None:
+        return 0
+    if error.number is None:
+        raise Unknown("the number of an error that the manuals do not give")
+    return error.number
+
+
+CAUTIONS: Final = range(9200, 9300)
 HIGH: Final = range(9000, 9100)
 """Errors of the user's that are of the high level; those that are raised here else are low."""
 
@@ -51,7 +61,7 @@ STATUS: Final[Mapping[str, Callable[[Slot], Value]]] = {
 ERRORS: Final[Mapping[str, Callable[[Slot], Value]]] = {
     "M_ERR": lambda slot: int(slot.controller.error is not None),
     "M_ERRLVL": _level,
-    "M_ERRNO": lambda slot: 0 if slot.controller.error is None else slot.controller.error.number,
+    "M_ERRNO": _number,
 }
 """Of the controller."""
 

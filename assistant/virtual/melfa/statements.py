@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.virtual.melfa import blocks, expressions, motion, settings, status
+from assistant.virtual.melfa import blocks, expressions, mechanism, motion, settings, status
 from assistant.virtual.melfa.stops import Failed, Unknown, out_of_range
-from assistant.virtual.melfa.values import holds, text, whole, with_component
+from assistant.virtual.melfa.values import Bare, holds, kind_of, text, whole, with_component
 
 if TYPE_CHECKING:
     from assistant.virtual.melfa.machine import Machine
@@ -51,6 +51,10 @@ def _assign(m: Machine, node: s.Assign) -> None:
         _switch(m, node, first, status.WIDTHS[key][1], whole(value))
     elif key == "M_TIMER":
         m.world.set_timer(status.timer_number(_index(m, target)), float(whole(value)))
+    elif key == "M_HND":
+        mechanism.order_hand(m, _index(m, target), float(whole(value)))
+    elif key == "M_TOOL":
+        mechanism.choose_tool(m, whole(value))
     elif expressions.is_status(key) and not m.is_own(key):
         raise Unknown(f"setting the status variable {target.name}")
     elif node.delay is not None:
@@ -74,18 +78,19 @@ def _index(m: Machine, target: s.Variable) -> int:
 
 
 def _switch(m: Machine, node: s.Assign, first: int, width: int, value: int, mask: int = -1) -> None:
-    """Sets outputs; with a time it is a pulse, whose end is told at once: moves take no time."""
-    before = m.world.read(output=True, first=first, width=width)
-    m.world.switch(first, width, value, mask)
+    """Sets outputs; with a time it is a pulse."""
     if node.delay is None:
+        m.world.switch(first, width, value, mask)
         return
+    before = m.world.read(output=True, first=first, width=width)
     if width != 1:
         raise Unknown("a pulse of a group of signals")
-    if expressions.plain(m, node.delay, "the time of a pulse") < 0:
+    seconds = float(expressions.plain(m, node.delay, "the time of a pulse"))
+    if seconds < 0:
         raise out_of_range("the time of a pulse")
     if before == value:
         raise Unknown("a pulse of an output that is as it would be set")
-    m.world.switch(first, width, before)
+    m.world.pulse(first, value, before, seconds)
 
 
 # ------------------------------------------------------------------------------------ jumps
@@ -146,6 +151,10 @@ def _parameters(m: Machine, node: s.FPrm) -> None:
     if len(node.variables) != len(m.arguments):
         raise Failed(3120, f"{len(m.arguments)} arguments for {len(node.variables)}")
     for variable, value in zip(node.variables, m.arguments, strict=True):
+        kind = expressions.reference(m, variable)[0].kind
+        wanted = "number" if kind in expressions.NUMBERS else kind
+        if not isinstance(value, Bare) and kind_of(value) != wanted:
+            raise Failed(3810, f"an argument for {variable.name} of another type")
         expressions.store(m, variable, value)
 
 
@@ -153,11 +162,15 @@ def _parameters(m: Machine, node: s.FPrm) -> None:
 
 
 def _const(m: Machine, node: s.Const) -> None:
-    expressions.store(m, node.variable, expressions.value(m, node.value))
+    place, index = expressions.reference(m, node.variable)
+    place.set(expressions.value(m, node.value), index)
 
 
 def _other(m: Machine, node: s.DefOther) -> None:
-    if node.kind.upper() not in ("PLT", "DEF PLT"):
+    if node.kind.upper() == "ARCH":
+        m.world.note("Def Arch has no effect: Mva is not simulated")
+        return
+    if node.kind.upper() != "PLT":
         raise Unknown(f"Def {node.kind}")
     settings.define_pallet(m, node.arguments)
 

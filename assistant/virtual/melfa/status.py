@@ -21,8 +21,18 @@ ARM: Final[Mapping[str, Callable[[Arm], Value]]] = {
     "J_FBC": Arm.shown_joints,
     "P_TOOL": lambda arm: arm.tool,
     "P_BASE": lambda arm: arm.base,
+    "M_TOOL": lambda arm: _number(arm.tool_number, "the number of a tool that a position gives"),
+    "M_BSNO": lambda arm: _number(arm.base_number, "the number of a base that a position gives"),
+    "M_SVO": lambda arm: int(arm.servo),
 }
 """Of the mechanism, which an index of 1 names too."""
+
+
+def _number(number: int | None, what: str) -> int:
+    if number is None:
+        raise Unknown(what)
+    return number
+
 
 SLOT: Final[Mapping[str, Callable[[World], Value]]] = {
     "M_SPD": lambda world: world.settings.speed,
@@ -32,6 +42,9 @@ SLOT: Final[Mapping[str, Callable[[World], Value]]] = {
     "M_DACL": lambda world: world.settings.acceleration[1],
     "M_BRKCQ": lambda world: int(world.left),
     "M_SKIPCQ": lambda world: int(world.skipped),
+    "M_ERR": lambda world: int(world.error != 0),
+    "M_ERRLVL": lambda world: int(world.error != 0),
+    "M_ERRNO": lambda world: world.error,
 }
 """Of a slot, its own one where no index stands."""
 
@@ -39,7 +52,7 @@ CONSTANT: Final[Mapping[str, Value]] = {
     "P_NTOOL": ORIGIN, "P_NBASE": ORIGIN, "P_ZERO": ORIGIN,
     "M_NSPD": OPTIMUM, "M_NOVRD": FULL, "M_NJOVRD": FULL, "M_NACL": FULL, "M_NDACL": FULL,
     "M_OPOVRD": FULL, "M_PI": math.pi, "M_EXP": math.e, "M_G": STANDARD_GRAVITY,
-    "M_ON": 1, "M_OFF": 0, "M_SVO": 1, "M_ERR": 0, "M_ERRLVL": 0, "M_ERRNO": 0,
+    "M_ON": 1, "M_OFF": 0,
 }  # fmt: skip
 """What does not change while a program runs here: nothing goes wrong and nobody interferes."""
 
@@ -53,6 +66,23 @@ WIDTHS: Final[Mapping[str, tuple[bool, int]]] = {
 IO_WIDTHS: Final = {"BIT": 1, "BYTE": 8, "WORD": 16, "INTEGER": 16, "DWORD": 32}
 """Of `Def Io`."""
 
+
+def _told(world: World, hand: int) -> int:
+    if hand not in world.arm.hands:
+        raise Unknown(f"how hand {hand} is when power comes on (parameter HANDINIT)")
+    return int(world.arm.hands[hand])
+
+
+def _checked(world: World, number: int) -> int:
+    """M_HndCq: inputs 900 to 907 (COSIROP: HOPEN)."""
+    if number not in range(1, 9):
+        raise out_of_range(f"the hand check input {number}")
+    return world.read(output=False, first=FIRST_CHECK + number - 1, width=1)
+
+
+FIRST_CHECK: Final = 900
+HANDS: Final[Mapping[str, Callable[[World, int], Value]]] = {"M_HND": _told, "M_HNDCQ": _checked}
+"""Of hands, by their number."""
 OWN: Final = (1,)
 TIMERS: Final = range(1, 9)
 
@@ -66,6 +96,8 @@ def read(world: World, name: str, arguments: tuple[Value, ...]) -> Value:
         return _signed(world, value, width)
     if name == "M_TIMER" and len(index) == 1:
         return world.timer(timer_number(index[0]))
+    if name in HANDS and len(index) == 1:
+        return HANDS[name](world, index[0])
     about_slots = slot_status.read(world, name, index)
     if about_slots is not None:
         return about_slots

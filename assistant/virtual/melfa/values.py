@@ -114,6 +114,15 @@ def joints(value: Value, what: str = "the value") -> Joints:
     raise Failed(4390, f"{what} is no joint position")
 
 
+def kind_of(value: Value) -> Kind:
+    """The type of a value: `number` for all numbers; of a bare constant, a position's."""
+    if isinstance(value, str):
+        return "text"
+    if isinstance(value, Joints):
+        return "joints"
+    return "position" if isinstance(value, Position | Bare) else "number"
+
+
 def holds(value: Value) -> bool:
     """Whether a condition is met: every number but 0 is true (COSIROP: WHILE)."""
     return number(value, "the condition") != 0

@@ -19,11 +19,15 @@ from assistant.virtual.melfa.values import Value
 from assistant.virtual.on_way import told
 
 if TYPE_CHECKING:
+    from assistant.virtual.kernel.kernel import Timer
     from assistant.virtual.melfa.machine import Machine
     from assistant.virtual.melfa.slots import Slot
 
 STEP_TIME: Final = 0.001
 """Seconds that a statement takes on the clock of M_Timer."""
+
+MOST_PULSES: Final = 4
+"""At once (COSIROP: DLY)."""
 
 Inputs = Callable[[int], int]
 """The state of an input, 0 or 1, by its number."""
@@ -57,6 +61,11 @@ class World:
     """Whether the last motion that may be skipped was (M_SkipCq)."""
     slot: Slot | None = None
     """The slot of a controller; None where a program runs alone, as in slot 1."""
+
+    error: int = 0
+    """The number of the caution that holds (M_ErrNo), 0 for none."""
+    pulses: list[Timer] = field(default_factory=list)
+    """Pulses whose end is to come."""
 
     def of_slot(self, number: int | None = None) -> World:
         """The world of a slot's program, its own without a number."""
@@ -114,6 +123,39 @@ class World:
             raise Unknown("which of two motions something is appended to")
         self.appended = True
         self.task.kernel.motion.go(self.task, moved, told(moved, before, self.on_way or ()))
+
+    def warn(self, number: int) -> None:
+        """A caution holds from now on, or with 0 none does any more."""
+        self.error = number
+        if self.slot is not None:
+            self.slot.controller.error = Failed(number, "raised by the program") if number else None
+
+    def stand(self) -> None:
+        """Before a statement that may have the last move end at its target."""
+        if self.options.waits_end_corners:
+            self.task.kernel.motion.settle(self.task)
+
+    def pulse(self, number: int, value: int, back: int, seconds: float) -> None:
+        """Sets an output for a time; it stays if the program ends before (COSIROP: DLY)."""
+        if self.options.pulses == "at once":
+            self.switch(number, 1, value)
+            self.switch(number, 1, back)
+            return
+        kernel = self.task.kernel
+        if self.held is not None:
+            raise Unknown("when a pulse ends that begins on the way of a motion")
+        self.pulses = [x for x in self.pulses if x.time > kernel.now]
+        if len(self.pulses) >= MOST_PULSES:
+            raise Failed(None, f"more than {MOST_PULSES} pulses at once")
+        self.switch(number, 1, value)
+        end = kernel.now + seconds
+        self.pulses.append(kernel.at(end, lambda: self.switch(number, 1, back)))
+
+    def end(self) -> None:
+        """What `End` of the main program does."""
+        self.settings.reset()
+        for timer in self.pulses:
+            timer.cancelled = True
 
     def timer(self, number: int) -> float:
         return self.clock - self.timers.get(number, 0.0)
