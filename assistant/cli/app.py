@@ -354,6 +354,14 @@ def virtual_cr(
 
 
 @app.command()
+def debug() -> None:
+    """Run a program as an editor says, over the Debug Adapter Protocol; see docs/debugging.md."""
+    from assistant.cli.debugging import run_debug
+
+    raise typer.Exit(run_debug())
+
+
+@app.command()
 def demo(
     output: Annotated[
         Path, typer.Option("--output", "-o", help="Folder for what it makes.")

@@ -22,6 +22,7 @@ from assistant.virtual.events import (
     Stopped,
     Switched,
     Waited,
+    said,
 )
 from assistant.virtual.rounding import Allowed, Rounding, reach_of, tip_of
 
@@ -106,13 +107,13 @@ def likeness(
     comparing = _Comparing(rounding, reach_of([x.what for x in ours if isinstance(x.what, Moved)]))
     for number, (one, two) in enumerate(zip_longest(ours, others), 1):
         if one is None:
-            return comparing.found(number, f"{_end(first)}, and {_said(two.what)}", one, two)
+            return comparing.found(number, f"{_end(first)}, and {said(two.what)}", one, two)
         if two is None:
-            return comparing.found(number, f"{_said(one.what)}, and {_end(second)}", one, two)
+            return comparing.found(number, f"{said(one.what)}, and {_end(second)}", one, two)
         wrong = comparing.unlike(one.what, two.what)
         if wrong is not None:
-            said = f"{wrong}: {_said(one.what)}, and {_said(two.what)}"
-            return comparing.found(number, said, one, two)
+            what = f"{wrong}: {said(one.what)}, and {said(two.what)}"
+            return comparing.found(number, what, one, two)
     if halted or _end_alike(*both):
         return comparing.found()
     return comparing.found(0, f"{_end(first)}, and {_end(second)}")
@@ -257,19 +258,3 @@ def _between(one: Pose, two: Pose) -> tuple[float, float]:
 
 def _off(far: float, turned: float) -> str:
     return f"{far:.2f} mm and {turned:.2f} degrees off"
-
-
-def _said(event: Event) -> str:
-    match event:
-        case Moved():
-            where = event.joints if event.flange is None else event.flange.position
-            stated = "" if where is None else ", ".join(f"{v:.2f}" for v in where)
-            return f"{event.kind} to ({stated}) at {event.speed} blend {event.blend}"
-        case Switched(signal, value, at):
-            place = "" if at is None else f" at {at.amount:g} of {at.measure}, {at.ahead:g} s ahead"
-            return f"signal {signal} = {value:g}{place}"
-        case Waited(seconds):
-            return f"{seconds:g} s"
-        case Stopped(end):
-            return "an end for good" if end else "a stop"
-    return "a text"

@@ -125,6 +125,26 @@ Event = Moved | Switched | Waited | Said | Reported | Stopped | Noted
 Place = tuple[str, int]
 """A file's name, and a line from 1."""
 
+
+def said(event: Event) -> str:
+    """An event in a line."""
+    match event:
+        case Moved():
+            where = event.joints if event.flange is None else event.flange.position
+            stated = "" if where is None else ", ".join(f"{v:.2f}" for v in where)
+            return f"{event.kind} to ({stated}) at {event.speed} blend {event.blend}"
+        case Switched(signal, value, at):
+            place = "" if at is None else f" at {at.amount:g} of {at.measure}, {at.ahead:g} s ahead"
+            return f"signal {signal} = {value:g}{place}"
+        case Waited(seconds):
+            return f"{seconds:g} s"
+        case Stopped(end):
+            return "an end for good" if end else "a stop"
+        case Said(text):
+            return f"text `{text}`"
+    raise TypeError(event)
+
+
 Why = Literal["end", "stopped", "steps", "time", "error", "unknown", "until"]
 """Why a run is over: `end` where the program came to its end, `stopped` where it waits for what
 never comes, `steps` and `time` where it took more of them than it may, `until` where it was to be

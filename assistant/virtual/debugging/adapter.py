@@ -6,6 +6,7 @@ import queue
 import threading
 from collections.abc import Callable, Mapping
 from contextlib import suppress
+from io import RawIOBase
 from typing import BinaryIO, Final
 
 from assistant.program.diagnostics import Refused
@@ -13,7 +14,7 @@ from assistant.virtual.debugging import messages
 from assistant.virtual.debugging.holding import Holding, Reason, Step, Stride
 from assistant.virtual.debugging.messages import NoMessage, Object, inner, number, several, text
 from assistant.virtual.debugging.view import View
-from assistant.virtual.events import Run
+from assistant.virtual.events import Run, said
 from assistant.virtual.kernel import Ending, Kernel, Task
 
 Launch = Callable[[Object], Kernel]
@@ -28,12 +29,10 @@ CAPABILITIES: Final[Object] = {
 
 
 class Adapter:
-    """A conversation with an editor. start: makes the run. told: an event as a line of text."""
+    """A conversation with an editor. start: makes the run."""
 
-    def __init__(
-        self, source: BinaryIO, sink: BinaryIO, start: Launch, told: Callable[[object], str]
-    ) -> None:
-        self.source, self.sink, self.start, self.told = source, sink, start, told
+    def __init__(self, source: RawIOBase, sink: BinaryIO, start: Launch) -> None:
+        self.source, self.sink, self.start = source, sink, start
         self.requests: queue.SimpleQueue[Object | None] = queue.SimpleQueue()
         self.kernel: Kernel | None = None
         self.view: View | None = None
@@ -74,20 +73,20 @@ class Adapter:
         """Answers one request; a failure is an answer too."""
         command = text(request, "command")
         does = REQUESTS.get(command)
-        said: Object = {"request_seq": number(request, "seq"), "command": command}
+        about: Object = {"request_seq": number(request, "seq"), "command": command}
         if does is None:
-            self._send("response", success=False, message=f"`{command}` is not known", **said)
+            self._send("response", success=False, message=f"`{command}` is not known", **about)
             return
         try:
             body = does(self, inner(request, "arguments"))
         except Refused as refused:
-            message = "; ".join(f.message for f in refused.findings)
-            self._send("response", success=False, message=message, **said)
+            message = str(refused)
+            self._send("response", success=False, message=message, **about)
             return
         except LookupError as error:
-            self._send("response", success=False, message=str(error.args[0]), **said)
+            self._send("response", success=False, message=str(error.args[0]), **about)
             return
-        self._send("response", success=True, body=body or {}, **said)
+        self._send("response", success=True, body=body or {}, **about)
         if command == "launch":
             self._event("initialized")
         elif command == "configurationDone":
@@ -160,7 +159,7 @@ class Adapter:
         for row in self.kernel.log[self._logged :]:
             body: Object = {
                 "category": "stdout",
-                "output": f"{row.time:.3f} {self.told(row.what)}\n",
+                "output": f"{row.time:.3f} {said(row.what)}\n",
             }
             if row.place is not None:
                 body |= {"source": {"path": row.place[0]}, "line": row.place[1]}

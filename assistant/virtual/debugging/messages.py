@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from io import RawIOBase
 from typing import BinaryIO, Final
 
 Object = dict[str, object]
@@ -18,14 +19,17 @@ class NoMessage(ValueError):
     """What was read is no message of the protocol."""
 
 
-def read(stream: BinaryIO) -> Object | None:
+def read(stream: RawIOBase | BinaryIO) -> Object | None:
     """The next message, None at the end; raises NoMessage for what is none."""
     length = _length(stream)
     if length is None:
         return None
-    data = stream.read(length)
-    if len(data) < length:
-        raise NoMessage(f"the message ends after {len(data)} of {length} bytes")
+    data = b""
+    while len(data) < length:
+        more = stream.read(length - len(data))
+        if not more:
+            raise NoMessage(f"the message ends after {len(data)} of {length} bytes")
+        data += more
     try:
         message = json.loads(data)
     except (ValueError, RecursionError) as error:
@@ -35,7 +39,7 @@ def read(stream: BinaryIO) -> Object | None:
     return message
 
 
-def _length(stream: BinaryIO) -> int | None:
+def _length(stream: RawIOBase | BinaryIO) -> int | None:
     length = None
     while line := stream.readline(MOST_HEADER):
         if not line.strip():

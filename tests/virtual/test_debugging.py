@@ -1,0 +1,179 @@
+"""The debugger as an editor meets it: a process, and the protocol's client of another project."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path as FilePath
+
+import pytest
+
+from tests.virtual.editor import editor
+
+MODULE = """MODULE Cell
+  PERS num total := 0;
+  VAR robtarget here := [[500,0,600],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+  PROC main()
+    VAR num i := 1;
+    WHILE i <= 3 DO
+      count i;
+      i := i + 1;
+    ENDWHILE
+    SetDO lamp, 1;
+    WaitDI ready, 1;
+    TPWrite "done";
+  ENDPROC
+  PROC count(num by)
+    total := total + by;
+    TPWrite "counted";
+  ENDPROC
+ENDMODULE
+"""
+PROGRAM = """1 M1=1
+2 GoSub *ADD
+3 P1=(+500.00,+0.00,+400.00,+180.00,+0.00,+180.00)(7,0)
+4 M_Out(3)=1
+5 Wait M_In(5)=1
+6 End
+7 *ADD
+8 M1=M1+4
+9 Return
+"""
+
+
+@pytest.fixture
+def module(tmp_path: FilePath) -> FilePath:
+    path = tmp_path / "Cell.mod"
+    path.write_text(MODULE)
+    return path
+
+
+@pytest.fixture
+def program(tmp_path: FilePath) -> FilePath:
+    path = tmp_path / "ADD.prg"
+    path.write_text(PROGRAM)
+    return path
+
+
+def test_rapid_is_held_at_break_points_and_shows_calls_and_data(module: FilePath) -> None:
+    with editor() as e:
+        e.begin(module, (15,))
+        stopped = e.event("stopped")
+        assert (stopped["reason"], stopped["threadId"]) == ("breakpoint", 1)
+        assert e.stack() == [("count", 15), ("main", 7)]
+        assert e.data("Routine") == {"by": "1"}
+        assert e.data("Task")["total"] == "0"
+        e.ask(e.client.continue_execution(1))
+        e.event("stopped")
+        assert e.data("Task")["total"] == "1"
+
+
+def test_steps_go_into_over_and_out_of_calls(module: FilePath) -> None:
+    with editor() as e:
+        e.begin(module, stopOnEntry=True)
+        assert e.event("stopped")["reason"] == "entry"
+        assert e.stack() == [("main", 6)]
+        for step, place in (
+            (e.client.next, ("main", 7)),
+            (e.client.next, ("main", 8)),
+            (e.client.step_in, ("main", 6)),
+            (e.client.next, ("main", 7)),
+            (e.client.step_in, ("count", 15)),
+            (e.client.step_out, ("main", 8)),
+        ):
+            e.ask(step(1))
+            assert e.event("stopped")["reason"] == "step"
+            assert e.stack()[0] == place
+
+
+def test_melfa_is_stepped_and_shows_subroutines_positions_and_signals(program: FilePath) -> None:
+    with editor() as e:
+        e.begin(program, (8,))
+        e.event("stopped")
+        assert e.stack() == [("GoSub", 8), ("Main", 2)]
+        e.ask(e.client.step_out(1))
+        e.event("stopped")
+        e.ask(e.client.next(1))
+        e.event("stopped")
+        assert e.data("Program")["M1"] == "5"
+        assert e.data("Program")["P1"] == "(500,0,400,180,0,180,,,7,0)"
+        found = e.ask(e.client.evaluate("p1.z"))
+        assert found["result"] == "400"
+        e.ask(e.client.next(1))
+        e.event("stopped")
+        assert e.data("Outputs")["3"] == "1"
+
+
+def test_an_input_that_is_set_ends_a_wait(program: FilePath) -> None:
+    with editor() as e:
+        e.begin(program, (5,))
+        e.event("stopped")
+        frame = e.ask(e.client.stack_trace(1))["stackFrames"][0]["id"]
+        scopes = e.ask(e.client.scopes(frame))["scopes"]
+        (inputs,) = (s["variablesReference"] for s in scopes if s["name"] == "Inputs")
+        e.ask(e.client.set_variable(inputs, "5", "1"))
+        e.ask(e.client.continue_execution(1))
+        assert e.event("exited")["exitCode"] == 0
+        e.event("terminated")
+
+
+def test_a_wait_that_nothing_ends_is_told_and_ends_the_run(module: FilePath) -> None:
+    with editor() as e:
+        e.begin(module)
+        assert e.event("exited")["exitCode"] == 1
+        said = [m.body["output"] for m in e.events if m.event == "output"]
+        assert sum("counted" in text for text in said) == 3
+        assert "ready" in said[-1]
+
+
+def test_a_program_that_never_ends_can_be_paused_and_left(tmp_path: FilePath) -> None:
+    path = tmp_path / "L.prg"
+    path.write_text("1 M1=0\n2 *LOOP\n3 M1=M1+1\n4 GoTo *LOOP\n")
+    with editor() as e:
+        e.begin(path, maxSteps=10**9)
+        e.ask(e.client.pause(1))
+        assert e.event("stopped")["reason"] == "pause"
+        e.client.disconnect()
+        e.flush()
+        assert e.process.wait(30) == 0
+
+
+@pytest.mark.parametrize(
+    ("launch", "said"),
+    [
+        ({"program": "/nowhere/X.mod"}, "/nowhere/X.mod"),
+        ({"program": "{module}", "robot": "no-such-robot"}, "no-such-robot"),
+        ({"program": 5}, "program"),
+        ({"program": "{module}", "wrong": 1}, "wrong"),
+    ],
+)
+def test_what_cannot_be_launched_is_refused_with_its_reason(
+    launch: dict[str, object], said: str, module: FilePath
+) -> None:
+    given = {k: str(module) if v == "{module}" else v for k, v in launch.items()}
+    with editor() as e:
+        e.flush()
+        e.event("initialized")
+        answer = e.answer(e.client._send_request("launch", given))
+        assert not answer.success
+        assert said in answer.message
+
+
+@pytest.mark.parametrize(
+    "sent",
+    [
+        b"Content-Length: x\r\n\r\n{}",
+        b"Content-Length: 5\r\n\r\n{}",
+        b"hello\r\n\r\n",
+        b"Content-Length: 4\r\n\r\nabcd",
+        b"Content-Length: 99999999999999\r\n\r\n",
+        b"Content-Length: 2\r\n\r\n[]",
+    ],
+)
+def test_what_is_no_message_ends_the_debugger_without_a_traceback(sent: bytes) -> None:
+    command = [sys.executable, "-m", "assistant", "debug"]
+    done = subprocess.run(command, input=sent, capture_output=True, timeout=60, check=False)
+    assert done.returncode == 2
+    assert b"Traceback" not in done.stderr
+    assert done.stderr.strip()
+    assert done.stdout == b""
