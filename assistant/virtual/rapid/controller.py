@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Final, Literal
@@ -26,12 +26,15 @@ class Options:
     `raise` ERR_EXCRTYMAX in that statement. propagates: an error in a routine without a handler
     goes to that of its caller, as the kernel manual says; else it stops the program at once, as
     the overview does. began: when the simulated clock is at 0, as CDate and CTime tell it.
+    addresses: real hosts by the address that programs state; others than this computer are not
+    reached without it.
     """
 
     retries: int = RETRIES
     retries_raise: bool = False
     propagates: bool = True
     began: datetime = BEGAN
+    addresses: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(slots=True, eq=False)

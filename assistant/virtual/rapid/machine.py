@@ -50,7 +50,8 @@ class Machine:
     the statement at hand. row: the line of it, from 0, in a run of moves. on_way: what is set on
     the way of the next motion. moves: whether the task has a robot, None
     where nothing states it. hangs_on: what the condition at hand hangs on that no statement
-    changes, `time` or `outside`.
+    changes, `time` or `outside`. at_end: runs when the task ends,
+    however it does.
     """
 
     task: Task
@@ -69,6 +70,7 @@ class Machine:
     on_way: Sequence[Switched] = ()
     moves: bool | None = True
     hangs_on: set[str] = field(default_factory=set)
+    at_end: list[Callable[[], None]] = field(default_factory=list)
     interrupts: Interrupts = field(init=False)
 
     def __post_init__(self) -> None:

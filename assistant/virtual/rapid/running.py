@@ -106,7 +106,11 @@ def start_task(
     wrong = _how_it_ends(machine, prepare)
 
     def ending() -> Ending:
-        ended = wrong or _how_it_ends(machine, lambda: _begin(machine, cells, entry, kind))
+        try:
+            ended = wrong or _how_it_ends(machine, lambda: _begin(machine, cells, entry, kind))
+        finally:
+            for end in machine.at_end:
+                end()
         machine.look()
         return ended or Ending()
 

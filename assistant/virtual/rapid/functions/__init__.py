@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from assistant.virtual.rapid.functions import bits, data, numbers, places, positions, texts, times
-from assistant.virtual.rapid.instructions.tasks import FUNCTIONS as FUNCTIONS_OF_TASKS
+from assistant.virtual.rapid.instructions import sockets, tasks
 from assistant.virtual.rapid.machine import Function
 
 FUNCTIONS: Final[Mapping[str, Function]] = {
@@ -17,5 +17,6 @@ FUNCTIONS: Final[Mapping[str, Function]] = {
     **positions.TABLE,
     **data.TABLE,
     **times.TABLE,
-    **FUNCTIONS_OF_TASKS,
+    **sockets.FUNCTIONS,
+    **tasks.FUNCTIONS,
 }

@@ -11,6 +11,7 @@ from assistant.virtual.rapid.instructions import (
     motions,
     others,
     signals,
+    sockets,
     tasks,
     waits,
 )
@@ -22,6 +23,7 @@ INSTRUCTIONS: Final[Mapping[str, Function]] = {
     **others.TABLE,
     **errors.TABLE,
     **interrupts.TABLE,
+    **sockets.INSTRUCTIONS,
     **tasks.INSTRUCTIONS,
     **waits.TABLE,
 }

@@ -1,0 +1,202 @@
+"""Sockets of a program: real ones on this computer, which never hold up the other tasks."""
+
+from __future__ import annotations
+
+import errno
+import ipaddress
+import socket
+import time
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Final, Literal
+
+from assistant.virtual.kernel.task import Task
+from assistant.virtual.rapid.ends import Fault, NotSimulated
+
+Status = Literal["created", "connected", "bound", "listening", "closed"]
+RETRY: Final = 0.05
+"""Real seconds after which a connection that was refused is tried again."""
+BACKLOG: Final = 5
+MOST_LOOKED_AT: Final = 4096
+
+
+@dataclass(slots=True, eq=False)
+class Link:
+    """own: None while it is closed. before: bytes that came and were not asked for yet."""
+
+    own: socket.socket | None = None
+    status: Status = "closed"
+    before: bytes = b""
+
+    def open(self) -> socket.socket:
+        if self.own is None:
+            raise Fault("the socket is not created, or closed", "ERR_SOCK_CLOSED")
+        return self.own
+
+    def create(self) -> None:
+        if self.own is not None:
+            raise NotSimulated("SocketCreate of a socket that is not closed")
+        self.take(socket.socket(socket.AF_INET, socket.SOCK_STREAM), "created")
+
+    def take(self, own: socket.socket, status: Status) -> None:
+        own.setblocking(False)
+        self.own, self.status, self.before = own, status, b""
+
+    def close(self) -> None:
+        if self.own is not None:
+            self.own.close()
+        self.own, self.status, self.before = None, "closed", b""
+
+    def bind(self, host: str, port: int) -> None:
+        own = self.open()
+        if self.status != "created":
+            raise Fault("the socket is bound or connected already", "ERR_SOCK_IS_BOUND")
+        own.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            own.bind((host, port))
+        except OSError as error:
+            raise Fault(
+                f"port {port} is not free: {error.strerror}", "ERR_SOCK_ADDR_INUSE"
+            ) from None
+        self.status = "bound"
+
+    def listen(self) -> None:
+        own = self.open()
+        if self.status == "connected":
+            raise Fault("a connected socket listens", "ERR_SOCK_IS_CONN")
+        if self.status == "created":
+            raise Fault("a socket listens before it is bound", "ERR_SOCK_NOT_BOUND")
+        try:
+            own.listen(BACKLOG)
+        except OSError as error:
+            raise Fault(f"the port is not free: {error.strerror}", "ERR_SOCK_ADDR_INUSE") from None
+        self.status = "listening"
+
+    def accept(self, client: Link, task: Task, seconds: float | None) -> str:
+        """The address of who connected."""
+        own = self.open()
+        if self.status != "listening":
+            raise Fault("a socket accepts that does not listen", "ERR_SOCK_NOT_BOUND")
+        if client.own is not None:
+            raise NotSimulated("SocketAccept into a socket that is not closed")
+        came: list[tuple[socket.socket, str]] = []
+
+        def has_come() -> bool:
+            with suppress(BlockingIOError):
+                one, (host, _) = own.accept()
+                came.append((one, host))
+            return bool(came)
+
+        _wait(task, has_come, seconds, "a connection")
+        client.take(came[0][0], "connected")
+        return came[0][1]
+
+    def connect(self, host: str, port: int, task: Task, seconds: float | None) -> None:
+        """Tried again while nobody listens there."""
+        if self.status == "connected":
+            raise Fault("the socket is connected already", "ERR_SOCK_IS_CONN")
+        self.open()
+        again = 0.0
+
+        def is_connected() -> bool:
+            nonlocal again
+            if time.monotonic() < again:
+                return False
+            code = self.open().connect_ex((host, port))
+            if code in (0, errno.EISCONN):
+                return True
+            if code not in (errno.EINPROGRESS, errno.EALREADY, errno.EWOULDBLOCK):
+                self.close()
+                self.create()
+                again = time.monotonic() + RETRY
+            return False
+
+        _wait(task, is_connected, seconds, f"a connection to port {port}")
+        self.status = "connected"
+
+    def send(self, data: bytes, task: Task) -> None:
+        own = self._connected()
+        left = data
+
+        def is_sent() -> bool:
+            nonlocal left
+            with suppress(BlockingIOError):
+                left = left[own.send(left) :]
+            return not left
+
+        try:
+            _wait(task, is_sent, None, "a place for what is sent")
+        except ConnectionError:
+            raise Fault("the other end is closed", "ERR_SOCK_CLOSED") from None
+
+    def receive(self, most: int, least: int, task: Task, seconds: float | None) -> bytes:
+        """Bytes that came: at least so many, and at most; the rest stays for later."""
+        self._connected()
+
+        def has_come() -> bool:
+            return self._filled(most) >= least or self._is_over()
+
+        _wait(task, has_come, seconds, "data")
+        if len(self.before) < least:
+            raise Fault("the other end is closed", "ERR_SOCK_CLOSED")
+        found, self.before = self.before[:most], self.before[most:]
+        return found
+
+    def waiting(self) -> int:
+        """Bytes that came and were not asked for yet."""
+        own = self._connected()
+        try:
+            return len(self.before) + len(own.recv(MOST_LOOKED_AT, socket.MSG_PEEK))
+        except BlockingIOError:
+            return len(self.before)
+        except ConnectionError:
+            raise Fault("the other end is closed", "ERR_SOCK_CLOSED") from None
+
+    def _connected(self) -> socket.socket:
+        own = self.open()
+        if self.status != "connected":
+            raise Fault("the socket is not connected", "ERR_SOCK_NOT_CONN")
+        return own
+
+    def _filled(self, most: int) -> int:
+        """How many bytes there are, with what came by now."""
+        with suppress(BlockingIOError, ConnectionError):
+            if len(self.before) < most:
+                self.before += self.open().recv(most - len(self.before))
+        return len(self.before)
+
+    def _is_over(self) -> bool:
+        """Whether the other end sends no more."""
+        try:
+            return not self.open().recv(1, socket.MSG_PEEK)
+        except BlockingIOError:
+            return False
+        except ConnectionError:
+            return True
+
+
+def _wait(task: Task, until: Callable[[], bool], seconds: float | None, what: str) -> None:
+    if not task.wait(until, seconds, what, outside=True):
+        raise Fault(f"{what} does not come in time", "ERR_SOCK_TIMEOUT")
+
+
+def host_of(address: str, addresses: Mapping[str, str]) -> str:
+    """The real host that an address of a program stands for: this computer, or one that is named.
+
+    Raises NotSimulated for others, so that no program reaches further than whoever runs it says.
+    """
+    if address in addresses:
+        return addresses[address]
+    if address.lower() == "localhost":
+        return "127.0.0.1"
+    try:
+        known = ipaddress.IPv4Address(address)
+    except ValueError:
+        raise Fault(f"`{address}` is no address", "ERR_SOCK_ADDR_INVALID") from None
+    if not known.is_loopback:
+        raise NotSimulated(
+            f"a socket at {address}, which is neither this computer nor an address that the run was"
+            " given a place for"
+        )
+    return address
