@@ -4,8 +4,9 @@
 help of COSIROP, four digits an entry of the lists of errors, `melfa.md` a section of the reference
 that was collected for this project. `programs`: by name; `A` runs in slot 1. `table`: rows of the
 slot table. `base`: the user base program. `inputs`: what a signal becomes, by seconds. `sends`:
-texts that come on lines, by seconds. `expected`: what each slot does to the world. `sent`: what
-goes out on lines. `ended`, `message`: how the run ends, `end` where nothing is stated.
+what comes on lines: seconds, line, text. `options`: what the manuals leave open. `expected`: what
+each slot does to the world. `sent`: what goes out on lines. `ended`, `message`: how the run ends,
+`end` where nothing is stated.
 """
 
 from __future__ import annotations
@@ -21,7 +22,8 @@ import pytest
 from assistant import languages
 from assistant.virtual.events import Logged, Moved, Stopped, Switched
 from assistant.virtual.kernel import Kernel
-from assistant.virtual.melfa import Controller, Entry
+from assistant.virtual.melfa import Controller, Entry, Options
+from assistant.virtual.melfa.lines import Wire
 from assistant.virtual.melfa.world import STEP_TIME
 from tests.virtual.melfa_cell import START
 
@@ -53,12 +55,18 @@ def test_a_case(case: dict[str, Any]) -> None:
         start=START,
         base=language.parse(case["base"].strip()) if "base" in case else None,
         always_may=case.get("always_may", False),
+        options=Options(**case.get("options", {})),
+        lines=(lines := {name: Wire() for name in ("COM1:", "COM2:")}),
     )
+    for moment, name, data in case.get("sends", ()):
+        kernel.at(float(moment), partial(lines[name].put, data.encode()))
     controller.start()
     done = kernel.run()
     told = [line for row in done.log if (line := _line(row))]
     assert (told, done.ended) == (case["expected"], case.get("ended", "end")), done.message
     assert case.get("message", "") in done.message
+    for name, sent in case.get("sent", {}).items():
+        assert lines[name].sent.decode() == sent
 
 
 def _line(row: Logged) -> str:

@@ -6,7 +6,7 @@ Facts about slots: COSIROP help on XRUN, XSTP, XRST, XCLR, XLOAD, GETM, RELM, PR
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal
 
@@ -16,12 +16,13 @@ from assistant.program.geometry import Pose
 from assistant.virtual.kernel import Kernel
 from assistant.virtual.melfa.arm import Arm
 from assistant.virtual.melfa.code import Code, code_of
+from assistant.virtual.melfa.lines import Line
 from assistant.virtual.melfa.machine import Machine
 from assistant.virtual.melfa.memory import OWN_ARRAY, OWN_ELEMENTS, Memory, Place, Scope
 from assistant.virtual.melfa.options import Options
 from assistant.virtual.melfa.plugins import by_name
 from assistant.virtual.melfa.slots import Slot
-from assistant.virtual.melfa.stops import Failed
+from assistant.virtual.melfa.stops import Failed, Unknown
 from assistant.virtual.melfa.world import World
 
 if TYPE_CHECKING:
@@ -50,9 +51,10 @@ class Entry:
 class Controller:
     """programs: by their names. table: slots that are not set as the maker sets them.
 
-    start: the flange in the robot's base before the first move. base: the user base program
-    (PRGUSR), which declares the external variables beside the controller's own. always_may: whether
-    programs that always run may start and stop others (ALWENA is 7). options, commands: see `run`.
+    start: the flange in the robot's base before the first move. joints: of the arm then, degrees.
+    base: the user base program (PRGUSR), which declares further external variables. always_may:
+    whether programs that always run may start and stop others (ALWENA is 7). lines: by what `Open`
+    calls them, as `COM1:` and `ENET:`, with what they lead to. options, commands: see `run`.
     """
 
     def __init__(
@@ -63,16 +65,21 @@ class Controller:
         *,
         robot: Robot | None = None,
         start: Pose | None = None,
+        joints: Sequence[float] | None = None,
         base: s.File | None = None,
         slots: int = SLOTS,
         always_may: bool = False,
+        lines: Mapping[str, Line] | None = None,
         options: Options | None = None,
         commands: Commands | None = None,
     ) -> None:
         self.kernel = kernel
         self.arm = Arm(robot, start)
+        if joints is not None:
+            self.arm.at_joints(tuple(joints))
         self.always_may = always_may
         self.options, self.commands = options or Options(), by_name(commands)
+        self.lines = {name.upper(): line for name, line in (lines or {}).items()}
         self.timers: dict[int, float] = {}
         self.error: Failed | None = None
         self.owner: Slot | None = None
@@ -108,6 +115,20 @@ class Controller:
     def handles(self) -> bool:
         """Whether a program that begins with an error still runs."""
         return any(slot.condition == "ERROR" and slot.state == "runs" for slot in self.slots)
+
+    # ----------------------------------------------------------------------------- lines
+
+    def line(self, name: str) -> Line:
+        """A communication line by what `Open` calls it; what stands behind its colon may miss."""
+        found = self.lines.get(name) or self.lines.get(name.partition(":")[0] + ":")
+        if found is None:
+            raise Unknown(f"the line {name}, which leads nowhere here")
+        return found
+
+    def uses(self, line: Line) -> bool:
+        """Whether a program has opened a line."""
+        worlds = [slot.world for slot in self.slots if slot.world is not None]
+        return any(file.line is line for world in worlds for file in world.files.values())
 
     # -------------------------------------------------------------------------- programs
 

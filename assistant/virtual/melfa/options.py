@@ -41,6 +41,12 @@ class Options:
     (CR1D 4-189), or that of its start.
     conversions: what JtoP and PtoJ have to do with a tool and a base: nothing, or all.
 
+    Lines.
+    printed: significant digits of a number that Print# writes.
+    places: decimals of positions and joints there.
+    columns: the width of the columns that a comma begins (COSIROP: 10).
+    prefixed: whether `PRN` stands before data, which tells it from commands to the controller.
+
     The arm.
     tools, bases: by the numbers of `Tool n` and `Base n` (parameters MEXTLn and WKnCORD).
     bases_are: whether those are seen from the robot's base, or the robot from them.
@@ -66,6 +72,10 @@ class Options:
     over: Literal["P1*Inv(P2)", "Inv(P2)*P1"] = "P1*Inv(P2)"
     pallets: Literal["divided", "start"] = "divided"
     conversions: Literal["nothing", "all"] | None = None
+    printed: int = 7
+    places: int = 2
+    columns: Literal[10, 14] = 10
+    prefixed: bool = False
     tools: Mapping[int, Frame] = field(default_factory=dict)
     bases: Mapping[int, Frame] = field(default_factory=dict)
     bases_are: Literal["seen", "seeing"] | None = None

@@ -149,6 +149,7 @@ class Slot:
     def _leave(self, world: World) -> None:
         """The program is reset; slot 1 keeps the arm, as it has it from the beginning."""
         self._task, self._held, self._stops = None, False, False
+        world.close_files()
         if self.number != 1:
             self.controller.release(self)
         for machine in world.running:

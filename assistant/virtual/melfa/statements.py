@@ -6,7 +6,15 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.virtual.melfa import blocks, expressions, mechanism, motion, settings, status
+from assistant.virtual.melfa import (
+    blocks,
+    communication,
+    expressions,
+    mechanism,
+    motion,
+    settings,
+    status,
+)
 from assistant.virtual.melfa.stops import Failed, Unknown, out_of_range
 from assistant.virtual.melfa.values import Bare, holds, kind_of, text, whole, with_component
 
@@ -55,6 +63,8 @@ def _assign(m: Machine, node: s.Assign) -> None:
         mechanism.order_hand(m, _index(m, target), float(whole(value)))
     elif key == "M_TOOL":
         mechanism.choose_tool(m, whole(value))
+    elif key == "C_COM" and not m.is_own(key):
+        communication.set_target(m.world, _index(m, target), text(value, "the target of a line"))
     elif expressions.is_status(key) and not m.is_own(key):
         raise Unknown(f"setting the status variable {target.name}")
     elif node.delay is not None:
@@ -204,5 +214,6 @@ FORMS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
     s.Dim: _nothing,
     s.Const: _const,
     s.Static: _nothing,
+    **communication.FORMS,
     s.Function: _function,
 }

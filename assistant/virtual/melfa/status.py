@@ -101,6 +101,10 @@ def read(world: World, name: str, arguments: tuple[Value, ...]) -> Value:
     about_slots = slot_status.read(world, name, index)
     if about_slots is not None:
         return about_slots
+    if name == "M_OPEN" and len(index) == 1:
+        return _open(world, index[0])
+    if name == "M_RSPD" and len(index) <= 1:
+        return _speed(world, *index)
     if name in SLOT and len(index) <= 1:
         return SLOT[name](world.of_slot(*index))
     if name in ARM and index in ((), OWN):
@@ -108,6 +112,21 @@ def read(world: World, name: str, arguments: tuple[Value, ...]) -> Value:
     if name in CONSTANT and index in ((), OWN):
         return CONSTANT[name]
     raise Unknown(f"the status variable {name}")
+
+
+def _speed(world: World, *slot: int) -> float:
+    """Of the motion that a slot has commanded, mm/s."""
+    mine = world.of_slot(*slot)
+    moves = mine.slot is None or mine.slot.controller.owner is mine.slot
+    if moves and not mine.task.kernel.motion.stands():
+        raise Unknown("the speed of the arm on its way")
+    return 0.0
+
+
+def _open(world: World, number: int) -> int:
+    """Whether somebody is at the other end of a file; -1 where it is not open."""
+    channel = world.files.get(number)
+    return -1 if channel is None else int(channel.line.connected())
 
 
 def timer_number(number: int) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
@@ -20,6 +20,7 @@ from assistant.virtual.on_way import told
 
 if TYPE_CHECKING:
     from assistant.virtual.kernel.kernel import Timer
+    from assistant.virtual.melfa.communication import Channel
     from assistant.virtual.melfa.machine import Machine
     from assistant.virtual.melfa.slots import Slot
 
@@ -59,6 +60,8 @@ class World:
     """Whether the last block was left by `Break` (M_BrkCq)."""
     skipped: bool = False
     """Whether the last motion that may be skipped was (M_SkipCq)."""
+    files: dict[int, Channel] = field(default_factory=dict)
+    """Open files by their numbers."""
     slot: Slot | None = None
     """The slot of a controller; None where a program runs alone, as in slot 1."""
 
@@ -80,6 +83,13 @@ class World:
         """Only the slot that has the arm moves it, or switches its motors (COSIROP: GETM)."""
         if self.slot is not None and self.slot.controller.owner is not self.slot:
             raise Failed(3280, f"{what} without GetM")
+
+    def close_files(self, numbers: Iterable[int] | None = None) -> None:
+        """Closes files, all without their numbers (COSIROP: CLOSE, END)."""
+        for number in tuple(self.files if numbers is None else numbers):
+            channel = self.files.pop(number, None)
+            if channel is not None:
+                channel.line.close()
 
     @property
     def clock(self) -> float:
@@ -154,6 +164,7 @@ class World:
     def end(self) -> None:
         """What `End` of the main program does."""
         self.settings.reset()
+        self.close_files()
         for timer in self.pulses:
             timer.cancelled = True
 

@@ -1,0 +1,163 @@
+"""Open, Close, Print# and Input#: files of a program that are communication lines (COSIROP)."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.virtual.melfa import expressions, records
+from assistant.virtual.melfa.lines import Line, TcpClient
+from assistant.virtual.melfa.stops import Failed, Unknown, out_of_range
+from assistant.virtual.melfa.values import Kind, text
+
+if TYPE_CHECKING:
+    from assistant.virtual.melfa.machine import Machine
+    from assistant.virtual.melfa.world import World
+
+FILES: Final = range(1, 9)
+END: Final = "\r"
+PREFIX: Final = "PRN"
+"""Of data on a line that takes commands as well (protocol without procedure)."""
+
+
+class Channel:
+    """An open file. arrived: complete lines that have come. unfinished: the line that Print# is in.
+
+    prefixed: whether data has PRN in front.
+    """
+
+    def __init__(self, name: str, line: Line, prefixed: bool) -> None:
+        self.name, self.line, self.prefixed = name, line, prefixed
+        self.arrived = 0
+        self.unfinished = ""
+        self._buffer = ""
+        self._items: deque[str] = deque()
+
+    def pull(self) -> None:
+        """Takes what has come; a carriage return ends a line, a line feed behind it is nothing."""
+        self._buffer += self.line.receive().decode("latin-1")
+        while END in self._buffer:
+            one, self._buffer = self._buffer.split(END, 1)
+            one = one.removeprefix("\n")
+            if self.prefixed and not one.startswith(PREFIX):
+                continue  # a command to the controller, none of whose programs reads it
+            if self.prefixed:
+                one = one.removeprefix(PREFIX).removeprefix(" ")
+            self._items.extend(records.items(one))
+            self.arrived += 1
+
+    def has(self, count: int) -> bool:
+        """Whether so many items can be read."""
+        self.pull()
+        return len(self._items) >= count
+
+    def take(self, count: int) -> list[str]:
+        return [self._items.popleft() for _ in range(count)]
+
+
+def _number(m: Machine, node: s.Expression) -> int:
+    number = expressions.integer(m, node, "the number of a file")
+    if number not in FILES:
+        raise out_of_range(f"the file {number}")
+    return number
+
+
+def _channel(m: Machine, node: s.Expression, what: str) -> Channel:
+    number = _number(m, node)
+    found = m.world.files.get(number)
+    if found is None:
+        raise Unknown(f"{what} with file {number}, which is not open: an error without a number")
+    return found
+
+
+def _open(m: Machine, node: s.Open) -> None:
+    number = _number(m, node.number)
+    name = text(expressions.value(m, node.name), "the name of a file").strip().upper()
+    if ":" not in name:
+        raise Unknown("files on the controller")
+    slot = m.world.slot
+    if slot is None:
+        raise Unknown("lines of a program that runs without a controller")
+    line = slot.controller.line(name)
+    if number in m.world.files or slot.controller.uses(line):
+        raise Failed(3130, f"{name} or the file {number} is open already")
+    try:
+        line.open()
+    except OSError as error:
+        raise Failed(3140, f"{name} cannot be opened: {error}") from None
+    m.world.files[number] = Channel(name, line, m.world.options.prefixed)
+
+
+def _close(m: Machine, node: s.Close) -> None:
+    numbers = tuple(_number(m, number) for number in node.numbers)
+    m.world.close_files(numbers or None)
+
+
+# ------------------------------------------------------------------------------------ writing
+
+
+def _print(m: Machine, node: s.Print) -> None:
+    """A comma goes on in the next column, a semicolon at once; either at the end keeps the line."""
+    channel, options = _channel(m, node.number, "Print #"), m.world.options
+    made, goes_on = channel.unfinished, False
+    for place, (mark, item) in enumerate(node.items):
+        goes_on = item is None
+        if mark == "," and place > 0 and (item is not None or place < len(node.items)):
+            made = records.padded(made, options.columns)
+        if item is not None:
+            made += records.written(expressions.value(m, item), options)
+    new = made[len(channel.unfinished) :] + ("" if goes_on else END)
+    channel.unfinished = made if goes_on else ""
+    line = channel.line
+    if line.full():
+        m.world.task.wait(lambda: not line.full(), what=f"{channel.name} to send", outside=True)
+    line.send(new.encode("latin-1", "replace"))
+
+
+# ------------------------------------------------------------------------------------ reading
+
+
+def _input(m: Machine, node: s.Input) -> None:
+    """Waits for an item for each variable; further ones are for the next Input#."""
+    channel = _channel(m, node.number, "Input #")
+    count = len(node.variables)
+    m.world.task.wait(
+        lambda: channel.has(count), what=f"data on {channel.name}", outside=channel.line.outside
+    )
+    for variable, item in zip(node.variables, channel.take(count), strict=True):
+        expressions.store(m, variable, records.read(item, _kind(m, variable)))
+
+
+def _kind(m: Machine, variable: s.Variable) -> Kind:
+    if variable.component:
+        return "number"
+    place, _ = expressions.reference(m, variable)
+    return place.kind
+
+
+# ------------------------------------------------------------------------------------ targets
+
+
+def set_target(world: World, number: int, told: str) -> None:
+    """`C_Com(n)="ETH:address,port"`: where the line connects to when it is opened next."""
+    kind, _, rest = told.partition(":")
+    host, _, port = rest.partition(",")
+    if world.slot is None:
+        raise Unknown("lines of a program that runs without a controller")
+    if kind.strip().upper() != "ETH" or not port.strip().isdigit():
+        raise Unknown(f"the target `{told}` of a line")
+    if host.strip() not in LOOPBACK:
+        raise Unknown("a connection to another computer")
+    world.slot.controller.lines[f"COM{number}:"] = TcpClient(host.strip(), int(port))
+
+
+LOOPBACK: Final = ("127.0.0.1", "localhost")
+
+FORMS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
+    s.Open: _open,
+    s.Close: _close,
+    s.Print: _print,
+    s.Input: _input,
+}

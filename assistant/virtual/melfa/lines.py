@@ -1,0 +1,267 @@
+"""Communication lines of a controller as streams of bytes: in memory, over TCP, serial."""
+
+from __future__ import annotations
+
+import os
+import socket
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, field
+from typing import Final, Literal, Protocol
+
+MOST_UNSENT: Final = 1 << 12
+"""Bytes that wait for a client that does not read, until Print# waits as well."""
+PATIENCE: Final = 1.0
+"""Seconds that a client tries to connect."""
+AT_ONCE: Final = 1 << 16
+
+
+class Line(Protocol):
+    """outside: whether its other end is not part of the run."""
+
+    outside: bool
+
+    def open(self) -> None:
+        """Raises OSError if there is no such line."""
+
+    def connected(self) -> bool:
+        """Whether somebody is at the other end."""
+
+    def send(self, data: bytes) -> None:
+        """What nobody is there to take is lost."""
+
+    def full(self) -> bool:
+        """Whether what was sent before has to go out first."""
+
+    def receive(self) -> bytes:
+        """What has come since the last time."""
+
+    def close(self) -> None: ...
+
+
+@dataclass(slots=True)
+class Wire:
+    """A line in memory. sent: all that programs have sent. heard: is told of what they send."""
+
+    outside: bool = False
+    sent: bytearray = field(default_factory=bytearray)
+    heard: Callable[[bytes], None] | None = None
+    _come: bytearray = field(default_factory=bytearray)
+
+    def put(self, data: bytes) -> None:
+        """What comes from the other end."""
+        self._come += data
+
+    def open(self) -> None:
+        """It is always there."""
+
+    def connected(self) -> bool:
+        return True
+
+    def send(self, data: bytes) -> None:
+        self.sent += data
+        if self.heard is not None:
+            self.heard(data)
+
+    def full(self) -> bool:
+        return False
+
+    def receive(self) -> bytes:
+        data = bytes(self._come)
+        self._come.clear()
+        return data
+
+    def close(self) -> None:
+        """What came before it is opened again is lost (COSIROP: INPUT)."""
+        self._come.clear()
+
+
+class _Stream:
+    """Bytes through a descriptor that never blocks."""
+
+    outside = True
+
+    def __init__(self) -> None:
+        self._unsent = bytearray()
+
+    def full(self) -> bool:
+        self._flush()
+        return len(self._unsent) > MOST_UNSENT
+
+    def send(self, data: bytes) -> None:
+        if self.connected():
+            self._unsent += data
+            self._flush()
+
+    def receive(self) -> bytes:
+        if not self.connected():
+            return b""
+        self._flush()
+        try:
+            data = self._read()
+        except BlockingIOError:
+            return b""
+        except OSError:
+            data = b""
+        if not data:
+            self._gone()
+        return data
+
+    def _flush(self) -> None:
+        while self._unsent and self.connected():
+            try:
+                del self._unsent[: self._write(bytes(self._unsent))]
+            except BlockingIOError:
+                return
+            except OSError:
+                self._gone()
+
+    def connected(self) -> bool:
+        raise NotImplementedError
+
+    def _read(self) -> bytes:
+        raise NotImplementedError
+
+    def _write(self, data: bytes) -> int:
+        raise NotImplementedError
+
+    def _gone(self) -> None:
+        """Nobody is at the other end any more."""
+        self._unsent.clear()
+
+
+class _Tcp(_Stream):
+    def __init__(self) -> None:
+        super().__init__()
+        self._peer: socket.socket | None = None
+
+    def connected(self) -> bool:
+        return self._peer is not None
+
+    def _read(self) -> bytes:
+        return b"" if self._peer is None else self._peer.recv(AT_ONCE)
+
+    def _write(self, data: bytes) -> int:
+        return 0 if self._peer is None else self._peer.send(data)
+
+    def _gone(self) -> None:
+        super()._gone()
+        if self._peer is not None:
+            self._peer.close()
+            self._peer = None
+
+    def close(self) -> None:
+        self._flush()
+        self._gone()
+
+
+class TcpServer(_Tcp):
+    """A line that one client at a time connects to (NETMODE 1). port: 0 for any that is free.
+
+    address: where it listens, from the beginning to `shut`.
+    """
+
+    def __init__(self, port: int = 0, host: str = "127.0.0.1") -> None:
+        super().__init__()
+        self._server = socket.create_server((host, port))
+        self._server.setblocking(False)
+        self.address: tuple[str, int] = self._server.getsockname()[:2]
+        self._open = False
+
+    def open(self) -> None:
+        self._open = True
+
+    def connected(self) -> bool:
+        if self._peer is None and self._open:
+            with suppress(BlockingIOError):
+                self._peer = self._server.accept()[0]
+                self._peer.setblocking(False)
+        return self._peer is not None
+
+    def close(self) -> None:
+        super().close()
+        self._open = False
+
+    def shut(self) -> None:
+        """Nobody can connect any more."""
+        self.close()
+        self._server.close()
+
+
+class TcpClient(_Tcp):
+    """A line that connects to a server when it is opened (NETMODE 0)."""
+
+    def __init__(self, host: str, port: int) -> None:
+        super().__init__()
+        self._target = host, port
+
+    def open(self) -> None:
+        """Where nobody listens it is open without a connection, which M_Open tells."""
+        with suppress(OSError):
+            self._peer = socket.create_connection(self._target, PATIENCE)
+            self._peer.setblocking(False)
+
+
+@dataclass(frozen=True, slots=True)
+class Rate:
+    """Of a serial port, as the maker sets it: 9600 bits/s, 8 bits, even parity, 2 stop bits."""
+
+    baud: int = 9600
+    parity: Literal["even", "odd", "none"] = "even"
+    stops: Literal[1, 2] = 2
+
+
+class Serial(_Stream):
+    """A serial port, or a pseudo terminal, by its path."""
+
+    def __init__(self, path: str, rate: Rate | None = None) -> None:
+        super().__init__()
+        self._path, self._rate = path, rate or Rate()
+        self._port: int | None = None
+
+    def open(self) -> None:
+        port = os.open(self._path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+        try:
+            _set_rate(port, self._rate)
+        except OSError:
+            os.close(port)
+            raise
+        self._port = port
+
+    def connected(self) -> bool:
+        return self._port is not None
+
+    def _read(self) -> bytes:
+        return b"" if self._port is None else os.read(self._port, AT_ONCE)
+
+    def _write(self, data: bytes) -> int:
+        return 0 if self._port is None else os.write(self._port, data)
+
+    def _gone(self) -> None:
+        super()._gone()
+        self.close()
+
+    def close(self) -> None:
+        if self._port is not None:
+            os.close(self._port)
+            self._port = None
+
+
+def _set_rate(port: int, rate: Rate) -> None:
+    """Bytes as they are, at a rate; raises OSError for what is no terminal."""
+    import termios
+    import tty
+
+    try:
+        tty.setraw(port)
+        settings = termios.tcgetattr(port)
+        baud = getattr(termios, f"B{rate.baud}")
+        flags = settings[2] & ~(termios.PARENB | termios.PARODD | termios.CSTOPB)
+        flags |= {"even": termios.PARENB, "odd": termios.PARENB | termios.PARODD, "none": 0}[
+            rate.parity
+        ]
+        settings[2] = flags | (termios.CSTOPB if rate.stops == 2 else 0)
+        settings[4] = settings[5] = baud
+        termios.tcsetattr(port, termios.TCSANOW, settings)
+    except (termios.error, AttributeError) as error:
+        raise OSError(f"{error}") from None
