@@ -8,7 +8,9 @@ from datetime import datetime
 from typing import Final, Literal
 
 from assistant.virtual.kernel.task import Task
+from assistant.virtual.rapid.loading import Loaded
 from assistant.virtual.rapid.scopes import Cell
+from assistant.virtual.rapid.types import Types
 
 Kind = Literal["normal", "static", "semistatic"]
 """Of a task: who starts it, and what becomes of it at power on (RAPID overview, Multitasking)."""
@@ -22,8 +24,8 @@ RETRIES: Final = 4
 class Options:
     """What differs from controller to controller, or where its manuals leave more than one way.
 
-    retries: of a statement, by RETRY. retries_end: what one more does: `stop` the program, or
-    `raise` ERR_EXCRTYMAX in that statement. propagates: an error in a routine without a handler
+    retries: of a statement, by RETRY. retries_raise: one more is the error ERR_EXCRTYMAX in that
+    statement; else it stops the program. propagates: an error in a routine without a handler
     goes to that of its caller, as the kernel manual says; else it stops the program at once, as
     the overview does. began: when the simulated clock is at 0, as CDate and CTime tell it.
     addresses: real hosts by the address that programs state; others than this computer are not
@@ -41,10 +43,10 @@ class Options:
 class Controller:
     """persistents: what the tasks share, by name in lower case. booked: numbers of errors.
 
-    tasks: in the order in which they were started. outputs, known: names of signals in lower case
-    that programs set, and of all that they use. come: how often a task came to a point of
-    WaitSyncTask, both by name in lower case. looks: are called before each statement of any task,
-    to see whether shared data has changed.
+    tasks: in the order in which they were started. programs: what they run. outputs, known: names
+    of signals in lower case that programs set, and of all that they use. come: how often a task
+    came to a point of WaitSyncTask, both by name in lower case. looks: are called before each
+    statement of any task, to see whether shared data has changed.
     """
 
     options: Options = field(default_factory=Options)
@@ -54,4 +56,5 @@ class Controller:
     known: set[str] = field(default_factory=set)
     tasks: list[Task] = field(default_factory=list)
     come: dict[tuple[str, str], int] = field(default_factory=dict)
+    programs: list[tuple[Loaded, Types]] = field(default_factory=list)
     looks: list[Callable[[], None]] = field(default_factory=list)

@@ -103,6 +103,8 @@ def settled(machine: Machine, cell: Cell) -> Cell:
     node, unit = pending.node, pending.unit
     with machine.outside(unit):
         declare(machine, cell, node)
+    if cell.storage == "PERS" and cell.value is not None:
+        cell.first = copied(cell.value)
     return cell
 
 

@@ -38,11 +38,15 @@ CORNER: Final = {"movejdo": 4, "moveldo": 4, "movecdo": 5}
 
 @dataclass(slots=True)
 class Loaded:
-    """named: what all modules know, by name in lower case. cells: every datum of a module."""
+    """named: what all modules know, by name in lower case. units: modules. cells: all data.
+
+    files: the text of the modules.
+    """
 
     named: dict[str, Meaning] = field(default_factory=dict)
     units: dict[str, Unit] = field(default_factory=dict)
     cells: list[Cell] = field(default_factory=list)
+    files: Sequence[s.File] = ()
 
 
 def load(files: Sequence[s.File], types: Types, shared: dict[str, Cell]) -> Loaded:
@@ -50,7 +54,7 @@ def load(files: Sequence[s.File], types: Types, shared: dict[str, Cell]) -> Load
 
     shared: persistents of all tasks by name in lower case, which is added to.
     """
-    loaded = Loaded()
+    loaded = Loaded(files=files)
     named, cells = loaded.named, loaded.cells
     for file in files:
         for module in file.modules:

@@ -102,6 +102,7 @@ def start_task(
         loaded = load(files, machine.types, shared.persistents)
         machine.named, machine.modules = loaded.named, loaded.units
         cells.extend(loaded.cells)
+        shared.programs.append((loaded, machine.types))
 
     wrong = _how_it_ends(machine, prepare)
 

@@ -28,12 +28,16 @@ READ_ONLY = ("CONST", "LOOP")
 
 @dataclass(slots=True)
 class Cell:
-    """Where a value is stored. pending: its declaration, as long as it was not looked at."""
+    """Where a value is stored. pending: its declaration, as long as it was not looked at.
+
+    first: of a persistent, the value of its declaration.
+    """
 
     shape: Shape
     storage: Storage
     value: Value | None = None
     pending: Pending | None = None
+    first: Value | None = None
 
 
 @dataclass(frozen=True, slots=True)
