@@ -1,5 +1,20 @@
-"""An interpreter of RAPID over its typed tree, which knows nothing of how it is translated."""
+r"""An interpreter of RAPID over its typed tree, which knows nothing of how it is translated.
 
+A program that meets an instruction or function which is not simulated ends there as `unknown`, and
+the message names it. What an option or an add-in of a controller brings along can be given:
+
+    def dispense(call: Given) -> None:
+        amount = call.number(0)                      # Dispense 2.5 \Fast;
+        call.machine.task.tell(Said(f"{amount} g"))
+
+    run(tree, abilities={"Dispense": dispense})
+
+`Given` works out the arguments as they are asked for: `value`, `number`, `truth`, `text`, `record`
+and `place` by their position from 0, `optional` and `has` by the name of an option in lower case.
+A function returns its value.
+"""
+
+from assistant.virtual.rapid.given import Ability, Given
 from assistant.virtual.rapid.running import Inputs, run
 
-__all__ = ["Inputs", "run"]
+__all__ = ["Ability", "Given", "Inputs", "run"]

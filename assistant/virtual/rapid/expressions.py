@@ -67,7 +67,7 @@ def place(machine: Machine, node: s.Expression | s.Whole) -> Place:
     """Where a variable or a part of one is stored; raises Fault where there is none."""
     match node:
         case s.NameRef(name):
-            return _named(machine, name)
+            return place_named(machine, name)
         case s.Component(value, name):
             whole_of = place(machine, value)
             shape = machine.types.component(whole_of.shape.type, name.lower())
@@ -124,7 +124,8 @@ def shape_of(machine: Machine, node: s.Data) -> Shape:
     return Shape(machine.types.name(node.type), tuple(sizes))
 
 
-def _named(machine: Machine, name: str) -> Place:
+def place_named(machine: Machine, name: str) -> Place:
+    """Where data of a name is stored; raises Fault where there is none."""
     match machine.meaning(name):
         case Cell() as cell:
             settled(machine, cell)

@@ -68,6 +68,17 @@ def given(
     machine: Machine, arguments: Sequence[s.Argument], name: str, count: int, options: str
 ) -> Given:
     """Arguments sorted; raises NotSimulated for other options, Fault for another count."""
+    found = any_given(machine, arguments)
+    unknown = set(found.options) - set(options.split())
+    if unknown:
+        raise NotSimulated(f"`\\{min(unknown)}` of `{name}`")
+    if len(found.required) != count:
+        raise Fault(f"`{name}` is given {len(found.required)} arguments and takes {count}")
+    return found
+
+
+def any_given(machine: Machine, arguments: Sequence[s.Argument]) -> Given:
+    """Arguments sorted, whatever they are."""
     found = Given(machine, [], {})
     for argument in arguments:
         match argument:
@@ -78,11 +89,6 @@ def given(
             case s.Conditional(option, variable):
                 if is_present(machine, variable):
                     found.options[option.lower()] = variable
-    unknown = set(found.options) - set(options.split())
-    if unknown:
-        raise NotSimulated(f"`\\{min(unknown)}` of `{name}`")
-    if len(found.required) != count:
-        raise Fault(f"`{name}` is given {len(found.required)} arguments and takes {count}")
     return found
 
 
@@ -105,3 +111,14 @@ def takes(
         return does(given(machine, arguments, name, count, options))
 
     return name.lower(), call
+
+
+Ability = Callable[[Given], Value | None]
+"""What a controller has beside what all of them have: it gets the arguments of its call."""
+
+
+def ability(does: Ability) -> Function:
+    def call(machine: Machine, arguments: Sequence[s.Argument]) -> Value | None:
+        return does(any_given(machine, arguments))
+
+    return call

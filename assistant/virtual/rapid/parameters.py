@@ -33,6 +33,8 @@ def parameters(
             one, value = next(required, None), argument.value
             if one is None:
                 raise Fault(f"`{routine.name}` is given too many arguments")
+            if argument.name is not None and argument.name.lower() != one.name.lower():
+                raise Fault(f"`{argument.name}` where `{routine.name}` takes `{one.name}`")
             found[one.name.lower()] = _bound(machine, one, value)
         elif isinstance(argument, s.Option):
             one = _option(routine, optional, argument.name)
@@ -43,6 +45,13 @@ def parameters(
     missing = next(required, None)
     if missing is not None:
         raise Fault(f"`{routine.name}` is not given `{missing.name}`")
+    for group in routine.parameters:
+        alternatives = [
+            one.name for one in group.alternatives if not isinstance(one, s.Placeholder)
+        ]
+        given = [name for name in alternatives if name.lower() in found]
+        if len(given) > 1:
+            raise Fault(f"`{given[0]}` and `{given[1]}` of `{routine.name}` exclude each other")
     return {**dict.fromkeys(optional, Absent()), **found}
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Final
 
@@ -19,6 +19,7 @@ from assistant.virtual.rapid.controller import Controller, Kind
 from assistant.virtual.rapid.ends import Cycled, Fault, NotSimulated, Over
 from assistant.virtual.rapid.expressions import settled
 from assistant.virtual.rapid.functions import FUNCTIONS
+from assistant.virtual.rapid.given import Ability, ability
 from assistant.virtual.rapid.instructions import INSTRUCTIONS
 from assistant.virtual.rapid.loading import load, signals
 from assistant.virtual.rapid.looking import levels
@@ -41,6 +42,7 @@ def run(
     most_steps: int = MOST_STEPS,
     start: Pose | None = None,
     controller: Controller | None = None,
+    abilities: Mapping[str, Ability] | None = None,
 ) -> Run:
     """Runs one cycle of a program, from the call of its first routine to the end of that.
 
@@ -49,12 +51,21 @@ def run(
     `stopped`. robot: the arm, without which a motion to joints ends nowhere that is known.
     start: the flange in the base before the first motion, None where it is not known.
     controller: what tasks share, and what differs between controllers; a new one if there is none.
+    abilities: instructions and functions of an option or an add-in, by name; see the package.
     Motions take no time, and outputs are 0 before they are set.
     """
     files = (modules,) if isinstance(modules, s.File) else tuple(modules)
     board = Board(Signals({} if inputs is None else inputs))
     kernel = Kernel(board, most_steps=most_steps)
-    start_task(kernel, files, robot=robot, entry=entry, start=start, controller=controller)
+    start_task(
+        kernel,
+        files,
+        robot=robot,
+        entry=entry,
+        start=start,
+        controller=controller,
+        abilities=abilities,
+    )
     return kernel.run()
 
 
@@ -69,6 +80,7 @@ def start_task(
     controller: Controller | None = None,
     kind: Kind = "normal",
     moves: bool | None = True,
+    abilities: Mapping[str, Ability] | None = None,
 ) -> Task:
     """A task of a controller that runs one cycle of a program; see `run`.
 
@@ -82,7 +94,7 @@ def start_task(
     shared.known |= known
     machine = Machine(
         task,
-        ABILITIES,
+        _with(abilities or {}),
         Types(),
         OwnSignals(task, shared.outputs, shared.known),
         Arm(start or _standing(kernel)),
@@ -116,6 +128,14 @@ def start_task(
         return ended or Ending()
 
     return task
+
+
+def _with(own: Mapping[str, Ability]) -> Abilities:
+    """What every controller can do, and what is its own."""
+    if not own:
+        return ABILITIES
+    added = {name.lower(): ability(does) for name, does in own.items()}
+    return Abilities({**FUNCTIONS, **added}, {**INSTRUCTIONS, **added}, call)
 
 
 def _how_it_ends(machine: Machine, does: Callable[[], None]) -> Ending | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Final
 
 from assistant.virtual.rapid.ends import Fault, NotSimulated
@@ -10,6 +10,7 @@ from assistant.virtual.rapid.given import Given, is_present, takes
 from assistant.virtual.rapid.instructions.others import clock
 from assistant.virtual.rapid.machine import Function
 from assistant.virtual.rapid.operators import whole
+from assistant.virtual.rapid.scopes import Storage
 
 
 def _present(given: Given) -> bool:
@@ -22,6 +23,11 @@ def _size(given: Given) -> float:
     if not 1 <= dimension <= len(sizes):
         raise Fault(f"there is no dimension {dimension}", "ERR_ILLDIM")
     return float(sizes[dimension - 1])
+
+
+def _is(*storages: Storage) -> Callable[[Given], bool]:
+    """Whether data is stored so; of a parameter that refers to data, how that is."""
+    return lambda given: given.place(0).storage in storages
 
 
 def _signal(given: Given) -> float:
@@ -56,6 +62,8 @@ TABLE: Final[Mapping[str, Function]] = dict(
     (
         takes("Present", 1, _present),
         takes("Dim", 2, _size),
+        takes("IsVar", 1, _is("VAR", "IN")),
+        takes("IsPers", 1, _is("PERS")),
         takes("TestDI", 1, _test),
         *(takes(name, 1, _signal) for name in READS),
         takes("RemainingRetries", 0, _retries),

@@ -9,6 +9,7 @@ from assistant.virtual.rapid.instructions import (
     errors,
     interrupts,
     motions,
+    naming,
     others,
     signals,
     sockets,
@@ -26,4 +27,5 @@ INSTRUCTIONS: Final[Mapping[str, Function]] = {
     **sockets.INSTRUCTIONS,
     **tasks.INSTRUCTIONS,
     **waits.TABLE,
+    **naming.TABLE,
 }
