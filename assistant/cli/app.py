@@ -271,6 +271,73 @@ def simulate(
 
 
 @app.command()
+def run(
+    programs: Annotated[
+        list[str],
+        typer.Argument(
+            help="A program, the programs of several slots, the modules or folder of a task, a "
+            "backup, or any other source; - for standard input."
+        ),
+    ],
+    robot: RobotOption = None,
+    signals: Annotated[
+        Path | None,
+        typer.Option("--signals", help="Script of inputs and answers, in TOML.", metavar="FILE"),
+    ] = None,
+    until: Annotated[
+        str | None,
+        typer.Option(help="End the run there: seconds, or FILE:LINE.", metavar="TIME|FILE:LINE"),
+    ] = None,
+    breaks: Annotated[
+        list[str] | None,
+        typer.Option("--break", help="Hold the run there; repeatable.", metavar="FILE:LINE"),
+    ] = None,
+    step: Annotated[
+        bool, typer.Option("--step", help="Hold the run at its first statement.")
+    ] = False,
+    trace: Annotated[
+        Path | None,
+        typer.Option(help="Write the run in columns.", metavar="FILE.npz"),
+    ] = None,
+    max_steps: Annotated[
+        int, typer.Option(help="Statements after which the run is broken off.")
+    ] = 1_000_000,
+    max_time: Annotated[
+        float, typer.Option(help="Simulated seconds after which the run is broken off.")
+    ] = 3600.0,
+    real_time: Annotated[
+        bool, typer.Option("--real-time", help="As slowly as it would really be.")
+    ] = False,
+    process: ProcessOption = None,
+    unit: UnitOption = None,
+    from_language: FromLanguage = None,
+    entry: EntryOption = None,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Run programs on a virtual controller and tell what they do. No robot moves."""
+    from assistant.cli.running import Options, run_run
+
+    options = Options(
+        robot=robot,
+        process=process,
+        unit=unit,
+        from_language=from_language,
+        entry=entry,
+        signals=signals,
+        until=until,
+        breaks=breaks or (),
+        step=step,
+        trace=trace,
+        plot=None,
+        max_steps=max_steps,
+        max_time=max_time,
+        period=None,
+        real_time=real_time,
+    )
+    raise typer.Exit(run_run(programs, options, format))
+
+
+@app.command()
 def deploy(
     files: Annotated[list[Path], typer.Argument(help="Robot programs to install.")],
     to: Annotated[str, typer.Option(help="Controller: ftp://user@host or melfa://host:port.")],

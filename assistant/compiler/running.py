@@ -14,6 +14,7 @@ from assistant.compiler.loading import (
     load,
     load_text,
     read_companions,
+    read_pseudo,
     read_trees,
 )
 from assistant.program import pseudo
@@ -66,7 +67,7 @@ def programs(
         loaded = load(named[0], process=process, robot=robot, unit=unit)
         is_text = FilePath(named[0]).suffix.lower() == pseudo.SUFFIX
         program = entered(loaded.program, entry)
-        return Programs(title, program=program, path=named[0] if is_text else None)
+        return Programs(title, program=program, text=read_pseudo(named[0]) if is_text else None)
     for option, value in (("process", process), ("unit", unit)):
         if value is not None:
             raise Refused(OF_SOURCES(path=named[0], option=option, name=named[0]), exit_status=2)
@@ -83,7 +84,7 @@ def programs_of_text(
     title = text.path or "standard input"
     if language is None:
         program = entered(load_text(text).program, entry)
-        return Programs(title, program=program, path=text.path)
+        return Programs(title, program=program, text=text)
     spoken = language_of(language)
     tree = spoken.parse(text)
     _refuse_errors([tree])

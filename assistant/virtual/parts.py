@@ -9,6 +9,7 @@ from typing import Any, Final
 from assistant.languages import Language
 from assistant.program.diagnostics import Refused, error
 from assistant.program.program import Program
+from assistant.program.text import SourceText
 
 NOT_RUN: Final = error(
     "VC201", "programs in {language} cannot be run here", "choose a program in {languages}"
@@ -46,15 +47,31 @@ class Part:
 class Programs:
     """What runs together: parts in one language, or a pseudo-program.
 
-    title: as the user named it. language: None for the pseudo-program. path: the file of the
-    pseudo-program's text, None where it comes from another source.
+    title: as the user named it. language: None for the pseudo-program. text: of the pseudo-program,
+    None where it comes from another source.
     """
 
     title: str
     language: Language[Any] | None = None
     parts: tuple[Part, ...] = ()
     program: Program | None = None
-    path: str | None = None
+    text: SourceText | None = None
+
+    def sources(self) -> list[SourceText]:
+        """The texts that places are in."""
+        trees = (tree for part in self.parts for tree in part.trees)
+        found = [tree.source for tree in trees if tree.source is not None]
+        return found if self.text is None else [self.text]
+
+    def signals(self) -> frozenset[str] | None:
+        """Names of the signals that the programs use, in lower case; None where any may be."""
+        if self.program is not None:
+            known = {name.lower() for name in self.program.signals}
+            numbers = {str(s.number) for s in self.program.signals.values() if s.number is not None}
+            return frozenset(known | numbers)
+        if self.language is None or self.language.family not in SIGNALS:
+            return None
+        return SIGNALS[self.language.family](self)
 
 
 def groups(language: Language[Any], files: Sequence[str], folder: str | None) -> list[Group]:
@@ -87,5 +104,14 @@ def _slots(files: Sequence[str], folder: str | None) -> list[Group]:
     return slots(files, folder)
 
 
+def _named_signals(programs: Programs) -> frozenset[str]:
+    from assistant.virtual.rapid.loading import signals
+
+    known = (signals(part.trees)[1] for part in programs.parts)
+    return frozenset(name for names in known for name in names)
+
+
+SIGNALS: Final[Mapping[str, Callable[[Programs], frozenset[str]]]] = {"RA": _named_signals}
+"""By the family of a language whose signals have names."""
 GROUPS: Final[Mapping[str, Grouping]] = {"RA": _tasks, "MB": _slots}
 """By the family of a language."""

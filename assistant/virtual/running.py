@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from assistant.program.diagnostics import Refused
+from assistant.program.diagnostics import Refused, error
 from assistant.program.geometry import Pose
 from assistant.virtual.kernel import Board, Kernel, Motion, Signals
 from assistant.virtual.kernel.motion import Instant
@@ -18,6 +18,9 @@ from assistant.virtual.parts import GROUPS, NOT_RUN, Part, Programs
 if TYPE_CHECKING:
     from assistant.robots import Robot
 
+NO_ENTRY: Final = error(
+    "VC206", "a program begins at its top, not with `{name}`", "leave --entry out"
+)
 MOST_STEPS: Final = 1_000_000
 MOST_TIME: Final = 3600.0
 """Simulated seconds after which a run is over, unless it is told otherwise."""
@@ -90,19 +93,23 @@ def _tasks(kernel: Kernel, parts: Sequence[Part], settings: Settings) -> None:
 
 
 def _slots(kernel: Kernel, parts: Sequence[Part], settings: Settings) -> None:
-    from assistant.virtual.melfa import start_slot
+    """One cycle of the program of each slot."""
+    from assistant.virtual.melfa import Controller, Entry
+    from assistant.virtual.melfa.controller import SLOTS
     from assistant.virtual.melfa.world import STEP_TIME
 
+    if settings.entry is not None:
+        raise Refused(NO_ENTRY(name=settings.entry), exit_status=2)
     kernel.statement_time = STEP_TIME
-    for part in parts:
-        start_slot(
-            kernel,
-            part.trees,
-            slot=int(part.name),
-            robot=settings.robot,
-            start=home(settings.robot),
-            names=part.names,
-        )
+    controller = Controller(
+        kernel,
+        {name: tree for part in parts for name, tree in zip(part.names, part.trees, strict=True)},
+        {int(part.name): Entry(part.names[0], mode="CYC") for part in parts},
+        robot=settings.robot,
+        start=home(settings.robot),
+        slots=max(SLOTS, len(parts)),
+    )
+    controller.start()
 
 
 STARTS: Final[Mapping[str, Start]] = {"RA": _tasks, "MB": _slots}

@@ -25,10 +25,11 @@ SLICE: Final = 0.002
 
 @dataclass(frozen=True, slots=True)
 class Ending:
-    """How a task ended; see `Run`."""
+    """How a task ended; see `Run`. place: where it was, None for where it is when it is asked."""
 
     ended: Why = "end"
     message: str = ""
+    place: Place | None = None
 
 
 class OutOfSteps(Exception):
@@ -112,7 +113,7 @@ class Kernel:
         if self.ending is None:
             self.ending = ending
             if task is not None:
-                self.ended_in = task.name, task.where()
+                self.ended_in = task.name, ending.place or task.where()
 
     def halt(self, task: Task, ending: Ending) -> None:
         """Ends the run out of a task, between two statements; it does not come back."""
@@ -233,6 +234,8 @@ class Kernel:
         self.clock += self.statement_time
         if self.clock >= self._due:
             self._fire()
+            if self.ending is not None:
+                self.hub.switch()
         if self.clock > self.most_time:
             self.halt(task, Ending("time", f"more than {self.most_time:g} s"))
         if self.watch is not None:
@@ -251,7 +254,9 @@ class Kernel:
             return False
         if following > self.most_time:
             waiting = next((task for task in self.tasks if task.essential), None)
-            self.end(Ending("time", f"more than {self.most_time:g} s"), waiting)
+            what = waiting.waits_for if waiting is not None and waiting.waits_for else ""
+            told = f"more than {self.most_time:g} s" + (f", in a wait for {what}" if what else "")
+            self.end(Ending("time", told), waiting)
             return True
         self._pass_to(max(self.clock, following))
         self._fire()

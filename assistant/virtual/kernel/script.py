@@ -79,11 +79,12 @@ class Person:
 
 @dataclass(frozen=True, slots=True)
 class Given:
-    """An input that got a value. time: simulated seconds."""
+    """An input that got a value. time: simulated seconds. row: rows of the log before it."""
 
     time: float
     name: str
     value: float
+    row: int
 
 
 def follow(kernel: Kernel, script: Script) -> list[Given]:
@@ -94,7 +95,7 @@ def follow(kernel: Kernel, script: Script) -> list[Given]:
     def put(name: str, value: float) -> None:
         kernel.spend()
         if inputs.read(name) != value:
-            given.append(Given(kernel.now, name, value))
+            given.append(Given(kernel.now, name, value, len(kernel.log)))
             inputs.set(name, value)
 
     def change(one: Change) -> None:

@@ -119,7 +119,7 @@ class Slot:
         except Failed as failed:
             return self._failed(task, failed)
         except Unknown as unknown:
-            return Ending("unknown", f"slot {self.number}: {unknown}")
+            return Ending("unknown", f"slot {self.number}: {unknown}", task.where())
         finally:
             self._leave(world)
         return Ending()
@@ -141,10 +141,11 @@ class Slot:
 
     def _failed(self, task: Task, failed: Failed) -> Ending:
         """The others stop; programs for errors run to their end before the run is over."""
+        place = task.where()
         if self.condition != "ERROR":
             self.controller.fail(self, failed)
             task.wait(lambda: not self.controller.handles, what="a program that begins with errors")
-        return Ending("error", f"slot {self.number}: {failed}")
+        return Ending("error", f"slot {self.number}: {failed}", place)
 
     def _leave(self, world: World) -> None:
         """The program is reset; slot 1 keeps the arm, as it has it from the beginning."""

@@ -1,0 +1,343 @@
+"""`run`: robot programs on a virtual controller, without any robot; what they do, in a log."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import nullcontext
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path, PurePath
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant.cli.compiling import (
+    NO_FILE_NAME,
+    STANDARD,
+    TWICE,
+    keep_sources,
+    standard_input,
+    working,
+)
+from assistant.cli.presentation import Format, print_findings, print_json, say
+from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, info, warning
+
+if TYPE_CHECKING:
+    from assistant.program.text import SourceText
+    from assistant.robots import Robot
+    from assistant.virtual.events import Place, Run
+    from assistant.virtual.kernel import Task
+    from assistant.virtual.kernel.script import Script
+    from assistant.virtual.parts import Programs
+
+NO_TRACE: Final = error("CL021", "a trace is not written as `{name}`", "end its name in .npz")
+NO_TIME: Final = error("CL022", "`{given}` is no time", "write seconds, 0 or more")
+NO_PLACE: Final = error(
+    "CL027",
+    "`{given}` is no place in the programs",
+    "write FILE:LINE, the file one of {names}, and one of its lines",
+)
+NOT_FOR_PROGRAMS: Final = error(
+    "CL028", "a run is not stepped through as JSON", "leave out --format json, --step and --break"
+)
+MOST_NAMED: Final = 8
+"""Signals that a cure names."""
+NO_LIMIT: Final = error("CL023", "--{option} is {value:g}", "write a number above 0")
+NOT_REACHED: Final = warning(
+    "CL024", "the run never came to {where}", "name a line with a statement that is run"
+)
+NO_MOTION: Final = info(
+    "CL025",
+    "no robot is named, so motions take no time and reach anything",
+    "name one with --robot; `robot-assistant robots` lists them",
+)
+NOT_USED: Final = warning("CL026", "no program uses the signal `{name}` of the script", "{cure}")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Options:
+    """How programs are run. until, breaks: times and places as they are written."""
+
+    robot: str | None
+    process: Path | None
+    unit: str | None
+    from_language: str | None
+    entry: str | None
+    signals: Path | None
+    until: str | None
+    breaks: Sequence[str]
+    step: bool
+    trace: Path | None
+    plot: Path | None
+    max_steps: int
+    max_time: float
+    period: float | None
+    real_time: bool
+
+
+def run_run(named: Sequence[str], options: Options, format: Format) -> int:
+    """0 if the programs came to their end, 1 if they did not."""
+    from assistant.compiler.arms import robot_of
+    from assistant.compiler.script_file import read_script
+    from assistant.virtual.kernel.script import Script
+
+    _check(options)
+    if format is Format.JSON and (options.step or options.breaks):
+        raise Refused(NOT_FOR_PROGRAMS(), exit_status=2)
+    arm = robot_of(options.robot)
+    script = read_script(options.signals) if options.signals is not None else Script()
+    programs = _programs(named, options, arm)
+    files = [path for path in (options.trace, options.plot) if path is not None]
+    keep_sources([*named, *([str(options.signals)] if options.signals else [])], files)
+    return _Running(programs, options, arm, script, format).run()
+
+
+def _check(options: Options) -> None:
+    """Raises Refused for what no program could be run with."""
+    if options.trace is not None and options.trace.suffix.lower() != ".npz":
+        raise Refused(NO_TRACE(name=options.trace), exit_status=2)
+    if options.plot is not None:
+        from assistant.report.figures import format_of
+
+        format_of(options.plot.name)
+    for path in (options.trace, options.plot):
+        if path is not None and not path.stem.strip("."):
+            raise Refused(NO_FILE_NAME(path=str(path), name=path), exit_status=2)
+    limits = {"max-steps": options.max_steps, "max-time": options.max_time}
+    if options.period is not None:
+        limits["period"] = options.period
+    for option, value in limits.items():
+        if not value > 0:
+            raise Refused(NO_LIMIT(option=option, value=value), exit_status=2)
+
+
+def _programs(named: Sequence[str], options: Options, arm: Robot | None) -> Programs:
+    from assistant.compiler.running import programs, programs_of_text
+
+    if list(named).count(STANDARD) > 1 or (STANDARD in named and len(named) > 1):
+        raise Refused(TWICE(), exit_status=2)
+    if STANDARD in named:
+        text, spoken = standard_input(options.from_language)
+        return programs_of_text(text, language=spoken, entry=options.entry)
+    return programs(
+        named,
+        language=options.from_language,
+        robot=arm,
+        process=options.process,
+        unit=options.unit,
+        entry=options.entry,
+    )
+
+
+class _Running:
+    """One run, with what is printed of it."""
+
+    def __init__(
+        self,
+        programs: Programs,
+        options: Options,
+        arm: Robot | None,
+        script: Script,
+        format: Format,
+    ) -> None:
+        from assistant.virtual.kernel.script import follow
+        from assistant.virtual.running import Settings, prepared
+        from assistant.virtual.telling import Columns
+
+        self.programs, self.options, self.format = programs, options, format
+        self.arm, self.sources = arm, programs.sources()
+        self.findings = list(_unused(programs, script))
+        settings = Settings(
+            robot=arm,
+            entry=options.entry,
+            most_steps=options.max_steps,
+            most_time=options.max_time,
+            pace=1.0 if options.real_time else None,
+        )
+        self.kernel = prepared(programs, settings)
+        if arm is None:
+            self.findings.append(NO_MOTION())
+        self.given = follow(self.kernel, script)
+        self.columns = Columns.of([task.name for task in self.kernel.tasks], self.sources)
+        self.printed = self.changed = 0
+        self.until = _moment(options.until, self.sources)
+        self.points = [_place(point, self.sources) for point in options.breaks]
+        self.reached: set[Place] = set()
+        if self.live:
+            self.kernel.told = lambda _: self.flush()
+
+    @property
+    def live(self) -> bool:
+        """Whether what happens is printed while it does."""
+        return self.options.real_time and self.format is Format.TEXT
+
+    def run(self) -> int:
+        from assistant.virtual.telling import NOTED, ending, summary
+
+        self._prepare_stops()
+        quiet = self.live or self.options.step or bool(self.points)
+        with nullcontext() if quiet else working(f"running {self.programs.title}"):
+            run = self.kernel.run()
+        wrong = ending(run, self.sources)
+        notes = [NOTED(what=note) for note in run.notes]
+        findings = [*self.findings, *notes, *self._missed(), *([] if wrong is None else [wrong])]
+        written = self._written(run)
+        if self.format is Format.JSON:
+            print_json(self._answer(run, findings, written))
+        else:
+            self.flush()
+            say(f"{self.programs.title}: {_ENDED[run.ended]}: {summary(run)}")
+            sys.stdout.flush()
+            print_findings(findings, explained=True)
+            for path in written:
+                say(f"wrote {path}")
+        bad = any(finding.severity is not Severity.INFO for finding in findings)
+        return 1 if bad else 0
+
+    # ------------------------------------------------------------------------------- stops
+
+    def _prepare_stops(self) -> None:
+        """Has the run end or be held where the options say."""
+        from assistant.cli.stepping import Stepping
+        from assistant.virtual.kernel import Ending
+
+        stepping = None
+        if self.options.step or self.points:
+            stepping = Stepping(self.kernel, self.sources, self.flush)
+            stepping.begin(self.points, at_once=self.options.step)
+        place = None
+        if isinstance(self.until, float):
+            self.kernel.at(self.until, lambda: self.kernel.end(Ending("until")))
+        else:
+            place = self.until
+        wanted = {*self.points, *([] if place is None else [place])}
+        if not wanted and stepping is None:
+            return
+
+        def watch(task: Task) -> None:
+            here = task.where()
+            if here in wanted:
+                self.reached.add(here)
+            if here is not None and here == place:
+                self.kernel.halt(task, Ending("until"))
+            if stepping is not None:
+                stepping.watch(task)
+
+        self.kernel.watch = watch
+
+    def _missed(self) -> Iterator[Diagnostic]:
+        wanted = [*self.points, *([self.until] if isinstance(self.until, tuple) else [])]
+        for place in dict.fromkeys(wanted):
+            if place not in self.reached:
+                yield NOT_REACHED(path=place[0], line=place[1], where=f"{place[0]}:{place[1]}")
+
+    # ---------------------------------------------------------------------------- printing
+
+    def flush(self) -> None:
+        """Prints what happened since the last time."""
+        from assistant.virtual.events import Logged
+        from assistant.virtual.telling import rows
+
+        first, log = self.printed, self.kernel.log[self.printed :]
+        given = self.given[self.changed :]
+        self.printed, self.changed = first + len(log), len(self.given)
+        for row in rows(log, given, first):
+            if isinstance(row, Logged):
+                say(self.columns.line(row.time, row.task, row.place, row.what))
+            else:
+                say(self.columns.line(row.time, "", None, row))
+        if self.live:
+            sys.stdout.flush()
+
+    def _answer(
+        self, run: Run, findings: Sequence[Diagnostic], written: Sequence[Path]
+    ) -> dict[str, Any]:
+        from assistant.findings.formats import finding_record
+        from assistant.virtual.telling import record, rows
+
+        path, line = run.place or (None, None)
+        return {
+            "programs": self.programs.title,
+            "robot": None if self.arm is None else self.arm.name,
+            "ended": run.ended,
+            "message": run.message,
+            "task": run.task or None,
+            "file": path,
+            "line": line,
+            "seconds": run.seconds,
+            "statements": run.steps,
+            "events": [record(row) for row in rows(run.log, self.given)],
+            "findings": [finding_record(finding) for finding in findings],
+            "written": [str(path) for path in written],
+        }
+
+    def _written(self, run: Run) -> list[Path]:
+        from assistant.compiler.output import write_files
+        from assistant.virtual.tracing import trace_npz
+
+        written: list[Path] = []
+        if self.options.trace is not None:
+            trace = {self.options.trace.name: trace_npz(run, self.given)}
+            written += write_files(trace, self.options.trace.parent)
+        return written
+
+
+def _unused(programs: Programs, script: Script) -> Iterator[Diagnostic]:
+    """Signals of a script that no program uses, most likely misspelled."""
+    known = programs.signals()
+    if known is None:
+        return
+    for name in dict.fromkeys(
+        [one.name for one in script.changes]
+        + [one.when.name for one in script.changes if one.when is not None]
+    ):
+        if name not in known:
+            near = get_close_matches(name, known, n=1, cutoff=0.6)
+            some = ", ".join(sorted(known)[:MOST_NAMED]) or "none"
+            cure = f"write `{near[0]}`" if near else f"name one that they use: {some}"
+            yield NOT_USED(name=name, cure=cure)
+
+
+def _moment(given: str | None, sources: Sequence[SourceText]) -> float | Place | None:
+    """Seconds, or a file and a line."""
+    if given is None:
+        return None
+    try:
+        seconds = float(given)
+    except ValueError:
+        return _place(given, sources)
+    if not 0.0 <= seconds < float("inf"):
+        raise Refused(NO_TIME(given=given), exit_status=2)
+    return seconds
+
+
+def _place(given: str, sources: Sequence[SourceText]) -> Place:
+    """FILE:LINE, the file as the programs' own is named, with or without folder and suffix."""
+    name, _, number = given.rpartition(":")
+    wanted = name.replace("\\", "/").casefold()
+    shapes: tuple[Callable[[PurePath], str], ...] = (
+        PurePath.as_posix,
+        lambda path: path.name,
+        lambda path: path.stem,
+    )
+    for shape in shapes:
+        found = [s for s in sources if shape(PurePath(s.path or "")).casefold() == wanted]
+        if len(found) == 1 and number.isascii() and number.isdecimal():
+            line = int(number)
+            if 1 <= line <= found[0].text.count("\n") + 1:
+                return found[0].path or "", line
+    raise Refused(NO_PLACE(given=given, names=_names(sources)), exit_status=2)
+
+
+def _names(sources: Sequence[SourceText]) -> str:
+    return ", ".join(f"`{PurePath(source.path or '').name}`" for source in sources) or "none"
+
+
+_ENDED: Final = {
+    "end": "came to its end",
+    "stopped": "stands and cannot go on",
+    "steps": "was broken off",
+    "time": "was broken off",
+    "error": "ended with an error",
+    "unknown": "was broken off",
+    "until": "was ended as asked",
+}

@@ -1,0 +1,249 @@
+"""What happened in a run, for people in a line, and for programs as a record."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import PurePath
+from typing import Any, Final
+
+from assistant.program.diagnostics import Diagnostic, Rule, error, info
+from assistant.program.geometry import Pose
+from assistant.program.text import SourceText
+from assistant.virtual.events import (
+    Event,
+    Logged,
+    Moved,
+    OnWay,
+    Place,
+    Run,
+    Said,
+    Stopped,
+    Switched,
+    Waited,
+)
+from assistant.virtual.kernel.script import Given
+
+FAILED: Final = error(
+    "VC211",
+    "the controller stops here: {message}",
+    "correct the statement or the data that it uses, and run it again",
+)
+UNKNOWN: Final = error(
+    "VC212",
+    "this is not simulated: {message}",
+    "name the files that hold what is missing as well, or run what comes before it: --until",
+)
+WAITING: Final = error(
+    "VC213",
+    "the program stands here, and nothing lets it go on: {message}",
+    "set the inputs that it waits for in a script: --signals FILE, see docs/running.md",
+)
+STEPS: Final = error(
+    "VC214",
+    "the run is broken off after {message}",
+    "see whether the loop around it ends; --max-steps allows more",
+)
+TIME: Final = error(
+    "VC215",
+    "the run is broken off after {message}",
+    "see whether what it waits for comes; --max-time allows more, --until ends a run earlier",
+)
+NOTED: Final = info("VC216", "{what}", "")
+ENDINGS: Final[dict[str, Rule]] = {
+    "error": FAILED,
+    "unknown": UNKNOWN,
+    "stopped": WAITING,
+    "steps": STEPS,
+    "time": TIME,
+}
+"""By why a run is over, where that is no good end."""
+KINDS: Final = {"joint": "joint move", "linear": "line", "circular": "arc"}
+
+
+def said(event: object) -> str:
+    """An event in a few words, as people read it."""
+    match event:
+        case Moved():
+            return _motion(event)
+        case Switched(signal, value, at):
+            return f"{signal} = {value:g}{_on_way(at)}"
+        case Given(name=name, value=value):
+            return f"input {name} = {value:g}"
+        case Waited(seconds):
+            return f"waits {seconds:g} s"
+        case Said(text):
+            return f'says "{_visible(text)}"'
+        case Stopped(end):
+            return "ends for good" if end else "stops until it is started again"
+    return _visible(str(getattr(event, "text", event)))
+
+
+def _motion(moved: Moved) -> str:
+    """Where the tool goes in the base, and how."""
+    if moved.flange is not None:
+        place = _numbers((moved.flange @ moved.tool).position)
+    else:
+        place = f"joints {_numbers(moved.joints or ())}"
+    pace = [f"{moved.speed:g} mm/s"] if moved.speed is not None else []
+    pace += [f"{moved.percent:g} %"] if moved.percent is not None else []
+    corner = [f"corner {moved.blend:g} mm"] if moved.blend > 0.0 else []
+    return ", ".join([f"{KINDS[moved.kind]} to {place}", *pace, *corner])
+
+
+def _numbers(values: Sequence[float]) -> str:
+    return "(" + ", ".join(f"{value + 0.0:.2f}" for value in values) + ")"
+
+
+def _on_way(at: OnWay | None) -> str:
+    if at is None:
+        return ""
+    where = {
+        "start": f"{at.amount:g} mm behind the start",
+        "end": f"{at.amount:g} mm before the end",
+        "time": f"{at.amount:g} s before the end",
+        "share": f"at {at.amount:g} %",
+    }[at.measure]
+    ahead = f", {at.ahead:g} s ahead" if at.ahead else ""
+    return f", on the way {where}{ahead}"
+
+
+def _visible(text: str) -> str:
+    return "".join(c if c.isprintable() else "�" for c in text)
+
+
+# -------------------------------------------------------------------------------------- table
+
+
+@dataclass(frozen=True, slots=True)
+class Columns:
+    """How wide the columns of the log are. task, place: characters; a task of 0 is left out."""
+
+    task: int
+    place: int
+
+    @staticmethod
+    def of(tasks: Sequence[str], sources: Sequence[SourceText]) -> Columns:
+        """Wide enough for each place in the texts."""
+        places = [
+            f"{PurePath(source.path or '').name}:{source.text.count(chr(10)) + 1}"
+            for source in sources
+        ]
+        widest = max(map(len, places), default=0)
+        return Columns(max(map(len, tasks), default=0) if len(tasks) > 1 else 0, widest)
+
+    def line(self, time: float, task: str, place: Place | None, what: object) -> str:
+        """A row: seconds, the task if there are several, the place, what happened."""
+        named = f"{task:<{self.task}}  " if self.task else ""
+        return f"{time:>10.3f}  {named}{short(place):<{self.place}}  {said(what)}"
+
+
+def short(place: Place | None) -> str:
+    """A file's name without its folder, and the line."""
+    return "" if place is None else f"{PurePath(place[0]).name}:{place[1]}"
+
+
+def rows(log: Sequence[Logged], given: Sequence[Given], first: int = 0) -> Iterator[Logged | Given]:
+    """What happened, and the inputs that changed, in their order.
+
+    first: number of the row that the log begins with.
+    """
+    left = deque(given)
+    for number, row in enumerate(log, first):
+        while left and left[0].row <= number:
+            yield left.popleft()
+        yield row
+    yield from left
+
+
+def summary(run: Run) -> str:
+    """Moves, signals, statements and seconds of a run in a line."""
+    moves = sum(isinstance(event, Moved) for event in run.events)
+    changes = sum(isinstance(event, Switched) for event in run.events)
+    counts = (
+        _count(moves, "motion"),
+        _count(changes, "output set", plural="outputs set"),
+        _count(run.steps, "statement"),
+    )
+    return ", ".join((f"{run.seconds:.2f} s", *counts))
+
+
+def _count(number: int, what: str, plural: str = "") -> str:
+    return f"{number} {what if number == 1 else plural or what + 's'}"
+
+
+# ------------------------------------------------------------------------------------ findings
+
+
+def ending(run: Run, sources: Sequence[SourceText]) -> Diagnostic | None:
+    """Why a run did not come to a good end, at its place; None if it did."""
+    rule = ENDINGS.get(run.ended)
+    if rule is None:
+        return None
+    message = run.message
+    if run.place is not None:
+        message = message.removeprefix(f"{run.place[0]}:{run.place[1]}: ")
+    message = message.strip().rstrip(".") or "nothing tells why"
+    return at_place(rule, run.place, sources, message=message)
+
+
+def at_place(
+    rule: Rule, place: Place | None, sources: Sequence[SourceText], **fields: Any
+) -> Diagnostic:
+    """A finding at a line of one of the texts."""
+    if place is None:
+        return rule(**fields)
+    path, line = place
+    source = next((one for one in sources if (one.path or "") == path), None)
+    excerpt = None if source is None else source.line_text(line)
+    return rule(path=path or None, line=line, excerpt=excerpt, **fields)
+
+
+# ------------------------------------------------------------------------------------- records
+
+
+def record(row: Logged | Given) -> dict[str, Any]:
+    """A row of the log as JSON has it: mm, degrees, seconds, unit quaternions (w, x, y, z)."""
+    if isinstance(row, Given):
+        return {"time": row.time, "event": "input", "signal": row.name, "value": row.value}
+    path, line = row.place or (None, None)
+    head = {"time": row.time, "task": row.task, "file": path, "line": line}
+    return {**head, **_of(row.what)}
+
+
+def _of(event: Event) -> dict[str, Any]:
+    match event:
+        case Moved():
+            return {
+                "event": "motion",
+                "kind": event.kind,
+                "flange": _pose(event.flange),
+                "tool": _pose(event.tool),
+                "via": _pose(event.via),
+                "joints": None if event.joints is None else list(event.joints),
+                "speed": event.speed,
+                "percent": event.percent,
+                "blend": _finite(event.blend),
+            }
+        case Switched(signal, value, at):
+            way = at and {"measure": at.measure, "amount": at.amount, "ahead": at.ahead}
+            return {"event": "output", "signal": signal, "value": value, "on_way": way}
+        case Waited(seconds):
+            return {"event": "wait", "seconds": seconds}
+        case Said(text):
+            return {"event": "text", "text": text}
+        case Stopped(end):
+            return {"event": "stop", "end": end}
+    return {"event": "note", "text": said(event)}
+
+
+def _pose(pose: Pose | None) -> dict[str, Any] | None:
+    if pose is None:
+        return None
+    return {"position": list(pose.position), "quaternion": list(pose.quaternion)}
+
+
+def _finite(value: float) -> float | None:
+    """JSON has no infinity: None for a corner whose size the controller takes."""
+    return value if abs(value) < float("inf") else None

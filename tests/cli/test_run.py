@@ -1,0 +1,228 @@
+"""`run`: what programs do, told in a log; scripts, limits, places, steps, files; what is wrong."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import pty
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.cli.test_commands import run
+
+Capture = pytest.CaptureFixture[str]
+SAMPLES = Path(__file__).parents[2] / "samples"
+RAPID = """MODULE cell
+PERS num done:=0;
+PROC main()
+  Add 2;
+  WaitDI diPart,1;
+  SetDO doGrip,1;
+  WaitTime 0.5;
+ENDPROC
+PROC Add(num by)
+  done:=done+by;
+ENDPROC
+ENDMODULE
+"""
+MELFA = "10 M1=2\n20 WAIT M_IN(3)=1\n30 M_OUT(8)=1\n40 DLY 0.5\n50 END\n"
+SCRIPT = "[[set]]\ninput = {name}\nat = 1.25\n"
+
+
+def write(folder: Path, name: str, text: str) -> Path:
+    file = folder / name
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+@pytest.fixture
+def cell(tmp_path: Path) -> Path:
+    return write(tmp_path, "cell.mod", RAPID)
+
+
+@pytest.fixture
+def part(tmp_path: Path) -> Path:
+    return write(tmp_path, "part.toml", SCRIPT.format(name='"diPart"'))
+
+
+def test_a_run_tells_what_happens_when_and_where(capsys: Capture, cell: Path, part: Path) -> None:
+    status, out, err = run(capsys, "run", cell, "--robot", "irb1200-7-0.7", "--signals", part)
+    assert (status, err) == (0, "")
+    assert [line.split(None, 2) for line in out.splitlines()[:3]] == [
+        ["1.250", "input", "dipart = 1"],
+        ["1.250", "cell.mod:6", "dogrip = 1"],
+        ["1.250", "cell.mod:7", "waits 0.5 s"],
+    ]
+    assert out.splitlines()[3].startswith(f"{cell}: came to its end: 1.75 s, 0 motions, 1 output")
+
+
+def test_a_program_of_melfa_basic_is_run_alike(capsys: Capture, tmp_path: Path) -> None:
+    program = write(tmp_path, "PART.prg", MELFA)
+    script = write(tmp_path, "part.toml", SCRIPT.format(name="3"))
+    status, out, _ = run(capsys, "run", program, "-r", "rv-2aj", "--signals", script)
+    assert status == 0
+    assert [line.split(None, 2)[1:] for line in out.splitlines()[:3]] == [
+        ["input", "3 = 1"],
+        ["PART.prg:3", "8 = 1"],
+        ["PART.prg:4", "waits 0.5 s"],
+    ]
+
+
+def test_the_answer_for_programs(capsys: Capture, cell: Path, part: Path, tmp_path: Path) -> None:
+    trace = tmp_path / "out" / "run.npz"
+    status, out, _ = run(
+        capsys, "run", cell, "--signals", part, "--format", "json", "--trace", trace
+    )
+    answer = json.loads(out)
+    assert status == 0
+    assert (answer["ended"], answer["seconds"], answer["file"]) == ("end", 1.75, None)
+    assert [row["event"] for row in answer["events"]] == ["input", "output", "wait"]
+    assert answer["events"][1] == {
+        "time": 1.25,
+        "task": "T_ROB1",
+        "file": str(cell),
+        "line": 6,
+        "event": "output",
+        "signal": "dogrip",
+        "value": 1.0,
+        "on_way": None,
+    }
+    assert [finding["code"] for finding in answer["findings"]] == ["CL025"]
+    assert answer["written"] == [str(trace)]
+    with np.load(trace) as columns:
+        assert columns["event_time"].tolist() == [1.25, 1.25, 1.25]
+        assert columns["signal"].tolist() == ["dipart", "dogrip", ""]
+        assert columns["event_line"].tolist() == [0, 6, 7]
+
+
+def test_a_run_ends_where_it_is_asked_to(capsys: Capture, cell: Path, part: Path) -> None:
+    for until in (f"{cell}:7", "cell.mod:7", "CELL:7", "1.4"):
+        status, out, _ = run(capsys, "run", cell, "--signals", part, "--until", until)
+        assert status == 0
+        assert "was ended as asked" in out
+        assert ("waits" in out) is (until == "1.4")
+    status, _, err = run(capsys, "run", cell, "--signals", part, "--until", "cell.mod:1")
+    assert status == 1
+    assert "CL024" in err and "cell.mod:1" in err
+
+
+@pytest.mark.parametrize(
+    ("options", "code", "line"),
+    [
+        ((), "VC213", 5),
+        (("--max-time", "2", "--signals", "far.toml"), "VC215", 5),
+        (("--max-steps", "2"), "VC214", 5),
+    ],
+)
+def test_what_ends_a_run_early_has_its_place(
+    capsys: Capture,
+    cell: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    options: tuple[str, ...],
+    code: str,
+    line: int,
+) -> None:
+    monkeypatch.chdir(cell.parent)
+    write(cell.parent, "far.toml", SCRIPT.format(name='"diPart"').replace("1.25", "9"))
+    status, out, err = run(capsys, "run", "cell.mod", *options)
+    assert status == 1
+    assert f"{code} error cell.mod:{line}: " in err
+    assert "came to its end" not in out
+
+
+def test_errors_of_the_program_have_their_place(capsys: Capture, tmp_path: Path) -> None:
+    body = "PROC main()\n  VAR num n;\n  n:=1/0;\nENDPROC\n"
+    rapid = write(tmp_path, "a.mod", f"MODULE a\n{body}ENDMODULE\n")
+    status, _, err = run(capsys, "run", rapid)
+    assert (status, "VC211 error" in err, "a.mod:4: " in err) == (1, True, True)
+    other = write(tmp_path, "b.mod", "MODULE b\nPROC main()\n  Unheard 3;\nENDPROC\nENDMODULE\n")
+    status, _, err = run(capsys, "run", other)
+    assert (status, "VC212 error" in err, "b.mod:3" in err) == (1, True, True)
+    melfa = write(tmp_path, "C.prg", "10 M1=M2+1\n20 END\n")
+    status, _, err = run(capsys, "run", melfa)
+    assert (status, "VC211 error" in err, "C.prg:1: " in err, "3700" in err) == (
+        1,
+        True,
+        True,
+        True,
+    )
+
+
+@pytest.mark.parametrize(
+    ("options", "code"),
+    [
+        (("--until", "-1"), "CL022"),
+        (("--until", "nan"), "CL022"),
+        (("--until", "other.mod:3"), "CL027"),
+        (("--until", "cell.mod:99"), "CL027"),
+        (("--break", "cell.mod"), "CL027"),
+        (("--max-time", "0"), "CL023"),
+        (("--max-steps", "0"), "CL023"),
+        (("--trace", "run.csv"), "CL021"),
+        (("--robot", "nothing"), "CO002"),
+        (("--signals", "none.toml"), "IN001"),
+        (("--unit", "mm"), "CO023"),
+        (("--step", "--format", "json"), "CL028"),
+        (("--trace", "cell.mod"), "CL021"),
+    ],
+)
+def test_wrong_usage_is_said(
+    capsys: Capture, cell: Path, options: tuple[str, ...], code: str
+) -> None:
+    status, out, err = run(capsys, "run", cell, *options)
+    assert status == 2
+    assert code in (out if "json" in options else err)
+
+
+def test_a_signal_that_no_program_uses_is_told(capsys: Capture, cell: Path) -> None:
+    script = write(cell.parent, "x.toml", SCRIPT.format(name='"diPrat"'))
+    status, _, err = run(capsys, "run", cell, "--signals", script, "--until", "3")
+    assert status == 1
+    assert "CL026" in err and "write `dipart`" in err
+
+
+COMMANDS = ("stack", "s", "v done by", "v nix", "i", "i dipart x", "i diPart 1", "o", "h", "wat")
+
+
+def test_a_person_steps_through_a_program(
+    capsys: Capture, cell: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said = "\n".join((*COMMANDS, "c")) + "\n"
+    monkeypatch.setattr(sys, "stdin", io.StringIO(said))
+    status, out, _ = run(capsys, "run", cell, "--step", "--break", "cell.mod:7")
+    assert status == 0
+    for shown in (
+        "T_ROB1  cell.mod:4  Add 2;",
+        "main  cell.mod:4  Add 2;",
+        "T_ROB1  cell.mod:10  done:=done+by;",
+        "Routine: num by = 2",
+        "there is no data of that name here",
+        "`x` is no number",
+        "input dipart = 1",
+        "`wat` is no command; h prints them",
+        "T_ROB1  cell.mod:7  WaitTime 0.5;",
+        "dogrip = 1",
+    ):
+        assert shown in out, shown
+    assert out.splitlines()[-1].startswith(f"{cell}: came to its end: 0.50 s")
+
+
+def test_stepping_in_a_terminal(cell: Path) -> None:
+    """Over a terminal of its own, as a person has it."""
+    ours, theirs = pty.openpty()
+    command = [sys.executable, "-m", "assistant", "run", str(cell), "--break", "cell.mod:5"]
+    with subprocess.Popen(command, stdin=theirs, stdout=theirs, stderr=subprocess.DEVNULL) as child:
+        os.close(theirs)
+        said = b""
+        for typed, awaited in ((b"", b"> "), (b"i diPart 1\n", b"dipart = 1"), (b"q\n", b"asked")):
+            os.write(ours, typed)
+            while awaited not in said:
+                said += os.read(ours, 4096)
+        assert child.wait() == 0
+    os.close(ours)
+    assert b"cell.mod:5" in said
