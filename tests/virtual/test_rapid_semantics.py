@@ -6,7 +6,8 @@ name of an instruction or function its page in the manual of instructions, funct
 `program`: the body of `main`; `data` and `routines`: more of its module; `modules`: further ones.
 `expected`: what the program writes, to the pendant and to the event log. `ended`, `message`: how it
 ends, `end` where nothing is stated. `options`: of the controller. `signals`: inputs that are set
-from outside, each a time in seconds, a name and a value. `tasks`: further tasks, each its module.
+from outside, each a time in seconds, a name and a value. `answers`: of a person, each with a part
+of the question and the seconds that it takes, or without. `tasks`: further tasks, each its module.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ import pytest
 from assistant import languages
 from assistant.virtual.events import Reported, Said
 from assistant.virtual.kernel import Board, Kernel, Signals
+from assistant.virtual.kernel.script import Answer
 from assistant.virtual.rapid.controller import Controller, Options
 from assistant.virtual.rapid.running import start_task
 
@@ -46,6 +48,9 @@ def test_a_case(case: dict[str, Any], tmp_path: Path) -> None:
     kernel = Kernel(Board(Signals(inputs)))
     for seconds, name, value in case.get("signals", ()):
         kernel.at(seconds, partial(kernel.board.inputs.set, name, float(value)))
+    for value, *to in case.get("answers", ()):
+        fits = dict(zip(("to", "after"), to, strict=False))
+        kernel.person.answers.append(Answer(value=value, **fits))
     start_task(kernel, files, controller=controller)
     for number, task in enumerate(case.get("tasks", ()), 2):
         file = languages.get("rapid").parse(task["module"])

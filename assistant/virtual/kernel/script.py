@@ -61,18 +61,30 @@ class Script:
 
 @dataclass(slots=True, eq=False)
 class Person:
-    """Answers what programs ask. answers: those that are left, in their order."""
+    """Answers what programs ask. answers: those that are left, in their order.
+
+    console: asks somebody who is there what none of them answers; None if nobody is.
+    """
 
     answers: list[Answer] = field(default_factory=list)
+    console: Callable[[str], str | None] | None = None
 
-    def answer(self, task: Task, question: str) -> str | None:
-        """Waits as long as the person takes; None at once if nobody will ever answer."""
+    def find(self, question: str) -> Answer | None:
+        """What will be answered; None if nobody ever will."""
         asked = question.casefold()
         found = next((one for one in self.answers if one.to.casefold() in asked), None)
         if found is None:
-            return None
+            value = None if self.console is None else self.console(question)
+            return None if value is None else Answer(value=value)
         if not found.always:
             self.answers.remove(found)
+        return found
+
+    def answer(self, task: Task, question: str) -> str | None:
+        """Waits as long as the person takes; None at once if nobody will ever answer."""
+        found = self.find(question)
+        if found is None:
+            return None
         task.wait(None, found.after)
         return found.value
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Set
 from dataclasses import dataclass, field
 
-from assistant.virtual.events import Logged, OnWay, Switched
+from assistant.virtual.events import OnWay, Switched
 from assistant.virtual.kernel.kernel import Timer
 from assistant.virtual.kernel.task import Task
 
@@ -42,7 +42,7 @@ class Signals:
         kernel, task, place = self.task.kernel, self.task, self.task.where()
 
         def change() -> None:
-            kernel.log.append(Logged(kernel.now, task.name, place, Switched(name, value)))
+            kernel.tell(task, Switched(name, value), place)
             kernel.board.outputs.set(name, value)
 
         self.later[name] = kernel.at(kernel.now + seconds, change)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from assistant.virtual.rapid.functions import bits, data, numbers, places, positions, texts, times
-from assistant.virtual.rapid.instructions import sockets, tasks
+from assistant.virtual.rapid.instructions import dialogs, sockets, tasks
 from assistant.virtual.rapid.machine import Function
 
 FUNCTIONS: Final[Mapping[str, Function]] = {
@@ -17,6 +17,7 @@ FUNCTIONS: Final[Mapping[str, Function]] = {
     **positions.TABLE,
     **data.TABLE,
     **times.TABLE,
+    **dialogs.FUNCTIONS,
     **sockets.FUNCTIONS,
     **tasks.FUNCTIONS,
 }

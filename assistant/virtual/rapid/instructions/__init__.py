@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from assistant.virtual.rapid.instructions import (
+    dialogs,
     errors,
     interrupts,
     motions,
@@ -23,6 +24,7 @@ INSTRUCTIONS: Final[Mapping[str, Function]] = {
     **signals.TABLE,
     **others.TABLE,
     **errors.TABLE,
+    **dialogs.INSTRUCTIONS,
     **interrupts.TABLE,
     **sockets.INSTRUCTIONS,
     **tasks.INSTRUCTIONS,

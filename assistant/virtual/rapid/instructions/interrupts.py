@@ -52,6 +52,8 @@ def _listening(given: Given, index: int, hears: Callable[[float, float], bool]) 
     side = board.outputs if signal in machine.signals.outputs else board.inputs
 
     def begin(occur: Occur) -> Cancel:
+        machine.task.kernel.catch_up()
+
         def listener(name: str, before: float, now: float) -> None:
             if name == signal and hears(before, now):
                 occur()
