@@ -99,13 +99,11 @@ def _forms(look: Look, line: s.Line, command: s.Command) -> Found:
 
 
 def _is_narrow(condition: s.Expression | None) -> bool:
-    """`variable = constant`, which every version waits for."""
-    return (
-        isinstance(condition, s.Binary)
-        and condition.operator == "="
-        and isinstance(condition.left, s.Variable)
-        and not isinstance(condition.right, s.Binary)
-    )
+    """Whether it is `variable = constant`, which every version waits for."""
+    match condition:
+        case s.Binary("=", s.Variable(), constant):
+            return literal(constant) is not None
+    return False
 
 
 def _names(look: Look) -> Found:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -20,7 +21,7 @@ from assistant.languages.melfa_basic.lift.values.symbols import Routine, Symbols
 from assistant.languages.melfa_basic.tables.statements import ROWS
 from assistant.languages.melfa_basic.text import effects
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.languages.melfa_basic.tree.targets import labels_of
+from assistant.languages.melfa_basic.tree.targets import labels_named, labels_of
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.languages.patterns import Called, Reading
 from assistant.languages.settings.forms import Form
@@ -85,7 +86,7 @@ class Statements:
                 "hand": lambda node, _: self.hand(node),
             }
         )
-        self.labels = labels_of(code)
+        self.labels, self.named = labels_of(code), Counter(labels_named(code))
         self.blocks, self.asks_for_breaks = ways.structure.places, ways.breaks
         self.label_names: dict[str, str] = {}
         self.refused: dict[int, p.Reason | None] = {}

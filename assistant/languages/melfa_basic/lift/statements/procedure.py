@@ -152,7 +152,7 @@ class Reader(Control):
         if item.comment is not None:
             self.runs.flush(made)
             made.append(p.Comment(waits.comment_text(item.comment), span=item.span))
-        found = waits.waited(self.code, at, high, self.expressions)
+        found = waits.waited(self.code, at, high, self.expressions, self.named)
         if found is not None:
             self.runs.flush(made)
             made.append(waits.spanned(found[0], item.span))

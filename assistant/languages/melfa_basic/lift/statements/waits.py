@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final, TypeVar
 
@@ -33,14 +33,22 @@ def comment_text(comment: str) -> str:
     return comment[1:].strip() if comment.startswith("'") else comment[3:].strip()
 
 
-def waited(code: Code, at: int, high: int, lift: Expressions) -> tuple[p.Statement, int] | None:
-    """A wait that begins at a line, and the line after it; None for anything else."""
+def waited(
+    code: Code, at: int, high: int, lift: Expressions, named: Mapping[str, int]
+) -> tuple[p.Statement, int] | None:
+    """A wait that begins at a line, and the line after it; None for anything else.
+
+    named: how often jumps name each label, in upper case. Another one that leads there needs it.
+    """
     if not isinstance(first := code[at], s.Line) or not _may_wait(first):
         return None
     for count, wait in ((6, _timed), (3, _endless)):
         lines = code[at : min(at + count, high)]
         if any(line.comment is not None for line in lines):
             continue  # a comment among them has its place
+        labels = [line.label.upper() for line in lines if line.label is not None]
+        if any(named[label] != 1 for label in labels):
+            continue
         try:
             made = wait(lines, lift)
         except Unliftable:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 
 from assistant.languages.line_blocks import Blocks
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.blocks import blocks_of
 from assistant.languages.melfa_basic.tree.jumping import jumping_ifs
+from assistant.languages.melfa_basic.tree.targets import labels_named
 
 Code = Sequence[s.Entry]
 
@@ -23,9 +25,11 @@ class Structure:
 
     def __init__(self, code: Code) -> None:
         self.blocks: Blocks = blocks_of(code)
-        jumping = jumping_ifs(code).items()
+        jumping, named = jumping_ifs(code).items(), Counter(labels_named(code))
         self.places = {
-            at: places for at, (_, places) in jumping if getattr(code[at], "comment", None) is None
+            at: places
+            for at, (name, places) in jumping
+            if getattr(code[at], "comment", None) is None and _is_closed(name, places, named)
         } | {
             block.first: block.words
             for block in self.blocks.all
@@ -36,6 +40,14 @@ class Structure:
             change[places[0]] += 1
             change[places[-1] + 1] -= 1
         self.depth = list(itertools.accumulate(change[:-1]))
+
+
+def _is_closed(name: str, places: Sequence[int], named: Mapping[str, int]) -> bool:
+    """Whether no other jumps lead into an `If` of jumps. named: how often labels are, by label."""
+    branches = len(places) // 3
+    numbers = range(1, branches + 1)
+    inner = (f"{name}{letter}{number}" for letter in "TN" for number in numbers)
+    return all(named[label] == 1 for label in inner) and named[name + "Z"] == branches
 
 
 def is_command(item: s.Entry, keyword: str) -> bool:
