@@ -14,6 +14,8 @@ from tests.virtual.translating import Tally, judge
 
 LEVELS = (4, 5, 6)
 SIGNALS = {str(number): [number] for number in range(9100)}
+MOST_UNPROVEN = 0.03
+"""The part of the programs that may be refused because the proof does not hold."""
 LAST = re.compile(r"(\d+) End\b", re.IGNORECASE)
 SUBROUTINE = re.compile(r"\*(S[ABC])\b")
 
@@ -71,6 +73,7 @@ def test_a_thousand_random_programs_do_the_same(
     level: int, kind: Callable[[int, int], str]
 ) -> None:
     tally = tally_of(level, ((f"seed {seed}", kind(level, seed)) for seed in range(1000)))
-    assert tally.kept == []
-    assert tally.counts["not judged"] == 0
-    assert tally.counts["translated"] >= 0.99 * tally.counts["tried"], tally.reasons
+    unproven = [line for line in tally.kept if ": crashed: CO10" in line]
+    assert tally.kept == unproven
+    assert len(unproven) <= MOST_UNPROVEN * tally.counts["tried"]
+    assert tally.counts["equal"] >= 0.95 * tally.counts["tried"], tally.reasons

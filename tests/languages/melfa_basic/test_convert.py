@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -394,3 +395,15 @@ def test_settings_that_texts_depend_on_are_said_once(code: str, lines: list[str]
     steps = (line.split(" ", 1)[1].strip() for line in written.splitlines() if " " in line)
     assert [step for step in steps if step.startswith(words)] == lines
     assert [code.split()[0] for code in told] == ["MB233", "MB233"]
+
+
+def test_a_move_that_is_said_to_have_no_tool_is_written_with_none() -> None:
+    """Also beside a text that depends on it: what is not read from a controller has no other."""
+    language = languages.get(V)
+    read = language.lift([language.parse("1 Mvs P1\n" + KEPT + "4 End\n" + POINT)])
+    written = {
+        tool: language.render(language.build(language.adapt(program).program))
+        for tool, program in (("kept", read), ("none", replace(read, origin=None)))
+    }
+    assert "Tool P_NTool" in written["none"]
+    assert "Tool" not in written["kept"]

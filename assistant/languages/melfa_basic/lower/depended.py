@@ -17,7 +17,9 @@ from assistant.program.rewriting import head, records
 def depended_on(program: Program) -> frozenset[int]:
     """The settings, by number, under which texts of a program in one unit do what they do.
 
-    None of one in several units, where it is not known what the others change.
+    None of one in several units, where it is not known what the others change. Tool and base only
+    of one that was read in MELFA-BASIC: without a line for them they stay as the controller has
+    them there, elsewhere there are none.
     """
     found: frozenset[int] = frozenset()
     if any(procedure.unit is not None for procedure in program.procedures):
@@ -30,7 +32,8 @@ def depended_on(program: Program) -> frozenset[int]:
                 found |= depends(line.statement)
         if texts and any(isinstance(part, e.Here) for part in records(head(node))):
             found |= {TOOL, FRAME}  # the statement is one line with the text
-    return found
+    read = program.origin is not None and program.origin.language in DIALECTS
+    return found if read else found - {TOOL, FRAME}
 
 
 def _texts(node: p.Statement) -> Iterator[str]:
