@@ -35,6 +35,7 @@ class Settings:
     first task begins with, None for its own. inputs: what each reads that nothing has set, by name
     in lower case or number as text. most_steps: statements of all tasks. most_time: simulated
     seconds. pace: simulated seconds for each real one, None for as fast as possible.
+    statement_time: seconds that a statement takes where the language states none.
     """
 
     robot: Robot | None = None
@@ -44,6 +45,7 @@ class Settings:
     most_steps: int = MOST_STEPS
     most_time: float = MOST_TIME
     pace: float | None = None
+    statement_time: float = 0.0
 
 
 def prepared(programs: Programs, settings: Settings | None = None) -> Kernel:
@@ -55,6 +57,7 @@ def prepared(programs: Programs, settings: Settings | None = None) -> Kernel:
         most_steps=chosen.most_steps,
         most_time=chosen.most_time,
         pace=chosen.pace,
+        statement_time=chosen.statement_time,
     )
     if programs.language is None:
         raise Refused(NOT_RUN(language="pseudo text", languages=", ".join(GROUPS)), exit_status=2)

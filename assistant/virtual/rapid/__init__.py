@@ -15,6 +15,7 @@ A function returns its value.
 """
 
 from assistant.virtual.rapid.given import Ability, Given
+from assistant.virtual.rapid.multitasking import TaskProgram, run_tasks
 from assistant.virtual.rapid.running import Inputs, run
 
-__all__ = ["Ability", "Given", "Inputs", "run"]
+__all__ = ["Ability", "Given", "Inputs", "TaskProgram", "run", "run_tasks"]
