@@ -299,6 +299,12 @@ def run(
         Path | None,
         typer.Option(help="Write the run in columns.", metavar="FILE.npz"),
     ] = None,
+    plot: Annotated[
+        Path | None, typer.Option(help="Draw the run over time.", metavar="FILE.png|.svg")
+    ] = None,
+    period: Annotated[
+        float | None, typer.Option(help="Seconds between samples; default 0.01, or what fits.")
+    ] = None,
     max_steps: Annotated[
         int, typer.Option(help="Statements after which the run is broken off.")
     ] = 1_000_000,
@@ -328,10 +334,10 @@ def run(
         breaks=breaks or (),
         step=step,
         trace=trace,
-        plot=None,
+        plot=plot,
         max_steps=max_steps,
         max_time=max_time,
-        period=None,
+        period=period,
         real_time=real_time,
     )
     raise typer.Exit(run_run(programs, options, format))

@@ -39,6 +39,9 @@ NO_PLACE: Final = error(
 NOT_FOR_PROGRAMS: Final = error(
     "CL028", "a run is not stepped through as JSON", "leave out --format json, --step and --break"
 )
+NOT_DRAWN: Final = error(
+    "CL029", "without a robot there is no motion to draw", "name one with --robot"
+)
 MOST_NAMED: Final = 8
 """Signals that a cure names."""
 NO_LIMIT: Final = error("CL023", "--{option} is {value:g}", "write a number above 0")
@@ -84,6 +87,8 @@ def run_run(named: Sequence[str], options: Options, format: Format) -> int:
     if format is Format.JSON and (options.step or options.breaks):
         raise Refused(NOT_FOR_PROGRAMS(), exit_status=2)
     arm = robot_of(options.robot)
+    if options.plot is not None and arm is None:
+        raise Refused(NOT_DRAWN(), exit_status=2)
     script = read_script(options.signals) if options.signals is not None else Script()
     programs = _programs(named, options, arm)
     files = [path for path in (options.trace, options.plot) if path is not None]
@@ -272,12 +277,24 @@ class _Running:
 
     def _written(self, run: Run) -> list[Path]:
         from assistant.compiler.output import write_files
-        from assistant.virtual.tracing import trace_npz
+        from assistant.virtual.tracing import event_columns, motion_columns, npz
 
+        trace, plot = self.options.trace, self.options.plot
+        if trace is None and plot is None:
+            return []
+        samples = motion_columns(run, self.given, self.kernel.motion, self.options.period)
+        files: dict[Path, bytes] = {}
+        if trace is not None:
+            files[trace] = npz({**event_columns(run, self.given), **samples})
+        if plot is not None and self.arm is not None:
+            from assistant.report.figures import format_of
+            from assistant.report.run_plot import run_plot
+
+            title = f"{PurePath(self.programs.title).name} on {self.arm.title}"
+            files[plot] = run_plot(samples, self.arm, title, format_of(plot.name))
         written: list[Path] = []
-        if self.options.trace is not None:
-            trace = {self.options.trace.name: trace_npz(run, self.given)}
-            written += write_files(trace, self.options.trace.parent)
+        for path, data in files.items():
+            written += write_files({path.name: data}, path.parent)
         return written
 
 

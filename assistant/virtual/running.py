@@ -53,7 +53,7 @@ def prepared(programs: Programs, settings: Settings | None = None) -> Kernel:
     chosen = settings or Settings()
     kernel = Kernel(
         Board(Signals(chosen.inputs)),
-        motion=chosen.motion or Instant(),
+        motion=chosen.motion or _motion(chosen.robot),
         most_steps=chosen.most_steps,
         most_time=chosen.most_time,
         pace=chosen.pace,
@@ -63,6 +63,14 @@ def prepared(programs: Programs, settings: Settings | None = None) -> Kernel:
         raise Refused(NOT_RUN(language="pseudo text", languages=", ".join(GROUPS)), exit_status=2)
     STARTS[programs.language.family](kernel, programs.parts, chosen)
     return kernel
+
+
+def _motion(robot: Robot | None) -> Motion:
+    if robot is None:
+        return Instant()
+    from assistant.virtual.motion import Timed
+
+    return Timed(robot)
 
 
 def home(robot: Robot | None) -> Pose | None:

@@ -164,6 +164,9 @@ def test_errors_of_the_program_have_their_place(capsys: Capture, tmp_path: Path)
         (("--max-time", "0"), "CL023"),
         (("--max-steps", "0"), "CL023"),
         (("--trace", "run.csv"), "CL021"),
+        (("--period", "-1"), "CL023"),
+        (("--plot", "run.gif"), "CL009"),
+        (("--plot", "run.png"), "CL029"),
         (("--robot", "nothing"), "CO002"),
         (("--signals", "none.toml"), "IN001"),
         (("--unit", "mm"), "CO023"),
@@ -184,6 +187,37 @@ def test_a_signal_that_no_program_uses_is_told(capsys: Capture, cell: Path) -> N
     status, _, err = run(capsys, "run", cell, "--signals", script, "--until", "3")
     assert status == 1
     assert "CL026" in err and "write `dipart`" in err
+
+
+MOVES = """MODULE moves
+CONST robtarget a:=[[400,-100,400],[0,0,1,0],[-1,0,-1,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+PROC main()
+  MoveJ a,v200,fine,tool0;
+  SetDO doGrip,1;
+  MoveL Offs(a,0,0,-100),v100,fine,tool0;
+  SetDO doGrip,0;
+ENDPROC
+ENDMODULE
+"""
+
+
+def test_the_motion_is_written_and_drawn(capsys: Capture, tmp_path: Path) -> None:
+    program = write(tmp_path, "moves.mod", MOVES)
+    trace, plot = tmp_path / "run.npz", tmp_path / "run.svg"
+    files = ("--trace", trace, "--plot", plot, "--period", "0.05")
+    status, out, err = run(capsys, "run", program, "-r", "irb1200-7-0.7", *files)
+    assert (status, err) == (0, "")
+    assert f"wrote {trace}" in out and f"wrote {plot}" in out
+    assert plot.read_bytes().startswith(b"<?xml")
+    with np.load(trace) as columns:
+        on, off = columns["event_time"][columns["signal"] == "dogrip"]
+        assert off - on == pytest.approx(1.0, abs=0.2)  # 100 mm at 100 mm/s
+        assert columns["output_names"].tolist() == ["dogrip"]
+        grip = columns["outputs"][:, 0]
+        assert columns["t"][grip == 1.0].min() == pytest.approx(on, abs=0.05)
+        assert columns["position"][-1] == pytest.approx([400, -100, 300], abs=5.0)
+        assert columns["joints"].shape == (len(columns["t"]), 6)
+        assert columns["speed"].max() == pytest.approx(200, rel=0.01)
 
 
 COMMANDS = ("stack", "s", "v done by", "v nix", "i", "i dipart x", "i diPart 1", "o", "h", "wat")
