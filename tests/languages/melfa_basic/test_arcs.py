@@ -78,3 +78,15 @@ def test_a_translated_file_is_proven(tmp_path) -> None:  # type: ignore[no-untyp
     made = translate(source, to="rapid", robot="irb1200-7-0.7", language="melfa-basic-5")
     assert made.ok
     assert made.totals["not"] == 0
+
+
+def test_a_path_may_begin_with_an_arc_from_elsewhere() -> None:
+    points = "P2=(380,60,430,180,0,180)(7,0)\nP3=(400,120,450,180,0,180)(7,0)\n"
+    points += "P4=(360,-80,440,180,0,150)(7,0)\n"  # what the path is written with comes behind it
+    language = languages.get("melfa-basic-5")
+    text = f"1 Dim PA(2)\n2 PA(1)=P1\n3 Mvs P1\n4 Mvr P1,P2,P3\n{points}"
+    program = language.lift(language.parse(text))
+    assert any(isinstance(node, p.Follow) for node in program.statements())
+    adapted = language.adapt(program).program
+    back = language.lift(language.parse(language.render(language.build(adapted))))
+    assert back.procedures == adapted.procedures

@@ -102,11 +102,14 @@ class Runs:
         arc = rows.kinds == MVR
         first = np.where(arc, rows.via, rows.end)
         alone = ~(self.allowed(rows.stem, first) & self.allowed(rows.stem, rows.end)) | (not known)
-        alone |= arc & ((rows.start != rows.via - 1) | (rows.via != rows.end - 1))
+        alone |= arc & (rows.via != rows.end - 1)
+        apart = arc & (rows.start != rows.via - 1)
+        if not self.own:  # where a path may begin with an arc from anywhere
+            alone |= apart
         ranges = self.ranges_of(rows.stem, first)
         breaks = np.ones(len(rows), dtype=bool)
         breaks[1:] = (first[1:] != rows.end[:-1] + 1) | alone[1:] | alone[:-1]
-        breaks[1:] |= ranges[1:] != ranges[:-1]
+        breaks[1:] |= apart[1:] | (ranges[1:] != ranges[:-1])
         for low, high in itertools.pairwise([*np.flatnonzero(breaks).tolist(), len(rows)]):
             for at in range(low, high):
                 kinds = path_kinds(arc[at:high], _PLAIN[rows.kinds[at:high]])
