@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import zip_longest
 from typing import Final
 
@@ -17,6 +17,7 @@ from assistant.virtual.events import (
     Moved,
     Noted,
     OnWay,
+    Reported,
     Run,
     Said,
     Stopped,
@@ -34,6 +35,8 @@ ANGLE: Final = 0.02
 JOINT: Final = 0.02
 SPEED: Final = 1e-3
 """Of the speed itself."""
+SINGLE: Final = 2.0**-22
+"""Of the farthest place: what a few steps in single precision add, as RAPID works positions out."""
 BLEND: Final = 0.01
 TIME: Final = 1e-3
 
@@ -190,9 +193,11 @@ class _Comparing:
         return None
 
     def _allowed(self, move: Moved) -> Allowed:
-        if self.rounding is None:
-            return Allowed(POSITION, ANGLE, POSITION, ANGLE)
-        return self.rounding.allowed(move, self.reach)
+        allowed = Allowed(POSITION, ANGLE, POSITION, ANGLE)
+        if self.rounding is not None:
+            allowed = self.rounding.allowed(move, self.reach)
+        single = SINGLE * self.reach
+        return replace(allowed, tip=allowed.tip + single, tool=allowed.tool + single)
 
     def _same_place(self, one: OnWay | None, two: OnWay | None) -> bool:
         if one is None or two is None:
@@ -220,7 +225,7 @@ def _doings(run: Run, signals: Bits) -> Iterator[Logged]:
     named = {str(number) for numbers in signals.values() for number in numbers}
     for row in run.log or [Logged(0.0, "", None, event) for event in run.events]:
         match row.what:
-            case Said() | Noted() | Waited(seconds=0.0):
+            case Said() | Reported() | Noted() | Waited(seconds=0.0):
                 continue
             case Switched(signal, value, at):
                 for bit, on in _bits(signal, value, signals):

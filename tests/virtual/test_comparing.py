@@ -8,7 +8,7 @@ import pytest
 
 from assistant.program.geometry import Pose
 from assistant.virtual.comparing import difference
-from assistant.virtual.events import Event, Moved, Run, Said, Stopped, Switched, Waited
+from assistant.virtual.events import Event, Moved, Reported, Run, Said, Stopped, Switched, Waited
 
 MOVE = Moved("linear", Pose((400.0, 0.0, 300.0)), Pose((0.0, 0.0, 100.0)), speed=100.0, blend=10.0)
 ARC = replace(MOVE, kind="circular", via=Pose((410.0, 10.0, 300.0)))
@@ -98,3 +98,13 @@ def test_runs_that_never_end() -> None:
     assert difference(run(MOVE, Stopped(end=True)), halts) is None
     assert difference(run(Stopped(end=True)), halts) is not None
     assert difference(run(MOVE, Stopped(end=True)), run(MOVE)) is not None
+
+
+def test_messages_for_people_are_no_difference() -> None:
+    assert difference(run(MOVE, Reported("error", "a"), Said("b")), run(MOVE)) is None
+
+
+def test_far_away_places_are_as_exact_as_single_precision() -> None:
+    far = replace(MOVE, flange=Pose((9.0e9, 0.0, 300.0)))
+    assert difference(run(far), run(replace(MOVE, flange=Pose((9.0e9 + 500, 0.0, 300.0))))) is None
+    assert difference(run(far), run(replace(MOVE, flange=Pose((9.0e9 + 9e4, 0.0, 300.0)))))
