@@ -15,9 +15,10 @@ class Arm:
     """flange: its pose in the robot's base; joints: degrees; each None while it is not known.
 
     tool, frame: records of the latest motion, None before the first. configuration, external:
-    as the latest target says them. displacement: of all targets, by PDispSet. override, most:
-    percent and mm/s, by VelSet. acceleration: percent, by AccSet. watches_joints, watches_lines:
-    whether motions keep to the configurations of their targets, by ConfJ and ConfL.
+    as the latest target says them. displacement: of all targets, by PDispSet. offsets: of the
+    additional axes, by EOffsSet. override, most: percent and mm/s, by VelSet. acceleration:
+    percent, by AccSet. watches_joints, watches_lines: whether motions keep to the configurations
+    of their targets, by ConfJ and ConfL.
     """
 
     flange: Pose | None = None
@@ -27,6 +28,7 @@ class Arm:
     configuration: Record | None = None
     external: Record | None = None
     displacement: Pose = IDENTITY
+    offsets: tuple[float, ...] = (0.0,) * 6
     override: float = 100.0
     most: float = float("inf")
     acceleration: float = 100.0

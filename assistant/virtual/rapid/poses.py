@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -15,6 +16,8 @@ MOST_OFF: Final = 1e-3
 """How far the sum of squares of an orientation may be from 1, and still be one."""
 UNUSED: Final = 9e9
 """An external axis that is not there."""
+LEAST_UNUSED: Final = 8.9e9
+"""The same, as rounded as it may be."""
 
 
 def number(value: Value) -> float:
@@ -85,6 +88,20 @@ def confdata(one: float = 0.0, four: float = 0.0, six: float = 0.0, x: float = 0
 
 def extjoint() -> Record:
     return Record("extjoint", {f"eax_{letter}": UNUSED for letter in "abcdef"})
+
+
+def axes_of(value: Value) -> list[float | None]:
+    """The additional axes of an extjoint, None for those that are not used."""
+    axes = [number(part) for part in record(value, "extjoint").parts.values()]
+    return [None if axis >= LEAST_UNUSED else axis for axis in axes]
+
+
+def extjoint_of(value: Value, offsets: Sequence[float]) -> Record:
+    """An extjoint with an offset of each axis that is used."""
+    parts = record(value, "extjoint").parts
+    axes = zip(parts, axes_of(value), offsets, strict=True)
+    found = {name: UNUSED if axis is None else axis + more for name, axis, more in axes}
+    return Record("extjoint", dict(found))
 
 
 def robtarget(at: Pose, configuration: Record | None, external: Record | None) -> Record:

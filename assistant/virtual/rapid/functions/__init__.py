@@ -5,7 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from assistant.virtual.rapid.functions import bits, data, numbers, places, positions, texts, times
+from assistant.virtual.rapid.functions import (
+    bits,
+    data,
+    frames,
+    numbers,
+    places,
+    positions,
+    texts,
+    times,
+)
 from assistant.virtual.rapid.instructions import dialogs, sockets, tasks
 from assistant.virtual.rapid.machine import Function
 
@@ -15,6 +24,7 @@ FUNCTIONS: Final[Mapping[str, Function]] = {
     **texts.TABLE,
     **places.TABLE,
     **positions.TABLE,
+    **frames.TABLE,
     **data.TABLE,
     **times.TABLE,
     **dialogs.FUNCTIONS,

@@ -10,7 +10,7 @@ import numpy as np
 
 from assistant.program import rotations
 from assistant.program.geometry import Pose
-from assistant.virtual.rapid.ends import Fault
+from assistant.virtual.rapid.ends import UNSURE, Fault
 from assistant.virtual.rapid.given import Given, takes
 from assistant.virtual.rapid.machine import Function
 from assistant.virtual.rapid.poses import (
@@ -26,6 +26,8 @@ from assistant.virtual.rapid.poses import (
 from assistant.virtual.rapid.values import Record, copied
 
 ANGLES: Final = ("z", "y", "x")
+MOST_REPAIRED: Final = 0.1
+"""How far the sum of squares may be from 1 for NOrient (manual, NOrient)."""
 
 
 def _offset(given: Given) -> Record:
@@ -76,8 +78,8 @@ def _angle(given: Given) -> float:
 def _normalised(given: Given) -> Record:
     parts = [number(part) for part in given.record(0, "orient").parts.values()]
     length = math.hypot(*parts)
-    if not abs(length - 1.0) < 0.1:
-        raise Fault("an orientation that is too far from a unit quaternion")
+    if not abs(length * length - 1.0) <= MOST_REPAIRED:
+        raise Fault("an orientation that is too far from a unit quaternion", UNSURE)
     w, x, y, z = (part / length for part in parts)
     return orient((w, x, y, z))
 

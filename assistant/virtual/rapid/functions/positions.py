@@ -5,12 +5,26 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
+import numpy as np
+
+from assistant.program.arrays import Floats
 from assistant.program.geometry import Pose
-from assistant.virtual.rapid.ends import NotSimulated
+from assistant.robots.configurations import from_confdata, to_confdata
+from assistant.virtual.rapid.ends import Fault, NotSimulated
 from assistant.virtual.rapid.given import Given, takes
-from assistant.virtual.rapid.machine import Function
+from assistant.virtual.rapid.machine import Function, Machine
 from assistant.virtual.rapid.motion import flange_of
-from assistant.virtual.rapid.poses import joints_of, jointtarget, pos, robtarget
+from assistant.virtual.rapid.poses import (
+    confdata,
+    extjoint_of,
+    joints_of,
+    jointtarget,
+    number,
+    pos,
+    pose_of,
+    record,
+    robtarget,
+)
 from assistant.virtual.rapid.predefined import wobj0
 from assistant.virtual.rapid.values import Record
 
@@ -34,29 +48,89 @@ def _active(record: Record | None, what: str) -> Record:
 
 
 def _target(given: Given) -> Record:
-    arm = given.machine.arm
-    return robtarget(_here(given), arm.configuration, arm.external)
+    arm, machine = given.machine.arm, given.machine
+    configuration = arm.configuration
+    if configuration is None and arm.joints is not None:
+        configuration = _configuration(machine, arm.joints)
+    return robtarget(_here(given), configuration, arm.external)
 
 
 def _joints(given: Given) -> Record:
-    arm = given.machine.arm
-    if arm.joints is None:
+    """Where the arm was sent by a position, it stands as the configuration of that tells."""
+    arm, machine = given.machine.arm, given.machine
+    joints = arm.joints
+    if joints is None and arm.watches_joints and arm.watches_lines and arm.flange is not None:
+        joints = _solved(machine, arm.flange, arm.configuration)
+    if joints is None:
         raise NotSimulated("joints that are read behind a motion to a position")
-    return jointtarget(arm.joints, arm.external)
+    return jointtarget(joints, arm.external)
 
 
 def _target_of_joints(given: Given) -> Record:
     target, tool = given.record(0, "jointtarget"), given.record(1, "tooldata")
     frame = given.optional_record("wobj", "wobjdata") or wobj0()
-    arm = given.machine.arm
-    flange = flange_of(given.machine, joints_of(target))
+    arm, joints = given.machine.arm, joints_of(target)
+    flange = flange_of(given.machine, joints)
     if flange is None:
         raise NotSimulated("CalcRobT without a robot")
     before, arm.flange = arm.flange, flange
     try:
-        return robtarget(arm.reading(tool, frame), None, None)
+        there = arm.reading(tool, frame)
     finally:
         arm.flange = before
+    axes = extjoint_of(target.parts["extax"], [-offset for offset in arm.offsets])
+    return robtarget(there, _configuration(given.machine, joints), axes)
+
+
+def _joints_of_target(given: Given) -> Record:
+    """CalcJointT: with the displacement and the offset that are active."""
+    target, tool = given.record(0, "robtarget"), given.record(1, "tooldata")
+    frame = given.optional_record("wobj", "wobjdata") or wobj0()
+    arm, machine = given.machine.arm, given.machine
+    if machine.robot is None:
+        raise NotSimulated("CalcJointT without a robot")
+    flange = arm.flange_at(pose_of(target), tool, frame)
+    joints = _solved(machine, flange, record(target.parts["robconf"], "confdata"))
+    if joints is None:
+        _, excess = machine.robot.solve(*_rows(flange))
+        reached = bool((excess <= 0.0).any())
+        raise Fault("a position that the robot does not reach", UNREACHED[reached])
+    return jointtarget(joints, extjoint_of(target.parts["extax"], arm.offsets))
+
+
+UNREACHED: Final = {False: "ERR_OUTSIDE_REACH", True: "ERR_ROBLIMIT"}
+"""By whether the arm is long enough (manual, CalcJointT)."""
+
+
+def _rows(flange: Pose) -> tuple[Floats, Floats]:
+    return np.array([flange.position]), np.array([flange.quaternion])
+
+
+def _solved(
+    machine: Machine, flange: Pose, configuration: Record | None
+) -> tuple[float, ...] | None:
+    """The six joints at a pose of the flange, None where there are none in this configuration."""
+    robot = machine.robot
+    if robot is None or configuration is None or not robot.arm.named or len(robot.axes) > 6:
+        return None
+    stated = [[int(number(part)) for part in configuration.parts.values()]]
+    found = robot.joints_of(*_rows(flange), from_confdata(stated))[0]
+    if bool(np.isnan(found).any()):
+        return None
+    joints = [0.0] * 6
+    for place, joint in zip(robot.places, found, strict=True):
+        joints[place] = float(joint)
+    return tuple(joints)
+
+
+def _configuration(machine: Machine, joints: tuple[float, ...]) -> Record | None:
+    """As confdata, None where the robot's arm has none."""
+    robot = machine.robot
+    if robot is None or not robot.arm.named:
+        return None
+    own = np.array([robot.own_joints(joints)])
+    one, four, six, x = (float(part) for part in to_confdata(robot.configuration(own))[0])
+    return confdata(one, four, six, x)
 
 
 def _tool(given: Given) -> Record:
@@ -75,5 +149,6 @@ TABLE: Final[Mapping[str, Function]] = dict(
         takes("CTool", 0, _tool),
         takes("CWObj", 0, _frame),
         takes("CalcRobT", 2, _target_of_joints, "wobj"),
+        takes("CalcJointT", 2, _joints_of_target, "wobj usecurwobjpos"),
     )
 )

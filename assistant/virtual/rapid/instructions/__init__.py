@@ -7,6 +7,7 @@ from typing import Final
 
 from assistant.virtual.rapid.instructions import (
     dialogs,
+    displacing,
     errors,
     interrupts,
     motions,
@@ -23,6 +24,7 @@ INSTRUCTIONS: Final[Mapping[str, Function]] = {
     **motions.TABLE,
     **signals.TABLE,
     **others.TABLE,
+    **displacing.TABLE,
     **errors.TABLE,
     **dialogs.INSTRUCTIONS,
     **interrupts.TABLE,

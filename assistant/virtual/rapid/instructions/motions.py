@@ -6,14 +6,12 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from assistant.languages.rapid.tree import syntax as s
-from assistant.program.geometry import IDENTITY
 from assistant.virtual.events import OnWay, Switched
 from assistant.virtual.rapid import motion
 from assistant.virtual.rapid.ends import Fault, NotSimulated
 from assistant.virtual.rapid.expressions import place, signal
 from assistant.virtual.rapid.given import Given, takes
 from assistant.virtual.rapid.machine import Function, Machine
-from assistant.virtual.rapid.poses import pose_of
 from assistant.virtual.rapid.values import Trigger
 
 
@@ -92,14 +90,6 @@ def _watch_lines(given: Given) -> None:
     given.machine.arm.watches_lines = not given.has("off")
 
 
-def _displace(given: Given) -> None:
-    given.machine.arm.displacement = pose_of(given.record(0, "pose"))
-
-
-def _displace_no_more(given: Given) -> None:
-    given.machine.arm.displacement = IDENTITY
-
-
 def _stop(given: Given) -> None:
     """The robot goes on to the very target of the motion before, and stops there."""
     given.machine.settle()
@@ -131,8 +121,6 @@ TABLE: Final[Mapping[str, Function]] = dict(
         takes("TriggIO", 3, _set_up(delay=False), "start time dop gop aop"),
         takes("TriggEquip", 4, _set_up(delay=True), "start dop gop aop"),
         takes("VelSet", 2, _velocity),
-        takes("PDispSet", 1, _displace),
-        takes("PDispOff", 0, _displace_no_more),
         takes("AccSet", 2, _accelerate, ANY),
         takes("ConfJ", 0, _watch_joints, ANY),
         takes("ConfL", 0, _watch_lines, ANY),
@@ -143,6 +131,5 @@ TABLE: Final[Mapping[str, Function]] = dict(
         takes("PathAccLim", 2, _nothing, "accmax decelmax"),
         takes("WorldAccLim", 0, _nothing, ANY),
         takes("WaitRob", 0, _stop, "inpos zerospeed"),
-        takes("EOffsOff", 0, _nothing),
     )
 )
