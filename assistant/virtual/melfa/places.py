@@ -232,9 +232,9 @@ def _letter(_: World, value: Value, which: Value) -> str:
 
 
 def _lettered(_: World, value: Value, letters: Value) -> Position:
-    """SetFl1: of two letters of one pair the last one holds."""
+    """SetFl1 takes the letters from the last one on: "LR" is L (COSIROP)."""
     given, one = position(value), _flag(value, 0)
-    for letter in text(letters).upper():
+    for letter in reversed(text(letters).upper()):
         place = next((i for i, pair in enumerate(LETTERS) if letter in pair), None)
         if place is None:
             raise out_of_range(f"the structure flag {letter}")
