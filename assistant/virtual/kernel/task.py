@@ -23,8 +23,9 @@ class Task:
 
     lines: statements until the next task has its turn. essential: whether the run goes on until it
     ends; others end with the last of those. where: the place of the statement at hand. levels:
-    the calls that run, the innermost first. closed: interrupts wait while it is above 0. ended:
-    None while it runs.
+    the calls that run, the innermost first. closed: interrupts wait while it is above 0. looks:
+    asks before each statement, and while one waits, whether an interrupt is due. sampling: seconds
+    from look to look of a wait, None if only what happens may bring one. ended: None while it runs.
     """
 
     def __init__(
@@ -35,6 +36,8 @@ class Task:
         self.where: Callable[[], Place | None] = lambda: None
         self.levels: Callable[[], Sequence[Level]] = lambda: ()
         self.closed = 0
+        self.looks: Callable[[], None] | None = None
+        self.sampling: float | None = None
         self.ended: Ending | None = None
         self.coroutine = greenlet(self._run, kernel.hub)
         self.waits_for = ""
@@ -51,6 +54,8 @@ class Task:
         """A statement is about to run. Interrupts come between statements."""
         kernel = self.kernel
         kernel.count(self)
+        if self.looks is not None:
+            self.looks()
         if self._posted and not self.closed:
             self._run_posted()
         self._left -= 1
@@ -91,21 +96,31 @@ class Task:
         meanwhile.
         """
         end = math.inf if seconds is None else self.kernel.now + seconds
-        self.kernel.stirred = True
+        self.kernel.stirred, self.wakes = True, -math.inf
         while True:
             if self._posted and not self.closed:
                 self._run_posted()
+            if self.looks is not None:
+                self.looks()
             if until is not None and until():
                 return True
             if self.kernel.now >= end:
                 return False
-            self.waiting, self.wakes, self.waits_for = True, end, what
+            self.waiting, self.waits_for = True, what
+            self.wakes = end if self.sampling is None else self._sample(end)
             self.outside = outside
             self.until = until
             self._pause()
             self.waiting = self.outside = False
 
     # ------------------------------------------------------------------------- interrupts
+
+    def _sample(self, end: float) -> float:
+        """When a wait is looked at again that only time may interrupt; it counts as a statement."""
+        if self.wakes > self.kernel.now:
+            return min(end, self.wakes)
+        self.kernel.spend()
+        return min(end, self.kernel.now + (self.sampling or 0.0))
 
     def post(self, action: Callable[[], None]) -> None:
         """Runs an action in the task before its next statement, or while it waits."""

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Container, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final, Literal
 
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.languages.melfa_basic.tree.walk import nodes
 from assistant.virtual.events import OnWay, Switched
-from assistant.virtual.melfa import expressions
+from assistant.virtual.melfa import expressions, interrupts, pausing
 from assistant.virtual.melfa.stops import Unknown
 from assistant.virtual.melfa.values import holds
 
@@ -30,8 +30,6 @@ def begin(m: Machine, append: s.Append) -> list[Switched]:
     from assistant.virtual.melfa.statements import execute
 
     condition = append.condition
-    if not isinstance(append.statement, s.Assign):
-        raise Unknown("where a motion is when it is broken off")
     place = START
     if condition is not None and _asks_place(condition):
         place = _reached(m, condition)
@@ -45,8 +43,63 @@ def begin(m: Machine, append: s.Append) -> list[Switched]:
         m.world.held = None
 
 
+class _Skipped(Exception):
+    """A motion is broken off."""
+
+
+def guard(m: Machine, append: s.Append, run: Callable[[], None]) -> None:
+    """Runs a motion that `Skip` ends where the arm is, or `Hlt` holds, as soon as a condition is
+    met (COSIROP: SKIP, HLT, WTHIF).
+    """
+    world, condition = m.world, append.condition
+    task = world.task
+    statement = append.statement
+    word = statement.keyword.upper() if isinstance(statement, s.Command) else ""
+    if word not in ("SKIP", "HLT"):
+        raise Unknown(f"{word or 'such a statement'} on the way of a motion")
+    timed = task.kernel.motion.where() is not None
+    if not timed and condition is not None and _asks(condition, interrupts.ON_WAY):
+        raise Unknown("where a motion is when it is broken off")
+    if condition is None or holds(expressions.value(m, condition)):
+        if word == "SKIP":
+            task.kernel.motion.settle(task)
+            world.skipped = True
+        else:
+            world.halt()
+            run()
+        return
+
+    def monitor() -> None:
+        if holds(expressions.value(m, condition)):
+            world.monitor = None
+            if word == "SKIP":
+                raise _Skipped
+            paused = pausing.pause(world, late=False)
+            world.halt()
+            if paused:
+                pausing.resume(world)
+
+    skipped = False
+    world.monitor = monitor if timed else None
+    interrupts.attend(m, condition)
+    try:
+        run()
+    except _Skipped:
+        pausing.cut(world)
+        skipped = True
+    finally:
+        world.monitor = None
+        interrupts.attend(m)
+    if word == "SKIP":
+        world.skipped = skipped
+
+
+def _asks(condition: s.Expression, names: Container[str]) -> bool:
+    return any(isinstance(x, s.Variable) and x.key in names for x in nodes(condition))
+
+
 def _asks_place(condition: s.Expression) -> bool:
-    return any(isinstance(x, s.Variable) and x.key in PLACES for x in nodes(condition))
+    return _asks(condition, PLACES)
 
 
 def _reached(m: Machine, condition: s.Expression) -> OnWay:

@@ -53,6 +53,11 @@ class Channel:
         self.pull()
         return len(self._items) >= count
 
+    @property
+    def unread(self) -> int:
+        """Lines that may not have been read yet: those of which items are left, and one of them."""
+        return min(1, len(self._items))
+
     def take(self, count: int) -> list[str]:
         return [self._items.popleft() for _ in range(count)]
 

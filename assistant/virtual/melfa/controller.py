@@ -14,6 +14,7 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.diagnostics import has_errors
 from assistant.program.geometry import Pose
 from assistant.virtual.kernel import Kernel
+from assistant.virtual.melfa import pausing
 from assistant.virtual.melfa.arm import Arm
 from assistant.virtual.melfa.code import Code, code_of
 from assistant.virtual.melfa.lines import Line
@@ -83,6 +84,7 @@ class Controller:
         self.timers: dict[int, float] = {}
         self.error: Failed | None = None
         self.owner: Slot | None = None
+        self.paused: Slot | None = None
         self.shared = Shared(None if base is None else code_of(base))
         self._files = {name.upper(): file for name, file in programs.items()}
         self._machines: dict[str, Machine] = {}
@@ -166,7 +168,15 @@ class Controller:
             raise Failed(3870, f"there is no mechanism {mechanism}")
         if self.owner is not None:
             raise Failed(3830, f"slot {self.owner.number} has mechanism {mechanism}")
+        if self.paused is not slot:
+            self.end_motion(self.paused)
         self.owner = slot
+
+    def end_motion(self, slot: Slot | None) -> None:
+        """A slot that was stopped on the way of a motion will not make it to its end."""
+        if slot is not None and self.paused is slot and slot.world is not None:
+            self.paused = None
+            pausing.cut(slot.world)
 
     def release(self, slot: Slot) -> bool:
         """Whether the slot had the mechanism."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.virtual.melfa import expressions
@@ -23,9 +23,12 @@ from assistant.virtual.melfa.memory import (
     kind_by_name,
 )
 from assistant.virtual.melfa.pallets import Grid
-from assistant.virtual.melfa.stops import Ended, Failed, Unknown
+from assistant.virtual.melfa.stops import Ended, Failed, Redirected, Unknown
 from assistant.virtual.melfa.values import Kind, Value, converted, fitted
 from assistant.virtual.melfa.world import World
+
+if TYPE_CHECKING:
+    from assistant.virtual.melfa.interrupts import Interrupts
 
 MOST_SUBROUTINES: Final = 800
 MOST_FUNCTIONS: Final = 16
@@ -45,7 +48,8 @@ class Loop:
 class Frame:
     """A Function that runs, or the program itself. back: rows that `Return` goes to.
 
-    called_from: the row that calls.
+    called_from: the row that calls. interrupts: whether it is of an interrupt. choice: what that
+    returns with.
     """
 
     function: str
@@ -55,13 +59,16 @@ class Frame:
     result: Value | None = None
     left: bool = False
     called_from: int = 0
+    interrupts: bool = False
+    choice: int | None = None
 
 
 @dataclass
 class Machine:
     """One program that runs. programs: what it may call, by upper-case name.
 
-    here: the row that runs. at: the one that comes next.
+    here: the row that runs. at: the one that comes next. began: whether that at hand has begun.
+    nest: runs of rows inside of each other. interrupts: None before it speaks of any.
     """
 
     code: Code
@@ -70,6 +77,9 @@ class Machine:
     depth: int = 0
     here: int = 0
     at: int = 0
+    began: bool = False
+    nest: int = 0
+    interrupts: Interrupts | None = None
 
     def __post_init__(self) -> None:
         self.main = Memory(self.code.main)
@@ -88,7 +98,10 @@ class Machine:
 
     def run(self) -> None:
         """From the top to the end of the program."""
-        self.at, self.frames = 0, [Frame("", self.main)]
+        self.at, self.frames, self.nest = 0, [Frame("", self.main)], 0
+        self.interrupts = None
+        if self.depth == 0:
+            self.world.task.looks = self.world.task.sampling = None
         self.world.running.append(self)
         with suppress(Ended):
             self.go_on(self.frame)
@@ -100,15 +113,36 @@ class Machine:
         """Runs until a frame is left; the last row of a program is its end."""
         from assistant.virtual.melfa.statements import execute
 
+        self.nest += 1
         while not until.left:
             if self.at >= len(self.code.rows):
                 raise Ended
-            self.here = self.at
+            self.here, self.began = self.at, False
             self.at += 1
             statement = self.code.rows[self.here].statement
-            if statement is not None:
+            if statement is None:
+                continue
+            try:
                 self.world.task.step()
+                self.began = True
                 execute(self, statement)
+            except Redirected as elsewhere:
+                self._redirect(elsewhere)
+        self.nest -= 1
+
+    def _redirect(self, elsewhere: Redirected) -> None:
+        """Goes on where an interrupt says, in the run of rows that it is of."""
+        if elsewhere.nest != self.nest:
+            self.nest -= 1
+            raise elsewhere
+        self.at = elsewhere.at
+
+    def interrupting(self, where: Frame) -> Frame:
+        """The frame of an interrupt's subroutine: it has the variables of its definition."""
+        frame = Frame(where.function, where.memory, loops=where.loops, called_from=self.here)
+        frame.interrupts = True
+        self.frames.append(frame)
+        return frame
 
     def took(self, way: int) -> None:
         """Tells who listens which way the statement at hand goes on, counted from 0."""

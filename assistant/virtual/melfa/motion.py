@@ -14,7 +14,7 @@ from assistant.program.arrays import Floats
 from assistant.program.geometry import IDENTITY, Pose, Vector
 from assistant.robots.configurations import from_flags
 from assistant.virtual.events import How, Moved
-from assistant.virtual.melfa import appended, expressions, poses
+from assistant.virtual.melfa import appended, expressions, pausing, poses
 from assistant.virtual.melfa.arm import OPTIMUM, Arm
 from assistant.virtual.melfa.circles import circle_about, circle_through
 from assistant.virtual.melfa.stops import Failed, Unknown
@@ -39,8 +39,12 @@ def move(m: Machine, node: s.Motion) -> None:
     if kind is None:
         raise Unknown(f"the motion {node.keyword}")
     m.world.needs_mechanism("a motion")
+    pausing.before_motion(m.world)
     if node.append is None:
         kind(m, node)
+        return
+    if not isinstance(node.append.statement, s.Assign):
+        appended.guard(m, node.append, lambda: kind(m, node))
         return
     m.world.on_way, m.world.appended = appended.begin(m, node.append), False
     try:

@@ -45,6 +45,7 @@ class Options:
     printed: significant digits of a number that Print# writes.
     places: decimals of positions and joints there.
     columns: the width of the columns that a comma begins (COSIROP: 10).
+    early: whether a line interrupts for what came before `Com On` and was not read.
     prefixed: whether `PRN` stands before data, which tells it from commands to the controller.
 
     The arm.
@@ -75,6 +76,7 @@ class Options:
     printed: int = 7
     places: int = 2
     columns: Literal[10, 14] = 10
+    early: bool = True
     prefixed: bool = False
     tools: Mapping[int, Frame] = field(default_factory=dict)
     bases: Mapping[int, Frame] = field(default_factory=dict)

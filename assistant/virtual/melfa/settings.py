@@ -8,8 +8,16 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.melfa_basic.tables import vocabulary
 from assistant.languages.melfa_basic.tree import syntax as s
-from assistant.virtual.events import Said, Stopped
-from assistant.virtual.melfa import blocks, data, expressions, mechanism, multitask, pallets
+from assistant.virtual.events import Said
+from assistant.virtual.melfa import (
+    blocks,
+    data,
+    expressions,
+    interrupts,
+    mechanism,
+    multitask,
+    pallets,
+)
 from assistant.virtual.melfa.arm import FULL, OPTIMUM
 from assistant.virtual.melfa.code import nodes
 from assistant.virtual.melfa.stops import Ended, Failed, Unknown, out_of_range
@@ -153,17 +161,7 @@ def _wait(m: Machine, node: s.Expression) -> None:
 
 def _halt(m: Machine) -> None:
     m.world.stand()
-    m.world.task.tell(Stopped())
-    if m.world.slot is not None:
-        m.world.slot.hold()
-
-
-def _return(m: Machine, node: s.Expression | None = None) -> None:
-    if node is not None:
-        raise Unknown("the return from an interrupt")
-    if not m.frame.back:
-        raise Failed(3840, "Return without GoSub")
-    m.at = m.frame.back.pop()
+    m.world.halt()
 
 
 def _error(m: Machine, node: s.Expression) -> None:
@@ -202,13 +200,13 @@ WORDS: Final[Mapping[str, Callable[..., None]]] = {
     "DLY": _delay,
     "WAIT": _wait,
     "HLT": _halt,
-    "RETURN": _return,
     "ERROR": _error,
     "RESET ERR": _reset_error,
     "END": _end,
     "EXIT FUNCTION": lambda m: m.leave(),
     "FEND": lambda m: m.leave(),
     **multitask.WORDS,
+    **interrupts.WORDS,
 }
 
 STRUCTURE: Final[Mapping[str, Callable[[Machine, Any], None]]] = {

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal
 
 from assistant.virtual.kernel import Ending, Task
+from assistant.virtual.melfa import pausing
 from assistant.virtual.melfa.looking import levels, place
 from assistant.virtual.melfa.stops import Failed, Unknown
 from assistant.virtual.melfa.world import World
@@ -99,14 +100,21 @@ class Slot:
         """Waits until the program is started again; a stopped one gives the arm up meanwhile."""
         task = self._task
         assert task is not None
-        if not self.controller.kernel.motion.stands() and self.controller.owner is self:
-            raise Unknown("where the arm is that is stopped on its way")
-        had = self.controller.release(self)
+        controller, world = self.controller, self.world
+        assert world is not None
+        paused = pausing.pause(world, late=False)
+        controller.paused = self if paused else controller.paused
+        had = controller.release(self)
         self._held, self._stops, task.essential = True, False, False
         task.wait(lambda: not self._held, what=f"slot {self.number} waits for its start")
         task.essential = self.condition == "START"
         if had:
-            self.controller.get(self, 1)
+            controller.get(self, 1)
+        if paused:
+            if controller.paused is not self:
+                raise Unknown("how a stopped motion goes on that another slot has ended")
+            controller.paused = None
+            pausing.resume(world)
 
     def _body(self, task: Task) -> Ending:
         controller = self.controller
@@ -151,6 +159,7 @@ class Slot:
         """The program is reset; slot 1 keeps the arm, as it has it from the beginning."""
         self._task, self._held, self._stops = None, False, False
         world.close_files()
+        self.controller.end_motion(self)
         if self.number != 1:
             self.controller.release(self)
         for machine in world.running:

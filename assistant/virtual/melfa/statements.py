@@ -10,6 +10,7 @@ from assistant.virtual.melfa import (
     blocks,
     communication,
     expressions,
+    interrupts,
     mechanism,
     motion,
     settings,
@@ -215,5 +216,6 @@ FORMS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
     s.Const: _const,
     s.Static: _nothing,
     **communication.FORMS,
+    **interrupts.FORMS,
     s.Function: _function,
 }

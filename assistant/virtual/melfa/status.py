@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Final
 
-from assistant.virtual.melfa import slot_status
+from assistant.virtual.melfa import pausing, slot_status
 from assistant.virtual.melfa.arm import FULL, OPTIMUM, Arm
 from assistant.virtual.melfa.stops import Unknown, out_of_range
 from assistant.virtual.melfa.values import ORIGIN, Value, whole
@@ -103,15 +103,28 @@ def read(world: World, name: str, arguments: tuple[Value, ...]) -> Value:
         return about_slots
     if name == "M_OPEN" and len(index) == 1:
         return _open(world, index[0])
+    if name in PROGRESS and index in ((), OWN):
+        return _progress(world, name)
     if name == "M_RSPD" and len(index) <= 1:
         return _speed(world, *index)
     if name in SLOT and len(index) <= 1:
         return SLOT[name](world.of_slot(*index))
     if name in ARM and index in ((), OWN):
-        return ARM[name](world.arm)
+        return ARM[name](pausing.arm_now(world))
     if name in CONSTANT and index in ((), OWN):
         return CONSTANT[name]
     raise Unknown(f"the status variable {name}")
+
+
+PROGRESS: Final = {"M_RDST": 0, "M_RATIO": 1}
+
+
+def _progress(world: World, name: str) -> float:
+    """Of the motion at hand, what is left in mm and what is done in percent."""
+    found = world.task.kernel.motion.progress()
+    if found is None:
+        raise Unknown(f"{name} while the arm stands")
+    return found[PROGRESS[name]]
 
 
 def _speed(world: World, *slot: int) -> float:

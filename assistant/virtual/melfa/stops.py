@@ -22,6 +22,14 @@ class Ended(Exception):
     """`End` of the program that runs."""
 
 
+class Redirected(Exception):
+    """An interrupt has the program go on elsewhere. nest: the run of rows. at: the row."""
+
+    def __init__(self, nest: int, at: int) -> None:
+        super().__init__(nest, at)
+        self.nest, self.at = nest, at
+
+
 def number_wanted(what: str) -> Failed:
     return Failed(4390, f"{what} is no number")
 

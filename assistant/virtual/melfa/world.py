@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 from assistant.program.geometry import Pose
-from assistant.virtual.events import Moved, Switched
+from assistant.virtual.events import Moved, Stopped, Switched
 from assistant.virtual.kernel.signals import Source
 from assistant.virtual.kernel.task import Task
 from assistant.virtual.melfa.arm import Arm, Settings
@@ -62,6 +62,10 @@ class World:
     """Whether the last motion that may be skipped was (M_SkipCq)."""
     files: dict[int, Channel] = field(default_factory=dict)
     """Open files by their numbers."""
+    paused: bool = False
+    """Whether an interrupt has the arm stand on its way."""
+    monitor: Callable[[], None] | None = None
+    """Looks whether a condition of the motion at hand is met."""
     slot: Slot | None = None
     """The slot of a controller; None where a program runs alone, as in slot 1."""
 
@@ -78,6 +82,12 @@ class World:
         if world is None:
             raise Unknown(f"what holds for slot {number}, where no program ran")
         return world
+
+    def halt(self) -> None:
+        """`Hlt`: waits for a start, which comes at once where a program runs alone."""
+        self.task.tell(Stopped())
+        if self.slot is not None:
+            self.slot.hold()
 
     def needs_mechanism(self, what: str) -> None:
         """Only the slot that has the arm moves it, or switches its motors (COSIROP: GETM)."""
