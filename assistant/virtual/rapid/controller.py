@@ -8,6 +8,7 @@ from datetime import datetime
 from typing import Final, Literal
 
 from assistant.virtual.kernel.task import Task
+from assistant.virtual.rapid.disk import Disk
 from assistant.virtual.rapid.loading import Loaded
 from assistant.virtual.rapid.scopes import Cell
 from assistant.virtual.rapid.types import Types
@@ -41,15 +42,16 @@ class Options:
 
 @dataclass(slots=True, eq=False)
 class Controller:
-    """persistents: what the tasks share, by name in lower case. booked: numbers of errors.
+    """disk: its files, none at first. persistents: what the tasks share, by name in lower case.
 
-    tasks: in the order in which they were started. programs: what they run. outputs, known: names
-    of signals in lower case that programs set, and of all that they use. come: how often a task
-    came to a point of WaitSyncTask, both by name in lower case. looks: are called before each
-    statement of any task, to see whether shared data has changed.
+    booked: numbers of errors. tasks: in the order in which they were started. programs: what they
+    run. outputs, known: names of signals in lower case that programs set, and of all that they
+    use. come: how often a task came to a point of WaitSyncTask, both by name in lower case.
+    looks: are called before each statement of any task, to see whether shared data has changed.
     """
 
     options: Options = field(default_factory=Options)
+    disk: Disk = field(default_factory=Disk)
     persistents: dict[str, Cell] = field(default_factory=dict)
     booked: set[int] = field(default_factory=set)
     outputs: set[str] = field(default_factory=set)

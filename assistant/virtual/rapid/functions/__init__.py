@@ -15,7 +15,7 @@ from assistant.virtual.rapid.functions import (
     texts,
     times,
 )
-from assistant.virtual.rapid.instructions import dialogs, sockets, tasks
+from assistant.virtual.rapid.instructions import dialogs, files, sockets, tasks
 from assistant.virtual.rapid.machine import Function
 
 FUNCTIONS: Final[Mapping[str, Function]] = {
@@ -28,6 +28,7 @@ FUNCTIONS: Final[Mapping[str, Function]] = {
     **data.TABLE,
     **times.TABLE,
     **dialogs.FUNCTIONS,
+    **files.FUNCTIONS,
     **sockets.FUNCTIONS,
     **tasks.FUNCTIONS,
 }
