@@ -45,15 +45,16 @@ class Plan:
         behind = profile.times[index + 1] - down
         return np.asarray(np.where(left < drop, behind, profile.times[index] + up + even))
 
-    def place(self, seconds: float) -> float:
-        """How far along the course the arm is."""
+    def place(self, seconds: float) -> tuple[float, float]:
+        """How far along the course the arm is, and how fast it goes along it."""
         profile = self.profile
         if not len(profile.step):
-            return 0.0
+            return 0.0, 0.0
         index = np.searchsorted(profile.times, [seconds], side="right") - 1
         index = np.clip(index, 0, len(profile.step) - 1)
-        done, _ = _within(profile, index, np.clip([seconds] - profile.times[index], 0.0, None))
-        return float(profile.distance[: index[0]].sum() + done[0])
+        gone = np.clip([seconds] - profile.times[index], 0.0, None)
+        done, speed = _within(profile, index, gone)
+        return float(profile.distance[: index[0]].sum() + done[0]), float(speed[0])
 
     def at(self, times: Floats) -> Moment:
         """Where everything is at times (m,), seconds from the start of the plan."""

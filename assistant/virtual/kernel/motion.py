@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from assistant.program.geometry import Pose
 from assistant.virtual.events import Moved, Switched
@@ -12,6 +12,15 @@ from assistant.virtual.events import Moved, Switched
 if TYPE_CHECKING:
     from assistant.virtual.kernel.kernel import Kernel
     from assistant.virtual.kernel.task import Task
+
+
+class Progress(NamedTuple):
+    """Of a motion: mm that are left, the percent that is done, and mm/s of the tool."""
+
+    left: float = 0.0
+    done: float = 100.0
+    speed: float = 0.0
+
 
 Standing = tuple[Pose, tuple[float, ...]]
 """The flange in the base, and the joints J1, J2, … in degrees."""
@@ -42,10 +51,8 @@ class Motion(Protocol):
     def where(self) -> Standing | None:
         """Where the arm is now; None if only the motions tell, which take no time."""
 
-    def progress(self) -> tuple[float, float] | None:
-        """Of the motion that is made now the mm that are left and the percent that is done; None
-        while the arm stands.
-        """
+    def progress(self) -> Progress | None:
+        """Of the motion that is made now, or was made last; None if only the motions tell."""
 
     def catch_up(self, kernel: Kernel) -> None:
         """Somebody asks for the time: it is as late as the program is."""

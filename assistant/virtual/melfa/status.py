@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Final
 
+from assistant.virtual.kernel.motion import Progress
 from assistant.virtual.melfa import pausing, slot_status
 from assistant.virtual.melfa.arm import FULL, OPTIMUM, Arm
 from assistant.virtual.melfa.stops import Unknown, out_of_range
@@ -47,6 +48,11 @@ SLOT: Final[Mapping[str, Callable[[World], Value]]] = {
     "M_ERRNO": lambda world: world.error,
 }
 """Of a slot, its own one where no index stands."""
+
+ON_WAY: Final[Mapping[str, Callable[[Progress], float]]] = {
+    "M_RDST": lambda progress: progress.left,
+    "M_RATIO": lambda progress: progress.done,
+}
 
 CONSTANT: Final[Mapping[str, Value]] = {
     "P_NTOOL": ORIGIN, "P_NBASE": ORIGIN, "P_ZERO": ORIGIN,
@@ -103,7 +109,7 @@ def read(world: World, name: str, arguments: tuple[Value, ...]) -> Value:
         return about_slots
     if name == "M_OPEN" and len(index) == 1:
         return _open(world, index[0])
-    if name in PROGRESS and index in ((), OWN):
+    if name in ON_WAY and index in ((), OWN):
         return _progress(world, name)
     if name == "M_RSPD" and len(index) <= 1:
         return _speed(world, *index)
@@ -116,24 +122,20 @@ def read(world: World, name: str, arguments: tuple[Value, ...]) -> Value:
     raise Unknown(f"the status variable {name}")
 
 
-PROGRESS: Final = {"M_RDST": 0, "M_RATIO": 1}
-
-
 def _progress(world: World, name: str) -> float:
-    """Of the motion at hand, what is left in mm and what is done in percent."""
-    found = world.task.kernel.motion.progress()
-    if found is None:
-        raise Unknown(f"{name} while the arm stands")
-    return found[PROGRESS[name]]
+    """Of the motion that is made, or was made last."""
+    progress = world.task.kernel.motion.progress()
+    if progress is None:
+        raise Unknown(f"the status variable {name}")
+    return ON_WAY[name](progress)
 
 
 def _speed(world: World, *slot: int) -> float:
     """Of the motion that a slot has commanded, mm/s."""
     mine = world.of_slot(*slot)
     moves = mine.slot is None or mine.slot.controller.owner is mine.slot
-    if moves and not mine.task.kernel.motion.stands():
-        raise Unknown("the speed of the arm on its way")
-    return 0.0
+    progress = mine.task.kernel.motion.progress() if moves else None
+    return 0.0 if progress is None else progress.speed
 
 
 def _open(world: World, number: int) -> int:

@@ -4,24 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Final
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from assistant.program.arrays import Floats
+from assistant.program.arrays import Floats, Rows
 from assistant.robots.robot import Robot
 from assistant.robots.timing.course import ON_THE_SPOT, STILL, TURN_OF_ZONE, sums
-from assistant.robots.timing.drive import Drive
+from assistant.robots.timing.drive import Drive, drive_of
 from assistant.robots.timing.plan import Plan, plan_of
-from assistant.robots.timing.rows import Moves
+from assistant.robots.timing.rows import Moves, joined
 from assistant.virtual.events import Moved, OnWay, Place, Switched
 from assistant.virtual.kernel.kernel import Timer
 from assistant.virtual.kernel.task import Task
 from assistant.virtual.motion.goals import Refusal, goals_of
-
-AT_REST: Final = (0.0, 0.0)
-GOING_ON: Final = (0.0, math.inf)
 
 
 @dataclass(slots=True, eq=False)
@@ -53,44 +49,126 @@ class Order:
     begin: float = 0.0
     end: float = 0.0
 
+    def is_changed(self, release: float) -> bool:
+        """Whether the program goes on at another time than was thought."""
+        return self.release != release
+
 
 @dataclass(slots=True, eq=False)
 class Planned:
-    """A plan of n orders. releases: (n,) seconds from its beginning at which each lets its program
-    go on: at its end, or where its corner begins. ends: (n,) seconds at which each is over.
+    """A plan of n orders. began: the time of the kernel at its beginning. first: seconds from there
+    on which it holds. releases: (n,) seconds from its beginning at which each order lets its
+    program go on: at its end, or where its corner begins. ends: (n,) seconds at which each is over.
     joints: (n, a) there.
     """
 
     plan: Plan
+    began: float
+    first: float
     releases: Floats
     ends: Floats
     joints: Floats
 
+    def leg(self, until: float) -> Leg:
+        """What the arm goes through until so many seconds from the beginning."""
+        return Leg(self.began + self.first, self.plan, self.first, max(until, self.first))
 
-def planned(
-    orders: Sequence[Order], start: Floats, robot: Robot, drive: Drive, going_on: bool
-) -> tuple[Planned | None, Refusal | None]:
-    """The orders from joints (a,), as far as they can be followed.
 
-    going_on: whether another one may follow the last, whose corner is then not braked for.
+@dataclass(frozen=True, slots=True, eq=False)
+class Leg:
+    """Part of a plan that the arm went through, from `first` to `last` of its seconds. begin: the
+    time of the kernel at its first one.
     """
-    stops = np.array([order.stops for order in orders])
-    if not going_on:
-        stops[-1] = True
-    goals = goals_of([order.moved for order in orders], stops, start, robot)
-    if goals.moves is None:
-        return None, goals.refusal
-    moves, last = goals.moves, goals.rows
-    whole = going_on and goals.refusal is None and not stops[-1]
-    plan = plan_of(moves, start, robot, drive, GOING_ON if whole else AT_REST)
-    places, ends = _borders(moves, plan)
-    for order, row in zip(orders, last, strict=False):
-        order.end = float(ends[row])
-    begins = [0.0, *(float(ends[row]) for row in last)]
-    for order, begin in zip(orders, begins, strict=False):
-        order.begin = begin
-    times = plan.passing(places[last]), plan.passing(ends[last])
-    return Planned(plan, *times, moves.joints[last]), goals.refusal
+
+    begin: float
+    plan: Plan
+    first: float
+    last: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Start:
+    """Where orders begin: at joints (a,), from rest at a time of the kernel. speed: None for that,
+    else in mm/s where they go on from others, so that the arm is in the middle of the first of them
+    at that time.
+    """
+
+    joints: Floats
+    time: float
+    speed: float | None = None
+
+
+class Flight:
+    """Orders from a start on. drive: what bounds them, None for the robot's own with the tools that
+    it carries.
+    """
+
+    def __init__(self, robot: Robot, drive: Drive | None, start: Start) -> None:
+        self.robot, self.drive, self.start = robot, drive, start
+        self.orders: list[Order] = []
+        self.refusal: Refusal | None = None
+        self._moves: Moves | None = None
+        self._last: Rows = np.empty(0, dtype=np.intp)
+
+    def planned(self, going_on: bool) -> Planned | None:
+        """The orders as far as they can be followed, which `refusal` tells; None for none of them.
+
+        going_on: whether another one may follow the last, whose corner is then not braked for.
+        """
+        self._solve()
+        if self._moves is None:
+            return None
+        last, orders = self._last, self.orders[: len(self._last)]
+        stops = np.array([order.stops for order in orders])
+        going_on = going_on and self.refusal is None and not stops[-1]
+        stops[-1] |= not going_on
+        rests = last[stops]
+        entry, leaving = self._moves.entry.copy(), self._moves.leaving.copy()
+        entry[rests] = leaving[rests] = 0.0
+        moves = replace(self._moves, entry=entry, leaving=leaving)
+        start = self.start
+        speeds = start.speed or 0.0, math.inf if going_on else 0.0
+        plan = plan_of(moves, start.joints, self.robot, self._drive(), speeds)
+        places, ends = _borders(moves, plan)
+        begin = 0.0
+        for order, end in zip(orders, ends[last].tolist(), strict=True):
+            order.begin, order.end = begin, end
+            begin = end
+        times = plan.passing(places[last]), plan.passing(ends[last])
+        first = 0.0 if start.speed is None else _at(plan, orders[0].end / 2.0)
+        return Planned(plan, start.time - first, first, *times, moves.joints[last])
+
+    def _solve(self) -> None:
+        """Finds the joints at the ends of those orders that are new."""
+        known = len(self._last)
+        new = self.orders[known:]
+        if not new or self.refusal is not None:
+            return
+        start = self.start.joints if self._moves is None else self._moves.joints[-1]
+        goals = goals_of([order.moved for order in new], start, self.robot)
+        if goals.refusal is not None:
+            self.refusal = replace(goals.refusal, index=goals.refusal.index + known)
+        if goals.moves is not None:
+            before = 0 if self._moves is None else len(self._moves)
+            self._last = np.concatenate([self._last, goals.rows + before])
+            parts = [goals.moves] if self._moves is None else [self._moves, goals.moves]
+            self._moves = joined(parts)
+
+    def begin(self, index: int, start: Start) -> None:
+        """The orders before one of them are over."""
+        self.start, self.orders = start, self.orders[index:]
+        if index >= len(self._last):
+            self._moves, self._last = None, self._last[:0]
+        elif index and self._moves is not None:
+            rows = int(self._last[index - 1]) + 1
+            self._moves, self._last = self._moves.rest(rows), self._last[index:] - rows
+
+    def _drive(self) -> Drive:
+        if self.drive is not None:
+            return self.drive
+        masses = [order.moved.how.mass for order in self.orders]
+        known = [mass for mass in masses if mass is not None]
+        return drive_of(self.robot, load=max(known) if len(known) == len(masses) else None)
 
 
 def _borders(moves: Moves, plan: Plan) -> tuple[Floats, Floats]:
@@ -126,13 +204,24 @@ def moment(planned: Planned, order: Order, at: OnWay) -> float:
         case "time":
             when = last - at.amount
         case "start":
-            when = _at(planned, begin + at.amount)
+            when = _at(planned.plan, begin + at.amount)
         case "end":
-            when = _at(planned, end - at.amount)
+            when = _at(planned.plan, end - at.amount)
         case "share":
-            when = _at(planned, begin + (end - begin) * at.amount / 100.0)
+            when = _at(planned.plan, begin + (end - begin) * at.amount / 100.0)
     return min(max(when - at.ahead, first), last)
 
 
-def _at(planned: Planned, place: float) -> float:
-    return float(planned.plan.passing(np.array([place]))[0])
+def gone_on(planned: Planned, orders: Sequence[Order], index: int) -> tuple[Leg, Start]:
+    """A plan that is only followed to the middle of one of its orders, from which on they are
+    planned anew.
+    """
+    order, plan = orders[index], planned.plan
+    seconds = _at(plan, (order.begin + order.end) / 2.0)
+    speed = plan.place(seconds)[1]
+    start = Start(planned.joints[index - 1], planned.began + seconds, speed)
+    return planned.leg(seconds), start
+
+
+def _at(plan: Plan, place: float) -> float:
+    return float(plan.passing(np.array([place]))[0])

@@ -10,7 +10,7 @@ from typing import Final, Literal
 import numpy as np
 
 from assistant.program import rotations
-from assistant.program.arrays import Floats, Rows, Truths, norms
+from assistant.program.arrays import Floats, Rows, norms
 from assistant.program.geometry import Frame, Pose, Tool
 from assistant.program.path import UNSTATED, Kind
 from assistant.robots.motion.arcs import arcs_of
@@ -50,8 +50,8 @@ class Goals:
     refusal: Refusal | None
 
 
-def goals_of(motions: Sequence[Moved], stops: Truths, start: Floats, robot: Robot) -> Goals:
-    """The moves of motions from joints (a,). stops: (n,) which end at rest."""
+def goals_of(motions: Sequence[Moved], start: Floats, robot: Robot) -> Goals:
+    """The moves of motions from joints (a,)."""
     rows = _Rows(motions, robot)
     joints, refusal = rows.joints(start)
     last = rows.last if refusal is None else rows.last[: refusal.index]
@@ -66,7 +66,6 @@ def goals_of(motions: Sequence[Moved], stops: Truths, start: Floats, robot: Robo
     def column(values: Sequence[float]) -> Floats:
         return np.asarray(np.array(values, dtype=np.float64)[of])
 
-    blend = np.where(stops, 0.0, [motion.blend for motion in motions])
     behind = [m.blend if m.how.behind is None else m.how.behind for m in motions]
     tcp = column([math.inf if m.speed is None else m.speed for m in motions])
     rotation = column([h.rotation for h in how])
@@ -86,8 +85,8 @@ def goals_of(motions: Sequence[Moved], stops: Truths, start: Floats, robot: Robo
         override=np.ones(count),
         acceleration=column([h.acceleration for h in how]),
         deceleration=column([h.deceleration for h in how]),
-        entry=np.where(kinds == Kind.VIA, np.inf, blend[of]),
-        leaving=np.where(stops, 0.0, behind)[of],
+        entry=np.where(kinds == Kind.VIA, np.inf, column([m.blend for m in motions])),
+        leaving=column(behind),
     )
     return Goals(moves, last, refusal)
 

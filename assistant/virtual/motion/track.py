@@ -49,9 +49,9 @@ def track_of(motion: Timed, log: Sequence[Logged], seconds: float, period: float
     legs = motion.done()
     begins = np.array([leg.begin for leg in legs])
     index = np.searchsorted(begins, t, side="right") - 1
-    p, q = motion.robot.fk(motion.start[None])
+    p, q = motion.robot.fk(motion.home[None])
     position, quaternion = np.repeat(p, len(t), axis=0), np.repeat(q, len(t), axis=0)
-    joints = np.repeat(motion.start[None], len(t), axis=0)
+    joints = np.repeat(motion.home[None], len(t), axis=0)
     speed = np.zeros(len(t))
     for at in np.unique(index[index >= 0]):
         leg, rows = legs[at], np.flatnonzero(index == at)

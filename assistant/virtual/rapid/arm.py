@@ -43,15 +43,16 @@ class Arm:
             return place @ target @ tip.inverse()
         return tip @ (place @ target).inverse()
 
-    def reading(self, tool: Record, frame: Record) -> Pose:
-        """The tool in a work object, where the arm stands now."""
-        if self.flange is None:
+    def reading(self, tool: Record, frame: Record, flange: Pose | None = None) -> Pose:
+        """The tool in a work object. flange: in the base, None for where the arm stands."""
+        flange = flange or self.flange
+        if flange is None:
             raise NotSimulated("a position that is read while it is not known where the arm is")
         tip, held = _tip(tool)
         place = _frame(frame, held) @ self.displacement
         if held:
-            return place.inverse() @ self.flange @ tip
-        return (self.flange @ place).inverse() @ tip
+            return place.inverse() @ flange @ tip
+        return (flange @ place).inverse() @ tip
 
 
 def work_object(frame: Record, tool: Record) -> Pose:

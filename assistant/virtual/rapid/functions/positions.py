@@ -10,6 +10,7 @@ import numpy as np
 from assistant.program.arrays import Floats
 from assistant.program.geometry import Pose
 from assistant.robots.configurations import from_confdata, to_confdata
+from assistant.virtual.kernel.motion import Standing
 from assistant.virtual.rapid.ends import Fault, NotSimulated
 from assistant.virtual.rapid.given import Given, takes
 from assistant.virtual.rapid.machine import Function, Machine
@@ -38,7 +39,14 @@ def _here(given: Given) -> Pose:
     frame = given.optional_record("wobj", "wobjdata")
     if frame is None:
         frame = _active(given.machine.arm.frame, "work object")
-    return given.machine.arm.reading(tool, frame)
+    standing = _standing(given)
+    return given.machine.arm.reading(tool, frame, None if standing is None else standing[0])
+
+
+def _standing(given: Given) -> Standing | None:
+    """Where the arm is now, also on its way; None if only the motions tell."""
+    machine = given.machine
+    return machine.task.kernel.motion.where() if machine.robot is not None else None
 
 
 def _active(record: Record | None, what: str) -> Record:
@@ -48,17 +56,18 @@ def _active(record: Record | None, what: str) -> Record:
 
 
 def _target(given: Given) -> Record:
-    arm, machine = given.machine.arm, given.machine
+    arm, machine, standing = given.machine.arm, given.machine, _standing(given)
+    joints = arm.joints if standing is None else standing[1]
     configuration = arm.configuration
-    if configuration is None and arm.joints is not None:
-        configuration = _configuration(machine, arm.joints)
+    if joints is not None and (configuration is None or standing is not None):
+        configuration = _configuration(machine, joints)
     return robtarget(_here(given), configuration, arm.external)
 
 
 def _joints(given: Given) -> Record:
     """Where the arm was sent by a position, it stands as the configuration of that tells."""
-    arm, machine = given.machine.arm, given.machine
-    joints = arm.joints
+    arm, machine, standing = given.machine.arm, given.machine, _standing(given)
+    joints = arm.joints if standing is None else standing[1][:6]
     if joints is None and arm.watches_joints and arm.watches_lines and arm.flange is not None:
         joints = _solved(machine, arm.flange, arm.configuration)
     if joints is None:
@@ -73,11 +82,7 @@ def _target_of_joints(given: Given) -> Record:
     flange = flange_of(given.machine, joints)
     if flange is None:
         raise NotSimulated("CalcRobT without a robot")
-    before, arm.flange = arm.flange, flange
-    try:
-        there = arm.reading(tool, frame)
-    finally:
-        arm.flange = before
+    there = arm.reading(tool, frame, flange)
     axes = extjoint_of(target.parts["extax"], [-offset for offset in arm.offsets])
     return robtarget(there, _configuration(given.machine, joints), axes)
 
