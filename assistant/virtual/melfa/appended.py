@@ -58,9 +58,10 @@ def guard(m: Machine, append: s.Append, run: Callable[[], None]) -> None:
     if word not in ("SKIP", "HLT"):
         raise Unknown(f"{word or 'such a statement'} on the way of a motion")
     timed = task.kernel.motion.where() is not None
-    if not timed and condition is not None and _asks(condition, interrupts.ON_WAY):
+    on_way = condition is not None and _asks(condition, interrupts.ON_WAY)
+    if on_way and not timed:
         raise Unknown("where a motion is when it is broken off")
-    if condition is None or holds(expressions.value(m, condition)):
+    if condition is None or (not on_way and holds(expressions.value(m, condition))):
         if word == "SKIP":
             task.kernel.motion.settle(task)
             world.skipped = True

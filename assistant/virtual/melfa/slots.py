@@ -156,9 +156,14 @@ class Slot:
         return Ending("error", f"slot {self.number}: {failed}", place)
 
     def _leave(self, world: World) -> None:
-        """The program is reset; slot 1 keeps the arm, as it has it from the beginning."""
-        self._task, self._held, self._stops = None, False, False
+        """The program is reset; slot 1 keeps the arm, as it has it from the beginning.
+
+        When the whole run is over, the slot stays as it is, to be looked at.
+        """
         world.close_files()
+        if self.controller.kernel.ending is not None:
+            return
+        self._task, self._held, self._stops = None, False, False
         self.controller.end_motion(self)
         if self.number != 1:
             self.controller.release(self)
