@@ -188,7 +188,7 @@ def test_the_time_that_a_motion_states_holds() -> None:
             "50027: joint J1",
         ),
         (
-            "ConfJ\\On;\nMoveJ [pB.trans,pB.rot,[2,0,0,0],pB.extax], v100, fine, tGrip;",
+            "ConfJ\\On;\nMoveJ [pB.trans,pB.rot,[0,0,0,4],pB.extax], v100, fine, tGrip;",
             "50080",
         ),
     ],
@@ -200,6 +200,17 @@ def test_motions_that_cannot_be_made_end_the_run(main: str, message: str, alone:
     assert message in run.message
     assert times(run) == []
     assert times(run, Moved) == [0.0, 1.01]
+
+
+@pytest.mark.parametrize("strict", [True, False])
+def test_axes_that_turn_further_than_the_target_says(strict: bool) -> None:
+    """Axis 1 is at -14 degrees at pA, in quadrant -1; the target says 0."""
+    motion = Timed(ARM, drive(), A, strict=strict)
+    main = "MoveL pB, v100, fine, tGrip;\nConfL\\On;\nMoveL pA, v100, fine, tGrip;\nSet do1;"
+    _, run = rapid(main, motion=motion)
+    assert run.ended == ("error" if strict else "end")
+    assert ("50080" in run.message) == strict
+    assert times(run) == ([] if strict else [2.02])
 
 
 def test_a_run_that_takes_too_long_ends_where_its_time_is_over() -> None:
@@ -343,14 +354,21 @@ def test_a_melfa_arm_tells_what_it_cannot_reach_by_its_number() -> None:
 
 
 @pytest.mark.parametrize("alone", [True, False])
-def test_a_program_takes_as_long_as_simulate_says(alone: bool) -> None:
-    file = SAMPLES / "rapid" / "gluing.mod"
-    kernel = Kernel(motion=Timed(ARM))
-    start_task(kernel, (languages.get("rapid").parse(file.read_text()),), robot=ARM)
+@pytest.mark.parametrize("sample", ["rapid/gluing.mod", "rapid/drilling.mod", "melfa/LOADER.prg"])
+def test_a_program_takes_as_long_as_simulate_says(sample: str, alone: bool) -> None:
+    file = SAMPLES / sample
+    program = load(str(file)).program
+    kernel: Kernel
+    if file.suffix == ".mod":
+        kernel = Kernel(motion=Timed(ARM))
+        start_task(kernel, (languages.get("rapid").parse(file.read_text()),), robot=ARM)
+    else:
+        kernel = Kernel(motion=Timed(MELFA))
+        start_slot(kernel, (languages.get("melfa-basic-5").parse(file.read_text()),), robot=MELFA)
     if not alone:
         kernel.at(1e6, lambda: None)
     assert kernel.run().ended == "end"
-    done = simulate(robots.solve_program(load(str(file)).program, ARM))
+    done = simulate(robots.solve_program(program, ARM if file.suffix == ".mod" else MELFA))
     assert done.duration.least == done.duration.most
     assert kernel.now == pytest.approx(done.seconds, abs=0.001)
 

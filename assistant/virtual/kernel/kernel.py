@@ -205,7 +205,6 @@ class Kernel:
             or board.inputs.listeners
             or board.outputs.listeners
             or any(task.looks is not None for task in self.tasks)
-            or any(task.looks is not None for task in self.tasks)
         )
 
     def fail(self, task: Task, place: Place | None, ending: Ending) -> None:

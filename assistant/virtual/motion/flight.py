@@ -98,13 +98,22 @@ class Start:
     speed: float | None = None
 
 
-class Flight:
-    """Orders from a start on. drive: what bounds them, None for the robot's own with the tools that
-    it carries.
+@dataclass(frozen=True, slots=True, eq=False)
+class Model:
+    """What moves. drive: None for the robot's own with the tools that it carries. strict: see
+    `goals_of`.
     """
 
-    def __init__(self, robot: Robot, drive: Drive | None, start: Start) -> None:
-        self.robot, self.drive, self.start = robot, drive, start
+    robot: Robot
+    drive: Drive | None = None
+    strict: bool = False
+
+
+class Flight:
+    """Orders from a start on."""
+
+    def __init__(self, model: Model, start: Start) -> None:
+        self.model, self.start = model, start
         self.orders: list[Order] = []
         self.refusal: Refusal | None = None
         self._moves: Moves | None = None
@@ -128,7 +137,7 @@ class Flight:
         moves = replace(self._moves, entry=entry, leaving=leaving)
         start = self.start
         speeds = start.speed or 0.0, math.inf if going_on else 0.0
-        plan = plan_of(moves, start.joints, self.robot, self._drive(), speeds)
+        plan = plan_of(moves, start.joints, self.model.robot, self._drive(), speeds)
         places, ends = _borders(moves, plan)
         begin = 0.0
         for order, end in zip(orders, ends[last].tolist(), strict=True):
@@ -145,7 +154,8 @@ class Flight:
         if not new or self.refusal is not None:
             return
         start = self.start.joints if self._moves is None else self._moves.joints[-1]
-        goals = goals_of([order.moved for order in new], start, self.robot)
+        motions = [order.moved for order in new]
+        goals = goals_of(motions, start, self.model.robot, self.model.strict)
         if goals.refusal is not None:
             self.refusal = replace(goals.refusal, index=goals.refusal.index + known)
         if goals.moves is not None:
@@ -164,11 +174,11 @@ class Flight:
             self._moves, self._last = self._moves.rest(rows), self._last[index:] - rows
 
     def _drive(self) -> Drive:
-        if self.drive is not None:
-            return self.drive
+        if self.model.drive is not None:
+            return self.model.drive
         masses = [order.moved.how.mass for order in self.orders]
         known = [mass for mass in masses if mass is not None]
-        return drive_of(self.robot, load=max(known) if len(known) == len(masses) else None)
+        return drive_of(self.model.robot, load=max(known) if len(known) == len(masses) else None)
 
 
 def _borders(moves: Moves, plan: Plan) -> tuple[Floats, Floats]:

@@ -50,10 +50,14 @@ class Goals:
     refusal: Refusal | None
 
 
-def goals_of(motions: Sequence[Moved], start: Floats, robot: Robot) -> Goals:
-    """The moves of motions from joints (a,)."""
+def goals_of(motions: Sequence[Moved], start: Floats, robot: Robot, strict: bool) -> Goals:
+    """The moves of motions from joints (a,).
+
+    strict: whether axes that turn further than a configuration says are refused; else they turn as
+    little as they can in its arm branch.
+    """
     rows = _Rows(motions, robot)
-    joints, refusal = rows.joints(start)
+    joints, refusal = rows.joints(start, strict)
     last = rows.last if refusal is None else rows.last[: refusal.index]
     count = int(last[-1]) + 1 if len(last) else 0
     joints = joints[:count]
@@ -143,7 +147,7 @@ class _Rows:
         self.p = np.array([pose.position for pose in poses])
         self.q = np.array([pose.quaternion for pose in poses])
 
-    def joints(self, start: Floats) -> tuple[Floats, Refusal | None]:
+    def joints(self, start: Floats, strict: bool) -> tuple[Floats, Refusal | None]:
         """(k, a) at the ends, and the first that cannot be."""
         robot, motions = self.robot, self.motions
         joints = np.full((len(self.of), len(robot.axes)), np.nan)
@@ -156,22 +160,27 @@ class _Rows:
             own = robot.own_joints((*given, *(0.0,) * 6)[: max(6, len(given))])
             if len(own) == len(robot.axes):
                 joints[row] = own
+        open_, branch = ~stated & ~named & self.known, np.full(len(self.of), -1)
         rows = np.flatnonzero(stated)
         if len(rows):
-            wanted = [motions[i].how.configuration or ANY for i in self.of[rows]]
-            joints[rows] = robot.joints_of(self.p[rows], self.q[rows], np.array(wanted))
-        rows = np.flatnonzero(~stated & ~named & self.known)
+            wanted = np.array([motions[i].how.configuration or ANY for i in self.of[rows]])
+            joints[rows] = robot.joints_of(self.p[rows], self.q[rows], wanted)
+            if not strict:
+                branch[rows] = robot.branch_of(wanted)
+                open_[rows] = np.isnan(joints[rows]).any(axis=1)
+        rows = np.flatnonzero(open_)
         if len(rows):
-            self._nearest(joints, rows, start)
+            self._nearest(joints, rows, branch[rows], start)
         bad = np.flatnonzero(~robot.inside(joints))
         if not len(bad):
             return joints, None
         return joints, self._refusal(int(bad[0]), joints)
 
-    def _nearest(self, joints: Floats, rows: Rows, start: Floats) -> None:
-        """Sets rows whose arm branch nothing states to the joints that are nearest before them."""
+    def _nearest(self, joints: Floats, rows: Rows, branch: Rows, start: Floats) -> None:
+        """Sets rows to the joints in a branch, -1 for any, that are nearest to those before."""
         robot = self.robot
         found, _ = robot.ik(self.p[rows], self.q[rows])
+        found[(branch[:, None] >= 0) & (np.arange(robot.branches) != branch[:, None])] = np.nan
         for place, row in enumerate(rows):
             at = joints[row - 1] if row else start
             if not np.isfinite(at).all():

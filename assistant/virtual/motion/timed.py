@@ -22,6 +22,7 @@ from assistant.virtual.motion.flight import (
     Change,
     Flight,
     Leg,
+    Model,
     Order,
     Planned,
     Start,
@@ -46,7 +47,8 @@ NO_TIME: Final = 1e-9
 class Timed:
     """robot: of the catalogue. drive: its speeds and accelerations, None for its own with the tools
     that it carries. joints: (a,) where it stands at first, None for its home. ahead: seconds before
-    its corner at which a motion that does not stop lets its program go on.
+    its corner at which a motion that does not stop lets its program go on. strict: whether axes
+    that turn further than the configuration of a target says are refused, beside another branch.
     """
 
     def __init__(
@@ -55,13 +57,15 @@ class Timed:
         drive: Drive | None = None,
         joints: Sequence[float] | None = None,
         ahead: float = 0.0,
+        strict: bool = False,
     ) -> None:
         self.robot, self.ahead = robot, ahead
+        self.model = Model(robot, drive, strict)
         self.home = np.array(robot.home if joints is None else joints, dtype=np.float64)
         self.legs: list[Leg] = []
         self.kernel: Kernel | None = None
         # The flight at hand, and its plans where another motion follows and where none does.
-        self._flight = Flight(robot, drive, Start(self.home, 0.0))
+        self._flight = Flight(self.model, Start(self.home, 0.0))
         self.behind = False
         self._held = False
         self._flying: Planned | None = None
@@ -319,7 +323,7 @@ class Timed:
         self.hold(kernel)
         for order in self._flight.orders:
             order.release = min(order.release, kernel.clock)
-        self._flight, self._held = Flight(self.robot, self._flight.drive, self._flight.start), False
+        self._flight, self._held = Flight(self.model, self._flight.start), False
         return self.where()
 
     def hold(self, kernel: Kernel) -> None:
@@ -347,7 +351,7 @@ class Timed:
             for change in order.changes:
                 if change.timer is not None:
                     change.timer.cancelled = True
-        self._flight = Flight(self.robot, self._flight.drive, start)
+        self._flight = Flight(self.model, start)
         self._flight.orders = rest
         self._flying = self._braking = None
 
