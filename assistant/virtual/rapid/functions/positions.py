@@ -45,8 +45,13 @@ def _here(given: Given) -> Pose:
 
 def _standing(given: Given) -> Standing | None:
     """Where the arm is now, also on its way; None if only the motions tell."""
-    machine = given.machine
-    return machine.task.kernel.motion.where() if machine.robot is not None else None
+    machine, motion = given.machine, given.machine.task.kernel.motion
+    if machine.robot is None:
+        return None
+    standing = motion.where()
+    if not motion.stands():
+        machine.hangs_on.add("time")
+    return standing
 
 
 def _active(record: Record | None, what: str) -> Record:
