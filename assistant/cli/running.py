@@ -19,7 +19,7 @@ from assistant.cli.compiling import (
     working,
 )
 from assistant.cli.presentation import Format, print_findings, print_json, say
-from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, info, warning
+from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, fold, info, warning
 
 if TYPE_CHECKING:
     from assistant.program.text import SourceText
@@ -79,7 +79,7 @@ class Options:
 
 def run_run(named: Sequence[str], options: Options, format: Format) -> int:
     """0 if the programs came to their end, 1 if they did not."""
-    from assistant.compiler.arms import robot_of
+    from assistant.compiler.arms import known_robot, robot_of
     from assistant.compiler.script_file import read_script
     from assistant.virtual.kernel.script import Script
 
@@ -87,10 +87,12 @@ def run_run(named: Sequence[str], options: Options, format: Format) -> int:
     if format is Format.JSON and (options.step or options.breaks):
         raise Refused(NOT_FOR_PROGRAMS(), exit_status=2)
     arm = robot_of(options.robot)
-    if options.plot is not None and arm is None:
-        raise Refused(NOT_DRAWN(), exit_status=2)
     script = read_script(options.signals) if options.signals is not None else Script()
     programs = _programs(named, options, arm)
+    if arm is None and programs.program is not None:
+        arm = known_robot(programs.program.robot)
+    if options.plot is not None and arm is None:
+        raise Refused(NOT_DRAWN(), exit_status=2)
     files = [path for path in (options.trace, options.plot) if path is not None]
     keep_sources([*named, *([str(options.signals)] if options.signals else [])], files)
     return _Running(programs, options, arm, script, format).run()
@@ -122,7 +124,7 @@ def _programs(named: Sequence[str], options: Options, arm: Robot | None) -> Prog
         raise Refused(TWICE(), exit_status=2)
     if STANDARD in named:
         text, spoken = standard_input(options.from_language)
-        return programs_of_text(text, language=spoken, entry=options.entry)
+        return programs_of_text(text, language=spoken, robot=arm, entry=options.entry)
     return programs(
         named,
         language=options.from_language,
@@ -150,7 +152,8 @@ class _Running:
 
         self.programs, self.options, self.format = programs, options, format
         self.arm, self.sources = arm, programs.sources()
-        self.findings = list(_unused(programs, script))
+        self.read = list(fold(finding.within(programs.title) for finding in programs.findings))
+        self.findings = [*self.read, *_unused(programs, script)]
         settings = Settings(
             robot=arm,
             entry=options.entry,
@@ -195,8 +198,9 @@ class _Running:
             print_findings(findings, explained=True)
             for path in written:
                 say(f"wrote {path}")
-        bad = any(finding.severity is not Severity.INFO for finding in findings)
-        return 1 if bad else 0
+        # What is odd about a source, as a drawing, keeps nothing from running.
+        bad = (f for f in findings if f not in self.read and f.severity is not Severity.INFO)
+        return 1 if any(bad) else 0
 
     # ------------------------------------------------------------------------------- stops
 

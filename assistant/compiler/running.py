@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant import languages, sources
+from assistant.compiler.arms import Arms, taught_on
+from assistant.compiler.crossing import for_arm
 from assistant.compiler.entering import entered
 from assistant.compiler.formatting import programs_in
 from assistant.compiler.loading import (
@@ -67,7 +70,8 @@ def programs(
         loaded = load(named[0], process=process, robot=robot, unit=unit)
         is_text = FilePath(named[0]).suffix.lower() == pseudo.SUFFIX
         program = entered(loaded.program, entry)
-        return Programs(title, program=program, text=read_pseudo(named[0]) if is_text else None)
+        text = read_pseudo(named[0]) if is_text else None
+        return _for_arm(Programs(title, program=program, text=text), loaded.findings, robot)
     for option, value in (("process", process), ("unit", unit)):
         if value is not None:
             raise Refused(OF_SOURCES(path=named[0], option=option, name=named[0]), exit_status=2)
@@ -78,18 +82,34 @@ def programs(
 
 
 def programs_of_text(
-    text: SourceText, *, language: str | None = None, entry: str | None = None
+    text: SourceText,
+    *,
+    language: str | None = None,
+    robot: Robot | None = None,
+    entry: str | None = None,
 ) -> Programs:
     """The same for a text that is no file: a robot language's if named, else pseudo text."""
     title = text.path or "standard input"
     if language is None:
         program = entered(load_text(text).program, entry)
-        return Programs(title, program=program, text=text)
+        return _for_arm(Programs(title, program=program, text=text), (), robot)
     spoken = language_of(language)
     tree = spoken.parse(text)
     _refuse_errors([tree])
     (group,) = groups(spoken, [title], None)
     return Programs(title, spoken, (Part(group.name, (tree,), (title,)),))
+
+
+def _for_arm(made: Programs, findings: Sequence[Diagnostic], robot: Robot | None) -> Programs:
+    """A pseudo-program as another arm runs it than the one that it was taught on."""
+    assert made.program is not None
+    program = made.program
+    if robot is None:
+        return replace(made, findings=tuple(findings))
+    program, changed = for_arm(program, taught_on(program, Arms(robot)), robot)
+    if has_errors(changed):
+        raise Refused(*(f.within(made.title) for f in changed if f.severity is Severity.ERROR))
+    return replace(made, program=program, findings=(*findings, *changed))
 
 
 def _is_source(name: str, language: str | None = None) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from assistant.languages import Language
-from assistant.program.diagnostics import Refused, error
+from assistant.program.diagnostics import Diagnostic, Refused, error
 from assistant.program.program import Program
 from assistant.program.text import SourceText
 
@@ -48,7 +48,7 @@ class Programs:
     """What runs together: parts in one language, or a pseudo-program.
 
     title: as the user named it. language: None for the pseudo-program. text: of the pseudo-program,
-    None where it comes from another source.
+    None where it comes from another source. findings: about what was read.
     """
 
     title: str
@@ -56,6 +56,7 @@ class Programs:
     parts: tuple[Part, ...] = ()
     program: Program | None = None
     text: SourceText | None = None
+    findings: tuple[Diagnostic, ...] = ()
 
     def sources(self) -> list[SourceText]:
         """The texts that places are in."""
@@ -66,9 +67,7 @@ class Programs:
     def signals(self) -> frozenset[str] | None:
         """Names of the signals that the programs use, in lower case; None where any may be."""
         if self.program is not None:
-            known = {name.lower() for name in self.program.signals}
-            numbers = {str(s.number) for s in self.program.signals.values() if s.number is not None}
-            return frozenset(known | numbers)
+            return frozenset(name.lower() for name in self.program.signals)
         if self.language is None or self.language.family not in SIGNALS:
             return None
         return SIGNALS[self.language.family](self)

@@ -13,7 +13,7 @@ from assistant.program.geometry import Pose
 from assistant.virtual.kernel import Board, Kernel, Motion, Signals
 from assistant.virtual.kernel.motion import Instant
 from assistant.virtual.kernel.signals import Source
-from assistant.virtual.parts import GROUPS, NOT_RUN, Part, Programs
+from assistant.virtual.parts import Part, Programs
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
@@ -60,7 +60,17 @@ def prepared(programs: Programs, settings: Settings | None = None) -> Kernel:
         statement_time=chosen.statement_time,
     )
     if programs.language is None:
-        raise Refused(NOT_RUN(language="pseudo text", languages=", ".join(GROUPS)), exit_status=2)
+        from assistant.virtual.pseudo import start_program
+
+        assert programs.program is not None
+        start_program(
+            kernel,
+            programs.program,
+            robot=chosen.robot,
+            start=home(chosen.robot),
+            text=programs.text,
+        )
+        return kernel
     STARTS[programs.language.family](kernel, programs.parts, chosen)
     return kernel
 

@@ -1,0 +1,167 @@
+"""Motions of a pseudo-program: to targets, to joints, and along paths."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Final, Literal
+
+import numpy as np
+
+from assistant.program import statements as p
+from assistant.program.geometry import Frame, JointTarget, Pose, Target, Tool
+from assistant.program.motion import Blend, Speed
+from assistant.program.path import UNSTATED, Kind, Path, configuration_row
+from assistant.robots.configurations import BACK
+from assistant.robots.motion.run import to_flange
+from assistant.virtual.events import How, Moved, OnWay, Switched
+from assistant.virtual.on_way import told
+from assistant.virtual.pseudo.ends import Fault, NotRun
+from assistant.virtual.pseudo.expressions import evaluate, numeric, truth_or
+from assistant.virtual.pseudo.machine import Machine
+
+Way = Literal["joint", "linear", "circular"]
+KINDS: Final[dict[int, Way]] = {
+    Kind.JOINT: "joint",
+    Kind.LINEAR: "linear",
+    Kind.END: "circular",
+}
+
+
+def move(m: Machine, node: p.Move | p.MoveCircular) -> None:
+    """To a target, on its own way or on an arc."""
+    tool, frame = m.tool(node.motion.tool), m.frame(node.motion.frame)
+    target = _target(evaluate(m, node.target))
+    via, kind = None, "circular"
+    if isinstance(node, p.MoveCircular):
+        via = _flange(_target(evaluate(m, node.via)).pose, tool, frame)
+    else:
+        kind = node.kind
+    moved = _moved(
+        m,
+        KINDS_BY_NAME[kind],
+        _flange(target.pose, tool, frame),
+        (tool, frame),
+        (m.speed(node.motion.speed), m.blend(node.motion.blend)),
+        via=via,
+        configuration=configuration_row(target.configuration),
+    )
+    _go(m, moved, node.triggers)
+
+
+KINDS_BY_NAME: Final[dict[str, Way]] = {way: way for way in KINDS.values()}
+
+
+def move_joints(m: Machine, node: p.MoveJoints) -> None:
+    target = evaluate(m, node.target)
+    if not isinstance(target, JointTarget):
+        raise Fault("a motion to joints leads to something else")
+    tool, frame = m.tool(node.motion.tool), m.frame(node.motion.frame)
+    joints = tuple(0.0 if math.isnan(j) else j for j in target.joints)
+    pace = m.speed(node.motion.speed), m.blend(node.motion.blend)
+    flange = flange_at(m, joints)
+    moved = _moved(m, "joint", flange, (tool, frame), pace, joints=joints)
+    _go(m, moved, node.triggers)
+
+
+def follow(m: Machine, path: Path) -> Iterator[None]:
+    """Along the rows of a path; stops before each, to be counted."""
+    tools, frames = [m.tool(t) for t in path.tools], [m.frame(f) for f in path.frames]
+    p_, q = np.empty_like(path.positions), np.empty_like(path.quaternions)
+    both = np.stack([path.tool, path.frame], axis=1)
+    for t, f in np.unique(both, axis=0).tolist():
+        rows = np.flatnonzero((path.tool == t) & (path.frame == f))
+        p_[rows], q[rows] = to_flange(
+            path.positions[rows], path.quaternions[rows], tools[t], frames[f]
+        )
+    via: Pose | None = None
+    for row, kind in enumerate(path.kinds.tolist()):
+        flange = Pose.of(p_[row], q[row])
+        if kind == Kind.VIA:
+            via = flange
+            continue
+        yield
+        pace = m.speed(path.speeds[path.speed[row]]), m.blend(path.blends[path.blend[row]])
+        mount = tools[path.tool[row]], frames[path.frame[row]]
+        stated = tuple(path.configurations[row].tolist())
+        moved = _moved(m, KINDS[kind], flange, mount, pace, via=via, configuration=stated)
+        via = None
+        _go(m, moved, ())
+
+
+def flange_at(m: Machine, joints: tuple[float, ...]) -> Pose | None:
+    """Where joints bring the flange; None without a robot."""
+    if m.robot is None:
+        return None
+    own = m.robot.own_joints((*joints, *(0.0,) * 6)[: max(6, len(joints))])
+    if len(own) != len(m.robot.axes):
+        raise Fault(f"{len(joints)} joints for {len(m.robot.axes)} axes")
+    position, quaternion = m.robot.fk(np.array([own]))
+    return Pose.of(position[0], quaternion[0])
+
+
+def _target(value: object) -> Target:
+    if isinstance(value, Pose):
+        return Target(value)
+    if not isinstance(value, Target):
+        raise Fault("a motion leads to what is no position")
+    return value
+
+
+def _flange(pose: Pose, tool: Tool, frame: Frame) -> Pose:
+    position, quaternion = to_flange(
+        np.array([pose.position]), np.array([pose.quaternion]), tool, frame
+    )
+    return Pose.of(position[0], quaternion[0])
+
+
+def _moved(
+    m: Machine,
+    kind: Way,
+    flange: Pose | None,
+    mount: tuple[Tool, Frame],
+    pace: tuple[Speed, Blend],
+    *,
+    via: Pose | None = None,
+    joints: tuple[float, ...] | None = None,
+    configuration: tuple[int, ...] | None = None,
+) -> Moved:
+    (tool, frame), (speed, blend) = mount, pace
+    held = tool.held and not frame.held
+    percent = None if speed.joint is None or kind != "joint" else speed.joint * m.override
+    if configuration is not None and configuration[BACK] == UNSTATED:
+        configuration = None
+    return Moved(
+        kind,
+        flange,
+        tool.tip if held else Pose(),
+        via,
+        joints,
+        speed=speed.tcp * m.override if math.isfinite(speed.tcp) else None,
+        percent=percent,
+        blend=blend.radius or 0.0,
+        frame=frame.pose if held else tool.tip,
+        how=How(
+            configuration=configuration,
+            rotation=speed.rotation * m.override,
+            acceleration=m.acceleration,
+            deceleration=m.deceleration,
+            behind=blend.exit,
+            mass=None if tool.load is None else tool.load.mass,
+        ),
+    )
+
+
+def _go(m: Machine, moved: Moved, triggers: Sequence[p.Trigger]) -> None:
+    changes = [change for one in triggers for change in _changes(m, one)]
+    before = m.flange
+    m.flange, m.joints = moved.flange, moved.joints
+    m.task.kernel.motion.go(m.task, moved, told(moved, before, changes))
+
+
+def _changes(m: Machine, trigger: p.Trigger) -> Iterator[Switched]:
+    if trigger.pulse is not None:
+        raise NotRun("a pulse on the way of a motion")
+    ahead = 0.0 if trigger.ahead is None else numeric(m, trigger.ahead, "the time ahead")
+    at = OnWay(trigger.measure, numeric(m, trigger.amount, "the place on the way"), ahead)
+    yield Switched(trigger.signal.lower(), truth_or(evaluate(m, trigger.value)), at)

@@ -1,0 +1,265 @@
+"""What each statement of a pseudo-program does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Final
+
+from assistant.program import statements as p
+from assistant.program.expressions import Expression
+from assistant.program.program import Procedure
+from assistant.virtual.events import Said, Stopped
+from assistant.virtual.kernel.motion import Instant
+from assistant.virtual.pseudo import motion
+from assistant.virtual.pseudo.data import Call, Cell, Value, copied, first_of, said
+from assistant.virtual.pseudo.ends import Fault, Jump, NotRun, Over, Returned
+from assistant.virtual.pseudo.expressions import condition, evaluate, numeric, place, truth_or
+from assistant.virtual.pseudo.machine import MOST_CALLS, Machine
+
+Body = Sequence[p.Statement]
+
+
+def execute(m: Machine, body: Body) -> None:
+    """Runs a body; a jump to a label in it goes on behind that label."""
+    start = 0
+    while True:
+        try:
+            for statement in body[start:]:
+                does = STATEMENTS.get(type(statement))
+                if does is None:
+                    continue
+                m.step(statement)
+                does(m, statement)
+        except Jump as jump:
+            found = next(
+                (
+                    i
+                    for i, one in enumerate(body)
+                    if isinstance(one, p.Label) and one.name.lower() == jump.label
+                ),
+                None,
+            )
+            if found is None:
+                raise
+            start = found
+        else:
+            return
+
+
+def call(m: Machine, procedure: Procedure, arguments: Sequence[Expression]) -> Value | None:
+    """Runs a procedure; what it gives back, None for nothing."""
+    if len(m.calls) >= MOST_CALLS:
+        raise NotRun(f"more than {MOST_CALLS} procedures inside of one another")
+    if len(arguments) != len(procedure.parameters):
+        raise Fault(
+            f"`{procedure.name}` is given {len(arguments)} arguments and takes "
+            f"{len(procedure.parameters)}"
+        )
+    made = Call(procedure)
+    for parameter, argument in zip(procedure.parameters, arguments, strict=True):
+        key = parameter.name.lower()
+        if parameter.mode == "inout":
+            made.names[key] = place(m, argument)
+        else:
+            made.names[key] = Cell(copied(evaluate(m, argument)))
+    m.calls.append(made)
+    try:
+        for name, variable in procedure.variables.items():
+            first = None if variable.initial is None else evaluate(m, variable.initial)
+            constant = variable.storage == "constant"
+            made.names[name.lower()] = Cell(first_of(variable, first), constant)
+        execute(m, procedure.body)
+    except Returned as returned:
+        return returned.value
+    except Jump as jump:
+        raise Fault(f"there is no label `{jump.label}` that can be jumped to") from None
+    else:
+        return None
+    finally:
+        m.calls.pop()
+
+
+def _call(m: Machine, node: p.Call) -> None:
+    procedure = m.program.procedure(node.procedure)
+    if procedure is None:
+        raise Fault(f"there is no procedure `{node.procedure}`")
+    call(m, procedure, node.arguments)
+
+
+def _follow(m: Machine, node: p.Follow) -> None:
+    for number, _ in enumerate(motion.follow(m, node.path)):
+        if number:
+            m.task.step()
+
+
+def _wait(m: Machine, node: p.Wait) -> None:
+    seconds = numeric(m, node.seconds, "a wait")
+    if seconds < 0.0:
+        raise Fault(f"a wait of {seconds:g} seconds")
+    m.task.delay(seconds)
+
+
+def _wait_signal(m: Machine, node: p.WaitSignal) -> None:
+    value = truth_or(evaluate(m, node.value))
+    name = node.signal
+    what = f"`{name}` is {m.read(name):g}, {value:g} is waited for"
+    _await(m, lambda: m.read(name) == value, node.timeout, what)
+
+
+def _wait_until(m: Machine, node: p.WaitUntil) -> None:
+    what = "the condition that is waited for is not met"
+    _await(m, lambda: condition(m, node.condition), node.timeout, what)
+
+
+def _await(m: Machine, is_met: Callable[[], bool], timeout: Expression | None, what: str) -> None:
+    seconds = None if timeout is None else numeric(m, timeout, "the longest time")
+    if not m.task.wait(is_met, seconds, what):
+        raise Fault(f"{what}, and the longest time is over")
+
+
+def _start_timer(m: Machine, node: p.StartTimer) -> None:
+    m.timers[node.timer.lower()] = m.task.kernel.now
+
+
+def _set_signal(m: Machine, node: p.SetSignal) -> None:
+    value = truth_or(evaluate(m, node.value))
+    _switch(m, node.signal.lower(), value)
+    if node.pulse is None:
+        return
+    seconds = numeric(m, node.pulse, "a pulse")
+    if seconds <= 0.0:
+        raise Fault(f"a pulse of {seconds:g} seconds")
+    back = float(value == 0.0)
+    kernel, task, name = m.task.kernel, m.task, node.signal.lower()
+    if isinstance(kernel.motion, Instant):
+        task.switch(name, back)
+    else:
+        kernel.at(kernel.now + seconds, lambda: task.switch(name, back))
+
+
+def _switch(m: Machine, name: str, value: float) -> None:
+    declared = next((s for n, s in m.program.signals.items() if n.lower() == name), None)
+    if declared is not None and declared.direction == "input":
+        raise Fault(f"the input `{name}` is set")
+    m.task.switch(name, value)
+
+
+def _gripper(m: Machine, node: p.Gripper) -> None:
+    m.task.switch(f"hand{node.hand}", float(node.action == "open"))
+
+
+def _acceleration(m: Machine, node: p.SetAcceleration) -> None:
+    m.acceleration = numeric(m, node.acceleration) / 100.0
+    m.deceleration = numeric(m, node.deceleration) / 100.0
+
+
+def _override(m: Machine, node: p.SetOverride) -> None:
+    percent = numeric(m, node.percent, "the override")
+    if percent <= 0.0:
+        raise Fault(f"an override of {percent:g} %")
+    m.override = percent / 100.0
+
+
+def _assign(m: Machine, node: p.Assign) -> None:
+    target = place(m, node.target)
+    target.change(evaluate(m, node.value))
+
+
+def _if(m: Machine, node: p.If) -> None:
+    for branch in node.branches:
+        if condition(m, branch.condition):
+            execute(m, branch.body)
+            return
+    execute(m, node.otherwise)
+
+
+def _while(m: Machine, node: p.While) -> None:
+    while condition(m, node.condition):
+        execute(m, node.body)
+        m.step(node)
+
+
+def _for(m: Machine, node: p.For) -> None:
+    """Bounds and step are worked out once; see `For`."""
+    first, last = numeric(m, node.first), numeric(m, node.last)
+    towards = 1.0 if first <= last else -1.0
+    step = towards if node.step is None else numeric(m, node.step)
+    if step == 0.0:
+        raise Fault("a loop whose step is 0")
+    key, names = node.variable.lower(), m.call.names
+    declared = m.place(node.variable)
+    own = Cell()
+    if declared is None:
+        names[key] = own
+    value = first
+    while (value <= last) if step > 0.0 else (value >= last):
+        if declared is None:
+            own.value = value
+        else:
+            declared.change(value)
+        execute(m, node.body)
+        m.step(node)
+        value += step
+    if declared is None:
+        del names[key]
+
+
+def _select(m: Machine, node: p.Switch) -> None:
+    subject = evaluate(m, node.subject)
+    for case in node.cases:
+        if any(subject == evaluate(m, value) for value in case.values):
+            execute(m, case.body)
+            return
+    execute(m, node.otherwise)
+
+
+def _stop(m: Machine, node: p.Stop) -> None:
+    m.task.tell(Stopped(end=node.end))
+    if node.end:
+        raise Over
+
+
+def _return(m: Machine, node: p.Return) -> None:
+    raise Returned(None if node.value is None else copied(evaluate(m, node.value)))
+
+
+def _goto(_: Machine, node: p.Goto) -> None:
+    raise Jump(node.label.lower())
+
+
+def _message(m: Machine, node: p.Message) -> None:
+    parts = (evaluate(m, part) for part in node.parts)
+    m.task.tell(Said("".join(one if isinstance(one, str) else said(one) for one in parts)))
+
+
+def _kept(_: Machine, node: p.Opaque) -> None:
+    lines = node.text.strip().splitlines() or [""]
+    raise NotRun(f"`{lines[0]}`, which is {node.language}")
+
+
+STATEMENTS: Final[Mapping[type, Callable[[Machine, Any], None]]] = {
+    p.Move: motion.move,
+    p.MoveCircular: motion.move,
+    p.MoveJoints: motion.move_joints,
+    p.Follow: _follow,
+    p.Wait: _wait,
+    p.WaitSignal: _wait_signal,
+    p.WaitUntil: _wait_until,
+    p.StartTimer: _start_timer,
+    p.SetSignal: _set_signal,
+    p.Gripper: _gripper,
+    p.SetAcceleration: _acceleration,
+    p.SetOverride: _override,
+    p.Call: _call,
+    p.Assign: _assign,
+    p.If: _if,
+    p.While: _while,
+    p.For: _for,
+    p.Switch: _select,
+    p.Stop: _stop,
+    p.Return: _return,
+    p.Goto: _goto,
+    p.Message: _message,
+    p.Opaque: _kept,
+}
+"""Comments and labels do nothing."""
