@@ -8,6 +8,7 @@ name of an instruction or function its page in the manual of instructions, funct
 ends, `end` where nothing is stated. `options`: of the controller. `signals`: inputs that are set
 from outside, each a time in seconds, a name and a value. `answers`: of a person, each with a part
 of the question and the seconds that it takes, or without. `tasks`: further tasks, each its module.
+`files`, `left`: what is on the disk before and behind the run, in Latin-1.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from assistant.virtual.events import Reported, Said
 from assistant.virtual.kernel import Board, Kernel, Signals
 from assistant.virtual.kernel.script import Answer
 from assistant.virtual.rapid.controller import Controller, Options
+from assistant.virtual.rapid.disk import Disk
 from assistant.virtual.rapid.running import start_task
 
 CASES = Path(__file__).parent / "semantics" / "rapid"
@@ -43,7 +45,9 @@ def test_a_case(case: dict[str, Any], tmp_path: Path) -> None:
     own = f"MODULE Cell\n{case.get('data', '')}\n{main}{case.get('routines', '')}\nENDMODULE\n"
     files = [languages.get("rapid").parse(text) for text in (own, *case.get("modules", ()))]
     assert not [finding for file in files for finding in file.findings]
-    controller = Controller(Options(**case.get("options", {})))
+    controller = Controller(Options(**case.get("options", {})), disk=Disk(tmp_path))
+    for name, text in case.get("files", {}).items():
+        controller.disk.path(name).write_bytes(text.encode("latin-1"))
     inputs = dict.fromkeys((name for _, name, _ in case.get("signals", ())), 0.0)
     kernel = Kernel(Board(Signals(inputs)))
     for seconds, name, value in case.get("signals", ()):
@@ -61,6 +65,8 @@ def test_a_case(case: dict[str, Any], tmp_path: Path) -> None:
     told = [line for event in found.events if (line := _line(event)) is not None]
     assert (told, found.ended) == (case["expected"], case.get("ended", "end"))
     assert case.get("message", "") in found.message
+    for name, text in case.get("left", {}).items():
+        assert controller.disk.path(name).read_bytes() == text.encode("latin-1")
 
 
 def _line(event: object) -> str | None:

@@ -9,7 +9,7 @@ import weakref
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO, Final, Literal
+from typing import IO, Final, Literal
 
 from assistant.virtual.rapid.ends import Fault, NotSimulated
 
@@ -19,6 +19,7 @@ MODES: Final[Mapping[Mode, Literal["rb", "wb", "ab"]]] = {
     "write": "wb",
     "append": "ab",
 }
+CODES: Final = "latin-1"
 HOME: Final = "HOME"
 UNITS: Final = (HOME, "TEMP", "RAMDISK")
 """What stands in front of a path; HOME where nothing does (reference, 4.3)."""
@@ -45,13 +46,16 @@ class Disk:
         unit, inside = (found[1].upper(), found[2]) if found else (HOME, name)
         if unit not in UNITS or inside.startswith(("/", "\\")):
             raise NotSimulated(f"the file `{name}{file}`: of {', '.join(UNITS)} are files here")
-        root = self._root(unit)
+        if "\0" in inside + file:
+            raise Fault("a name with a character 0", "ERR_FILEACC")
+        root = self.folder(unit)
         path = (root / inside.replace("\\", "/") / file.replace("\\", "/")).resolve()
         if path != root and root not in path.parents:
             raise Fault(f"`{name}{file}` is not inside of {unit}:", "ERR_FILEACC")
         return path
 
-    def _root(self, unit: str) -> Path:
+    def folder(self, unit: str) -> Path:
+        """Of this computer, which is a unit of the disk."""
         if unit == HOME and self.home is not None:
             return self.home
         if self._own is None:
@@ -63,49 +67,57 @@ class Disk:
 
 
 @dataclass(slots=True, eq=False)
-class OpenFile:
-    """A file that a program reads or writes, in characters of Latin-1."""
+class Stream:
+    """A file that a program opened. binary: for bytes, else for lines in Latin-1."""
 
+    file: IO[bytes]
     mode: Mode
-    stream: BinaryIO
+    binary: bool
 
-    def write(self, text: str) -> None:
+    @staticmethod
+    def open(path: Path, mode: Mode, binary: bool) -> Stream:
+        try:
+            return Stream(path.open(MODES[mode]), mode, binary)
+        except OSError as error:
+            message = f"`{path.name}` cannot be opened: {error.strerror}"
+            raise Fault(message, "ERR_FILEOPEN") from None
+
+    def read(self, count: int) -> bytes:
+        if self.mode != "read":
+            raise Fault("a file that was opened to be written is read", "ERR_FILEACC")
+        return self.file.read(count)
+
+    def write(self, data: bytes) -> None:
+        """It is on the disk at once."""
         if self.mode == "read":
             raise Fault("a file that was opened to be read is written", "ERR_FILEACC")
-        self.stream.write(text.encode("latin-1", "replace"))
-        self.stream.flush()
+        self.file.write(data)
+        self.file.flush()
 
-    def read(self, delimiters: str, most: int, headers: bool) -> str | None:
+    def until(self, delimiters: str, most: int, headers: bool = False) -> str | None:
         """Characters before the next delimiter, which is left out; None at the end of the file.
 
         headers: leave out delimiters in front.
         """
-        if self.mode != "read":
-            raise Fault("a file that was opened to be written is read", "ERR_FILEACC")
         found = bytearray()
-        stops = delimiters.encode("latin-1", "replace")
-        while True:
-            byte = self.stream.read(1)
-            if not byte:
-                return found.decode("latin-1") if found else None
+        stops = delimiters.encode(CODES, "replace")
+        while byte := self.read(1):
             if byte in stops:
                 if headers and not found:
                     continue
-                return found.decode("latin-1")
+                return found.decode(CODES)
             if len(found) == most:
-                self.stream.seek(-1, 1)
-                return found.decode("latin-1")
+                self.file.seek(-1, 1)
+                return found.decode(CODES)
             found += byte
+        return found.decode(CODES) if found else None
 
     def rewind(self) -> None:
-        self.stream.seek(0)
+        self.file.seek(0)
+
+    def skip_line(self) -> None:
+        self.read(0)
+        self.file.readline()
 
     def close(self) -> None:
-        self.stream.close()
-
-
-def opened(path: Path, mode: Mode) -> OpenFile:
-    try:
-        return OpenFile(mode, path.open(MODES[mode]))
-    except OSError as error:
-        raise Fault(f"`{path.name}` cannot be opened: {error.strerror}", "ERR_FILEOPEN") from None
+        self.file.close()

@@ -27,6 +27,7 @@ INSTRUCTIONS: Final[Mapping[str, Function]] = {
     **others.TABLE,
     **displacing.TABLE,
     **errors.TABLE,
+    **files.INSTRUCTIONS,
     **dialogs.INSTRUCTIONS,
     **files.INSTRUCTIONS,
     **interrupts.TABLE,

@@ -1,193 +1,259 @@
-"""Files on the disk of the controller.
+r"""Files on the controller's disk.
 
-Instructions and functions manual, Open, Write, ReadStr, Rewind, IsFile and their kin.
+Manual of instructions and functions, Open, Write, ReadStr and their kin. A file that is opened with
+\Bin is for bytes, any other for lines; ReadBin reads both. What is written is on the disk at once.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
 from typing import Final
 
-from assistant.virtual.rapid.disk import MODES, OpenFile, opened
-from assistant.virtual.rapid.ends import Fault, NotSimulated
+from assistant.virtual.rapid.disk import CODES, MODES, UNITS, Stream
+from assistant.virtual.rapid.ends import UNSURE, Fault, NotSimulated
 from assistant.virtual.rapid.given import Given, takes
 from assistant.virtual.rapid.machine import Function
+from assistant.virtual.rapid.operators import LONGEST_TEXT, whole
+from assistant.virtual.rapid.poses import number
+from assistant.virtual.rapid.precision import single
 from assistant.virtual.rapid.predefined import NUMBERS, TEXTS
-from assistant.virtual.rapid.values import Handle, text_of
+from assistant.virtual.rapid.values import NUMBER, Array, Handle, text_of
+from assistant.virtual.rapid.written import read
 
-LONGEST: Final = 80
-LINE_END: Final = "\n"
-KINDS: Final = ("num", "bool", "pos", "orient", "dnum")
-
-
-def _handle(given: Given) -> Handle:
-    handle = given.place(0).get()
-    if not isinstance(handle, Handle) or handle.type != "iodev":
-        raise Fault("what is no file is used as one")
-    return handle
+LINE: Final = "\n"
+ENDS: Final = "\r\n"
+r"""What is always added to the characters of \Delim."""
 
 
-def _file(given: Given) -> OpenFile:
-    inside = _handle(given).inside
-    if not isinstance(inside, OpenFile):
-        raise Fault("a file that is not open", "ERR_FILEACC")
-    return inside
-
-
-def _open(given: Given) -> None:
-    machine = given.machine
-    name, file = given.text(0), given.optional("file", "string")
-    handle = given.place(1).get()
-    if not isinstance(handle, Handle) or handle.type != "iodev":
-        raise Fault("what is no file is opened as one")
-    if handle.inside is not None:
-        raise NotSimulated("Open of what is open")
-    modes = [mode for mode in MODES if given.has(mode)]
-    if len(modes) != 1:
-        raise NotSimulated("Open of a file without one of Read, Write and Append")
-    path = machine.controller.disk.path(name, file if isinstance(file, str) else "")
-    found = opened(path, modes[0])
-    handle.inside = found
-    machine.at_end.append(found.close)
-
-
-def _close(given: Given) -> None:
-    _file(given).close()
-    _handle(given).inside = None
-
-
-def _rewind(given: Given) -> None:
-    _file(given).rewind()
-
-
-def _write(given: Given) -> None:
-    values = [given.optional(kind, kind) for kind in KINDS if given.has(kind)]
-    said = [given.text(1), *(text_of(value) for value in values if value is not None)]
-    _file(given).write("".join(said) + ("" if given.has("nonewline") else LINE_END))
-
-
-def _read(given: Given) -> str:
-    _asks_outside(given)
-    ends = LINE_END + _delimiters(given)
-    line = _file(given).read(ends, LONGEST, given.has("discardheaders"))
-    if line is None:
-        return TEXTS["eof"]
-    return line.removesuffix("\r") if given.has("removecr") else line
-
-
-def _read_number(given: Given) -> float:
-    _asks_outside(given)
-    line = _file(given).read(LINE_END + _delimiters(given), LONGEST, headers=False)
-    if line is None:
-        return NUMBERS["eof_num"]
-    try:
-        return float(line)
-    except ValueError:
-        raise Fault(f"`{line}` is no number", "ERR_RCVDATA") from None
-
-
-def _delimiters(given: Given) -> str:
-    more = given.optional("delim", "string")
-    return more if isinstance(more, str) else ""
+def _path(given: Given, index: int) -> Path:
+    return given.machine.controller.disk.path(given.text(index))
 
 
 def _asks_outside(given: Given) -> None:
+    """What is waited for may come from outside of the run."""
     if given.machine.controller.disk.outside:
         given.machine.hangs_on.add("outside")
 
 
-def _is_file(given: Given) -> bool:
-    """Whether there is such a file; of a kind that is asked for, which there has to be."""
+def _handle(given: Given, type: str, index: int = 0) -> Handle:
+    value = given.place(index).get()
+    if not isinstance(value, Handle) or value.type != type:
+        raise Fault(f"what is no {type} is used as one")
+    return value
+
+
+def _stream(given: Given, binary: bool | None = None) -> Stream:
+    """The file that is open. binary: what it has to be opened for, None for either."""
+    stream = _handle(given, "iodev").inside
+    if not isinstance(stream, Stream):
+        raise Fault("a file that is not open", "ERR_FILEACC")
+    if binary is not None and stream.binary is not binary:
+        raise Fault("a file of bytes is used as one of lines, or the other way", "ERR_FILEACC")
+    return stream
+
+
+def _open(given: Given) -> None:
+    modes = [mode for mode in MODES if given.has(mode)]
+    if len(modes) != 1:
+        raise NotSimulated("Open of a file without one of Read, Write and Append")
+    handle, file = _handle(given, "iodev", 1), given.optional("file", "string")
+    if isinstance(handle.inside, Stream):
+        raise NotSimulated("Open of what is open")
+    path = given.machine.controller.disk.path(given.text(0), file if isinstance(file, str) else "")
+    handle.inside = Stream.open(path, modes[0], given.has("bin"))
+    given.machine.at_end.append(handle.inside.close)
+
+
+def _close(given: Given) -> None:
+    handle = _handle(given, "iodev")
+    if isinstance(handle.inside, Stream):
+        handle.inside.close()
+    handle.inside = None
+
+
+def _write(given: Given) -> None:
+    values = [given.optional(kind, kind) for kind in KINDS.split() if given.has(kind)]
+    texts = [given.text(1), *(text_of(value) for value in values if value is not None)]
+    line = "".join(texts) + ("" if given.has("nonewline") else LINE)
+    _stream(given, binary=False).write(line.encode(CODES, "replace"))
+
+
+def _write_bytes(given: Given) -> None:
+    buffer, count = given.value(1), whole(given.number(2), "a number of bytes")
+    if not isinstance(buffer, Array) or not 0 <= count <= len(buffer.items):
+        raise Fault(f"{count} bytes of what does not have them", "ERR_OUTOFBND")
+    codes = [whole(number(item), "a byte") for item in buffer.items[:count]]
+    if not all(0 <= code < 256 for code in codes):
+        raise Fault("a byte that is not 0 to 255", UNSURE)
+    _stream(given, binary=True).write(bytes(codes))
+
+
+def _write_text(given: Given) -> None:
+    _stream(given, binary=True).write(given.text(1).encode(CODES, "replace"))
+
+
+def _rewind(given: Given) -> None:
+    _stream(given).rewind()
+
+
+def _read_line(given: Given) -> str:
+    """ReadStr, without the delimiter; `EOF` where nothing is left."""
     _asks_outside(given)
-    path = given.machine.controller.disk.path(given.text(0))
-    asked = [
-        kind
-        for kind in ("directory", "regfile", "fifo", "blockspec", "charspec")
-        if given.has(kind)
-    ]
+    stream = _stream(given, binary=False)
+    line = given.optional_number("line")
+    if line is not None:
+        stream.rewind()
+        for _ in range(whole(line, "the number of a line") - 1):
+            stream.skip_line()
+    text = stream.until(_delimiters(given), LONGEST_TEXT, given.has("discardheaders"))
+    if text is None:
+        return TEXTS["eof"]
+    return text.removesuffix("\r") if given.has("removecr") else text
+
+
+def _delimiters(given: Given) -> str:
+    stated = given.optional("delim", "string")
+    return stated + ENDS if isinstance(stated, str) else LINE
+
+
+def _read_number(given: Given) -> float:
+    _asks_outside(given)
+    text = _stream(given, binary=False).until(_delimiters(given), LONGEST_TEXT)
+    if text is None:
+        return NUMBERS["eof_num"]
+    value = read(text, NUMBER, given.machine.types)
+    if not isinstance(value, float):
+        raise Fault(f"`{text}` as a number", "ERR_RCVDATA")
+    return value
+
+
+def _read_byte(given: Given) -> float:
+    byte = _stream(given).read(1)
+    return float(byte[0]) if byte else NUMBERS["eof_bin"]
+
+
+def _read_text(given: Given) -> str:
+    count = whole(given.number(1), "a number of characters")
+    if count > LONGEST_TEXT:
+        raise Fault(f"{count} characters for a string", "ERR_STRTOOLNG")
+    found = _stream(given, binary=True).read(count)
+    return found.decode(CODES) if found or not count else TEXTS["eof"]
+
+
+def _is_file(given: Given) -> bool:
+    """Without a switch whether it exists; with one whether it is of that type."""
+    _asks_outside(given)
+    path = _path(given, 0)
+    asked = [check for name, check in TYPES.items() if given.has(name)]
     if not asked:
         return path.exists()
     if not path.exists():
         raise Fault(f"there is no `{path.name}`", "ERR_FILEACC")
-    return (asked == ["directory"] and path.is_dir()) or (asked == ["regfile"] and path.is_file())
+    return asked[0](path)
 
 
 def _size(given: Given) -> float:
     _asks_outside(given)
-    path = given.machine.controller.disk.path(given.text(0))
+    path = _path(given, 0)
     if not path.is_file():
         raise Fault(f"there is no file `{path.name}`", "ERR_FILEACC")
-    return float(path.stat().st_size)
+    return single(float(path.stat().st_size))
 
 
-def _changes(act: Callable[[Given], None]) -> Callable[[Given], None]:
-    """What the disk does not allow is an error that the program can recover from."""
+def _changes(act: Callable[[Given], object]) -> Callable[[Given], None]:
+    """What the computer does not allow is an error that the program can recover from."""
 
     def does(given: Given) -> None:
         try:
             act(given)
-        except FileExistsError as error:
-            raise Fault(str(error.strerror), "ERR_FILEEXIST") from None
         except OSError as error:
-            raise Fault(str(error.strerror), "ERR_FILEACC") from None
+            raise Fault(f"the disk is not changed: {error.strerror}", "ERR_FILEACC") from None
 
     return does
 
 
-@_changes
-def _remove(given: Given) -> None:
-    given.machine.controller.disk.path(given.text(0)).unlink()
-
-
-@_changes
-def _make_folder(given: Given) -> None:
-    given.machine.controller.disk.path(given.text(0)).mkdir()
-
-
-@_changes
-def _remove_folder(given: Given) -> None:
-    given.machine.controller.disk.path(given.text(0)).rmdir()
-
-
-@_changes
-def _rename(given: Given) -> None:
-    disk = given.machine.controller.disk
-    old, new = disk.path(given.text(0)), disk.path(given.text(1))
+def _new(given: Given) -> tuple[Path, Path]:
+    old, new = _path(given, 0), _path(given, 1)
+    if not old.is_file():
+        raise Fault(f"there is no file `{old.name}`", "ERR_FILEACC")
     if new.exists():
         raise Fault(f"there is a `{new.name}` already", "ERR_FILEEXIST")
+    return old, new
+
+
+def _rename(given: Given) -> None:
+    old, new = _new(given)
     old.rename(new)
 
 
-@_changes
 def _copy(given: Given) -> None:
-    disk = given.machine.controller.disk
-    old, new = disk.path(given.text(0)), disk.path(given.text(1))
-    if new.exists():
-        raise Fault(f"there is a `{new.name}` already", "ERR_FILEEXIST")
+    old, new = _new(given)
     new.write_bytes(old.read_bytes())
 
 
+def _remove_directory(given: Given) -> None:
+    path, disk = _path(given, 0), given.machine.controller.disk
+    if path in map(disk.folder, UNITS):
+        raise Fault("a unit of the disk cannot be removed", "ERR_FILEACC")
+    path.rmdir()
+
+
+def _open_directory(given: Given) -> None:
+    _asks_outside(given)
+    handle, path = _handle(given, "dir"), _path(given, 1)
+    if not path.is_dir():
+        raise Fault(f"there is no directory `{path.name}`", "ERR_FILEACC")
+    handle.inside = iter([".", "..", *sorted(entry.name for entry in path.iterdir())])
+
+
+def _read_directory(given: Given) -> bool:
+    entries = _handle(given, "dir").inside
+    if not isinstance(entries, Iterator):
+        raise Fault("a directory that is not open", "ERR_FILEACC")
+    name = next(entries, None)
+    given.place(1).set("" if name is None else str(name))
+    return name is not None
+
+
+def _close_directory(given: Given) -> None:
+    _handle(given, "dir").inside = None
+
+
+KINDS: Final = "num bool pos orient dnum"
+TYPES: Final[Mapping[str, Callable[[Path], bool]]] = {
+    "directory": Path.is_dir,
+    "regfile": Path.is_file,
+    "fifo": Path.is_fifo,
+    "blockspec": Path.is_block_device,
+    "charspec": Path.is_char_device,
+}
+
 INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
     (
-        takes("Open", 2, _open, "file read write append"),
+        takes("Open", 2, _open, "file read write append bin"),
         takes("Close", 1, _close),
+        takes("Write", 2, _write, f"{KINDS} nonewline"),
+        takes("WriteBin", 3, _write_bytes),
+        takes("WriteStrBin", 2, _write_text),
         takes("Rewind", 1, _rewind),
-        takes("Write", 2, _write, f"{' '.join(KINDS)} nonewline"),
-        takes("RemoveFile", 1, _remove),
-        takes("RenameFile", 2, _rename),
-        takes("CopyFile", 2, _copy),
-        takes("MakeDir", 1, _make_folder),
-        takes("RemoveDir", 1, _remove_folder),
+        takes("RemoveFile", 1, _changes(lambda given: _path(given, 0).unlink())),
+        takes("RenameFile", 2, _changes(_rename)),
+        takes("CopyFile", 2, _changes(_copy)),
+        takes("MakeDir", 1, _changes(lambda given: _path(given, 0).mkdir())),
+        takes("RemoveDir", 1, _changes(_remove_directory)),
+        takes("OpenDir", 2, _open_directory),
+        takes("CloseDir", 1, _close_directory),
     )
 )
 FUNCTIONS: Final[Mapping[str, Function]] = dict(
     (
-        takes("ReadStr", 1, _read, "delim removecr discardheaders time"),
+        takes("ReadStr", 1, _read_line, "delim removecr discardheaders time line"),
         takes("ReadNum", 1, _read_number, "delim time"),
-        takes("IsFile", 1, _is_file, "directory fifo regfile blockspec charspec"),
+        takes("ReadBin", 1, _read_byte, "time"),
+        takes("ReadStrBin", 2, _read_text, "time"),
+        takes("IsFile", 1, _is_file, " ".join(TYPES)),
         takes("FileSize", 1, _size),
+        takes("ReadDir", 2, _read_directory),
     )
 )
-r"""Files that are read and written at once or in bytes (`\Bin`), and serial lines, are not
-simulated.
-"""
