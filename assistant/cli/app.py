@@ -17,7 +17,10 @@ from assistant.cli.options import (
     FromRobot,
     LanguageOption,
     ProcessOption,
+    ProveOption,
     RobotOption,
+    SeedOption,
+    SignalsOption,
     Source,
     Sources,
     UnitOption,
@@ -79,10 +82,14 @@ def compile(
     from_language: FromLanguage = None,
     from_robot: FromRobot = None,
     entry: EntryOption = None,
+    prove: ProveOption = False,
+    signals: SignalsOption = None,
+    seed: SeedOption = 0,
     format: FindingFormatOption = FindingFormat.TEXT,
 ) -> None:
     """Write sources in a robot language, read back and compared before anything is written."""
     from assistant.cli.compiling import run_compile
+    from assistant.cli.proving import proving
 
     raise typer.Exit(
         run_compile(
@@ -97,6 +104,7 @@ def compile(
             from_language=from_language,
             from_robot=from_robot,
             entry=entry,
+            proving=proving(prove, signals, seed),
             format=format,
         )
     )
@@ -126,9 +134,13 @@ def translate(
     frames: FramesOption = FramesAs.BASE,
     from_language: FromLanguage = None,
     entry: EntryOption = None,
+    prove: ProveOption = False,
+    signals: SignalsOption = None,
+    seed: SeedOption = 0,
     format: FindingFormatOption = FindingFormat.TEXT,
 ) -> None:
     """Write robot programs in another language; tell of every statement what becomes of it."""
+    from assistant.cli.proving import proving
     from assistant.cli.translating import Options, run_translate
 
     options = Options(
@@ -140,6 +152,7 @@ def translate(
         from_language=from_language,
         draft=draft,
         entry=entry,
+        proving=proving(prove, signals, seed),
     )
     raise typer.Exit(run_translate(programs, options, output=output, report=report, format=format))
 

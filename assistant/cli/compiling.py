@@ -24,6 +24,7 @@ from assistant.program.diagnostics import Diagnostic, Refused, Unreadable, error
 
 if TYPE_CHECKING:
     from assistant.compiler import Compiled, Loaded
+    from assistant.compiler.motion import Proving
     from assistant.program.text import SourceText
 
 NOT_ONE_FILE = error("CL002", "there are {count} files to print", "name a folder with --output")
@@ -51,6 +52,7 @@ def run_compile(
     from_robot: str | None,
     format: FindingFormat,
     entry: str | None = None,
+    proving: Proving | None = None,
 ) -> int:
     from assistant.compiler import compile
     from assistant.compiler.arms import robot_of
@@ -77,6 +79,7 @@ def run_compile(
                 most_targets=most_targets,
                 frames=frames.value,
                 entry=entry,
+                proving=proving,
             )
             done.append((source, compiled))
     findings = list(answers.refusals)
@@ -106,7 +109,8 @@ def run_compile(
         print_findings(findings)
         if output != STANDARD:
             for source, compiled in done:
-                say(f"{source}: {compiled.proof.line()}")
+                for line in compiled.proof_lines():
+                    say(f"{source}: {line}")
             for name in written:
                 say(f"wrote {name}")
     return max(answers.status, 0 if ok else 1)
@@ -205,6 +209,7 @@ def _answer(
                     "position_mm": comparison.position,
                     "angle_deg": comparison.angle,
                 },
+                "motion": None if compiled.motion is None else compiled.motion.record(),
             }
             for source, compiled in done
         ],

@@ -77,3 +77,14 @@ FindingFormatOption = Annotated[
 FormatOption = Annotated[
     Format, typer.Option("--format", help="For people or for programs.", callback=answer_as)
 ]
+ProveOption = Annotated[
+    bool,
+    typer.Option("--prove", help="Run the source and what is written, and compare what they do."),
+]
+SignalsOption = Annotated[
+    Path | None,
+    typer.Option(help="With --prove: a script of the inputs; default a search for all branches."),
+]
+SeedOption = Annotated[
+    int, typer.Option(help="With --prove: of what the search draws; the same gives the same.")
+]

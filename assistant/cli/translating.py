@@ -29,6 +29,7 @@ from assistant.program.diagnostics import Refused
 
 if TYPE_CHECKING:
     from assistant.compiler import Loaded
+    from assistant.compiler.motion import Proving
     from assistant.report.translation import Translated
 
 STYLES: Final = {"supported": "green", "partial": "yellow", "not": "bold red"}
@@ -46,6 +47,7 @@ class Options:
     from_language: str | None
     draft: bool
     entry: str | None
+    proving: Proving | None = None
 
     def check(self) -> None:
         """Raises Refused for what no program could be translated with."""
@@ -142,6 +144,7 @@ def _translated(name: str, options: Options) -> Translated:
         language=options.from_language,
         draft=options.draft,
         entry=options.entry,
+        proving=options.proving,
     )
     return Translated("standard input" if name == STANDARD else name, translation)
 
@@ -174,7 +177,8 @@ def _show(one: Translated) -> None:
     else:
         for line in lines(one):
             say(line)
-    say(f"{one.source}: {translation.proof.line()}")
+    for line in translation.written.proof_lines():
+        say(f"{one.source}: {line}")
     if translation.draft:
         say(f"{one.source}: the files are a draft, with a stop for each that is not said")
 

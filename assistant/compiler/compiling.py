@@ -14,6 +14,8 @@ from assistant.compiler.crossing import for_arm, unsaid, without_unused
 from assistant.compiler.entering import entered
 from assistant.compiler.joint_speeds import at_a_speed, at_the_pace
 from assistant.compiler.loading import Loaded, language_of, load
+from assistant.compiler.motion import MotionProof, Proving, prove_motion
+from assistant.compiler.motion_sides import Made
 from assistant.compiler.proof import SAYS_OTHERWISE, Proof, prove
 from assistant.compiler.source_map import Places
 from assistant.program.diagnostics import (
@@ -64,7 +66,8 @@ class Compiled:
     files: bytes by file name, empty if anything forbids writing them. program: the
     pseudo-program as the language says it. source: the one that it was made of. found: every
     finding, the worst of them may be errors; those of the source have its spans alone.
-    wanting: errors that follow from these, see `Adapted`.
+    wanting: errors that follow from these, see `Adapted`. motion: the proof by motion, None where
+    it was not asked for.
     """
 
     program: Program
@@ -75,11 +78,18 @@ class Compiled:
     files: dict[str, bytes] = field(default_factory=dict)
     found: tuple[Diagnostic, ...] = ()
     wanting: tuple[Diagnostic, ...] = ()
+    motion: MotionProof | None = None
 
     @property
     def findings(self) -> tuple[Diagnostic, ...]:
         """Those that were found, at their lines, folded."""
         return fold(map(self.places.finding, self.found))
+
+    def proof_lines(self) -> Iterator[str]:
+        """What was proven, a line each."""
+        yield f"text read back: {self.proof.line()}"
+        if self.motion is not None:
+            yield f"motion compared: {self.motion.line()}"
 
     @property
     def ok(self) -> bool:
@@ -97,6 +107,7 @@ def compile(
     most_targets: int | None = None,
     frames: Frames = "base",
     entry: str | None = None,
+    proving: Proving | None = None,
 ) -> Compiled:
     """The source as a program of the language, read back and compared before it is given out.
 
@@ -106,7 +117,8 @@ def compile(
     vendor program was written for. most_targets: of one unit, for controllers that take less.
     frames: how a language without work objects says them, see `Language.with_frames`.
     entry: the procedure that the program begins with, where it is not the one that its source
-    says. Raises Unreadable or Refused for input that cannot be used at all.
+    says. proving: how a proof by motion is sought, None for none; nothing is given out that lacks
+    one that was asked for. Raises Unreadable or Refused for input that cannot be used at all.
     """
     target = language_of(language).with_frames(frames)
     if most_targets is not None and most_targets < LEAST_TARGETS:
@@ -121,7 +133,21 @@ def compile(
     program = entered(loaded.program, entry)
     arms = Arms(robot_of(robot), robot_of(from_robot), loaded.joint_speed)
     compiled = compile_program(program, Places(program), target, arms, most_targets)
+    compiled = proven_by_motion(compiled, arms, proving, entry)
     return replace(compiled, found=(*loaded.findings, *compiled.found))
+
+
+def proven_by_motion(
+    compiled: Compiled, arms: Arms, proving: Proving | None, entry: str | None
+) -> Compiled:
+    """A program with its proof by motion, if one is asked for; without files if that fails."""
+    if proving is None or not compiled.ok:
+        return compiled
+    made = Made(compiled.source, compiled.program, compiled.language, compiled.files)
+    motion = prove_motion(made, arms, proving, entry)
+    files = compiled.files if motion.holds else {}
+    found = (*compiled.found, *motion.findings)
+    return replace(compiled, motion=motion, files=files, found=found)
 
 
 def compile_program(

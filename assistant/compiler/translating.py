@@ -8,10 +8,11 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 
 from assistant.compiler.arms import Arms, robot_of
-from assistant.compiler.compiling import Compiled, compile_program
+from assistant.compiler.compiling import Compiled, compile_program, proven_by_motion
 from assistant.compiler.drafting import draft as drafted
 from assistant.compiler.entering import entered
 from assistant.compiler.loading import Loaded, language_of, load
+from assistant.compiler.motion import MotionProof, Proving
 from assistant.compiler.proof import Proof
 from assistant.compiler.source_map import Place, Places, Trace
 from assistant.program import statements as p
@@ -86,6 +87,11 @@ class Translation:
         return self.written.proof
 
     @property
+    def motion(self) -> MotionProof | None:
+        """The proof by motion, None where it was not asked for."""
+        return self.written.motion
+
+    @property
     def totals(self) -> dict[Level, int]:
         """How many statements there are at each level; rows of a table count one by one."""
         return {level: sum(r.count for r in self.rows if r.level == level) for level in LEVELS}
@@ -104,6 +110,7 @@ def translate(
     frames: Frames = "base",
     draft: bool = False,
     entry: str | None = None,
+    proving: Proving | None = None,
 ) -> Translation:
     """A vendor program in another language, for another arm if one is named.
 
@@ -111,7 +118,8 @@ def translate(
     of the other cell. language: of the source, if neither suffix nor text tell.
     frames: how a language without work objects says them, see `Language.with_frames`. draft: gives
     files also if some statements cannot be said: each stands as a comment behind a stop.
-    entry: the procedure that the program begins with, where the source has no `main`.
+    entry: the procedure that the program begins with, where the source has no `main`. proving: how
+    a proof by motion is sought, None for none; nothing is given out that lacks one then.
     Raises Unreadable or Refused for what cannot be read at all.
     """
     target, arms = language_of(to).with_frames(frames), Arms(robot_of(robot), robot_of(from_robot))
@@ -128,6 +136,8 @@ def translate(
     if not compiled.ok:
         drawn, later = drafted(compiled, target, arms, most_targets)
         written = drawn if draft else compiled
+    else:
+        written = compiled = proven_by_motion(compiled, arms, proving, entry)
     rows, whole = _report(compiled, written, later)
     return Translation(
         compiled,

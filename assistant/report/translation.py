@@ -67,6 +67,7 @@ def record(one: Translated) -> dict[str, Any]:
             "position_mm": comparison.position,
             "angle_deg": comparison.angle,
         },
+        "motion": None if translation.motion is None else translation.motion.record(),
     }
 
 
@@ -83,7 +84,7 @@ def page(done: Sequence[Translated]) -> str:
                 {**_row(row), "went": list(map(_at, row.went))} for row in one.translation.rows
             ],
             "whole": one.translation.whole,
-            "proof": one.translation.proof.line(),
+            "proof": "; ".join(one.translation.written.proof_lines()),
             "files": [(n, _shown(data)) for n, data in one.translation.files.items()],
         }
         for one in done

@@ -40,8 +40,8 @@ SINGLE: Final = 2.0**-22
 BLEND: Final = 0.01
 TIME: Final = 1e-3
 
-Bits = Mapping[str, Sequence[int]]
-"""Numbers of a signal's bits, the lowest first, by its name in lower case."""
+Bits = Mapping[str, Sequence[int] | str]
+"""Numbers of a signal's bits, the lowest first, or its other name, by its name in lower case."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,8 +93,9 @@ def likeness(
     narrower. Joints are compared where nothing tells which flange they give: two arms that stand
     alike have other ones. Speeds of joint motions are not compared: they are percentages of an
     arm's own. A run of the first that waits for ever, or ends for good, may be one without end in
-    the second. Of a run that was broken off only what was told is compared. rounding: what one of
-    the texts prints; without it places may be apart by POSITION and ANGLE.
+    the second. Where the first ends with an error, the second may stop. Of a run that was broken
+    off only what was told is compared. rounding: what one of the texts prints; without it places
+    may be apart by POSITION and ANGLE.
     """
     ours = list(_doings(first, signals or {}))
     others = list(_doings(second, signals or {}))
@@ -107,6 +108,10 @@ def likeness(
     if {"steps", "unknown"} & set(both) and both != ("stopped", "steps"):
         shorter = min(len(ours), len(others))
         ours, others = ours[:shorter], others[:shorter]
+    if first.ended == "error" and all(x.what == Stopped() for x in others[len(ours) :]):
+        # where a controller would stop with an error, another one may just stop
+        if len(others) > len(ours):
+            others, halted = others[: len(ours)], True
     comparing = _Comparing(rounding, reach_of([x.what for x in ours if isinstance(x.what, Moved)]))
     for number, (one, two) in enumerate(zip_longest(ours, others), 1):
         if one is None:
@@ -155,7 +160,7 @@ class _Comparing:
     def _motion(self, one: Moved, two: Moved) -> str | None:
         if one.kind != two.kind:
             return "another kind of motion"
-        allowed = self._allowed(one)
+        allowed = self._allowed(two)
         self.place = 2.0 * allowed.tip
         if one.flange is None or two.flange is None:
             if one.joints is None or two.joints is None:
@@ -222,7 +227,8 @@ def _end(run: Run) -> str:
 def _doings(run: Run, signals: Bits) -> Iterator[Logged]:
     """The events that count, signals as the bits that change."""
     state: dict[str, float] = {}
-    named = {str(number) for numbers in signals.values() for number in numbers}
+    counted = [numbers for numbers in signals.values() if not isinstance(numbers, str)]
+    named = {str(number) for numbers in counted for number in numbers}
     for row in run.log or [Logged(0.0, "", None, event) for event in run.events]:
         match row.what:
             case Said() | Reported() | Noted() | Waited(seconds=0.0):
@@ -244,8 +250,8 @@ def _as(row: Logged, event: Event) -> Logged:
 
 def _bits(signal: str, value: float, signals: Bits) -> Iterator[tuple[str, float]]:
     numbers = signals.get(signal)
-    if numbers is None:
-        yield signal, value
+    if numbers is None or isinstance(numbers, str):
+        yield numbers or signal, value
         return
     for place, number in enumerate(numbers):
         yield str(number), float(int(value) >> place & 1)

@@ -1,13 +1,13 @@
 """How far two runs may be apart because the text of one of them prints so many decimals.
 
-A text holds constants: positions, frames, tools. Each value of one is off by half of its last
-decimal at most, three values of a place by √3 of that; an orientation is off by an angle, which
-moves what is told in it by the angle times its lever. What a robot does hangs on few constants:
+A text holds constants: targets, frames, tools. Each value of one is off by half of its last decimal
+at most, three values of a place by √3 of that; an orientation is off by an angle, which moves what
+is told in it by the angle times its lever. Where a robot goes hangs on few of them:
 
-- the target;
-- what the program moves it by, or reads it from, on the way there;
+- the target; a place that is a constant of the text hangs on no other one but its frame;
 - the frame that it is told in: its angle counts with the distance from the frame to the tip;
-- the tool: its angle counts with its length, since the place of the flange follows from both.
+- where the target is worked out, what it is moved by or was read from, and the tool: when a place
+  is read, that of the flange follows from both, so that its angle counts with the tool's length.
 
 A frame or a tool that is none of its own (the base, the flange) is no constant. Joint values are
 off by half of their last decimal each; how far that moves the tip is at most the sum of them times
@@ -17,8 +17,8 @@ how far the arm reaches.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
@@ -26,15 +26,17 @@ import numpy as np
 from assistant.program.geometry import IDENTITY, Pose
 from assistant.virtual.events import Moved
 
-TARGET_AND_SHIFT: Final = 2
-"""Constants that every visit may hang on; its frame and its tool count where they are some."""
 SLACK: Final = 1e-6
 """mm and degrees that working numbers out may add."""
+SINGLE: Final = 2.0**-22
+"""Of a number, where a controller keeps numbers in single precision and works with a few."""
+NEAR: Final = 4
+"""Decimals of mm by which a place is known again."""
 
 
 @dataclass(frozen=True, slots=True)
 class Allowed:
-    """mm and degrees that the tips, and the tools on their flanges, may be apart."""
+    """Mm and degrees that the tips, and the tools on their flanges, may be apart."""
 
     tip: float
     angle: float
@@ -43,33 +45,78 @@ class Allowed:
 
 
 @dataclass(frozen=True, slots=True)
+class Printed:
+    """What the text prints of one constant, if that is not what it prints of most.
+
+    value: mm, half of the last decimal of a coordinate. angle: degrees, of the orientation, whose
+    three angles are off by half of their last decimal each.
+    """
+
+    value: float
+    angle: float
+
+
+@dataclass(frozen=True, slots=True)
 class Rounding:
-    """What a language prints. value: mm, half of the last decimal of a coordinate. angle: degrees,
-    of a whole orientation, whose three angles are off by half of their last decimal each. joint:
-    degrees, of a joint value.
+    """What a text prints of any constant. joint: degrees, of a joint value.
+
+    constants: what it prints of those that it holds, by their place. A frame may stand as its
+    inverse.
     """
 
     value: float
     angle: float
     joint: float
+    constants: dict[tuple[float, ...], Printed] = field(default_factory=dict)
+
+    def of(self, poses: Iterable[tuple[Pose, Printed]]) -> Rounding:
+        """With the constants that a text holds."""
+        found = dict(self.constants)
+        for pose, printed in poses:
+            found |= {_key(pose): printed, _key(pose.inverse()): printed}
+        return Rounding(self.value, self.angle, self.joint, found)
 
     def allowed(self, move: Moved, reach: float) -> Allowed:
-        """How far another program's motion may be from one. reach: mm, the farthest of all tips."""
-        place, turn = math.sqrt(3.0) * self.value + SLACK, self.angle + SLACK
-        constants, lever = TARGET_AND_SHIFT, 0.0
-        if move.tool != IDENTITY:
-            constants += 1
-            lever += math.hypot(*move.tool.position)
-        if move.frame != IDENTITY and (tip := tip_of(move)) is not None:
-            constants += 1
-            lever += math.dist(tip.position, move.frame.position)
-        tip_apart = constants * place + math.radians(turn) * lever
-        angle = constants * turn
+        """How far a motion may be from what was meant. reach: mm, the farthest of all tips."""
+        far, turned, tip = SLACK + SINGLE * reach, SLACK, tip_of(move)
+        target = None if tip is None else move.frame.inverse() @ tip
+        known = None if target is None else self.constants.get(_key(target))
+        for printed in (known or self._any, self._any):  # the target, and what may turn it
+            turned += printed.angle
+        far += _place(known or self._any)
+        if known is None:
+            far += _place(self._any)
+            if move.tool != IDENTITY:
+                printed = self._printed(move.tool)
+                turned += printed.angle
+                length = math.hypot(*move.tool.position)
+                far += _place(printed) + math.radians(printed.angle) * length
+        if move.frame != IDENTITY and tip is not None:
+            printed = self._printed(move.frame)
+            turned += printed.angle
+            lever = math.dist(tip.position, move.frame.position)
+            far += _place(printed) + math.radians(printed.angle) * lever
         if move.joints is not None:
             joints = len(move.joints) * (self.joint + SLACK)
-            tip_apart += math.radians(joints) * reach
-            angle += joints
-        return Allowed(tip_apart, angle, 2.0 * place, 2.0 * turn)
+            far += math.radians(joints) * reach
+            turned += joints
+        tool = self._printed(move.tool)
+        return Allowed(far, turned, _place(tool) + SLACK, tool.angle + SLACK)
+
+    @property
+    def _any(self) -> Printed:
+        return Printed(self.value, self.angle)
+
+    def _printed(self, pose: Pose) -> Printed:
+        return self.constants.get(_key(pose), self._any)
+
+
+def _place(printed: Printed) -> float:
+    return math.sqrt(3.0) * printed.value
+
+
+def _key(pose: Pose) -> tuple[float, ...]:
+    return tuple(round(value, NEAR) + 0.0 for value in pose.position)
 
 
 def tip_of(move: Moved) -> Pose | None:

@@ -53,10 +53,10 @@ class Kernel:
     statement_time: seconds that a statement takes. pace: simulated seconds for each real one,
     None for as fast as possible. watch: is asked before each statement, to trace it or to hold the
     run. branch: is told of each way that a statement goes on: its file, where it stands there, and
-    which way, counted from 0. stuck: is asked before the run ends because a task waits for what
-    nothing will bring; True if it has brought it. told: is told of each event. clock: simulated
-    seconds, but behind `now` while a program runs ahead of its arm. person: answers what programs
-    ask. shared: whether several tasks run.
+    which way, counted from 0. stuck: is asked where a task waits, before its time is over or the
+    run ends; True if it has brought what is waited for. told: is told of each event. clock:
+    simulated seconds, but behind `now` while a program runs ahead of its arm. person: answers what
+    programs ask. shared: whether several tasks run.
     """
 
     board: Board = field(default_factory=Board)
@@ -162,14 +162,22 @@ class Kernel:
                 self.end(Ending())
             elif not went and not self.stirred:
                 self._advance(rest)
-        elif not went and not self.stirred and before == self.steps and not self._advance():
-            self._stuck()
+        elif not went and not self.stirred and before == self.steps:
+            if not self._helped() and not self._advance():
+                self._stuck()
 
     def _ended(self, task: Task) -> None:
         self.tasks.remove(task)
         self.shared = len(self.tasks) > 1
         if task.ended is not None and task.ended.ended != "end":
             self.end(task.ended, task)
+
+    def _helped(self) -> bool:
+        """Whether somebody brings what a task waits for whose time would be over some day."""
+        if self.stuck is None:
+            return False
+        waiting = [task for task in self.tasks if task.waiting and task.wakes < math.inf]
+        return any(self.stuck(task) for task in waiting if task.until is not None)
 
     def _stuck(self) -> None:
         """Nothing that could still happen ends the wait of any task."""

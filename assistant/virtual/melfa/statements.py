@@ -58,6 +58,8 @@ def _assign(m: Machine, node: s.Assign) -> None:
         if not status.WIDTHS[key][0]:
             raise Failed(3210, f"{target.name} is written")
         _switch(m, node, first, status.WIDTHS[key][1], whole(value))
+    elif status.REGISTERS.get(key) and not m.is_own(key):
+        m.world.set_register(_index(m, target), value)
     elif key == "M_TIMER":
         m.world.set_timer(status.timer_number(_index(m, target)), float(whole(value)))
     elif key == "M_HND":

@@ -69,6 +69,9 @@ WIDTHS: Final[Mapping[str, tuple[bool, int]]] = {
 }  # fmt: skip
 """Signals: whether it is an output, and its bits."""
 
+REGISTERS: Final[Mapping[str, bool]] = {"M_DIN": False, "M_DOUT": True}
+"""Registers of a field bus: whether it is an output."""
+
 IO_WIDTHS: Final = {"BIT": 1, "BYTE": 8, "WORD": 16, "INTEGER": 16, "DWORD": 32}
 """Of `Def Io`."""
 
@@ -100,6 +103,8 @@ def read(world: World, name: str, arguments: tuple[Value, ...]) -> Value:
         output, width = WIDTHS[name]
         value = world.read(output, index[0], width)
         return _signed(world, value, width)
+    if name in REGISTERS and len(index) == 1:
+        return world.register(REGISTERS[name], index[0])
     if name == "M_TIMER" and len(index) == 1:
         return world.timer(timer_number(index[0]))
     if name in HANDS and len(index) == 1:

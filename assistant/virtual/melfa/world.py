@@ -16,6 +16,7 @@ from assistant.virtual.melfa.options import Options
 from assistant.virtual.melfa.plugins import Command, Given
 from assistant.virtual.melfa.stops import Failed, Unknown, out_of_range
 from assistant.virtual.melfa.values import Value
+from assistant.virtual.melfa.values import number as number_of
 from assistant.virtual.on_way import told
 
 if TYPE_CHECKING:
@@ -29,6 +30,7 @@ STEP_TIME: Final = 0.001
 
 MOST_PULSES: Final = 4
 """At once (COSIROP: DLY)."""
+REGISTER: Final = 1 << 15
 
 Inputs = Callable[[int], int]
 """The state of an input, 0 or 1, by its number."""
@@ -137,6 +139,22 @@ class World:
                 else:
                     self.held.append(Switched(name, bit))
 
+    def set_register(self, number: int, value: Value) -> None:
+        """A register of a field bus, which holds a whole number of 16 bits."""
+        if not float(number_of(value)).is_integer():
+            raise Unknown(f"what a register makes of {value}, which is no whole number")
+        if not -REGISTER <= number_of(value) < REGISTER:
+            raise Unknown(f"{value} in a register of 16 bits")
+        changed = Switched(register(number), float(number_of(value)))
+        if self.held is None:
+            self.task.switch(changed.signal, changed.value)
+        else:
+            self.held.append(changed)
+
+    def register(self, output: bool, number: int) -> int:
+        board = self.task.kernel.board
+        return int((board.outputs if output else board.inputs).read(register(number)))
+
     def go(self, moved: Moved, before: Pose | None) -> None:
         """Commands a motion. before: the flange where it begins, None if that is not known."""
         if self.on_way is not None and self.appended:
@@ -192,3 +210,8 @@ def inputs_of(given: Mapping[int, int] | Inputs | None) -> Source:
     if callable(given):
         return lambda name: given(int(name))
     return {str(number): float(bool(value)) for number, value in given.items()}
+
+
+def register(number: int) -> str:
+    """How the board calls a register of a field bus."""
+    return f"register{number}"

@@ -1,0 +1,142 @@
+"""Two programs that are run for a proof by motion: their arms, and their signals as wires."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant.compiler.arms import Arms, known_robot, taught_on
+from assistant.compiler.loading import language_of
+from assistant.program.program import Program, Signal
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+    from assistant.virtual.comparing import Bits
+    from assistant.virtual.proving.sides import Side
+    from assistant.virtual.proving.wires import Wiring
+
+HAND_NUMBERS: Final = 9000
+"""Numbers of no signal, for the hands that a language has words for."""
+HANDS: Final = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Made:
+    """What was written: a program as its language says it, its files, and what it was made of."""
+
+    source: Program
+    program: Program
+    language: str
+    files: Mapping[str, bytes]
+
+    @property
+    def signals(self) -> dict[str, Signal]:
+        """Of both programs by their names, with numbers where either has them."""
+        found: dict[str, tuple[str, Signal]] = {}
+        for program in (self.source, self.program):
+            for name, signal in program.signals.items():
+                known = found.get(name.lower())
+                if known is None or known[1].number is None:
+                    found[name.lower()] = name, signal
+        return dict(found.values())
+
+
+def sides(made: Made, written: Sequence[Any], arms: Arms, entry: str | None) -> tuple[Side, Side]:
+    """The source and what was written, parsed, before the same motion and with the same signals."""
+    from assistant.virtual.proving.sides import PLAIN_START, Side
+    from assistant.virtual.running import home
+
+    source = made.source
+    assert source.origin is not None
+    here, there = taught_on(source, arms), arms.robot or known_robot(source.robot)
+    start = home(here) or home(there) or PLAIN_START
+    signals = {name.lower(): signal for name, signal in made.signals.items()}
+
+    def side(language: str, files: Sequence[Any], robot: Robot | None, begin: str) -> Side:
+        family = language_of(language).family
+        return Side(
+            family=family,
+            trees=tuple(files),
+            robot=robot,
+            start=start,
+            entry=begin,
+            wiring=_wiring(signals, family),
+            outputs=_other_names(signals, family),
+        )
+
+    first = side(source.origin.language, source.origin.trees, here, entry or "main")
+    return first, side(made.language, written, there, "main")
+
+
+def names_of_wires(made: Made) -> dict[str, str]:
+    """What people call the wires of inputs, where that is one each."""
+    found = {}
+    for name, signal in made.signals.items():
+        if signal.direction == "input" and signal.number is not None and signal.bits == 1:
+            found[str(_register(signal) if signal.kind == "analog" else signal.number)] = name
+    return found
+
+
+def _wiring(signals: Mapping[str, Signal], family: str) -> Wiring:
+    """What a program of a family calls the inputs: by their numbers where it counts them."""
+    from assistant.virtual.proving.sides import counts_signals
+    from assistant.virtual.proving.wires import Wiring
+
+    named: dict[str, tuple[str, ...]] = {}
+    wide: set[str] = set()
+    for name, signal in signals.items():
+        if signal.direction != "input":
+            continue
+        wires = tuple(map(str, _numbers(signal))) or (_register(signal) or name,)
+        named[name] = wires
+        if counts_signals(family):
+            named |= {wire: (wire,) for wire in wires}
+        if len(wires) == 1 and signal.kind != "digital":
+            wide |= {name, *wires}
+    return Wiring(named, frozenset(wide))
+
+
+def _numbers(signal: Signal) -> range:
+    """Of its bits; none of an analog one."""
+    first = signal.number
+    if first is None or signal.kind == "analog":
+        return range(0)
+    return range(first, first + signal.bits)
+
+
+def _register(signal: Signal) -> str | None:
+    """What programs that count signals have for an analog one."""
+    from assistant.virtual.melfa.world import register
+
+    return None if signal.number is None else register(signal.number)
+
+
+def outputs_of(made: Made, families: Sequence[str]) -> Bits:
+    """Numbers of what one program names and the other one counts."""
+    if len(set(families)) == 1:
+        return {}
+    hands = {
+        name: (HAND_NUMBERS + hand,)
+        for hand in range(1, HANDS + 1)
+        for name in (f"hand{hand}", f"hand{hand}_open")
+    }
+    given = {
+        name.lower(): tuple(_numbers(signal)) or str(_register(signal))
+        for name, signal in made.signals.items()
+        if signal.direction == "output" and signal.number is not None
+    }
+    return {**hands, **given}
+
+
+def _other_names(signals: Mapping[str, Signal], family: str) -> dict[str, str]:
+    """What a program calls outputs of one bit, by their names or else by their numbers."""
+    from assistant.virtual.proving.sides import counts_signals
+
+    found: dict[str, str] = {}
+    for name, signal in signals.items():
+        numbers = _numbers(signal)
+        if signal.direction == "output" and len(numbers) == 1:
+            pair = (name, str(numbers[0]))
+            found |= {pair[0]: pair[1]} if counts_signals(family) else {pair[1]: pair[0]}
+    return found

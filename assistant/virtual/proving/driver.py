@@ -1,0 +1,255 @@
+"""What a program reads while it runs: inputs that change by what it has done so far.
+
+Time is another one in two languages, what they do is not: an input changes when so many motions,
+delays and stops have been told (beats), or when the program has waited for so long that nothing but
+an input can help it (idle). So both programs read the same.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Final, Protocol
+
+from assistant.virtual.branches import Way
+from assistant.virtual.events import Logged, Moved, Stopped, Waited
+from assistant.virtual.kernel import Kernel, Signals, Task
+from assistant.virtual.proving.wires import Wiring
+
+POLLS: Final = 200
+"""Readings at one beat and one place after which a program waits in a loop of its own."""
+MOST_ANSWERS: Final = 60
+"""Waits that are answered in one run: a program of an endless cycle has seen enough by then."""
+MOST_SAID: Final = 5
+"""Changes of inputs that a finding names."""
+RECENT: Final = 12
+"""Readings before a branch that it may hang on."""
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """When an input changes: after a beat, at once or when the program idles for the nth time."""
+
+    beat: int = 0
+    idle: int = 0
+
+    @property
+    def order(self) -> tuple[int, int]:
+        return self.beat, self.idle
+
+
+State = tuple[tuple[str, float], ...]
+"""Wires and what they are from then on, in order of their names."""
+
+
+@dataclass(frozen=True, slots=True)
+class Scenario:
+    """What the inputs are over a run; those that are not named are 0."""
+
+    changes: tuple[tuple[Moment, State], ...] = ()
+
+    def at(self, moment: Moment) -> State | None:
+        """What becomes of inputs at a moment: nothing if it is empty, nobody says if it is None."""
+        return next((state for when, state in self.changes if when == moment), None)
+
+    def changed(self, moment: Moment, state: Mapping[str, float]) -> Scenario:
+        """The same with other inputs from a moment on."""
+        then = {**dict(self.at(moment) or ()), **state}
+        now = dict(self.changes) | {moment: tuple(sorted(then.items()))}
+        return Scenario(tuple(sorted(now.items(), key=lambda one: one[0].order)))
+
+    def silent(self, moment: Moment) -> Scenario:
+        """The same up to a moment, at which nothing becomes of inputs."""
+        before = tuple(one for one in self.changes if one[0].order < moment.order)
+        return Scenario((*before, (moment, ())))
+
+    def until(self, moment: Moment) -> Scenario:
+        """The same up to a moment, and what becomes of inputs then."""
+        return Scenario(tuple(one for one in self.changes if one[0].order <= moment.order))
+
+    def said(self, names: Mapping[str, str]) -> str:
+        """For people. names: of wires, as they know them."""
+        told = [
+            ", ".join(f"{names.get(wire, wire)}={value:g}" for wire, value in state)
+            for _, state in self.changes
+            if state
+        ]
+        more = "" if len(told) <= MOST_SAID else f", and {len(told) - MOST_SAID} changes more"
+        return (", then ".join(told[:MOST_SAID]) or "all inputs 0") + more
+
+
+@dataclass(frozen=True, slots=True)
+class Taken:
+    """A way that was gone, and the inputs that were read shortly before. moment: of the reading."""
+
+    way: Way
+    read: tuple[tuple[str, Moment], ...]
+
+
+class Answering(Protocol):
+    """Says what a wait is for."""
+
+    def answer(self, driver: Driver, task: Task, read: tuple[str, ...]) -> Mapping[str, float]:
+        """What wires are to become so that a program goes on; empty for nothing.
+
+        read: the names that it reads while it waits.
+        """
+
+
+@dataclass(eq=False)
+class Driver(Mapping[str, float]):
+    """Plays a scenario to a program: the inputs of its board, as a table by its names.
+
+    answering: who ends waits that the scenario does not end; None for nobody. played: the scenario
+    with these answers. taken: each way that was gone, by its first time. reads: names ever read.
+    ended: when a wait was answered that ends by itself, by its place.
+    """
+
+    kernel: Kernel
+    wiring: Wiring
+    scenario: Scenario
+    answering: Answering | None = None
+    state: dict[str, float] = field(default_factory=dict)
+    taken: dict[Way, Taken] = field(default_factory=dict)
+    reads: set[str] = field(default_factory=set)
+    ended: dict[object, Moment] = field(default_factory=dict)
+    answers: int = 0
+
+    def __post_init__(self) -> None:
+        self.beat = self.idles = 0
+        self.played = self.scenario
+        self._recent: deque[tuple[str, Moment]] = deque(maxlen=RECENT)
+        self._polled: dict[object, int] = {}
+        self._polling: dict[str, None] = {}
+        self._asking = False
+        self._seen: set[object] = set()
+        self._apply(dict(self.scenario.at(Moment()) or ()))
+        self.kernel.board.inputs = _Inputs(self)
+        self.kernel.told, self.kernel.stuck = self._told, self._stuck
+        self.kernel.branch = self._branch
+
+    # ------------------------------------------------------------------------ what is read
+
+    def __getitem__(self, name: str) -> float:
+        """What an input reads now, which counts as a reading."""
+        self.reads.add(name)
+        self._recent.append((name, Moment(self.beat, self.idles)))
+        if self._asking:
+            self._polling[name] = None
+        elif self.kernel.tasks:
+            self._poll(name)
+        return self.wiring.value(name, self.state)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.wiring.named
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.wiring.named)
+
+    def __len__(self) -> int:
+        return len(self.wiring.named)
+
+    def _poll(self, name: str) -> None:
+        """A loop that only reads does what a wait does."""
+        place = self.kernel.tasks[0].where(), name
+        self._polling[name] = None
+        self._polled[place] = self._polled.get(place, 0) + 1
+        if self._polled[place] == POLLS:
+            self._idle(self.kernel.tasks[0], place[0])
+
+    # --------------------------------------------------------------------- what is told of it
+
+    def _told(self, row: Logged) -> None:
+        match row.what:
+            case Moved() | Stopped():
+                self._next()
+            case Waited(seconds=seconds) if seconds > 0.0:
+                self._next()
+
+    def _next(self) -> None:
+        self.beat, self.idles = self.beat + 1, 0
+        self._still()
+        self._seen.clear()
+        self._apply(dict(self.scenario.at(Moment(self.beat)) or ()))
+
+    def _still(self) -> None:
+        """Nothing has been read since."""
+        self._polled.clear()
+        self._polling.clear()
+
+    def _branch(self, file: str, at: int, way: int) -> None:
+        if (file, at, way) not in self.taken:
+            self.taken[file, at, way] = Taken((file, at, way), tuple(self._recent))
+
+    def _stuck(self, task: Task) -> bool:
+        ends = task.wakes < math.inf
+        if task.until is None or (ends and task.until in self._seen):
+            return False
+        self._seen.add(task.until)
+        self._polling.clear()
+        self._asking = True
+        task.until()
+        self._asking = False
+        return bool(self._polling) and self._idle(task, task.where() if ends else None)
+
+    def would(self, change: Mapping[str, float], until: Callable[[], bool]) -> bool:
+        """Whether a condition would hold with other inputs."""
+        before = dict(self.state)
+        self.state.update(change)
+        self._asking = True
+        try:
+            return until()
+        finally:
+            self._asking = False
+            self.state = before
+
+    def _idle(self, task: Task, ends: object) -> bool:
+        """The program waits; whether an input has changed for it.
+
+        ends: the place of a wait that may have an end of its own, None of another one.
+        """
+        self.idles += 1
+        moment = Moment(self.beat, self.idles)
+        given = self.scenario.at(moment)
+        change = dict(given or ())
+        if given is None and self.answering is not None and self.answers < MOST_ANSWERS:
+            change = dict(self.answering.answer(self, task, tuple(self._polling)))
+            if change:
+                self.answers += 1
+                self.played = self.played.changed(moment, change)
+                if ends is not None:
+                    self.ended.setdefault(ends, moment)
+        if change:
+            self._still()
+        self._apply(change)
+        return bool(change)
+
+    def put(self, name: str, value: float) -> None:
+        """An input gets a value from elsewhere."""
+        self._apply(self.wiring.spread(name, value))
+
+    def _apply(self, change: Mapping[str, float]) -> None:
+        """Whoever listens to an input is told of its change."""
+        changed = {wire for wire, value in change.items() if self.state.get(wire, 0.0) != value}
+        if not changed:
+            return
+        listeners = tuple(self.kernel.board.inputs.listeners)
+        names = [n for n in (*self.wiring.named, *changed) if changed & set(self.wiring.wires(n))]
+        before = {name: self.wiring.value(name, self.state) for name in names} if listeners else {}
+        self.state.update(change)
+        for name, value in before.items():
+            for listener in listeners:
+                listener(name, value, self.wiring.value(name, self.state))
+
+
+class _Inputs(Signals):
+    """Inputs of a board that a driver has."""
+
+    def __init__(self, driver: Driver) -> None:
+        super().__init__(driver)
+        self._driver = driver
+
+    def set(self, name: str, value: float) -> None:
+        self._driver.put(name, value)

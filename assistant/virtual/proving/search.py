@@ -1,0 +1,358 @@
+"""A seeded search for inputs that take every branch of two programs, and the runs it compares."""
+
+from __future__ import annotations
+
+import re
+import time
+from collections import Counter, deque
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from random import Random
+from typing import Final
+
+from assistant.virtual.branches import Branch, Branches, Way
+from assistant.virtual.comparing import Bits, Unlike, likeness
+from assistant.virtual.events import Run
+from assistant.virtual.kernel import Board, Kernel, Task
+from assistant.virtual.kernel.script import Script, follow
+from assistant.virtual.proving.driver import Driver, Moment, Scenario, Taken
+from assistant.virtual.proving.sides import STATEMENT_TIME, Side
+from assistant.virtual.proving.wires import Wiring
+from assistant.virtual.rounding import Rounding
+
+MOST_RUNS: Final = 200
+SECONDS: Final = 10.0
+STEPS: Final = 20_000
+"""Statements of a run beside four for each line of its text: a program without end has shown
+enough by then."""
+MORE_STEPS: Final = 20
+"""Of the written program: one statement may have become several."""
+IN_VAIN: Final = 10
+"""Runs with inputs at random that take no new branch before the search gives up."""
+MOST_FOLLOWED: Final = 5
+"""Runs whose inputs are varied for the other ways of one statement."""
+TOGETHER: Final = 3
+"""Scenarios in which all inputs that a branch may hang on are others, at random."""
+TRIED_VALUES: Final = 6
+"""Of numbers that a group of signals may have, for each branch that hangs on it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Budget:
+    """seed: of what is drawn. runs, seconds: after which the search is over."""
+
+    seed: int = 0
+    runs: int = MOST_RUNS
+    seconds: float = SECONDS
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """A run that nothing could be made of. side: 0 for the source, 1 for what was written."""
+
+    side: int
+    run: Run
+    scenario: Scenario
+
+
+@dataclass(slots=True)
+class Found:
+    """What all runs together have shown.
+
+    failing: runs that end with an error of the program itself. unlike: the first difference, and
+    the scenario that it shows in. unknown: what an interpreter could not run. never: branches of
+    either program that no run took. total: how many there are.
+    """
+
+    runs: int = 0
+    visits: int = 0
+    changes: int = 0
+    apart: float = 0.0
+    turned: float = 0.0
+    unlike: Unlike | None = None
+    scenario: Scenario | None = None
+    unknown: Stop | None = None
+    failed: Stop | None = None
+    failing: int = 0
+    broken_off: int = 0
+    total: tuple[int, int] = (0, 0)
+    never: tuple[tuple[Branch, ...], tuple[Branch, ...]] = ((), ())
+
+
+def compared(
+    first: Side,
+    second: Side,
+    signals: Bits,
+    rounding: Rounding,
+    budget: Budget,
+    script: Script | None = None,
+) -> Found:
+    """Runs two programs against the same signals, until no branch is left or the budget is over.
+
+    script: what becomes of the signals, in the names of the first; then there is one run.
+    """
+    return _Search(first, second, signals, rounding, budget, script).run()
+
+
+@dataclass
+class _Search:
+    first: Side
+    second: Side
+    signals: Bits
+    rounding: Rounding
+    budget: Budget
+    script: Script | None = None
+    found: Found = field(default_factory=Found)
+
+    def __post_init__(self) -> None:
+        self.random = Random(f"proof {self.budget.seed}")  # noqa: S311 - the same for a seed
+        self.known: tuple[Branches, Branches] = self.first.branches(), self.second.branches()
+        self.taken: tuple[dict[Way, None], dict[Way, None]] = {}, {}
+        self.numbers = _numbers(self.first.text())
+        self.tried: set[Scenario] = set()
+        self.aimed: set[Scenario] = set()
+        self.followed: Counter[tuple[str, int]] = Counter()
+        self.ended: set[object] = set()
+        self.pending: deque[Scenario] = deque([Scenario()])
+        self.steps = STEPS + 4 * max(side.text().count("\n") for side in (self.first, self.second))
+        self.reads = False
+
+    def run(self) -> Found:
+        end = time.monotonic() + self.budget.seconds
+        played: list[Scenario] = []
+        vain = 0
+        while self.found.runs < self.budget.runs and vain < IN_VAIN:
+            scenario = self._next(played)
+            if scenario is None or (self.found.runs and time.monotonic() > end):
+                break
+            aimed = scenario in self.aimed
+            new, done = self._both(scenario)
+            played.append(done)
+            if self.found.unlike is not None or self.found.unknown is not None:
+                break
+            vain = 0 if new else vain + (not aimed)
+            if self.script is not None or not self._open() or not self.reads:
+                break
+        self.found.total = len(self.known[0]), len(self.known[1])
+        left = [
+            tuple(one for way, one in known.items() if way not in taken)
+            for known, taken in zip(self.known, self.taken, strict=True)
+        ]
+        self.found.never = left[0], left[1]
+        return self.found
+
+    def _open(self) -> bool:
+        """Whether there is a branch that no run has taken."""
+        return any(
+            any(way not in taken for way in known)
+            for known, taken in zip(self.known, self.taken, strict=True)
+        )
+
+    def _next(self, played: list[Scenario]) -> Scenario | None:
+        while self.pending:
+            scenario = self.pending.popleft()
+            if scenario not in self.tried:
+                self.tried.add(scenario)
+                self.aimed.add(scenario)
+                return scenario
+        for _ in range(IN_VAIN):
+            scenario = self._drawn(self.random.choice(played))
+            if scenario not in self.tried:
+                self.tried.add(scenario)
+                return scenario
+        return None
+
+    # --------------------------------------------------------------------------- one scenario
+
+    def _both(self, scenario: Scenario) -> tuple[bool, Scenario]:
+        """Whether it took a new branch, and the scenario with the answers that it needed."""
+        one, ours = self._play(self.first, scenario, self.steps, answered=True)
+        if one.ended == "unknown":
+            self.found.unknown = Stop(0, one, ours.played)
+            return False, ours.played
+        two, theirs = self._play(self.second, ours.played, MORE_STEPS * self.steps, answered=False)
+        if two.ended == "unknown" and one.ended != "error":
+            self.found.unknown = Stop(1, two, ours.played)
+            return False, ours.played
+        self._compare(one, two, ours.played)
+        new = False
+        for at, driver in enumerate((ours, theirs)):
+            self.reads |= bool(driver.reads)
+            new |= any(w in self.known[at] and w not in self.taken[at] for w in driver.taken)
+            self.taken[at].update(dict.fromkeys(driver.taken))
+        for at, driver in enumerate((ours, theirs)):
+            self._follow(at, driver, ours.played)
+        for place, moment in ours.ended.items():  # each of them once without an answer
+            if place not in self.ended:
+                self.ended.add(place)
+                self.pending.append(ours.played.silent(moment))
+        return new, ours.played
+
+    def _play(
+        self, side: Side, scenario: Scenario, steps: int, answered: bool
+    ) -> tuple[Run, Driver]:
+        kernel = Kernel(Board(), most_steps=steps, statement_time=STATEMENT_TIME)
+        answers = _Answers(self.random, self.numbers) if answered and not self.script else None
+        driver = Driver(kernel, side.wiring, scenario, answers)
+        if self.script is not None:
+            follow(kernel, side.scripted(self.script))
+        side.begin(kernel)
+        return kernel.run(), driver
+
+    def _compare(self, one: Run, two: Run, scenario: Scenario) -> None:
+        found = self.found
+        like = likeness(one, two, self.signals, self.rounding)
+        found.runs += 1
+        found.visits += like.visits
+        found.changes += like.changes
+        found.apart, found.turned = max(found.apart, like.apart), max(found.turned, like.turned)
+        found.broken_off += one.ended in ("steps", "time")
+        if one.ended == "error":
+            found.failing += 1
+            found.failed = found.failed or Stop(0, one, scenario)
+        if like.unlike is not None:
+            found.unlike, found.scenario = like.unlike, scenario
+
+    # ------------------------------------------------------------------------- more scenarios
+
+    def _follow(self, at: int, driver: Driver, played: Scenario) -> None:
+        """Scenarios that may take the other ways of the statements that this one came by."""
+        known, gone = self.known[at], self.taken[at]
+        for taken in driver.taken.values():
+            others = [way for way in known if way[:2] == taken.way[:2] and way not in gone]
+            if others and taken.read and self.followed[taken.way[:2]] < MOST_FOLLOWED:
+                self.followed[taken.way[:2]] += 1
+                numbers = self._near(at, known[others[0]].line)
+                self.pending.extend(self._varied(driver.wiring, taken, played, numbers))
+
+    def _near(self, at: int, line: int) -> list[int]:
+        """Numbers of a line of a program, which its comparisons are with."""
+        side = (self.first, self.second)[at]
+        lines = side.text().splitlines()
+        found = _numbers(lines[line - 1]) if 0 < line <= len(lines) else []
+        return found or self.numbers
+
+    def _varied(
+        self, wiring: Wiring, taken: Taken, played: Scenario, numbers: list[int]
+    ) -> Iterator[Scenario]:
+        """The scenario up to what a branch hangs on, with another value of each of its inputs."""
+        names = dict(reversed(taken.read))
+        for name, moment in names.items():
+            before = played.until(moment)
+            value = wiring.value(name, dict(_state(before)))
+            for other in self._others(wiring, name, value, numbers):
+                yield before.changed(moment, wiring.spread(name, other))
+        if len(names) > 1:
+            for _ in range(TOGETHER):
+                yield self._together(wiring, names, played, numbers)
+        for wires, moment in _rows(wiring, names):
+            for number in self._some(numbers, len(wires)):
+                bits = {wire: float(number >> i & 1) for i, wire in enumerate(wires)}
+                yield played.until(moment).changed(moment, bits)
+
+    def _together(
+        self, wiring: Wiring, names: Mapping[str, Moment], played: Scenario, numbers: list[int]
+    ) -> Scenario:
+        """Any value for each of some inputs where it is read, as far as the run is the same."""
+        made = played.until(max(names.values(), key=lambda moment: moment.order))
+        for name, moment in names.items():
+            bits = wiring.bits(name)
+            made = made.changed(
+                moment, wiring.spread(name, float(self.random.choice(self._some(numbers, bits))))
+            )
+        return made
+
+    def _others(self, wiring: Wiring, name: str, value: float, numbers: list[int]) -> list[float]:
+        bits = wiring.bits(name)
+        if bits == 1:
+            return [1.0 - value]
+        return [float(number) for number in self._some(numbers, bits) if number != value]
+
+    def _some(self, numbers: list[int], bits: int) -> list[int]:
+        """Numbers of so many bits: those of the text, one more or less, none at all, and any."""
+        most = 1 << bits
+        near = {n + by for n in numbers for by in (-1, 0, 1) if 0 <= n + by < most}
+        near |= {0, most - 1, self.random.randrange(most)}
+        listed = sorted(near)
+        return self.random.sample(listed, min(TRIED_VALUES, len(listed)))
+
+    def _drawn(self, played: Scenario) -> Scenario:
+        """A scenario that was played, with inputs of some moment at random."""
+        wiring = self.first.wiring
+        moments = [when for when, _ in played.changes] or [Moment()]
+        moment = self.random.choice([Moment(), *moments, Moment(self.random.randrange(12))])
+        names = [n for n in wiring.named if self.random.random() < 0.5]
+        state: dict[str, float] = {}
+        for name in names:
+            bits = wiring.bits(name)
+            state |= wiring.spread(name, float(self.random.choice(self._some(self.numbers, bits))))
+        return played.until(moment).changed(moment, state)
+
+
+def _state(scenario: Scenario) -> Iterator[tuple[str, float]]:
+    """What wires are at the end of a scenario."""
+    for _, state in scenario.changes:
+        yield from state
+
+
+def _rows(wiring: Wiring, names: Mapping[str, Moment]) -> list[tuple[list[str], Moment]]:
+    """Wires with numbers that follow each other: bits that are read as one number."""
+    single = {
+        int(n): when for n, when in names.items() if n.isdecimal() and not wiring.named.get(n)
+    }
+    found: list[tuple[list[str], Moment]] = []
+    for number in sorted(single):
+        if found and int(found[-1][0][-1]) == number - 1:
+            found[-1][0].append(str(number))
+        else:
+            found.append(([str(number)], single[number]))
+    return [(wires, when) for wires, when in found if len(wires) > 1]
+
+
+def _numbers(text: str) -> list[int]:
+    """Whole numbers of a text, each once."""
+    return sorted({int(digits) for digits in re.findall(r"\b\d{1,5}\b", text)})
+
+
+@dataclass
+class _Answers:
+    """Ends waits: with the values that let a program go on."""
+
+    random: Random
+    numbers: list[int]
+
+    def answer(self, driver: Driver, task: Task, read: tuple[str, ...]) -> Mapping[str, float]:
+        wiring, state = driver.wiring, driver.state
+        tries = [*self._singly(wiring, state, read), *self._jointly(wiring, read)]
+        if not tries:
+            return {}
+        until = task.until if task.waiting else None
+        if until is None:  # a loop that only reads: one of what may help
+            return self.random.choice(tries)
+        for change in tries:
+            if driver.would(change, until):
+                return change
+        return {}
+
+    def _singly(
+        self, wiring: Wiring, state: Mapping[str, float], read: tuple[str, ...]
+    ) -> Iterator[Mapping[str, float]]:
+        """Another value of one input."""
+        for name in read:
+            bits = wiring.bits(name)
+            if bits == 1:
+                yield wiring.spread(name, 1.0 - wiring.value(name, state))
+                continue
+            near = {n + by for n in self.numbers for by in (0, 1, -1)} | {0, (1 << bits) - 1}
+            values = sorted(value for value in near if 0 <= value < 1 << bits)
+            yield from (wiring.spread(name, float(value)) for value in values)
+
+    def _jointly(self, wiring: Wiring, read: tuple[str, ...]) -> Iterator[Mapping[str, float]]:
+        """All inputs that are read at once, and numbers that are read bit by bit."""
+        if len(read) > 1:
+            for value in (1.0, 0.0):
+                yield {wire: value for name in read for wire in wiring.wires(name)}
+        for wires, _ in _rows(wiring, dict.fromkeys(read, Moment())):
+            for number in self.numbers:
+                if number < 1 << len(wires):
+                    yield {wire: float(number >> i & 1) for i, wire in enumerate(wires)}

@@ -1,0 +1,134 @@
+"""How a program of each language is run for a proof."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import PurePath
+from typing import TYPE_CHECKING, Any, Final
+
+from assistant.program.geometry import Pose
+from assistant.virtual.branches import Branches
+from assistant.virtual.kernel import Kernel
+from assistant.virtual.proving.wires import Wiring
+from assistant.virtual.rounding import Printed
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+    from assistant.virtual.kernel.script import Script
+
+PLAIN_START: Final = Pose((400.0, 0.0, 500.0), (0.0, 0.0, 1.0, 0.0))
+"""Where the flange is before the first motion of a program without a robot: the same in both."""
+STATEMENT_TIME: Final = 0.002
+"""Seconds that a statement takes, so that a loop which looks at a clock comes to its end."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Side:
+    """A program that is run. family: of its language. trees: of its files, the first one first.
+
+    start: of the flange. entry: the routine that it begins with. wiring: what it calls the inputs.
+    outputs: what it calls outputs of a bit, by what the other program calls them.
+    """
+
+    family: str
+    trees: Sequence[Any]
+    robot: Robot | None = None
+    start: Pose = PLAIN_START
+    entry: str = "main"
+    wiring: Wiring = field(default_factory=Wiring)
+    outputs: Mapping[str, str] = field(default_factory=dict)
+
+    def begin(self, kernel: Kernel) -> None:
+        """Has the program run as soon as the kernel does."""
+        _KINDS[self.family].begin(self, kernel)
+
+    def scripted(self, script: Script) -> Script:
+        """A script that may name outputs as the other program does."""
+        changes = [
+            one
+            if one.when is None or one.when.is_input
+            else replace(one, when=replace(one.when, name=self._own(one.when.name)))
+            for one in script.changes
+        ]
+        return replace(script, changes=tuple(changes))
+
+    def _own(self, name: str) -> str:
+        return self.outputs.get(name, name)
+
+    def branches(self) -> Branches:
+        return _KINDS[self.family].branches(self.trees)
+
+    def constants(self) -> Iterator[tuple[Pose, Printed]]:
+        """Poses that its text holds, and what it prints of them; none where it is all the same."""
+        return _KINDS[self.family].constants(self.text())
+
+    def text(self) -> str:
+        return "\n".join(tree.source.text for tree in self.trees if tree.source is not None)
+
+
+def can_run(family: str) -> bool:
+    """Whether there is an interpreter of a family of languages."""
+    return family in _KINDS
+
+
+def counts_signals(family: str) -> bool:
+    """Whether programs of a family know signals by their numbers."""
+    return _KINDS[family].counts_signals
+
+
+@dataclass(frozen=True, slots=True)
+class _Kind:
+    begin: Callable[[Side, Kernel], None]
+    branches: Callable[[Sequence[Any]], Branches]
+    counts_signals: bool
+    constants: Callable[[str], Iterator[tuple[Pose, Printed]]]
+
+
+def _begin_rapid(side: Side, kernel: Kernel) -> None:
+    from assistant.virtual.rapid.running import start_task
+
+    start_task(kernel, tuple(side.trees), robot=side.robot, entry=side.entry, start=side.start)
+
+
+def _begin_melfa(side: Side, kernel: Kernel) -> None:
+    from assistant.virtual.melfa import start_slot
+
+    names = [PurePath((tree.source and tree.source.path) or "").stem for tree in side.trees]
+    start_slot(kernel, list(side.trees), robot=side.robot, start=side.start, names=names)
+
+
+def _rapid_branches(trees: Sequence[Any]) -> Branches:
+    from assistant.virtual.rapid.branches import branches
+
+    return branches(trees)
+
+
+def _melfa_branches(trees: Sequence[Any]) -> Branches:
+    from assistant.virtual.melfa.branches import branches
+
+    return branches(trees)
+
+
+def _alike(_: str) -> Iterator[tuple[Pose, Printed]]:
+    yield from ()
+
+
+def _melfa_constants(text: str) -> Iterator[tuple[Pose, Printed]]:
+    """Positions with the decimals that they have, as `P1=(+400.00,...)`."""
+    from assistant.virtual.melfa.poses import pose_of
+    from assistant.virtual.melfa.values import Position, eight
+
+    for written in re.findall(r"\(((?:[-+]?\d+\.\d+,){5}[-+]?\d+\.\d+)\)", text):
+        numbers = written.split(",")
+        halves = [0.5 * 10.0 ** -len(number.partition(".")[2]) for number in numbers]
+        pose = pose_of(Position(eight(tuple(map(float, numbers)))))
+        yield pose, Printed(max(halves[:3]), sum(halves[3:]))
+
+
+_KINDS: Final[Mapping[str, _Kind]] = {
+    "RA": _Kind(_begin_rapid, _rapid_branches, counts_signals=False, constants=_alike),
+    "MB": _Kind(_begin_melfa, _melfa_branches, counts_signals=True, constants=_melfa_constants),
+}
+"""By the family of a language."""

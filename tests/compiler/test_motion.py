@@ -1,0 +1,191 @@
+"""Proof by motion: what was written is run beside its source, and a fault in it is found."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import assistant
+from assistant.compiler import Compiled
+from assistant.compiler.arms import Arms
+from assistant.compiler.loading import load_text
+from assistant.compiler.motion import MotionProof, Proving, prove_motion
+from assistant.compiler.motion_sides import Made
+from assistant.program.diagnostics import Refused
+from assistant.program.text import SourceText
+
+CELL = """
+[signals.doGrip]
+number = 4
+[signals.goSlot]
+kind = "group"
+number = 24
+bits = 4
+[signals.diPart]
+direction = "input"
+number = 8
+[signals.diReady]
+direction = "input"
+number = 9
+[signals.giOrder]
+kind = "group"
+direction = "input"
+number = 40
+bits = 4
+"""
+HEAD = """MODULE Cell
+PERS tooldata tGrip:=[TRUE,[[0,0,100],[1,0,0,0]],[1,[0,0,50],[1,0,0,0],0,0,0]];
+PERS wobjdata wTable:=[FALSE,TRUE,"",[[300,-100,50],[0.991444861,0,0,0.130526192]],[[0,0,0],[1,0,0,0]]];
+CONST robtarget p10:=[[150,120,200],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+CONST robtarget p20:=[[50.123,20,200],[0,0.991444861,0.130526192,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+"""  # noqa: E501
+MAIN = """PROC main()
+  VAR num n;
+  MoveL p10,v200,fine,tGrip\\WObj:=wTable;
+  WaitDI diReady,1;
+  n:=giOrder;
+  IF n=11 THEN
+    Pick p20,2;
+  ELSEIF n>3 AND diPart=1 THEN
+    Pick p10,n;
+  ENDIF
+  WaitDI diReady,0\\MaxTime:=2;
+  SetGO goSlot,n;
+  MoveL p10,v200,z10,tGrip\\WObj:=wTable;
+ENDPROC
+PROC Pick(robtarget at,num count)
+  FOR i FROM 1 TO count DO
+    MoveL Offs(at,0,0,20*i),v100,fine,tGrip\\WObj:=wTable;
+    SetDO doGrip,i MOD 2;
+  ENDFOR
+ENDPROC
+ENDMODULE
+"""
+
+
+@pytest.fixture
+def compiled(tmp_path: Path) -> Compiled:
+    return made(HEAD + MAIN, "melfa-basic-5", tmp_path)
+
+
+def made(text: str, to: str, folder: Path, more: str = "") -> Compiled:
+    """A program in another language, with the signals of the cell, and more of them."""
+    process = folder / "cell.process.toml"
+    process.write_text(CELL + more, encoding="utf-8")
+    loaded = load_text(SourceText(text), process=process, language="rapid")
+    done = assistant.compile(loaded, language=to)
+    assert done.ok, done.findings
+    return done
+
+
+def proof(done: Compiled, proving: Proving | None = None) -> MotionProof:
+    given = Made(done.source, done.program, done.language, done.files)
+    return prove_motion(given, Arms(), proving or Proving())
+
+
+def with_fault(
+    done: Compiled, line: str, other: str, proving: Proving | None = None
+) -> MotionProof:
+    """The proof of what was written with another line in it."""
+    ((name, data),) = done.files.items()
+    assert data.decode().count(line) == 1, data.decode()
+    files = {name: data.decode().replace(line, other).encode()}
+    given = Made(done.source, done.program, done.language, files)
+    return prove_motion(given, Arms(), proving or Proving())
+
+
+def test_every_branch_of_the_source_is_taken(compiled: Compiled) -> None:
+    found = proof(compiled, Proving(runs=60))
+    assert found.holds
+    assert found.found is not None
+    assert found.found.total == (3, 15)
+    assert found.found.never[0] == ()
+    assert found.found.runs > 5 and found.found.visits > found.found.runs
+    assert 0.0 < found.found.apart < 0.02
+    assert "branches taken: 3 of 3 in standard input, " in found.line()
+    left = {(f.path, f.line, f.message) for f in found.findings if f.code == "CO112"}
+    assert ("CELL.prg", 59, "no run took this branch: For passed") in left
+
+
+def test_a_seed_gives_the_same_runs(compiled: Compiled) -> None:
+    few = Proving(seed=3, runs=12)
+    assert proof(compiled, few).record() == proof(compiled, few).record()
+    assert proof(compiled, few).record()["runs"] == 12
+
+
+FAULTS = {
+    "a condition": ("MN=11 Then", "MN=12 Then", "ended as `error` error 9100", 22),
+    "a count": ("MPICKCOUNT=2", "MPICKCOUNT=3", "370.00) at 100.0 blend 0.0 (CELL.prg:66)", 17),
+    "an operator": ("And M_In(8)=1", "Or M_In(8)=1", "signal 24 = 0, and linear to", 17),
+    "a place": ("+120.00,+200.00", "+120.00,+200.03", "0.03 mm and 0.00 degrees off", 8),
+    "a turn": ("+180.00,+0.00,+15.00", "+180.00,+0.00,+15.10", "0.10 degrees off", 22),
+    "a frame": ("PWTABLE=(-263.8958", "PWTABLE=(-263.9158", "0.02 mm", 8),
+    "a frame that is turned": ("-15.0000)", "-15.0100)", "another flange", 8),
+    "a tool": ("PTGRIP=(+0.00,+0.00,+100", "PTGRIP=(+0.00,+0.00,+101", "another tool", 8),
+    "a wait": ("Wait M_In(9)=1", "Wait M_In(9)=0", "another event", 17),
+    "a time limit": ("M_Timer(1)<2000", "M_Timer(1)<0", "ended as `error`", 17),
+    "an error": ("Error 9100", "MN=MN", "ended as `error`", None),
+    "an output": ("M_Out(4)=1", "M_Out(4)=0", "signal 4 = 1, and signal 4 = 0 (CELL.prg:68)", 23),
+    "a corner": ("Cnt 1,10,10", "Cnt 1,20,20", "a wider corner", 18),
+    "a speed": ("Spd 100", "Spd 110", "another speed", 22),
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_a_fault_is_found_with_its_place(compiled: Compiled, name: str) -> None:
+    line, other, said, source = FAULTS[name]
+    found = with_fault(compiled, line, other)
+    assert not found.holds
+    assert found.line() == "not proven"
+    (finding,) = [f for f in found.findings if f.code == "CO110"]
+    assert said in finding.message.replace("410.00", "370.00")
+    assert finding.line == source
+
+
+def test_rounding_of_the_last_decimal_is_no_fault(compiled: Compiled) -> None:
+    assert proof(compiled, Proving(runs=10)).holds
+    few = Proving(runs=10)
+    assert with_fault(compiled, "+120.00,+200.00", "+120.00,+200.005", few).holds
+
+
+def test_what_cannot_be_run_is_said_with_its_place(tmp_path: Path) -> None:
+    text = HEAD + MAIN.replace("n:=giOrder;", "n:=giOrder;\n  SetAO aoHeat,n/2;")
+    heat = '[signals.aoHeat]\nkind = "analog"\nnumber = 6010\n'
+    done = made(text, "melfa-basic-6", tmp_path, heat)
+    (finding,) = [f for f in proof(done, Proving(runs=30)).findings if f.code == "CO111"]
+    assert "what a register makes of" in finding.message
+    assert finding.path == "CELL.prg" and finding.line is not None
+
+
+SCRIPT = """
+[[set]]
+input = "diReady"
+at = 1
+[[set]]
+input = "giOrder"
+value = 11
+[[set]]
+input = "diReady"
+value = 0
+when = "doGrip = 0"
+after = 0.5
+"""
+
+
+def test_a_script_drives_both_programs(compiled: Compiled, tmp_path: Path) -> None:
+    script = tmp_path / "part.toml"
+    script.write_text(SCRIPT, encoding="utf-8")
+    driven = Proving(script=script)
+    found = proof(compiled, driven).record()
+    assert found["holds"]
+    assert (found["runs"], found["visits"]) == (1, 4)
+    assert not with_fault(compiled, "MPICKCOUNT=2", "MPICKCOUNT=1", driven).holds
+    assert with_fault(compiled, "MPICKCOUNT=MN", "MPICKCOUNT=1", driven).holds  # nobody goes there
+
+
+def test_a_script_that_is_wrong_is_refused(compiled: Compiled, tmp_path: Path) -> None:
+    script = tmp_path / "part.toml"
+    script.write_text("[[set]]\nvalue = 1\n", encoding="utf-8")
+    with pytest.raises(Refused):
+        proof(compiled, Proving(script=script))
