@@ -28,8 +28,6 @@ from assistant.virtual.events import Moved
 
 SLACK: Final = 1e-6
 """mm and degrees that working numbers out may add."""
-SINGLE: Final = 2.0**-22
-"""Of a number, where a controller keeps numbers in single precision and works with a few."""
 NEAR: Final = 4
 """Decimals of mm by which a place is known again."""
 
@@ -78,7 +76,7 @@ class Rounding:
 
     def allowed(self, move: Moved, reach: float) -> Allowed:
         """How far a motion may be from what was meant. reach: mm, the farthest of all tips."""
-        far, turned, tip = SLACK + SINGLE * reach, SLACK, tip_of(move)
+        far, turned, tip = SLACK, SLACK, tip_of(move)
         target = None if tip is None else move.frame.inverse() @ tip
         known = None if target is None else self.constants.get(_key(target))
         for printed in (known or self._any, self._any):  # the target, and what may turn it

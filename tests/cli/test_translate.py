@@ -235,3 +235,41 @@ def test_nothing_on_standard_input_is_no_program(
     )
     assert status == 2 and "IN005" in err
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_proof_by_motion(tmp_path: Path, capsys: Capture) -> None:
+    given = ("translate", PALLET, *TO_RAPID, "-o", tmp_path, "--prove", "--seed", "2")
+    status, out, _ = run(capsys, *given)
+    assert status == 0
+    assert f"{PALLET}: text read back: proven: " in out
+    assert f"{PALLET}: motion compared: proven: 2 runs, 148 visits and 58 signal changes" in out
+    assert "branches taken: 4 of 4 in PALLET.prg, 4 of 4 in PALLET.mod\n" in out
+    assert (tmp_path / "PALLET.mod").is_file()
+    status, out, _ = run(capsys, *given, "--format", "json")
+    (program,) = json.loads(out)["programs"]
+    assert (status, program["motion"]["holds"], program["motion"]["visits"]) == (0, True, 148)
+    assert program["motion"]["branches"][1] == {"program": "PALLET.mod", "taken": 4, "of": 4}
+
+
+def test_nothing_is_written_without_the_proof_that_was_asked_for(
+    tmp_path: Path, capsys: Capture
+) -> None:
+    program = tmp_path / "PART.prg"
+    program.write_text(
+        "1 Spd 100\n2 Mvs P1\n3 M1=M_Mode\n4 Dly M1\n5 End\n"
+        "P1=(+400.00,+0.00,+400.00,+180.00,+0.00,+180.00)(7,0)\n"
+    )
+    given = ("translate", program, "--to", "melfa-basic-6", "-o", tmp_path / "out")
+    assert run(capsys, *given, "--from", "melfa-basic-5")[0] == 0
+    (tmp_path / "out" / "PART.prg").unlink()
+    status, out, err = run(capsys, *given, "--from", "melfa-basic-5", "--prove")
+    assert status == 1
+    assert f"{program}: motion compared: not proven\n" in out
+    assert "CO111 error" in err and "M_Mode" in err.replace("M_MODE", "M_Mode")
+    assert list((tmp_path / "out").iterdir()) == []
+
+
+def test_a_script_without_a_proof_is_refused(tmp_path: Path, capsys: Capture) -> None:
+    status, _, err = run(capsys, "translate", PALLET, *TO_RAPID, "--signals", tmp_path / "s.toml")
+    assert status == 2
+    assert "CL020" in err
