@@ -327,6 +327,24 @@ def run(
     real_time: Annotated[
         bool, typer.Option("--real-time", help="As slowly as it would really be.")
     ] = False,
+    disk: Annotated[
+        Path | None,
+        typer.Option(
+            help="Folder with the files of the controller, which others may change meanwhile.",
+            metavar="FOLDER",
+        ),
+    ] = None,
+    hosts: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--host",
+            help="Host that an address of the programs stands for; repeatable.",
+            metavar="ADDRESS=HOST",
+        ),
+    ] = None,
+    ask: Annotated[
+        bool, typer.Option("--ask", help="Have what the programs ask answered on standard input.")
+    ] = False,
     process: ProcessOption = None,
     unit: UnitOption = None,
     from_language: FromLanguage = None,
@@ -352,6 +370,9 @@ def run(
         max_time=max_time,
         period=period,
         real_time=real_time,
+        disk=disk,
+        hosts=hosts or (),
+        ask=ask,
     )
     raise typer.Exit(run_run(programs, options, format))
 

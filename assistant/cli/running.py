@@ -18,6 +18,7 @@ from assistant.cli.compiling import (
     standard_input,
     working,
 )
+from assistant.cli.outside import NO_ASKING, ask_here, check_disk, hosts_of
 from assistant.cli.presentation import Format, print_findings, print_json, say
 from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, fold, info, warning
 
@@ -75,6 +76,9 @@ class Options:
     max_time: float
     period: float | None
     real_time: bool
+    disk: Path | None
+    hosts: Sequence[str]
+    ask: bool
 
 
 def run_run(named: Sequence[str], options: Options, format: Format) -> int:
@@ -102,6 +106,7 @@ def _check(options: Options) -> None:
     """Raises Refused for what no program could be run with."""
     if options.trace is not None and options.trace.suffix.lower() != ".npz":
         raise Refused(NO_TRACE(name=options.trace), exit_status=2)
+    check_disk(options.disk)
     if options.plot is not None:
         from assistant.report.figures import format_of
 
@@ -122,6 +127,8 @@ def _programs(named: Sequence[str], options: Options, arm: Robot | None) -> Prog
 
     if list(named).count(STANDARD) > 1 or (STANDARD in named and len(named) > 1):
         raise Refused(TWICE(), exit_status=2)
+    if STANDARD in named and options.ask:
+        raise Refused(NO_ASKING(), exit_status=2)
     if STANDARD in named:
         text, spoken = standard_input(options.from_language)
         return programs_of_text(text, language=spoken, robot=arm, entry=options.entry)
@@ -160,6 +167,8 @@ class _Running:
             most_steps=options.max_steps,
             most_time=options.max_time,
             pace=1.0 if options.real_time else None,
+            disk=options.disk,
+            hosts=hosts_of(options.hosts),
         )
         self.kernel = prepared(programs, settings)
         if arm is None:
@@ -172,11 +181,14 @@ class _Running:
         self.reached: set[Place] = set()
         if self.live:
             self.kernel.told = lambda _: self.flush()
+        if options.ask:
+            ask_here(self.kernel, self.flush if self.live else lambda: None)
 
     @property
     def live(self) -> bool:
         """Whether what happens is printed while it does."""
-        return self.options.real_time and self.format is Format.TEXT
+        lasts = self.options.real_time or self.options.ask or self.options.disk is not None
+        return lasts and self.format is Format.TEXT
 
     def run(self) -> int:
         from assistant.virtual.telling import NOTED, ending, summary

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -21,6 +22,11 @@ if TYPE_CHECKING:
 NO_ENTRY: Final = error(
     "VC206", "a program begins at its top, not with `{name}`", "leave --entry out"
 )
+NO_DISK: Final = error(
+    "VC207",
+    "programs in {language} use no {what} here",
+    "leave --{option} out",
+)
 MOST_STEPS: Final = 1_000_000
 MOST_TIME: Final = 3600.0
 """Simulated seconds after which a run is over, unless it is told otherwise."""
@@ -35,7 +41,9 @@ class Settings:
     first task begins with, None for its own. inputs: what each reads that nothing has set, by name
     in lower case or number as text. most_steps: statements of all tasks. most_time: simulated
     seconds. pace: simulated seconds for each real one, None for as fast as possible.
-    statement_time: seconds that a statement takes where the language states none.
+    statement_time: seconds that a statement takes where the language states none. disk: the folder
+    whose files are those of the controller, which others may change meanwhile; None for an empty
+    one. hosts: real ones by the address that programs state; those of this computer need none.
     """
 
     robot: Robot | None = None
@@ -46,6 +54,8 @@ class Settings:
     most_time: float = MOST_TIME
     pace: float | None = None
     statement_time: float = 0.0
+    disk: Path | None = None
+    hosts: Mapping[str, str] = field(default_factory=dict)
 
 
 def prepared(programs: Programs, settings: Settings | None = None) -> Kernel:
@@ -95,10 +105,12 @@ Start = Callable[[Kernel, Sequence[Part], Settings], None]
 
 
 def _tasks(kernel: Kernel, parts: Sequence[Part], settings: Settings) -> None:
-    from assistant.virtual.rapid.controller import Controller
+    from assistant.virtual.rapid.controller import Controller, Options
+    from assistant.virtual.rapid.disk import Disk
     from assistant.virtual.rapid.running import start_task
 
-    controller = Controller()
+    disk = Disk(settings.disk, outside=settings.disk is not None)
+    controller = Controller(Options(addresses=settings.hosts), disk)
     for number, part in enumerate(parts):
         start_task(
             kernel,
@@ -119,6 +131,10 @@ def _slots(kernel: Kernel, parts: Sequence[Part], settings: Settings) -> None:
     from assistant.virtual.melfa.controller import SLOTS
     from assistant.virtual.melfa.world import STEP_TIME
 
+    for option, what in (("disk", "files"), ("host", "sockets")):
+        if settings.disk if option == "disk" else settings.hosts:
+            language = "MELFA-BASIC"
+            raise Refused(NO_DISK(language=language, what=what, option=option), exit_status=2)
     if settings.entry is not None:
         raise Refused(NO_ENTRY(name=settings.entry), exit_status=2)
     kernel.statement_time = STEP_TIME

@@ -260,3 +260,82 @@ def test_stepping_in_a_terminal(cell: Path) -> None:
         assert child.wait() == 0
     os.close(ours)
     assert b"cell.mod:5" in said
+
+
+# ------------------------------------------------------------------------ what is outside
+
+QUESTION = """MODULE cell
+PROC main()
+  TPReadNum reg1,"How many?";
+  SetGO goCount,reg1;
+ENDPROC
+ENDMODULE
+"""
+FILES = """MODULE cell
+VAR iodev log;
+PROC main()
+  WaitUntil IsFile("HOME:/order.txt")\\MaxTime:=10;
+  Open "HOME:/order.txt",log\\Read;
+  TPWrite ReadStr(log);
+  Close log;
+  Open "done.txt",log\\Write;
+  Write log,"done";
+  Close log;
+ENDPROC
+ENDMODULE
+"""
+
+
+def test_questions_are_answered_on_standard_input(
+    capsys: Capture, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    program = write(tmp_path, "cell.mod", QUESTION)
+    monkeypatch.setattr("sys.stdin", io.StringIO("7\n"))
+    status, out, err = run(capsys, "run", program, "-r", "irb1200-7-0.7", "--ask")
+    assert status == 0
+    assert "answer to `How many?`: " in err
+    assert "gocount = 7" in out
+    monkeypatch.setattr("sys.stdin", io.StringIO(""))
+    status, _, err = run(capsys, "run", program, "-r", "irb1200-7-0.7", "--ask")
+    assert (status, "nobody answers `How many?`" in err) == (1, True)
+
+
+def test_a_folder_is_the_disk_of_the_controller(capsys: Capture, tmp_path: Path) -> None:
+    program = write(tmp_path, "cell.mod", FILES)
+    home = tmp_path / "home"
+    home.mkdir()
+    write(home, "order.txt", "two frames\n")
+    status, out, _ = run(capsys, "run", program, "-r", "irb1200-7-0.7", "--disk", home)
+    assert (status, "two frames" in out) == (0, True)
+    assert (home / "done.txt").read_text() == "done\n"
+
+
+@pytest.mark.parametrize(
+    ("given", "code"),
+    [
+        (("--disk", "nowhere"), "CL031"),
+        (("--host", "192.168.125.1"), "CL030"),
+        (("--host", "=127.0.0.1"), "CL030"),
+    ],
+)
+def test_what_is_outside_has_to_be_there(
+    capsys: Capture, cell: Path, given: tuple[str, ...], code: str
+) -> None:
+    status, _, err = run(capsys, "run", cell, *given)
+    assert (status, code in err) == (2, True)
+
+
+def test_a_program_from_standard_input_cannot_ask_there(
+    capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(QUESTION.encode())))
+    status, _, err = run(capsys, "run", "-", "--from", "rapid", "--ask")
+    assert (status, "CL032" in err) == (2, True)
+
+
+@pytest.mark.parametrize("option", ["--disk", "--host"])
+def test_what_a_language_does_not_use_is_said(capsys: Capture, tmp_path: Path, option: str) -> None:
+    program = write(tmp_path, "PART.prg", MELFA)
+    value = tmp_path if option == "--disk" else "a=b"
+    status, _, err = run(capsys, "run", program, option, value)
+    assert (status, "VC207" in err) == (2, True)
