@@ -48,7 +48,8 @@ def ask_here(kernel: Kernel, flush: Callable[[], None]) -> None:
     def asked(question: str) -> str | None:
         kernel.catch_up()
         flush()
-        print(f"answer to `{question}`: ", end="", file=sys.stderr, flush=True)
+        sys.stderr.write(f"answer to `{question}`: ")
+        sys.stderr.flush()
         line = sys.stdin.readline()
         return line.strip() if line else None
 
