@@ -230,3 +230,26 @@ def test_a_run_that_ends_leaves_no_socket_open() -> None:
 def test_packets_over_udp_are_not_simulated() -> None:
     run = ran(main("SocketCreate link\\UDP;"))
     assert (run.ended, "udp" in run.message) == ("unknown", True)
+
+
+def test_raw_bytes_go_through_a_socket() -> None:
+    port = free_port()
+    server = main(
+        'SocketCreate link;\nSocketBind link,"127.0.0.1",PORT;\nSocketListen link;\n'
+        "SocketAccept link,client;\nSocketReceive client\\RawData:=raw;\n"
+        "UnpackRawBytes raw\\Network,1,n\\IntX:=UINT;\n"
+        'TPWrite ""\\Num:=n;\nTPWrite ""\\Num:=RawBytesLen(raw);\n'
+        'ClearRawBytes raw;\nPackRawBytes "ok\\00",raw,1\\ASCII;\nSocketSend client\\RawData:=raw;',
+        "VAR socketdev client;\nVAR rawbytes raw;\nVAR num n;",
+    )
+    answers: list[bytes] = []
+
+    def asks() -> None:
+        with connected(port) as link:
+            link.sendall(b"\x01\x02\x03")
+            answers.append(link.recv(10))
+
+    with beside(asks):
+        found = ran(server, port=port)
+    assert (said(found), found.ended) == (["258", "3"], "end")
+    assert answers == [b"ok\0"]

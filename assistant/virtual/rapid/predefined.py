@@ -50,6 +50,8 @@ NUMBERS: Final = {
     "eof_bin": -1.0,
     "eof_num": 9.998e36,
 }
+SIZES: Final = {"sint": 1, "int": 2, "dint": 4, "lint": 8}
+"""Bytes of whole numbers in rawbytes: the constant is negative, that with a `u` in front is not."""
 COUNTED: Final = (
     (
         1,
@@ -87,6 +89,8 @@ def predefined(robot: Robot | None) -> Mapping[str, Cell]:
     cells["vmax"] = _cell(_speed(fastest))
     cells |= {name: _cell(_zone(name, sizes)) for name, sizes in ZONES.items()}
     cells |= {name: _cell(value) for name, value in NUMBERS.items()}
+    cells |= {name: _cell(-float(size)) for name, size in SIZES.items()}
+    cells |= {f"u{name}": _cell(float(size)) for name, size in SIZES.items()}
     cells |= {
         name.lower(): _cell(float(number))
         for first, names in COUNTED

@@ -96,6 +96,12 @@ def _dot(given: Given) -> float:
     return float(np.dot(vector_of(given.record(0, "pos")), vector_of(given.record(1, "pos"))))
 
 
+def _cross(given: Given) -> Record:
+    one, two = (vector_of(given.record(i, "pos")) for i in (0, 1))
+    x, y, z = (float(part) for part in np.cross(one, two))
+    return pos((x, y, z))
+
+
 TABLE: Final[Mapping[str, Function]] = dict(
     (
         takes("Offs", 4, _offset),
@@ -109,5 +115,6 @@ TABLE: Final[Mapping[str, Function]] = dict(
         takes("Distance", 2, _distance),
         takes("VectMagn", 1, _magnitude),
         takes("DotProd", 2, _dot),
+        takes("CrossProd", 2, _cross),
     )
 )

@@ -13,6 +13,7 @@ from assistant.virtual.rapid import poses
 from assistant.virtual.rapid.ends import Fault, NotSimulated
 from assistant.virtual.rapid.expressions import place
 from assistant.virtual.rapid.given import Given, takes
+from assistant.virtual.rapid.instructions.raw import raw_of
 from assistant.virtual.rapid.links import Link, Status, host_of
 from assistant.virtual.rapid.machine import Function
 from assistant.virtual.rapid.operators import whole
@@ -86,6 +87,9 @@ def _send(given: Given) -> None:
 def _said(given: Given) -> bytes:
     if given.has("str"):
         return poses.text(given.optional("str", "string") or "").encode("latin-1")
+    if (node := given.options.get("rawdata")) is not None:
+        raw = raw_of(place(given.machine, node).get())
+        return raw.take(1, raw.length)
     array = given.optional("data", "")
     if not isinstance(array, Array):
         raise Fault("a socket sends nothing")
@@ -107,6 +111,11 @@ def _receive(given: Given) -> None:
         place(given.machine, node).set(float(len(data)))
     if (node := given.options.get("str")) is not None:
         place(given.machine, node).set(data.decode("latin-1"))
+        return
+    if (node := given.options.get("rawdata")) is not None:
+        raw = raw_of(place(given.machine, node).get())
+        raw.length = 0
+        raw.put(1, data)
         return
     if (node := given.options.get("data")) is None:
         raise Fault("a socket receives into nothing")
@@ -137,8 +146,8 @@ INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
         takes("SocketListen", 1, _listen),
         takes("SocketAccept", 2, _accept, "clientaddress time"),
         takes("SocketConnect", 3, _connect, "time"),
-        takes("SocketSend", 1, _send, "str data noofbytes"),
-        takes("SocketReceive", 1, _receive, "str data readnoofbytes norecbytes time"),
+        takes("SocketSend", 1, _send, "str data rawdata noofbytes"),
+        takes("SocketReceive", 1, _receive, "str data rawdata readnoofbytes norecbytes time"),
         takes("SocketSendTo", 3, _packed, "str data noofbytes"),
         takes("SocketReceiveFrom", 3, _packed, "str data norecbytes time"),
     )
@@ -146,4 +155,3 @@ INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
 FUNCTIONS: Final[Mapping[str, Function]] = dict(
     (takes("SocketGetStatus", 1, _status), takes("SocketPeek", 1, _peek))
 )
-r"""`\RawData` is not simulated."""
