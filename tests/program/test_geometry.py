@@ -42,6 +42,16 @@ def test_composing_is_the_product_of_the_matrices(left: Pose, right: Pose) -> No
     np.testing.assert_allclose(matrix(left @ right), matrix(left) @ matrix(right), atol=1e-8)
 
 
+@given(poses(), poses())
+def test_one_pose_is_composed_as_columns_are_to_the_bit(left: Pose, right: Pose) -> None:
+    moved = np.add(left.position, rotations.rotate(left.quaternion, right.position))
+    turned = rotations.canonical(rotations.multiply(left.quaternion, right.quaternion))
+    assert left @ right == Pose.of(moved, turned)
+    back = rotations.conjugate(left.quaternion)
+    there = -rotations.rotate(back, left.position)
+    assert left.inverse() == Pose.of(there, rotations.canonical(back))
+
+
 @given(poses())
 def test_a_pose_and_its_inverse_cancel(pose: Pose) -> None:
     for nothing in (pose @ pose.inverse(), pose.inverse() @ pose):
