@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.virtual.melfa import expressions
+from assistant.virtual.melfa.arm import FULL, OPTIMUM
 from assistant.virtual.melfa.code import Block, Code
 from assistant.virtual.melfa.memory import (
     OWN_ARRAY,
@@ -317,7 +318,14 @@ class Machine:
         if arguments and not called.code.takes:
             raise Failed(3120, f"{len(arguments)} arguments of {name}, which takes none")
         called.depth, called.arguments = self.depth + 1, arguments
+        settings = self.world.settings
+        before = settings.speed, settings.acceleration
+        own = self.world.options.calls == "own speeds"
+        if own:
+            settings.speed, settings.acceleration = OPTIMUM, (FULL, FULL)
         called.run()
+        if own:
+            settings.speed, settings.acceleration = before
         called.depth = 0
 
     def enter_main(self, block: Block) -> None:

@@ -34,6 +34,8 @@ class Options:
 
     Flow.
     bounds: whether the end and the step of `For` are worked out once, or at each turn.
+    calls: whether Spd and Accel hold in a program that CallP calls, and behind it (COSIROP: all
+    speeds are valid), or each has its own (CR1D 4-159: those two are invalid).
 
     Positions.
     over: what `P1/P2` is.
@@ -70,6 +72,7 @@ class Options:
     resets: bool = False
     nested: bool = True
     bounds: Literal["once", "each"] | None = None
+    calls: Literal["shared speeds", "own speeds"] = "shared speeds"
     over: Literal["P1*Inv(P2)", "Inv(P2)*P1"] = "P1*Inv(P2)"
     pallets: Literal["divided", "start"] = "divided"
     conversions: Literal["nothing", "all"] | None = None
