@@ -14,6 +14,7 @@ import pytest
 
 from assistant import languages, robots
 from assistant.compiler.project import configured
+from assistant.compiler.script_file import read_script
 from assistant.findings import rulebook
 from assistant.findings.severity import severities_for
 from assistant.program import pseudo
@@ -141,6 +142,10 @@ def test_the_files_of_a_page_are_read(page, text, tmp_path):
     name = next((n for begin, n in SETTINGS.items() if text.startswith(begin)), "x.process.toml")
     file = tmp_path / name
     file.write_text(text, encoding="utf-8")
+    if text.startswith(("[[set]]", "[[answer]]")):
+        script = read_script(file)
+        assert script.changes or script.answers
+        return
     if text.startswith("urdf = "):
         (tmp_path / "arm.urdf").write_text(six_joints(), encoding="utf-8")
         assert robots.load(file).limits.shape == (6, 2)

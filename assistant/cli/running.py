@@ -43,8 +43,6 @@ NOT_FOR_PROGRAMS: Final = error(
 NOT_DRAWN: Final = error(
     "CL029", "without a robot there is no motion to draw", "name one with --robot"
 )
-MOST_NAMED: Final = 8
-"""Signals that a cure names."""
 NO_LIMIT: Final = error("CL023", "--{option} is {value:g}", "write a number above 0")
 NOT_REACHED: Final = warning(
     "CL024", "the run never came to {where}", "name a line with a statement that is run"
@@ -164,6 +162,7 @@ class _Running:
         settings = Settings(
             robot=arm,
             entry=options.entry,
+            inputs={one.name: 0.0 for one in script.changes},  # which are signals, if they are used
             most_steps=options.max_steps,
             most_time=options.max_time,
             pace=1.0 if options.real_time else None,
@@ -325,8 +324,7 @@ def _unused(programs: Programs, script: Script) -> Iterator[Diagnostic]:
     ):
         if name not in known:
             near = get_close_matches(name, known, n=1, cutoff=0.6)
-            some = ", ".join(sorted(known)[:MOST_NAMED]) or "none"
-            cure = f"write `{near[0]}`" if near else f"name one that they use: {some}"
+            cure = f"write `{near[0]}`" if near else "name a signal that they use"
             yield NOT_USED(name=name, cure=cure)
 
 

@@ -65,7 +65,7 @@ class Programs:
         return found if self.text is None else [self.text]
 
     def signals(self) -> frozenset[str] | None:
-        """Names of the signals that the programs use, in lower case; None where any may be."""
+        """Names that the programs use for signals, and may use, in lower case; None for any."""
         if self.program is not None:
             return frozenset(name.lower() for name in self.program.signals)
         if self.language is None or self.language.family not in SIGNALS:
@@ -104,10 +104,12 @@ def _slots(files: Sequence[str], folder: str | None) -> list[Group]:
 
 
 def _named_signals(programs: Programs) -> frozenset[str]:
-    from assistant.virtual.rapid.loading import signals
+    """All names that are used: what only an expression reads may be a signal as well."""
+    from assistant.languages.rapid.tree import syntax
+    from assistant.languages.rapid.tree.walk import nodes
 
-    known = (signals(part.trees)[1] for part in programs.parts)
-    return frozenset(name for names in known for name in names)
+    files = tuple(tree.parts for part in programs.parts for tree in part.trees)
+    return frozenset(one.name.lower() for one in nodes(files) if isinstance(one, syntax.NameRef))
 
 
 SIGNALS: Final[Mapping[str, Callable[[Programs], frozenset[str]]]] = {"RA": _named_signals}

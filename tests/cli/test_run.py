@@ -339,3 +339,22 @@ def test_what_a_language_does_not_use_is_said(capsys: Capture, tmp_path: Path, o
     value = tmp_path if option == "--disk" else "a=b"
     status, _, err = run(capsys, "run", program, option, value)
     assert (status, "VC207" in err) == (2, True)
+
+
+def test_the_page_shows_what_the_command_says(
+    capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(SAMPLES.parent)
+    page = (SAMPLES.parent / "docs" / "running.md").read_text("utf-8")
+    command, shown = page.split("$ robot-assistant ", 2)[1].split("...", 1)[0].split("\n", 1)
+    status, out, _ = run(capsys, *command.split())
+    assert status == 0
+    assert len(shown.splitlines()) == 6 and out.startswith(shown)
+
+
+def test_a_sample_comes_to_its_end(capsys: Capture) -> None:
+    script = SAMPLES / "melfa" / "PALLET.signals.toml"
+    program = SAMPLES / "melfa" / "PALLET.prg"
+    status, out, err = run(capsys, "run", program, "-r", "rv-4frl", "--signals", script)
+    assert (status, err) == (0, "")
+    assert "came to its end" in out.splitlines()[-1]

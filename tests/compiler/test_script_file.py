@@ -47,7 +47,7 @@ for = 0.5
 
 
 def scripted(text: str, program: str) -> tuple[Run, list[Given]]:
-    kernel = Kernel(most_time=100.0)
+    kernel = Kernel(most_time=100.0, most_steps=2000)
     if program.startswith("MODULE"):
         start_task(kernel, [languages.get("rapid").parse(program)])
     else:

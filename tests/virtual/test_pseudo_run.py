@@ -132,7 +132,10 @@ def test_what_goes_wrong_is_said(body: str, more: str, ended: str, says: str) ->
     assert says in run.message
 
 
-@pytest.mark.parametrize("name", ["plate.dxf", "positioning.csv", "taught.toml"])
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param("plate.dxf", marks=pytest.mark.slow), "positioning.csv", "taught.toml"],
+)
 @pytest.mark.parametrize(
     ("language", "robot"), [("rapid", "irb1200-7-0.7"), ("melfa-basic-5", "rv-4frl")]
 )

@@ -139,7 +139,7 @@ def place_named(machine: Machine, name: str) -> Place:
             raise Fault(f"`{name}` is no data")
     if name.lower() in predefined.data():
         raise NotSimulated(f"the predefined `{name}`")
-    raise Fault(f"there is no data `{name}`")
+    raise Fault(f"there is no data `{name}`, and no signal of a script or an instruction")
 
 
 def _is_signal(machine: Machine, name: str) -> bool:
