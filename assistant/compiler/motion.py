@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from assistant.compiler.arms import Arms
 from assistant.compiler.loading import language_of
-from assistant.compiler.motion_sides import Made, names_of_wires, outputs_of, sides
+from assistant.compiler.motion_sides import Made, in_the_cell, names_of_wires, outputs_of, sides
 from assistant.program.diagnostics import Diagnostic, error, has_errors, info
 
 if TYPE_CHECKING:
@@ -121,8 +121,12 @@ def prove_motion(made: Made, arms: Arms, proving: Proving, entry: str | None = N
     for language in (spoken, target):
         if not can_run(language.family):
             return _not_run(f"programs in {language.name} cannot be run")
+    trees, left = in_the_cell(made)
+    if left:
+        names_left = ", ".join(f"`{name}`" for name in left)
+        return _not_run(f"the source does not declare {names_left} by a value that can be changed")
     written = [target.parse(target.decode(data, name)) for name, data in made.files.items()]
-    first, second = sides(made, written, arms, entry)
+    first, second = sides(made, trees, written, arms, entry)
     precision = target.precision
     rounding = Rounding(precision.position, precision.angle, precision.position)
     rounding = rounding.of(second.constants())

@@ -42,7 +42,9 @@ class Made:
         return dict(found.values())
 
 
-def sides(made: Made, written: Sequence[Any], arms: Arms, entry: str | None) -> tuple[Side, Side]:
+def sides(
+    made: Made, trees: Sequence[Any], written: Sequence[Any], arms: Arms, entry: str | None
+) -> tuple[Side, Side]:
     """The source and what was written, parsed, before the same motion and with the same signals."""
     from assistant.virtual.proving.sides import PLAIN_START, Side
     from assistant.virtual.running import home
@@ -65,8 +67,35 @@ def sides(made: Made, written: Sequence[Any], arms: Arms, entry: str | None) -> 
             outputs=_other_names(signals, family),
         )
 
-    first = side(source.origin.language, source.origin.trees, here, entry or "main")
+    first = side(source.origin.language, trees, here, entry or "main")
     return first, side(made.language, written, there, "main")
+
+
+def in_the_cell(made: Made) -> tuple[list[Any], list[str]]:
+    """The trees of the source, and names of what stands elsewhere that cannot be put into them.
+
+    Tools and frames that a process file states anew are in the source as it was lifted, not in the
+    text that is run.
+    """
+    from assistant.virtual.proving.equipping import Cell, equipped
+
+    origin, program = made.source.origin, made.source
+    assert origin is not None
+    tools = {n: t.tip for n, t in program.tools.items() if origin.lifted.tools.get(n) != t}
+    frames = {n: f for n, f in program.frames.items() if origin.lifted.frames.get(n) != f}
+    cell = Cell(
+        {name.lower(): tip for name, tip in tools.items()},
+        {name.lower(): frame for name, frame in frames.items()},
+    )
+    if not cell:
+        return list(origin.trees), []
+    language = language_of(origin.language)
+    trees, found = [], set[str]()
+    for tree in origin.trees:
+        text, there = equipped(language.family, tree, cell)
+        trees.append(language.parse(text))
+        found |= there
+    return trees, [name for name in (*tools, *frames) if name.lower() not in found]
 
 
 def names_of_wires(made: Made) -> dict[str, str]:

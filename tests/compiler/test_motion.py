@@ -189,3 +189,18 @@ def test_a_script_that_is_wrong_is_refused(compiled: Compiled, tmp_path: Path) -
     script.write_text("[[set]]\nvalue = 1\n", encoding="utf-8")
     with pytest.raises(Refused):
         proof(compiled, Proving(script=script))
+
+
+def test_tools_and_frames_of_another_cell(tmp_path: Path) -> None:
+    cell = "[frames.wTable]\nposition = [400, 10, 60]\n[tools.tGrip]\ntip = [5, 0, 120]\n"
+    there = made(HEAD + MAIN, "melfa-basic-5", tmp_path, cell)
+    found = proof(there, Proving(runs=20))
+    assert found.holds, found.findings
+    ((name, data),) = there.files.items()
+    assert b"PWTABLE=(-400." in data
+    (tmp_path / name).write_bytes(data)
+    other = tmp_path / "other.process.toml"
+    other.write_text("[frames.wTable]\nposition = [410, 10, 60]\n", encoding="utf-8")
+    back = assistant.translate(tmp_path / name, to="rapid", process=other, proving=Proving(runs=20))
+    assert back.ok, [f for f in back.findings if f.severity == "error"]
+    assert b"410,10,60" in next(iter(back.files.values()))

@@ -15,10 +15,10 @@ from typing import Final, Protocol
 
 from assistant.virtual.branches import Way
 from assistant.virtual.events import Logged, Moved, Stopped, Waited
-from assistant.virtual.kernel import Kernel, Signals, Task
+from assistant.virtual.kernel import Ending, Kernel, Signals, Task
 from assistant.virtual.proving.wires import Wiring
 
-POLLS: Final = 200
+POLLS: Final = 50
 """Readings at one beat and one place after which a program waits in a loop of its own."""
 MOST_ANSWERS: Final = 60
 """Waits that are answered in one run: a program of an endless cycle has seen enough by then."""
@@ -121,7 +121,7 @@ class Driver(Mapping[str, float]):
         self.beat = self.idles = 0
         self.played = self.scenario
         self._recent: deque[tuple[str, Moment]] = deque(maxlen=RECENT)
-        self._polled: dict[object, int] = {}
+        self._polled: dict[tuple[object, str], int] = {}
         self._polling: dict[str, None] = {}
         self._asking = False
         self._seen: set[object] = set()
@@ -153,11 +153,11 @@ class Driver(Mapping[str, float]):
 
     def _poll(self, name: str) -> None:
         """A loop that only reads does what a wait does."""
-        place = self.kernel.tasks[0].where(), name
-        self._polling[name] = None
-        self._polled[place] = self._polled.get(place, 0) + 1
-        if self._polled[place] == POLLS:
-            self._idle(self.kernel.tasks[0], place[0])
+        place = self.kernel.tasks[0].where()
+        self._polled[place, name] = count = self._polled.get((place, name), 0) + 1
+        if count == POLLS:
+            again = {name: None for (_, name), c in self._polled.items() if 2 * c >= POLLS}
+            self._idle(self.kernel.tasks[0], tuple(again), place)
 
     # --------------------------------------------------------------------- what is told of it
 
@@ -177,7 +177,6 @@ class Driver(Mapping[str, float]):
     def _still(self) -> None:
         """Nothing has been read since."""
         self._polled.clear()
-        self._polling.clear()
 
     def _branch(self, file: str, at: int, way: int) -> None:
         if (file, at, way) not in self.taken:
@@ -185,14 +184,16 @@ class Driver(Mapping[str, float]):
 
     def _stuck(self, task: Task) -> bool:
         ends = task.wakes < math.inf
-        if task.until is None or (ends and task.until in self._seen):
+        more = self.scenario.at(Moment(self.beat, self.idles + 1)) is not None
+        if task.until is None or (ends and task.until in self._seen and not more):
             return False
         self._seen.add(task.until)
         self._polling.clear()
         self._asking = True
         task.until()
         self._asking = False
-        return bool(self._polling) and self._idle(task, task.where() if ends else None)
+        read = tuple(self._polling)
+        return bool(read) and self._idle(task, read, task.where() if ends else None)
 
     def would(self, change: Mapping[str, float], until: Callable[[], bool]) -> bool:
         """Whether a condition would hold with other inputs."""
@@ -205,17 +206,21 @@ class Driver(Mapping[str, float]):
             self._asking = False
             self.state = before
 
-    def _idle(self, task: Task, ends: object) -> bool:
+    def _idle(self, task: Task, read: tuple[str, ...], ends: object) -> bool:
         """The program waits; whether an input has changed for it.
 
-        ends: the place of a wait that may have an end of its own, None of another one.
+        read: the names that it looks at. ends: the place of a wait that may have an end of its own,
+        None of another one.
         """
         self.idles += 1
         moment = Moment(self.beat, self.idles)
         given = self.scenario.at(moment)
         change = dict(given or ())
-        if given is None and self.answering is not None and self.answers < MOST_ANSWERS:
-            change = dict(self.answering.answer(self, task, tuple(self._polling)))
+        if given is None and self.answering is not None and self.answers >= MOST_ANSWERS:
+            self.kernel.end(Ending("steps", f"more than {MOST_ANSWERS} waits"))
+            return True
+        if given is None and self.answering is not None:
+            change = dict(self.answering.answer(self, task, read))
             if change:
                 self.answers += 1
                 self.played = self.played.changed(moment, change)

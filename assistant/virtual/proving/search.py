@@ -33,6 +33,8 @@ MOST_FOLLOWED: Final = 5
 """Runs whose inputs are varied for the other ways of one statement."""
 TOGETHER: Final = 3
 """Scenarios in which all inputs that a branch may hang on are others, at random."""
+BELOW: Final = 12
+"""Lines below a choice that its cases may stand in."""
 TRIED_VALUES: Final = 6
 """Of numbers that a group of signals may have, for each branch that hangs on it."""
 
@@ -226,11 +228,10 @@ class _Search:
                 self.pending.extend(self._varied(driver.wiring, taken, played, numbers))
 
     def _near(self, at: int, line: int) -> list[int]:
-        """Numbers of a line of a program, which its comparisons are with."""
-        side = (self.first, self.second)[at]
-        lines = side.text().splitlines()
-        found = _numbers(lines[line - 1]) if 0 < line <= len(lines) else []
-        return found or self.numbers
+        """Numbers that a statement compares with: of its line, else of those below it."""
+        lines = (self.first, self.second)[at].text().splitlines()
+        below = "\n".join(lines[line : line + BELOW])
+        return (_numbers(lines[line - 1]) if line <= len(lines) else []) or _numbers(below)
 
     def _varied(
         self, wiring: Wiring, taken: Taken, played: Scenario, numbers: list[int]
