@@ -44,6 +44,17 @@ def test_a_status_variable() -> None:
     assert outputs(done) == [("1", 1), ("2", 1)]
 
 
+def test_setting_a_status_variable() -> None:
+    given: list[tuple[Value | None, ...]] = []
+    commands = {"P_FsGn0=": lambda call: given.append(call.arguments)}
+    done = run("P_FsGn0=P1\nM_XDev(3)=1+1\nEnd", commands=commands)
+    assert done.ended == "unknown" and "M_XDev" in done.message
+    ((gains,),) = given
+    assert isinstance(gains, Position) and gains.values[0] == 400
+    done = run("M_YDev(3)=1+1\nEnd", commands={"m_ydev=": lambda x: given.append(x.arguments)})
+    assert done.ended == "end" and given[-1] == (3, 2)
+
+
 def test_a_command_acts_on_the_world() -> None:
     def track(call: Given) -> None:
         call.task.switch("trk", float(call.arguments == ("On",)))

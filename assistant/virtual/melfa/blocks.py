@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.virtual.melfa import expressions
-from assistant.virtual.melfa.code import Block, nodes
+from assistant.virtual.melfa.code import LOOPS, Block, nodes
 from assistant.virtual.melfa.operators import RELATIONS, SPELLED, binary
 from assistant.virtual.melfa.stops import Failed, Unknown
 from assistant.virtual.melfa.values import Value, holds, number
@@ -53,6 +53,9 @@ def skip_rest(m: Machine, _: Any) -> None:
 def leave(m: Machine, _: s.Command) -> None:
     """`Break`: behind the innermost block, and M_BrkCq tells of it (CR1D 4-208)."""
     block = m.code.inside[m.here]
+    if m.world.options.breaks == "If and Select":
+        while block is not None and block.kind in LOOPS:
+            block = m.code.inside[block.start]
     if block is None or block.kind == "Function":
         raise Failed(4220, "Break outside of a block")
     m.at = block.end + 1

@@ -25,6 +25,7 @@ class Options:
     digits: significant ones of a number that is not whole as text, in `Str$`.
     degrees: components of angles in degrees instead of radian (parameter PRGMDEG).
     slides: whether additional axes slide: their components are mm then, else angles.
+    longest_text: characters of a text that a variable takes.
 
     Names.
     unset: what reading a number that was never set gives.
@@ -33,6 +34,7 @@ class Options:
     nested: whether functions of several arguments take what other functions give (COSIROP: not).
 
     Flow.
+    breaks: whether `Break` leaves loops, too, or only the innermost If or Select.
     bounds: whether the end and the step of `For` are worked out once, or at each turn.
     calls: whether Spd and Accel hold in a program that CallP calls, and behind it (COSIROP: all
     speeds are valid), or each has its own (CR1D 4-159: those two are invalid).
@@ -66,11 +68,13 @@ class Options:
     signed: bool | None = None
     digits: int | None = None
     degrees: bool = False
+    longest_text: int = 127
     slides: bool | None = None
     unset: Literal["error", "zero"] = "error"
     parameters: Literal["ByVal", "ByRef"] = "ByVal"
     resets: bool = False
     nested: bool = True
+    breaks: Literal["all blocks", "If and Select"] = "all blocks"
     bounds: Literal["once", "each"] | None = None
     calls: Literal["shared speeds", "own speeds"] = "shared speeds"
     over: Literal["P1*Inv(P2)", "Inv(P2)*P1"] = "P1*Inv(P2)"

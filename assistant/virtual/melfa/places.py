@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from assistant.program import rotations
 from assistant.program.arrays import Floats
 from assistant.program.geometry import IDENTITY, Pose
-from assistant.robots import Robot
 from assistant.virtual.melfa import poses
 from assistant.virtual.melfa.arm import Arm
 from assistant.virtual.melfa.circles import FLAT, circle_through
@@ -29,6 +28,9 @@ from assistant.virtual.melfa.values import (
     whole,
 )
 from assistant.virtual.melfa.world import World
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
 
 LOOSE: Final = (None, None)
 """Flags of a position that the manuals give none."""

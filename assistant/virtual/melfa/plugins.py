@@ -1,4 +1,14 @@
-"""Commands, functions and status variables that whoever runs a program gives it."""
+"""Commands, functions and status variables that whoever runs a program gives it.
+
+    run(tree, commands={
+        "Rnd": lambda given: 0.5,                            # a function
+        "M_Uar": lambda given: 1,                            # a status variable that is read
+        "P_FsGn0=": lambda given: print(given.arguments),    # one that is set: indices, the value
+        "Fsc On": lambda given: given.task.switch("force", 1.0),    # a command
+    })
+
+They stand before what is simulated, and any name may be one that the language lacks.
+"""
 
 from __future__ import annotations
 

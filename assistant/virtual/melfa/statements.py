@@ -50,6 +50,8 @@ def _assign(m: Machine, node: s.Assign) -> None:
     value = expressions.value(m, node.value)
     if m.is_result(target):
         _result(m, target, value)
+    elif m.world.commands and f"{key}=" in m.world.commands:
+        m.world.given(f"{key}=", (*expressions.values(m, target.arguments or ()), value))
     elif not m.is_own(key) and key in m.code.signals:
         first, width, mask = expressions.io_of(m, m.code.signals[key])
         _switch(m, node, first, width, whole(value), mask)

@@ -60,7 +60,6 @@ Value = int | float | bool | str | Position | Joints | Bare
 
 RANGES: Final = {"integer": 1 << 15, "long": 1 << 31}
 """Bound of whole types: 16 and 32 bits with a sign."""
-MOST_TEXT: Final = 127
 
 
 def eight(values: tuple[float | None, ...]) -> Elements:
@@ -130,6 +129,8 @@ def holds(value: Value) -> bool:
 
 def fitted(value: Value, kind: Kind, what: str, options: Options) -> Value:
     """A value that is to go into a variable: a whole one takes no more than its bits."""
+    if isinstance(value, str) and len(value) > options.longest_text:
+        raise Unknown(f"a text of {len(value)} characters")
     if kind not in RANGES or isinstance(value, str) or options.overflow is None:
         return value
     bound, rounded = RANGES[kind], whole(value, what)
@@ -151,9 +152,7 @@ def converted(value: Value, kind: Kind, what: str) -> Value:
                 raise Unknown(f"{rounded} does not fit into {what}")
             return rounded
         case "text":
-            if len(given := text(value, what)) > MOST_TEXT:
-                raise Unknown(f"a text of {len(given)} characters")
-            return given
+            return text(value, what)
         case "position":
             return position(value, what)
         case "joints":
