@@ -11,7 +11,7 @@ import numpy as np
 
 from assistant.program import rotations
 from assistant.program.arrays import Floats
-from assistant.virtual.rapid.ends import Fault
+from assistant.virtual.rapid.ends import UNSURE, Fault
 from assistant.virtual.rapid.poses import orient, pos, quaternion_of, truth, vector_of
 from assistant.virtual.rapid.precision import LARGEST, as_kind, paired
 from assistant.virtual.rapid.values import Record, Value, equal, kind_of
@@ -62,7 +62,7 @@ def joined(text: str) -> str:
 
 def whole(value: float, what: str) -> int:
     if not value.is_integer():
-        raise Fault(f"{what} is {value:g}, no whole number")
+        raise Fault(f"{what} is {value:g}, no whole number", UNSURE)
     return int(value)
 
 

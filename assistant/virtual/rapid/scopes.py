@@ -8,7 +8,7 @@ from typing import Literal
 from assistant.languages.rapid.tree import syntax as s
 from assistant.program.diagnostics import Span
 from assistant.program.text import SourceText
-from assistant.virtual.rapid.ends import Fault
+from assistant.virtual.rapid.ends import UNSURE, Fault
 from assistant.virtual.rapid.values import (
     Array,
     Record,
@@ -81,7 +81,7 @@ class Place:
         try:
             stored = overwrite(self.get(), value)
         except ValueError as error:
-            raise Fault(str(error)) from None
+            raise Fault(str(error), UNSURE) from None
         if stored:
             return
         match self.holder:

@@ -6,7 +6,7 @@ import operator
 from collections.abc import Callable, Mapping
 from typing import Final
 
-from assistant.virtual.rapid.ends import Fault
+from assistant.virtual.rapid.ends import UNSURE, Fault
 from assistant.virtual.rapid.given import Given, takes
 from assistant.virtual.rapid.machine import Function
 from assistant.virtual.rapid.operators import whole
@@ -17,7 +17,7 @@ BYTE, DNUM = 8, 52
 def _bits(given: Given, index: int, most: int) -> int:
     value = whole(given.number(index), "what the bits are taken of")
     if not 0 <= value < 1 << most:
-        raise Fault(f"{value} has no {most} bits")
+        raise Fault(f"{value} has no {most} bits", UNSURE)
     return value
 
 
@@ -42,7 +42,7 @@ def _checked(most: int) -> Callable[[Given], bool]:
     def does(given: Given) -> bool:
         place = whole(given.number(1), "the place of a bit")
         if not 1 <= place <= most:
-            raise Fault(f"there is no bit {place} among {most}")
+            raise Fault(f"there is no bit {place} among {most}", UNSURE)
         return bool(_bits(given, 0, most) >> (place - 1) & 1)
 
     return does

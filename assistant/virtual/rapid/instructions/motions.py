@@ -8,7 +8,7 @@ from typing import Final
 from assistant.languages.rapid.tree import syntax as s
 from assistant.virtual.events import OnWay, Switched
 from assistant.virtual.rapid import motion
-from assistant.virtual.rapid.ends import Fault, NotSimulated
+from assistant.virtual.rapid.ends import UNSURE, Fault, NotSimulated
 from assistant.virtual.rapid.expressions import place, signal
 from assistant.virtual.rapid.given import Given, takes
 from assistant.virtual.rapid.machine import Function, Machine
@@ -47,7 +47,7 @@ def _change(machine: Machine, node: s.Expression | None) -> Switched:
     if not isinstance(trigger, Trigger):
         raise Fault("what is no triggdata is given to a motion")
     if trigger.change is None:
-        raise Fault("a motion is given triggdata that nothing set up")
+        raise Fault("a motion is given triggdata that nothing set up", UNSURE)
     return trigger.change
 
 
