@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from functools import lru_cache
+from typing import Any, Final
+
 from assistant.languages.rapid.tables import predefined
+from assistant.languages.rapid.tables.signatures import rows
 from assistant.languages.rapid.tree import syntax as s
 from assistant.virtual.rapid.ends import Fault, NotSimulated
 from assistant.virtual.rapid.machine import Machine
 from assistant.virtual.rapid.operators import infix, prefix, whole
 from assistant.virtual.rapid.poses import number, truth
-from assistant.virtual.rapid.precision import Exact, single
+from assistant.virtual.rapid.precision import Double, Exact, single
 from assistant.virtual.rapid.scopes import Absent, Cell, Known, Place, Signal
 from assistant.virtual.rapid.values import Array, Record, Shape, Value, copied
 
@@ -20,33 +25,10 @@ def evaluate(machine: Machine, node: s.Expression | s.Whole, wanted: Shape | Non
 
     wanted: what it is for, which gives an aggregate its type.
     """
-    match node:
-        case s.NumberLiteral(text):
-            return Exact(literal(text))
-        case s.StringLiteral(value):
-            return value
-        case s.BoolLiteral(value):
-            return value
-        case s.Group(inner):
-            return evaluate(machine, inner, wanted)
-        case s.Prefix(sign, operand):
-            return prefix(sign, evaluate(machine, operand))
-        case s.Infix():
-            return _infix(machine, node)
-        case s.AggregateNode():
-            return _aggregate(machine, node, wanted)
-        case s.FunctionCall():
-            return _call(machine, node)
-        case s.NameRef(name):
-            meaning = machine.meaning(name)
-            if isinstance(meaning, Signal):
-                return machine.signals.read(meaning.name)
-            if meaning is None and _is_signal(machine, name):
-                return machine.signals.read(name.lower())
-    if isinstance(node, s.NameRef | s.Component | s.Element):
-        found = place(machine, node).get()
-        return single(found) if type(found) is float else found
-    raise NotSimulated(f"{type(node).__name__} in an expression")
+    worth = WORTH.get(type(node))
+    if worth is None:
+        raise NotSimulated(f"{type(node).__name__} in an expression")
+    return worth(machine, node, wanted)
 
 
 def condition(machine: Machine, node: s.Expression) -> bool:
@@ -57,10 +39,11 @@ def numeric(machine: Machine, node: s.Expression | s.Whole) -> float:
     return number(evaluate(machine, node))
 
 
+@lru_cache(4096)
 def literal(text: str) -> float:
     """A number as it is written, `9E9` or `0x1F`."""
     base = PREFIXES.get(text[:2].lower())
-    return float(text) if base is None else float(int(text[2:], base))
+    return Exact(text if base is None else int(text[2:], base))
 
 
 def place(machine: Machine, node: s.Expression | s.Whole) -> Place:
@@ -172,9 +155,26 @@ def _item(array: Place, index: int) -> Place:
     return Place(items, index - 1, array.shape.element, array.storage)
 
 
-def _infix(machine: Machine, node: s.Infix) -> Value:
+def _variable(machine: Machine, node: s.NameRef, _: Shape | None) -> Value:
+    meaning = machine.meaning(node.name)
+    if type(meaning) is Cell and meaning.pending is None and meaning.value is not None:
+        return meaning.value
+    if isinstance(meaning, Signal):
+        return single(machine.signals.read(meaning.name))
+    if meaning is None and _is_signal(machine, node.name):
+        return single(machine.signals.read(node.name.lower()))
+    return _stored(machine, node, None)
+
+
+def _stored(machine: Machine, node: s.Expression, _: Shape | None) -> Value:
+    """What functions put into a record may be more exact than a num."""
+    found = place(machine, node).get()
+    return single(found) if type(found) is float else found
+
+
+def _infix(machine: Machine, node: s.Infix, _: Shape | None) -> Value:
     """Two operands, the left one first; an aggregate is of the type of the other."""
-    if isinstance(_bare(node.left), s.AggregateNode):
+    if type(_bare(node.left)) is s.AggregateNode:
         right = evaluate(machine, node.right)
         return infix(node.operator, evaluate(machine, node.left, _shape(right)), right)
     left = evaluate(machine, node.left)
@@ -217,7 +217,7 @@ def _aggregate(machine: Machine, node: s.AggregateNode, wanted: Shape | None) ->
     return record
 
 
-def _call(machine: Machine, node: s.FunctionCall) -> Value:
+def _call(machine: Machine, node: s.FunctionCall, _: Shape | None) -> Value:
     meaning = machine.meaning(node.name)
     if isinstance(meaning, Known):
         value = machine.abilities.call(machine, meaning, node.arguments)
@@ -226,6 +226,32 @@ def _call(machine: Machine, node: s.FunctionCall) -> Value:
         if function is None:
             raise NotSimulated(f"the function `{node.name}`")
         value = function(machine, node.arguments)
+        if type(value) is float:
+            value = _number_of(node.name.lower(), value)
     if value is None:
         raise Fault(f"`{node.name}` gives no value")
     return value
+
+
+def _number_of(name: str, value: float) -> float:
+    """The number that a function of every controller gives."""
+    return Double(value) if name in GIVES_DNUM else single(value)
+
+
+GIVES_DNUM: Final = frozenset(n for n, (line, _) in rows().items() if line.startswith("FUNC dnum "))
+
+
+WORTH: Final[Mapping[type, Callable[[Machine, Any, Shape | None], Value]]] = {
+    s.NameRef: _variable,
+    s.NumberLiteral: lambda _, node, __: literal(node.text),
+    s.Infix: _infix,
+    s.Element: _stored,
+    s.Component: _stored,
+    s.FunctionCall: _call,
+    s.Group: lambda machine, node, wanted: evaluate(machine, node.inner, wanted),
+    s.Prefix: lambda machine, node, _: prefix(node.operator, evaluate(machine, node.operand)),
+    s.AggregateNode: _aggregate,
+    s.StringLiteral: lambda _, node, __: node.value,
+    s.BoolLiteral: lambda _, node, __: node.value,
+}
+"""By what an expression is; the third argument is what it is for."""

@@ -1,7 +1,7 @@
 """How exact numbers are: a num has single precision, a dnum double (reference, 2.1).
 
-A num is a plain float that single precision can hold. What is only written, and not stored yet, is
-as exact as the data that it meets.
+Wherever a program reads it, a num is a plain float that single precision can hold. What is only
+written, and not stored yet, is as exact as the data that it meets.
 """
 
 from __future__ import annotations
@@ -41,10 +41,10 @@ def single(value: float) -> float:
 def paired(left: float, right: float) -> tuple[float, float, type[float]]:
     """Two operands as exact as they are together, and what their result is."""
     one, two = type(left), type(right)
+    if one is two:
+        return left, right, one
     if one is Double or two is Double:
         return left, right, Double
-    if one is Exact and two is Exact:
-        return left, right, Exact
     return single(left), single(right), float
 
 

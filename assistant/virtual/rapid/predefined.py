@@ -14,7 +14,7 @@ from assistant.robots import Robot
 from assistant.virtual.rapid.errors import NUMBERS as ERROR_NUMBERS
 from assistant.virtual.rapid.poses import orient, pos, pose
 from assistant.virtual.rapid.scopes import Cell, Storage
-from assistant.virtual.rapid.values import Clock, Record, Shape, Value
+from assistant.virtual.rapid.values import NUMBER, Clock, Record, Shape, Value, fitted
 
 SPEEDS: Final = (
     *(5, 10, 20, 30, 40, 50, 60, 80, 100, 150, 200, 300, 400, 500, 600, 800),
@@ -153,7 +153,7 @@ def _cell(value: Value, storage: Storage = "CONST") -> Cell:
             return Cell(Shape("string"), storage, value)
         case Record(type):
             return Cell(Shape(type), storage, value)
-    return Cell(Shape("num"), storage, value)
+    return Cell(Shape("num"), storage, fitted(value, NUMBER))
 
 
 ERRORS: Final[Mapping[str, Cell]] = {name: _cell(float(n)) for name, n in ERROR_NUMBERS.items()}
