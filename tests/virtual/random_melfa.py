@@ -304,6 +304,22 @@ class _Writer(Values):
         else:
             self.add(f"Dly {rng.choice((0.1, 0.5))}")
 
+    def wait(self, depth: int) -> None:
+        """For an input, for ever or for a time."""
+        if "waits" not in self.rare or self.rng.random() < 0.5:
+            return
+        rng, signal = self.rng, self.rng.randrange(1, 5)
+        if rng.random() < 0.5:
+            self.add(f"Wait M_In({signal})={rng.randrange(2)}")
+            return
+        number = self.fresh()
+        self.add("M_Timer(1)=0")
+        self.add(f"*W{number}")
+        self.add(f"If M_In({signal})=1 Then *X{number}")
+        self.add(f"If M_Timer(1)<{rng.choice((50, 100))} Then *W{number}")
+        self.add(f"M_Out({rng.randrange(8, 12)})=1")
+        self.add(f"*X{number}")
+
     def text(self, depth: int) -> None:
         rng = self.rng
         if rng.random() < 0.3:
@@ -422,7 +438,8 @@ class _Writer(Values):
 PLAIN: Final[tuple[Callable[[_Writer, int], None], ...]] = (
     _Writer.move, _Writer.move, _Writer.arc, _Writer.tool, _Writer.base, _Writer.speed,
     _Writer.override, _Writer.here, _Writer.assign, _Writer.assign, _Writer.set_position,
-    _Writer.output, _Writer.output, _Writer.text, _Writer.call, _Writer.call, _Writer.pallet,
+    _Writer.output, _Writer.output, _Writer.wait, _Writer.text, _Writer.call, _Writer.call,
+    _Writer.pallet,
 )  # fmt: skip
 BLOCKS: Final[tuple[Callable[[_Writer, int], None], ...]] = (
     _Writer.branch, _Writer.branch, _Writer.branch, _Writer.for_, _Writer.for_, _Writer.while_,

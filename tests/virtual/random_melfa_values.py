@@ -13,8 +13,8 @@ POSITIONS: Final = ("P1", "P2", "P3", "P4", "P5")
 WORKING: Final = ("P7", "P8", "P9")
 """Set at the head, and changed by the program."""
 
-TOOLS: Final = ("PT1", "PT2")
-BASES: Final = ("PB1", "PB2")
+TOOLS: Final = ("PT1", "PT2", "PT3")
+BASES: Final = ("PB1", "PB2", "PB3")
 SHIFTS: Final = ("PS1", "PS2")
 DATA: Final = """
 P1=(+400.00,+0.00,+450.00,+180.00,+0.00,+180.00)(7,0)
@@ -30,15 +30,17 @@ PT1=(+0.00,+0.00,+100.00,+0.00,+0.00,+0.00)(0,0)
 PT2=(+10.00,-5.00,+60.00,+0.00,+0.00,+30.00)(0,0)
 PB1=(+20.00,+10.00,-30.00,+0.00,+0.00,+0.00)(0,0)
 PB2=(-15.00,+25.00,+10.00,+0.00,+0.00,+10.00)(0,0)
+PT3=(+12.35,-8.21,+143.62,+9.11,-18.73,+13.37)(0,0)
+PB3=(-21.34,+17.13,+63.72,+3.31,-4.77,+11.13)(0,0)
 PS1=(+5.00,-8.00,+12.00,+0.00,+0.00,+20.00)(0,0)
 PS2=(+0.00,+0.00,-25.00,+0.00,+10.00,+0.00)(0,0)
 """
 JOINTS: Final = """JA=(+10.00,+5.00,+85.00,+10.00,+80.00,-15.00)
 JB=(-20.00,+15.00,+80.00,+0.00,+75.00,+30.00)
 """
-RARE: Final = ("bits", "floor", "on way", "positions", "settings", "truths")
+RARE: Final = ("bits", "floor", "on way", "positions", "settings", "truths", "waits")
 """Operators on bits, Int, outputs on the way of moves, sums and halves of positions, settings in
-branches, numbers as truths."""
+branches, numbers as truths, waits for inputs."""
 
 
 @dataclass

@@ -27,6 +27,7 @@ FEATURES: Final = {
     "signals": 0.6,
     "groups": 0.2,
     "waits": 0.3,
+    "limits": 0.15,
     "returns": 0.5,
     "tests": 0.4,
     "components": 0.4,

@@ -234,6 +234,15 @@ class Body:
             ),
         )
 
+    def limited(self, depth: int) -> None:
+        """A wait that ends with an error when its time is over."""
+        rng, name = self.rng, self.rng.choice(list(w.INPUTS))
+        limit = rng.choice(["0.5", "1", "2"])
+        waits = [f"WaitDI {name},{rng.choice('01')}", f"WaitUntil {name}={rng.choice('01')}"]
+        if self.scope.has("groups"):
+            waits.append(f"WaitUntil giOrder<{rng.randint(1, 15)} OR {name}=1")
+        self.say(depth, f"{rng.choice(waits)}\\MaxTime:={limit};")
+
     def setting(self, depth: int) -> None:
         self.say(depth, self.rng.choice(w.SETTINGS))
 
@@ -371,6 +380,7 @@ STATEMENTS: Final[Sequence[tuple[Draw, int, str, bool]]] = (
     (Body.trigger, 8, "triggers", False),
     (Body.group, 3, "groups", False),
     (Body.wait, 3, "waits", False),
+    (Body.limited, 3, "limits", False),
     (Body.setting, 2, "settings", False),
     (Body.message, 1, "", False),
     (Body.branch, 7, "", True),

@@ -5,8 +5,11 @@ from __future__ import annotations
 import pytest
 
 from assistant import languages, robots
-from assistant.virtual import melfa, rapid
+from assistant.virtual import melfa
 from assistant.virtual.events import Run
+from assistant.virtual.kernel import Board, Kernel, Signals
+from assistant.virtual.proving.sides import STATEMENT_TIME
+from assistant.virtual.rapid.running import start_task
 from tests.virtual.random_melfa import program
 from tests.virtual.translating import START, Arms, Inputs, Tally, judge
 
@@ -46,7 +49,10 @@ def run_rapid(arms: Arms | None, text: str, inputs: Inputs, most_steps: int) -> 
         for name, numbers in SIGNALS.items()
     }
     robot = None if arms is None else robots.get(arms[1])
-    return rapid.run(tree, inputs=read, start=START, robot=robot, most_steps=most_steps)
+    board = Board(Signals(read))
+    kernel = Kernel(board, most_steps=most_steps, statement_time=STATEMENT_TIME)
+    start_task(kernel, (tree,), robot=robot, start=START)
+    return kernel.run()
 
 
 def tally_of(level: int, seeds: range, arms: Arms | None = None) -> Tally:

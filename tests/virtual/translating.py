@@ -9,12 +9,17 @@ from pathlib import Path as FilePath
 
 import assistant
 from assistant import languages, robots
+from assistant.compiler.arms import Arms as KnownArms
 from assistant.compiler.loading import load_text
+from assistant.compiler.motion import Proving, prove_motion
+from assistant.compiler.motion_sides import Made
 from assistant.program.diagnostics import Severity
 from assistant.program.geometry import Pose
 from assistant.program.text import SourceText
 from assistant.virtual.comparing import Bits, difference
 from assistant.virtual.events import Run
+from assistant.virtual.proving.sides import Side
+from assistant.virtual.rounding import Rounding
 
 START = Pose((320.0, 10.0, 420.0), (0.0, 0.0, 1.0, 0.0))
 """Where the flange is before both programs."""
@@ -62,6 +67,9 @@ def judge(
 ) -> str:
     """Translates a program and compares both; the word that it is counted under.
 
+    The scenarios are run, and a few that are sought for its branches. Places may be apart by what
+    the decimals of the translation leave open.
+
     source, target: a language and what runs its texts. arms: for which robot it is written, and for
     which it is to be. A program that comes to nothing its interpreter knows is `not judged`, one
     whose source stops with an error whatever its inputs are is `failing`.
@@ -100,7 +108,9 @@ def _judged(
         tally.reasons.update({f"{f.code} {f.message}" for f in errors})
         return "refused", ""
     (data,) = translation.files.values()
-    written = languages.get(target[0]).decode(data).text
+    language = languages.get(target[0])
+    written = language.decode(data).text
+    rounding = rounding_of(target[0], written)
     judged, ends = False, set()
     for inputs in scenarios:
         one = source[1](text, inputs, MOST_STEPS)
@@ -108,14 +118,30 @@ def _judged(
         if one.ended in ("unknown", "error"):
             continue
         two = target[1](written, inputs, MORE_STEPS)
-        found = difference(one, two, signals)
+        found = difference(one, two, signals, rounding)
         if found is not None:
             return "different", found
         judged = judged or two.ended != "unknown"
-    if judged:
+    compiled = translation.compiled
+    made = Made(compiled.source, compiled.program, compiled.language, translation.files)
+    proof = prove_motion(made, KnownArms(second, first), SOUGHT)
+    for finding in proof.findings:
+        if finding.code == "CO110":
+            return "different", finding.message
+    if judged or proof.holds:
         return "equal", ""
     return ("failing" if ends == {"error"} else "not judged"), ""
 
+
+def rounding_of(language: str, text: str) -> Rounding:
+    """What a text in a language leaves open of the places in it."""
+    spoken = languages.get(language)
+    precision = spoken.precision
+    side = Side(family=spoken.family, trees=(spoken.parse(text),))
+    return Rounding(precision.position, precision.angle, precision.position).of(side.constants())
+
+
+SOUGHT = Proving(runs=3, seconds=5.0)
 
 CRASHES = ("CL900", "CO102", "CO103")
 """That the project itself failed, or wrote what it would refuse."""
