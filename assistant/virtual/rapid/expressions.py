@@ -17,6 +17,7 @@ from assistant.virtual.rapid.precision import Double, Exact, single
 from assistant.virtual.rapid.scopes import Absent, Cell, Known, Place, Signal
 from assistant.virtual.rapid.values import Array, Record, Shape, Value, copied
 
+Indices = tuple[s.Expression | s.Whole, ...]
 PREFIXES = {"0x": 16, "0o": 8, "0b": 2, "0d": 10}
 
 
@@ -129,7 +130,7 @@ def _is_signal(machine: Machine, name: str) -> bool:
     return name.lower() not in predefined.data() and machine.signals.knows(name.lower())
 
 
-def _element(machine: Machine, array: Place, indices: tuple[s.Expression | s.Whole, ...]) -> Place:
+def _element(machine: Machine, array: Place, indices: Indices) -> Place:
     if len(indices) != len(array.shape.sizes):
         raise Fault(f"{len(indices)} indices of an array of {len(array.shape.sizes)} dimensions")
     values: list[int | None] = []
@@ -142,17 +143,14 @@ def _element(machine: Machine, array: Place, indices: tuple[s.Expression | s.Who
     while values and values[0] is not None:
         found = _item(found, values.pop(0) or 0)
     if any(value is not None for value in values):
-        raise NotSimulated("a column of an array")
+        raise NotSimulated("a column of an array that is changed")
     return found
 
 
 def _item(array: Place, index: int) -> Place:
     items = array.get()
     assert isinstance(items, Array)
-    if not 1 <= index <= len(items.items):
-        message = f"the index {index} of an array of {len(items.items)} elements"
-        raise Fault(message, "ERR_OUTOFBND")
-    return Place(items, index - 1, array.shape.element, array.storage)
+    return Place(items, _bounded(index, items), array.shape.element, array.storage)
 
 
 def _variable(machine: Machine, node: s.NameRef, _: Shape | None) -> Value:
@@ -168,8 +166,30 @@ def _variable(machine: Machine, node: s.NameRef, _: Shape | None) -> Value:
 
 def _stored(machine: Machine, node: s.Expression, _: Shape | None) -> Value:
     """What functions put into a record may be more exact than a num."""
+    if isinstance(node, s.Element) and isinstance(node.indices[0], s.Whole):
+        return _column(machine, place(machine, node.value).get(), node.indices)
     found = place(machine, node).get()
     return single(found) if type(found) is float else found
+
+
+def _column(machine: Machine, value: Value, indices: Indices) -> Value:
+    """A copy of a part of an array: all elements where an index is `*`."""
+    if not indices:
+        return copied(value)
+    if not isinstance(value, Array):
+        raise Fault("more indices than an array has dimensions")
+    if isinstance(indices[0], s.Whole):
+        return Array([_column(machine, item, indices[1:]) for item in value.items])
+    index = whole(numeric(machine, indices[0]), "an index")
+    return _column(machine, value.items[_bounded(index, value)], indices[1:])
+
+
+def _bounded(index: int, array: Array) -> int:
+    """From 0; raises Fault for an element that there is not."""
+    if not 1 <= index <= len(array.items):
+        message = f"the index {index} of an array of {len(array.items)} elements"
+        raise Fault(message, "ERR_OUTOFBND")
+    return index - 1
 
 
 def _infix(machine: Machine, node: s.Infix, _: Shape | None) -> Value:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Protocol
 
 from assistant.languages.rapid.tree import syntax as s
@@ -17,6 +18,7 @@ from assistant.virtual.on_way import told
 from assistant.virtual.rapid.arm import Arm
 from assistant.virtual.rapid.controller import Controller
 from assistant.virtual.rapid.interrupts import Interrupts
+from assistant.virtual.rapid.loading import Loaded
 from assistant.virtual.rapid.scopes import Frame, Known, Meaning, Unit
 from assistant.virtual.rapid.signals import Signals
 from assistant.virtual.rapid.types import Types
@@ -46,9 +48,9 @@ class Machine:
     """Everything that a running program can see or change.
 
     task: what it runs in. named: what all modules know, by name in lower case. predefined: what
-    every controller knows. modules: by name in lower case. controller: what its tasks share. at:
-    the statement at hand. row: the line of it, from 0, in a run of moves. on_way: what is set on
-    the way of the next motion. moves: whether the task has a robot, None
+    every controller knows. modules: by name in lower case. loaded: by Load, by file. controller:
+    what its tasks share. at: the statement at hand. row: the line of it, from 0, in a run of moves.
+    on_way: what is set on the way of the next motion. moves: whether the task has a robot, None
     where nothing states it. hangs_on: what the condition at hand hangs on that no statement
     changes, `time` or `outside`. at_end: runs when the task ends,
     however it does.
@@ -63,6 +65,7 @@ class Machine:
     named: dict[str, Meaning] = field(default_factory=dict)
     predefined: Mapping[str, Meaning] = field(default_factory=dict)
     modules: dict[str, Unit] = field(default_factory=dict)
+    loaded: dict[Path, Loaded] = field(default_factory=dict)
     controller: Controller = field(default_factory=Controller)
     frames: list[Frame] = field(default_factory=list)
     at: tuple[Unit, Span | None] | None = None

@@ -64,9 +64,11 @@ COUNTED: Final = (
     (0, "resUnkwn resOK resAbort resRetry resIgnore resCancel resYes resNo"),
     (1, "LT LTEQ EQ NOTEQ GTEQ GT"),
     (1, "OpAdd OpSub OpMult OpDiv OpMod"),
+    (0, "OP_UNDEF OP_AUTO OP_MAN_PROG OP_MAN_TEST"),
+    (0, "RUN_UNDEF RUN_CONT_CYCLE RUN_INSTR_FWD RUN_INSTR_BWD RUN_SIM RUN_STEP_MOVE"),
 )
 """Names whose numbers follow each other, with the first (manual, data types aiotrigg, socketstatus,
-icondata, buttondata and btnres; of opnum and opcalc the names alone are stated).
+icondata, buttondata and btnres; of opnum, opcalc and the modes the names alone are stated).
 """
 CAPITALS: Final = "".join(map(chr, (*range(65, 91), *range(0xC0, 0xD7), *range(0xD8, 0xDF))))
 TEXTS: Final = {

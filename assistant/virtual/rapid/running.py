@@ -112,7 +112,7 @@ def start_task(
         if any(has_errors(file.findings) for file in files):
             raise Fault("the text of a module has errors")
         loaded = load(files, machine.types, shared.persistents)
-        machine.named, machine.modules = loaded.named, loaded.units
+        machine.named, machine.modules = dict(loaded.named), dict(loaded.units)
         cells.extend(loaded.cells)
         shared.programs.append((loaded, machine.types))
 

@@ -15,7 +15,7 @@ from assistant.virtual.rapid.functions import (
     texts,
     times,
 )
-from assistant.virtual.rapid.instructions import dialogs, files, raw, sockets, tasks
+from assistant.virtual.rapid.instructions import dialogs, files, modules, raw, sockets, tasks
 from assistant.virtual.rapid.machine import Function
 
 FUNCTIONS: Final[Mapping[str, Function]] = {
@@ -29,6 +29,7 @@ FUNCTIONS: Final[Mapping[str, Function]] = {
     **times.TABLE,
     **dialogs.FUNCTIONS,
     **files.FUNCTIONS,
+    **modules.FUNCTIONS,
     **raw.FUNCTIONS,
     **sockets.FUNCTIONS,
     **tasks.FUNCTIONS,

@@ -53,6 +53,10 @@ def _retries(given: Given) -> float:
     return float(frame.retries)
 
 
+AUTOMATIC: Final = 1.0
+"""OP_AUTO."""
+CONTINUOUS: Final = 1.0
+"""RUN_CONT_CYCLE."""
 READS: Final = (
     *("DInput", "DOutput", "GInput", "GOutput", "AInput", "AOutput"),
     *("GInputDnum", "GOutputDnum"),
@@ -66,6 +70,9 @@ TABLE: Final[Mapping[str, Function]] = dict(
         takes("IsPers", 1, _is("PERS")),
         takes("TestDI", 1, _test),
         *(takes(name, 1, _signal) for name in READS),
+        takes("RobOS", 0, lambda _: False),
+        takes("OpMode", 0, lambda _: AUTOMATIC),
+        takes("RunMode", 0, lambda _: CONTINUOUS, "main"),
         takes("RemainingRetries", 0, _retries),
         takes("ClkRead", 1, _clock, "highres"),
     )

@@ -11,6 +11,7 @@ from assistant.virtual.rapid.instructions import (
     errors,
     files,
     interrupts,
+    modules,
     motions,
     naming,
     others,
@@ -37,4 +38,5 @@ INSTRUCTIONS: Final[Mapping[str, Function]] = {
     **tasks.INSTRUCTIONS,
     **waits.TABLE,
     **naming.TABLE,
+    **modules.INSTRUCTIONS,
 }

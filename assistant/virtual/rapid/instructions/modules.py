@@ -1,0 +1,165 @@
+r"""Modules that are saved, and loaded and unloaded while the program runs.
+
+Manual, Save, Load, UnLoad, EraseModule, ModExist. What Load is to replace has to be unloaded first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Final
+
+from assistant.languages.rapid.tree import syntax as s
+from assistant.program.diagnostics import has_errors
+from assistant.program.text import SourceText
+from assistant.virtual.rapid.ends import UNSURE, Fault, NotSimulated
+from assistant.virtual.rapid.expressions import settled
+from assistant.virtual.rapid.given import Given, takes
+from assistant.virtual.rapid.loading import Loaded, load, signals
+from assistant.virtual.rapid.machine import Function, Machine
+from assistant.virtual.rapid.persistent import saved
+from assistant.virtual.rapid.scopes import Cell
+
+
+def _path(given: Given, stated: str) -> Path:
+    file = given.optional("file", "string")
+    return given.machine.controller.disk.path(stated, file if isinstance(file, str) else "")
+
+
+def _load(given: Given) -> None:
+    machine, path = given.machine, _path(given, given.text(0))
+    if not path.is_file():
+        raise Fault(f"there is no file `{path.name}`", "ERR_FILNOTFND")
+    file = _parsed(path)
+    if any(module.name.lower() in machine.modules for module in file.modules):
+        raise Fault(f"a module of `{path.name}` is loaded already", "ERR_LOADED")
+    controller = machine.controller
+    loaded = load([file], machine.types, controller.persistents)
+    twice = [name for name in loaded.named if name in machine.named and not _is_one(loaded, name)]
+    if twice:
+        raise Fault(f"two meanings of the name `{twice[0]}`", UNSURE)
+    outputs, known = signals([file])
+    controller.outputs |= outputs
+    controller.known |= known
+    controller.programs.append((loaded, machine.types))
+    machine.named.update(loaded.named)
+    machine.modules.update(loaded.units)
+    machine.loaded[path] = loaded
+    for cell in loaded.cells:
+        settled(machine, cell)
+
+
+def _parsed(path: Path) -> s.File:
+    from assistant import languages
+
+    rapid = languages.get("rapid")
+    file = rapid.parse(rapid.read(path))
+    assert isinstance(file, s.File)
+    if has_errors(file.findings):
+        raise Fault(f"`{path.name}` has errors: {file.findings[0].message}", "ERR_SYNTAX")
+    return file
+
+
+def _is_one(loaded: Loaded, name: str) -> bool:
+    """Whether a name is of a persistent that all modules share."""
+    cell = loaded.named[name]
+    return isinstance(cell, Cell) and cell.storage == "PERS"
+
+
+def _unload(given: Given) -> None:
+    machine, path = given.machine, _path(given, given.text(0))
+    loaded = machine.loaded.get(path)
+    if loaded is None:
+        raise Fault(f"`{path.name}`, which was not loaded", "ERR_UNLOAD")
+    text, source = saved(machine.controller, loaded.files[0]), loaded.files[0].source
+    if given.has("save"):
+        _keep(path, text, source)
+    elif given.has("errifchanged") and source is not None and text != source.text:
+        raise Fault(f"`{path.name}` has changed and is not saved", "ERR_NOTSAVED")
+    _take_out(machine, loaded)
+    del machine.loaded[path]
+
+
+def _erase(given: Given) -> None:
+    """A module of a file of its own."""
+    machine, name = given.machine, given.text(0)
+    unit = machine.modules.get(name.lower())
+    if unit is None:
+        raise Fault(f"there is no module `{name}`", "ERR_MODULE")
+    for loaded, _ in machine.controller.programs:
+        if len(loaded.units) == 1 and loaded.units.get(name.lower()) is unit:
+            _take_out(machine, loaded)
+            machine.loaded = {p: one for p, one in machine.loaded.items() if one is not loaded}
+            return
+    raise NotSimulated(f"EraseModule of `{name}`, which was not loaded by itself")
+
+
+def _take_out(machine: Machine, loaded: Loaded) -> None:
+    units = list(loaded.units.values())
+    if any(frame.unit in units for frame in machine.frames):
+        raise Fault("a module that runs is unloaded", "ERR_UNLOAD")
+    controller = machine.controller
+    controller.programs = [one for one in controller.programs if one[0] is not loaded]
+    for name, meaning in loaded.named.items():
+        elsewhere = any(one.named.get(name) is meaning for one, _ in controller.programs)
+        if not elsewhere:
+            machine.named.pop(name, None)
+            if controller.persistents.get(name) is meaning:
+                del controller.persistents[name]
+    for name in loaded.units:
+        machine.modules.pop(name, None)
+    for file in loaded.files:
+        for module in file.modules:
+            for item in module.items:
+                if isinstance(item, s.Record | s.Alias):
+                    machine.types.records.pop(item.name.lower(), None)
+                    machine.types.aliases.pop(item.name.lower(), None)
+
+
+def _save(given: Given) -> None:
+    r"""To where \FilePath tells, else to where the module was loaded from."""
+    machine, name = given.machine, given.text(0)
+    file = _file_of(machine, name)
+    stated = given.optional("filepath", "string")
+    if isinstance(stated, str):
+        path = _path(given, stated)
+    else:
+        paths = (path for path, one in machine.loaded.items() if file in one.files)
+        found = next(paths, None)
+        if found is None:
+            raise NotSimulated(f"Save of `{name}` without a path, which no Load has read")
+        path = found
+    _keep(path, saved(machine.controller, file), file.source)
+
+
+def _file_of(machine: Machine, name: str) -> s.File:
+    unit = machine.modules.get(name.lower())
+    for loaded, _ in machine.controller.programs:
+        if unit is not None and loaded.units.get(name.lower()) is unit:
+            for file in loaded.files:
+                if any(module.name.lower() == name.lower() for module in file.modules):
+                    return file
+    raise Fault(f"there is no module `{name}`", "ERR_MODULE")
+
+
+def _keep(path: Path, text: str, source: SourceText | None) -> None:
+    encoding = "latin-1" if source is None else source.encoding
+    try:
+        path.write_bytes(text.encode(encoding, "replace"))
+    except OSError as error:
+        raise Fault(f"`{path.name}` is not saved: {error.strerror}", "ERR_PATH") from None
+
+
+def _exists(given: Given) -> bool:
+    return given.text(0).lower() in given.machine.modules
+
+
+INSTRUCTIONS: Final[Mapping[str, Function]] = dict(
+    (
+        takes("Load", 1, _load, "dynamic file checkref"),
+        takes("UnLoad", 1, _unload, "file save errifchanged"),
+        takes("EraseModule", 1, _erase),
+        takes("Save", 1, _save, "filepath file"),
+    )
+)
+FUNCTIONS: Final[Mapping[str, Function]] = dict((takes("ModExist", 1, _exists),))
