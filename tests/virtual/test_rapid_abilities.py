@@ -43,6 +43,11 @@ def test_an_error_of_its_own_goes_to_the_handler() -> None:
     assert said(main, abilities=ABILITIES) == ["10 g at 1", "empty"]
 
 
+def test_too_few_arguments_are_an_error_of_the_program() -> None:
+    found = ran("Dispense;", abilities=ABILITIES)
+    assert (found.ended, "0 arguments where 1" in found.message) == ("error", True)
+
+
 def test_a_routine_of_the_program_comes_first() -> None:
     more = 'PROC Dispense(num a,INOUT num b)\nTPWrite "own";\nENDPROC'
     assert said("Dispense 1,reg1;", more, abilities=ABILITIES) == ["own"]

@@ -23,7 +23,12 @@ class Given:
     options: dict[str, s.Expression | None]
 
     def value(self, index: int, type: str = "") -> Value:
-        return evaluate(self.machine, self.required[index], Shape(type) if type else None)
+        return evaluate(self.machine, self._node(index), Shape(type) if type else None)
+
+    def _node(self, index: int) -> s.Expression:
+        if index >= len(self.required):
+            raise Fault(f"{len(self.required)} arguments where {index + 1} are needed")
+        return self.required[index]
 
     def number(self, index: int) -> float:
         return poses.number(self.value(index))
@@ -38,10 +43,10 @@ class Given:
         return poses.record(self.value(index, type), type)
 
     def signal(self, index: int) -> str:
-        return signal(self.machine, self.required[index])
+        return signal(self.machine, self._node(index))
 
     def place(self, index: int) -> Place:
-        return place(self.machine, self.required[index])
+        return place(self.machine, self._node(index))
 
     def has(self, option: str) -> bool:
         return option in self.options

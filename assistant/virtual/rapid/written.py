@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from typing import Final
 
@@ -100,6 +101,8 @@ def written(value: Value, shape: Shape, types: Types) -> str:
 
 def _number(value: float) -> str:
     """The shortest text that reads back the same: of a num nine digits, of a dnum 17 at most."""
+    if not math.isfinite(value):
+        raise ValueError("a number that is not known, as the speed of `vmax` without a robot")
     if isinstance(value, Double):
         return _plain(repr(float(value)))
     for digits in range(1, 10):
