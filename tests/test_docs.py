@@ -20,6 +20,8 @@ from assistant.findings.severity import severities_for
 from assistant.program import pseudo
 from assistant.program.diagnostics import Severity
 from assistant.sources.process.file import read_process
+from assistant.virtual.melfa import Options
+from assistant.virtual.melfa.choosing import choose
 from docs import findings, house
 
 PROJECT = Path(__file__).parent.parent
@@ -142,9 +144,9 @@ def test_the_files_of_a_page_are_read(page, text, tmp_path):
     name = next((n for begin, n in SETTINGS.items() if text.startswith(begin)), "x.process.toml")
     file = tmp_path / name
     file.write_text(text, encoding="utf-8")
-    if text.startswith(("[[set]]", "[[answer]]")):
+    if text.startswith(("[[set]]", "[[answer]]", "[options]")):
         script = read_script(file)
-        assert script.changes or script.answers
+        assert script.changes or script.answers or choose(script.options) != Options()
         return
     if text.startswith("urdf = "):
         (tmp_path / "arm.urdf").write_text(six_joints(), encoding="utf-8")

@@ -168,6 +168,7 @@ class _Running:
             pace=1.0 if options.real_time else None,
             disk=options.disk,
             hosts=hosts_of(options.hosts),
+            options=script.options,
         )
         self.kernel = prepared(programs, settings)
         if arm is None:

@@ -20,6 +20,9 @@ Times are seconds of the run. Signals go by their name, in any case, or by their
     value = "12"              # a text or a number: what is typed in, or the key that is pressed
     after = 3                 # 0 if left out
     always = false            # true: to each such question, not only to the next one
+
+    [options]                 # what the manuals of the language leave open
+    quotients = "zero"
 """
 
 from __future__ import annotations
@@ -122,7 +125,13 @@ def _as_it_is(value: Any) -> Any:
     return value
 
 
-TOP: Final[Mapping[str, Read]] = {"set": _as_it_is, "answer": _as_it_is}
+def _options(value: Any) -> Any:
+    if not isinstance(value, dict):
+        raise Wrong(f"is {kind_of(value)}", "write [options] above its keys")
+    return value
+
+
+TOP: Final[Mapping[str, Read]] = {"set": _as_it_is, "answer": _as_it_is, "options": _options}
 
 
 def read_script(path: str | FilePath) -> Script:
@@ -133,13 +142,13 @@ def read_script(path: str | FilePath) -> Script:
 def parse_script(source: SourceText) -> Script:
     """As `read_script`, from a text."""
     top = read_toml(source)
-    top.read(TOP)
+    options = top.read(TOP).get("options", {})
     changes = [_change(row) for row in _rows(top, "set")]
     answers = [_answered(row) for row in _rows(top, "answer")]
     findings = sorted(top.page.findings, key=lambda f: f.line or 0)
     if has_errors(findings):
         raise Refused(*findings, exit_status=2)
-    return Script(tuple(changes), tuple(answers))
+    return Script(tuple(changes), tuple(answers), options)
 
 
 def _rows(top: Table, key: str) -> Iterator[Table]:

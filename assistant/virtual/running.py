@@ -27,6 +27,9 @@ NO_DISK: Final = error(
     "programs in {language} use no {what} here",
     "leave --{option} out",
 )
+NO_OPTIONS: Final = error(
+    "VC210", "options are for programs whose manuals leave something open", "leave [options] out"
+)
 MOST_STEPS: Final = 1_000_000
 MOST_TIME: Final = 3600.0
 """Simulated seconds after which a run is over, unless it is told otherwise."""
@@ -44,6 +47,7 @@ class Settings:
     statement_time: seconds that a statement takes where the language states none. disk: the folder
     whose files are those of the controller, which others may change meanwhile; None for an empty
     one. hosts: real ones by the address that programs state; those of this computer need none.
+    options: what a language leaves open, by name (see `melfa.options`).
     """
 
     robot: Robot | None = None
@@ -56,11 +60,14 @@ class Settings:
     statement_time: float = 0.0
     disk: Path | None = None
     hosts: Mapping[str, str] = field(default_factory=dict)
+    options: Mapping[str, object] = field(default_factory=dict)
 
 
 def prepared(programs: Programs, settings: Settings | None = None) -> Kernel:
     """A kernel in which the programs begin as soon as it runs; the arm stands at its home."""
     chosen = settings or Settings()
+    if chosen.options and (programs.language is None or programs.language.family != OPEN):
+        raise Refused(NO_OPTIONS(), exit_status=2)
     kernel = Kernel(
         Board(Signals(chosen.inputs)),
         motion=chosen.motion or _motion(chosen.robot),
@@ -128,6 +135,7 @@ def _tasks(kernel: Kernel, parts: Sequence[Part], settings: Settings) -> None:
 def _slots(kernel: Kernel, parts: Sequence[Part], settings: Settings) -> None:
     """One cycle of the program of each slot."""
     from assistant.virtual.melfa import Controller, Entry
+    from assistant.virtual.melfa.choosing import choose
     from assistant.virtual.melfa.controller import SLOTS
     from assistant.virtual.melfa.world import STEP_TIME
 
@@ -145,9 +153,12 @@ def _slots(kernel: Kernel, parts: Sequence[Part], settings: Settings) -> None:
         robot=settings.robot,
         start=home(settings.robot),
         slots=max(SLOTS, len(parts)),
+        options=choose(settings.options),
     )
     controller.start()
 
 
-STARTS: Final[Mapping[str, Start]] = {"RA": _tasks, "MB": _slots}
+OPEN: Final = "MB"
+"""The family of the languages that have options."""
+STARTS: Final[Mapping[str, Start]] = {"RA": _tasks, OPEN: _slots}
 """By the family of a language."""

@@ -341,6 +341,39 @@ def test_what_a_language_does_not_use_is_said(capsys: Capture, tmp_path: Path, o
     assert (status, "VC207" in err) == (2, True)
 
 
+@pytest.mark.parametrize(
+    ("options", "code", "told"),
+    [
+        ("", "VC212", "quotients"),
+        ('quotients = "zero"', "", "3 = 1"),
+        ('quotients = "floor"', "", "4 = 1"),
+        ('quotient = "zero"', "VC208", "`quotients`"),
+        ('quotients = "up"', "VC209", '"floor"'),
+        ("tools = { 1 = [0, 0] }", "VC209", "X, Y, Z, A, B, C"),
+        ("bits = true", "VC209", "32"),
+        ("digits = 0", "VC209", "above 0"),
+    ],
+)
+def test_what_the_manuals_leave_open(
+    capsys: Capture, tmp_path: Path, options: str, code: str, told: str
+) -> None:
+    program = write(tmp_path, "OPEN.prg", "1 M_Out(-(-7\\2))=1\n2 End\n")
+    script = write(tmp_path, "open.toml", f"[options]\n{options}\n")
+    status, out, err = run(capsys, "run", program, "--signals", script)
+    assert told in out + err and code in err
+    assert status == (0 if not code else 1 if code == "VC212" else 2)
+
+
+def test_options_are_for_languages_that_have_some(capsys: Capture, tmp_path: Path) -> None:
+    program = write(tmp_path, "m.mod", "MODULE m\nPROC main()\nENDPROC\nENDMODULE\n")
+    script = write(tmp_path, "open.toml", "[options]\ntruth = -1\n")
+    status, _, err = run(capsys, "run", program, "--signals", script)
+    assert (status, "VC210" in err) == (2, True)
+    script = write(tmp_path, "wrong.toml", "options = 5\n")
+    status, _, err = run(capsys, "run", program, "--signals", script)
+    assert (status, "CT303" in err) == (2, True)
+
+
 def test_the_page_shows_what_the_command_says(
     capsys: Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:

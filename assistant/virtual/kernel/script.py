@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING
@@ -55,8 +55,11 @@ class Answer:
 
 @dataclass(frozen=True, slots=True)
 class Script:
+    """options: of the language whose program runs, as they are written."""
+
     changes: tuple[Change, ...] = ()
     answers: tuple[Answer, ...] = ()
+    options: Mapping[str, object] = field(default_factory=dict)
 
 
 @dataclass(slots=True, eq=False)

@@ -8,7 +8,7 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.virtual.melfa import expressions
 from assistant.virtual.melfa.code import LOOPS, Block, nodes
 from assistant.virtual.melfa.operators import RELATIONS, SPELLED, binary
-from assistant.virtual.melfa.stops import Failed, Unknown
+from assistant.virtual.melfa.stops import Failed, Unknown, open_point
 from assistant.virtual.melfa.values import Value, holds, number
 
 if TYPE_CHECKING:
@@ -112,7 +112,7 @@ def _follow_bounds(m: Machine, node: s.For, loop: Loop) -> None:
     if way == "each":
         loop.last, loop.step = _bounds(m, node)
     elif way is None and not _calls(m, node) and _bounds(m, node) != (loop.last, loop.step):
-        raise Unknown("a loop whose bounds change while it runs")
+        raise open_point("a loop whose bounds change while it runs", "bounds")
 
 
 def _calls(m: Machine, node: s.For) -> bool:

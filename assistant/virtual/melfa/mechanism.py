@@ -9,7 +9,7 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.virtual.melfa import expressions, poses
 from assistant.virtual.melfa.arm import Arm
 from assistant.virtual.melfa.options import Frame
-from assistant.virtual.melfa.stops import Failed, Unknown, out_of_range
+from assistant.virtual.melfa.stops import Failed, Unknown, open_point, out_of_range
 from assistant.virtual.melfa.values import Position, eight, position, whole
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def _base(m: Machine, node: s.Expression) -> None:
         number = whole(found)
         base = _numbered(m.world.options.bases, number, "base")
         if m.world.options.bases_are is None:
-            raise Unknown("whether a numbered base is seen from the robot or the other way round")
+            raise open_point("from where a numbered base is seen", "bases_are")
         if m.world.options.bases_are == "seen":
             base = poses.inverse(base, None)
     else:
@@ -53,7 +53,7 @@ def _base(m: Machine, node: s.Expression) -> None:
 
 def _numbered(frames: Mapping[int, Frame], number: int, what: str) -> Position:
     if number not in frames:
-        raise Unknown(f"the {what} {number}, which stands in a parameter")
+        raise open_point(f"the {what} {number}, which stands in a parameter", f"{what}s")
     return Position(eight(frames[number]), (0, 0))
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.virtual.melfa import poses
 from assistant.virtual.melfa.options import Options
-from assistant.virtual.melfa.stops import Failed, Unknown
+from assistant.virtual.melfa.stops import Failed, Unknown, open_point
 from assistant.virtual.melfa.values import (
     Bare,
     Joints,
@@ -101,7 +101,9 @@ def _quotient(options: Options, left: float, right: float) -> int:
         raise Unknown("a division by 0")
     if a % b and (a < 0) != (b < 0):
         if options.quotients is None:
-            raise Unknown("a whole quotient that is negative and leaves a remainder")
+            raise open_point(
+                "a whole quotient that is negative and leaves a remainder", "quotients"
+            )
         if options.quotients == "floor":
             return a // b
     return abs(a) // abs(b) * (1 if (a < 0) == (b < 0) else -1)
@@ -113,7 +115,7 @@ def _remainder(options: Options, left: float, right: float) -> int:
     if b == 0:
         raise Unknown("a remainder of a division by 0")
     if a % b and (a < 0 or b < 0) and options.quotients is None:
-        raise Unknown("Mod of negative numbers")
+        raise open_point("Mod of negative numbers", "quotients")
     return a - b * _quotient(options, a, b)
 
 
@@ -124,8 +126,10 @@ def _shifted(options: Options, left: float, right: float, sign: int) -> int:
     """Shifts are logical: what moves in is 0 (RT ToolBox list); beyond 15 bits by an option."""
     a, b = whole(left), whole(right)
     bits = options.bits
-    if not 0 <= b < WIDEST or (bits is None and (a < 0 or a << b >= 1 << 15)):
-        raise Unknown("a shift beyond fifteen bits")
+    if not 0 <= b < WIDEST:
+        raise Unknown(f"a shift by {b} bits")
+    if bits is None and (a < 0 or a << b >= 1 << 15):
+        raise open_point("a shift beyond fifteen bits", "bits")
     if bits is None:
         return a << b if sign > 0 else a >> b
     made = a % (1 << bits) << b if sign > 0 else a % (1 << bits) >> b

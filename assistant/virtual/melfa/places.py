@@ -14,7 +14,7 @@ from assistant.program.geometry import IDENTITY, Pose
 from assistant.virtual.melfa import poses
 from assistant.virtual.melfa.arm import Arm
 from assistant.virtual.melfa.circles import FLAT, circle_through
-from assistant.virtual.melfa.stops import Failed, Unknown, out_of_range
+from assistant.virtual.melfa.stops import Failed, Unknown, open_point, out_of_range
 from assistant.virtual.melfa.values import (
     Bare,
     Joints,
@@ -172,7 +172,9 @@ def _arm(world: World) -> Arm:
     made = Arm(given.robot)
     if (given.tip, given.foot) != (IDENTITY, IDENTITY):
         if world.options.conversions is None:
-            raise Unknown("whether JtoP and PtoJ count with the tool and the base")
+            raise open_point(
+                "whether JtoP and PtoJ count with the tool and the base", "conversions"
+            )
         if world.options.conversions == "all":
             made.tool, made.base, made.tip, made.foot = (
                 given.tool,
@@ -312,7 +314,7 @@ def _built(kind: type[Position] | type[Joints], radian: range) -> Callable[..., 
             turns = at in radian
             if at >= 6 and plain is not None:
                 if world.options.slides is None:
-                    raise Unknown("whether an additional axis turns or slides")
+                    raise open_point("whether an additional axis turns or slides", "slides")
                 turns = not world.options.slides
             if turns and plain is not None and world.options.degrees:
                 raise Unknown("the unit of angles in SetPos and SetJnt where PRGMDEG is 1")

@@ -9,7 +9,7 @@ from typing import Final
 from assistant.virtual.kernel.motion import Progress
 from assistant.virtual.melfa import pausing, slot_status
 from assistant.virtual.melfa.arm import FULL, OPTIMUM, Arm
-from assistant.virtual.melfa.stops import Unknown, out_of_range
+from assistant.virtual.melfa.stops import Unknown, open_point, out_of_range
 from assistant.virtual.melfa.values import ORIGIN, Value, whole
 from assistant.virtual.melfa.world import World
 
@@ -159,6 +159,8 @@ def _signed(world: World, value: int, width: int) -> int:
     """A number of 16 or 32 bits whose highest one is set may be shown as negative or not."""
     if width in (16, 32) and value >> (width - 1):
         if world.options.signed is None:
-            raise Unknown(f"the sign of a group of {width} signals whose highest is on")
+            raise open_point(
+                f"the sign of a group of {width} signals whose highest is on", "signed"
+            )
         return value - (1 << width) if world.options.signed else value
     return value

@@ -36,3 +36,8 @@ def number_wanted(what: str) -> Failed:
 
 def out_of_range(what: str) -> Failed:
     return Failed(3110, f"{what} is out of range")
+
+
+def open_point(what: str, option: str) -> Unknown:
+    """What the manuals leave open, and an option of the run tells (see `Options`)."""
+    return Unknown(f"{what}: the option `{option}` tells")

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from assistant.virtual.melfa.options import Options
-from assistant.virtual.melfa.stops import Unknown, out_of_range
+from assistant.virtual.melfa.stops import Unknown, open_point, out_of_range
 from assistant.virtual.melfa.values import Value, number, text, whole
 
 CODES: Final = "latin-1"
@@ -121,7 +121,7 @@ def shown(options: Options, value: Value) -> str:
     if given == int(given):
         return str(int(given))
     if options.digits is None:
-        raise Unknown("how Str$ writes a number that is not whole")
+        raise open_point("how Str$ writes a number that is not whole", "digits")
     return f"{given:.{options.digits}g}"
 
 
@@ -148,7 +148,7 @@ def _digits(options: Options, of: Value, base: str, count: Value | None = None) 
         if bits is None and base == "X" and wanted is not None and wanted <= SURE:
             bits = 16
         if bits is None:
-            raise Unknown("the digits of a negative number")
+            raise open_point("the digits of a negative number", "bits")
         given &= (1 << bits) - 1
     made = format(given, base)
     if wanted is None:

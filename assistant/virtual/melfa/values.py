@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 from assistant.virtual.melfa.options import Options
-from assistant.virtual.melfa.stops import Failed, Unknown, number_wanted
+from assistant.virtual.melfa.stops import Failed, Unknown, number_wanted, open_point
 
 Kind = Literal["number", "integer", "long", "text", "position", "joints"]
 """Types of variables. Single and double precision are both kept as double here."""
@@ -130,7 +130,7 @@ def holds(value: Value) -> bool:
 def fitted(value: Value, kind: Kind, what: str, options: Options) -> Value:
     """A value that is to go into a variable: a whole one takes no more than its bits."""
     if isinstance(value, str) and len(value) > options.longest_text:
-        raise Unknown(f"a text of {len(value)} characters")
+        raise open_point(f"a text of {len(value)} characters", "longest_text")
     if kind not in RANGES or isinstance(value, str) or options.overflow is None:
         return value
     bound, rounded = RANGES[kind], whole(value, what)
@@ -149,7 +149,7 @@ def converted(value: Value, kind: Kind, what: str) -> Value:
         case "integer" | "long":
             rounded = whole(value, what)
             if not -RANGES[kind] <= rounded < RANGES[kind]:
-                raise Unknown(f"{rounded} does not fit into {what}")
+                raise open_point(f"{rounded} does not fit into {what}", "overflow")
             return rounded
         case "text":
             return text(value, what)
@@ -204,7 +204,7 @@ def with_component(value: Value, name: str, new: Value, options: Options) -> Pos
 def _in_radian(name: str, options: Options) -> bool:
     if name in ADDITIONAL:
         if options.slides is None:
-            raise Unknown("whether an additional axis turns or slides")
+            raise open_point("whether an additional axis turns or slides", "slides")
         return not options.slides and not options.degrees
     return name not in ("X", "Y", "Z") and not options.degrees
 
