@@ -6,6 +6,7 @@ the reading that it was written by.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
@@ -81,6 +82,18 @@ class Switched:
     signal: str
     value: float
     at: OnWay | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Called(Switched):
+    """What a motion does on its way but setting an output: an interrupt. act: does it.
+
+    It is no event: what the interrupt does is told.
+    """
+
+    signal: str = ""
+    value: float = 0.0
+    act: Callable[[], None] = field(default=lambda: None, compare=False)
 
 
 @dataclass(frozen=True, slots=True)

@@ -91,6 +91,28 @@ TPWrite "there";
     assert arrived - start == pytest.approx(1.5, abs=0.2)
 
 
+def test_a_motion_interrupts_at_a_place_on_its_way() -> None:
+    main = """
+MoveJ p10,v1000,fine,tool0;
+CONNECT near WITH told;
+TriggInt close,50,near;
+FOR i FROM 1 TO 2 DO
+TriggL p20,v100,close,fine,tool0;
+TPWrite "there";
+MoveL p10,v100,fine,tool0;
+ENDFOR
+IDelete near;
+TriggL p20,v100,close,fine,tool0;
+"""
+    trap = "TRAP told\nhere:=CPos(\\Tool:=tool0\\WObj:=wobj0);\nTPWrite ValToStr(Round(here.y));\nENDTRAP"
+    data = f"VAR intnum near; VAR triggdata close; VAR pos here;{PLACES}"
+    run = timed(task("T_ROB1", main, data, trap))
+    assert run.ended == "end"
+    assert [text for _, _, text in said(run)] == ["100", "there"] * 2
+    (trapped, _, _), (arrived, _, _) = said(run)[:2]
+    assert arrived - trapped == pytest.approx(0.5, abs=0.1)
+
+
 def test_tasks_go_on_while_one_of_them_moves() -> None:
     moves = task("T_ROB1", "MoveJ p10,v1000,fine,tool0;\nMoveL p20,v100,fine,tool0;", PLACES)
     beside = task("T_BACK", "WaitTime 0.25;\nTPWrite ValToStr(TaskRunRob());", moves=False)

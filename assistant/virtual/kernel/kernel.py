@@ -12,7 +12,7 @@ from typing import Final
 
 from greenlet import getcurrent
 
-from assistant.virtual.events import Event, Logged, Moved, Place, Run, Why
+from assistant.virtual.events import Called, Event, Logged, Moved, Place, Run, Switched, Why
 from assistant.virtual.kernel.motion import Instant, Motion
 from assistant.virtual.kernel.script import Person
 from assistant.virtual.kernel.signals import Board
@@ -308,6 +308,14 @@ class Kernel:
         self.log.append(row)
         if self.told is not None and not self.motion.behind:
             self._hand_on()
+
+    def change(self, task: Task, what: Switched, place: Place | None = None) -> None:
+        """What a motion does on its way: an output is set, or an interrupt raised."""
+        if isinstance(what, Called):
+            what.act()
+        else:
+            self.tell(task, what, place)
+            self.board.outputs.set(what.signal, what.value)
 
     def _hand_on(self) -> None:
         """Tells of the events whose times are known by now."""

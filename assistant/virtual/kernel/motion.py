@@ -78,7 +78,7 @@ class Instant:
     def go(self, task: Task, moved: Moved, changes: Sequence[Switched] = ()) -> None:
         task.tell(moved)
         for change in changes:
-            task.switch(change.signal, change.value, change.at)
+            task.kernel.change(task, change)
 
     def settle(self, task: Task) -> None:
         """The latest motion was one that ends at its target."""

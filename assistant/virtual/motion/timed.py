@@ -96,7 +96,7 @@ class Timed:
             self._wait(task, order)
         for change in changes:
             if change.at is None:
-                task.switch(change.signal, change.value)
+                kernel.change(task, change)
 
     def settle(self, task: Task) -> None:
         kernel = task.kernel
@@ -247,8 +247,7 @@ class Timed:
 
         def act() -> None:
             change.done = True
-            kernel.tell(order.task, what, order.place)
-            kernel.board.outputs.set(what.signal, what.value)
+            kernel.change(order.task, what, order.place)
 
         when = made.began + moment(made, order, what.at)
         change.timer = kernel.at(max(when, kernel.clock), act)

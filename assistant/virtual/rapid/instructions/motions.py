@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Final
+from typing import Final, Literal
 
 from assistant.languages.rapid.tree import syntax as s
-from assistant.virtual.events import OnWay, Switched
+from assistant.virtual.events import Called, OnWay, Switched
 from assistant.virtual.rapid import motion
 from assistant.virtual.rapid.ends import UNSURE, Fault, NotSimulated
 from assistant.virtual.rapid.expressions import place, signal
 from assistant.virtual.rapid.given import Given, takes
 from assistant.virtual.rapid.machine import Function, Machine
+from assistant.virtual.rapid.operators import whole
 from assistant.virtual.rapid.values import Trigger
 
 
@@ -65,12 +66,26 @@ def _set_up(delay: bool) -> Callable[[Given], None]:
         assert node is not None
         signal_ = signal(given.machine, node)
         value = given.number(3 if delay else 2)
-        measure = next((m for m in ("start", "time") if given.has(m)), "end")
-        at = OnWay(measure, given.number(1), given.number(2) if delay else 0.0)  # type: ignore[arg-type]
+        at = OnWay(_measure(given), given.number(1), given.number(2) if delay else 0.0)
         digital = outputs[0] == "dop"
         trigger.change = Switched(signal_, float(value != 0.0) if digital else value, at)
 
     return does
+
+
+def _interrupt(given: Given) -> None:
+    """TriggInt: a trap routine runs where the motion is."""
+    machine, trigger = given.machine, given.place(0).get()
+    if not isinstance(trigger, Trigger):
+        raise Fault("what is no triggdata is set up as one")
+    interrupts = machine.interrupts
+    interrupt = interrupts.known(whole(given.number(2), "the number of an interrupt"))
+    at = OnWay(_measure(given), given.number(1))
+    trigger.change = Called(at=at, act=lambda: interrupts.occur(interrupt))
+
+
+def _measure(given: Given) -> Literal["start", "time", "end"]:
+    return "start" if given.has("start") else "time" if given.has("time") else "end"
 
 
 def _velocity(given: Given) -> None:
@@ -119,6 +134,7 @@ TABLE: Final[Mapping[str, Function]] = dict(
         takes("TriggL", 5, _on_way(motion.linear, 2), ON_WAY),
         takes("TriggC", 6, _on_way(motion.circular, 3), ON_WAY),
         takes("TriggIO", 3, _set_up(delay=False), "start time dop gop aop"),
+        takes("TriggInt", 3, _interrupt, "start time"),
         takes("TriggEquip", 4, _set_up(delay=True), "start dop gop aop"),
         takes("VelSet", 2, _velocity),
         takes("AccSet", 2, _accelerate, ANY),
