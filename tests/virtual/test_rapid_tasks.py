@@ -104,7 +104,8 @@ ENDFOR
 IDelete near;
 TriggL p20,v100,close,fine,tool0;
 """
-    trap = "TRAP told\nhere:=CPos(\\Tool:=tool0\\WObj:=wobj0);\nTPWrite ValToStr(Round(here.y));\nENDTRAP"
+    read = "here:=CPos(\\Tool:=tool0\\WObj:=wobj0);\nTPWrite ValToStr(Round(here.y));"
+    trap = f"TRAP told\n{read}\nENDTRAP"
     data = f"VAR intnum near; VAR triggdata close; VAR pos here;{PLACES}"
     run = timed(task("T_ROB1", main, data, trap))
     assert run.ended == "end"
