@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import pty
+import select
 import socket
 import threading
 import tty
@@ -28,6 +29,7 @@ from assistant.virtual.kernel.motion import Instant
 from assistant.virtual.melfa import Controller, Entry, Options, status
 from assistant.virtual.melfa.lines import Line, Serial, TcpServer, Wire
 from assistant.virtual.melfa.world import STEP_TIME
+from assistant.virtual.motion.timed import Timed
 
 PRINTED = Path(__file__).parents[2] / "samples" / "melfa"
 HARDENED = PRINTED / "datalink"
@@ -204,6 +206,21 @@ def test_zero_stops_them_at_any_time(started: bool, each: int) -> None:
         stops(cell, moment)
 
 
+@pytest.mark.parametrize("moment", [0.25, 0.6, 0.9])
+def test_zero_stops_them_while_the_arm_is_on_its_way(moment: float) -> None:
+    cell = Cell(HARDENED, motion=Timed(ROBOT, joints=ROBOT.own_joints(HOME)))
+    cell.send(0.1, cell.com2, "1\r")
+    cell.send(0.2, cell.com1, JOINTS.format(60))
+    cell.send(0.25, cell.com1, JOINTS.format(-60))
+    cell.send(moment, cell.com2, "0\r")
+    stops(cell, moment)
+    fields = [line.split("|") for line in cell.stream[1:-1]]
+    speeds = [float(parts[4]) for parts in fields]
+    assert max(speeds) > 1.0 and min(speeds) == 0.0
+    turns = {float(parts[3].strip()[1:].split(",")[0]) for parts in fields}
+    assert len(turns) > 5 and 0.0 < max(turns) <= 60.0
+
+
 def test_zero_behind_other_messages_stops_them() -> None:
     cell = Cell(HARDENED)
     cell.send(0.3, cell.com2, "1\r1\r0\r1\r")
@@ -236,14 +253,21 @@ def test_they_start_again_behind_a_stop() -> None:
 
 Talk = tuple[Callable[[bytes], object], Callable[[], bytes]]
 """What sends to a line, and what receives from it."""
+PATIENCE = 20.0
+"""Seconds after which a client that hears nothing gives up."""
 
 
 @contextmanager
 def over_tcp() -> Iterator[tuple[Line, Talk]]:
     line = TcpServer()
-    with socket.create_connection(line.address) as client:
+    with socket.create_connection(line.address, PATIENCE) as client:
         yield line, (client.sendall, lambda: client.recv(4096))
     line.shut()
+
+
+def heard(port: int) -> bytes:
+    assert select.select([port], [], [], PATIENCE)[0], "nothing comes"
+    return os.read(port, 4096)
 
 
 @contextmanager
@@ -251,7 +275,7 @@ def over_serial() -> Iterator[tuple[Line, Talk]]:
     own, other = pty.openpty()
     tty.setraw(own)
     try:
-        yield Serial(os.ttyname(other)), (partial(os.write, own), lambda: os.read(own, 4096))
+        yield Serial(os.ttyname(other)), (partial(os.write, own), partial(heard, own))
     finally:
         os.close(own)
         os.close(other)

@@ -82,6 +82,8 @@ class Kernel:
         self.ending: Ending | None = None
         self.stirred = False
         """Whether a task has begun to wait, or an interrupt has run, since the round began."""
+        self.attached = 0
+        """How much there is outside of the run that may act on it at any time."""
         self.ended_in: tuple[str, Place | None] = "", None
         self._timers: list[Timer] = []
         self._handed = 0
@@ -281,8 +283,10 @@ class Kernel:
         self._hold()
 
     def _keep_pace_with_outside(self) -> None:
-        """While a task waits for the outside, simulated time is never ahead of real time."""
-        if not any(task.outside for task in self.tasks):
+        """While a task waits for the outside, or something there may act on the run, simulated time
+        is never ahead of real time.
+        """
+        if not self.attached and not any(task.outside for task in self.tasks):
             self._since = None
         elif self._since is None:
             self._since = time.monotonic(), self.clock

@@ -73,7 +73,7 @@ def _channel(m: Machine, node: s.Expression, what: str) -> Channel:
     number = _number(m, node)
     found = m.world.files.get(number)
     if found is None:
-        raise Unknown(f"{what} with file {number}, which is not open: an error without a number")
+        raise Failed(None, f"{what} with file {number}, which is not open")
     return found
 
 
@@ -92,6 +92,7 @@ def _open(m: Machine, node: s.Open) -> None:
         line.open()
     except OSError as error:
         raise Failed(3140, f"{name} cannot be opened: {error}") from None
+    m.world.task.kernel.attached += line.outside
     m.world.files[number] = Channel(name, line, m.world.options.prefixed)
 
 

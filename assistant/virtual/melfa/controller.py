@@ -76,8 +76,11 @@ class Controller:
     ) -> None:
         self.kernel = kernel
         self.arm = Arm(robot, start)
+        standing = kernel.motion.where()
         if joints is not None:
             self.arm.at_joints(tuple(joints))
+        elif standing is not None:
+            self.arm.at_joints(standing[1])
         self.always_may = always_may
         self.options, self.commands = options or Options(), by_name(commands)
         self.lines = {name.upper(): line for name, line in (lines or {}).items()}

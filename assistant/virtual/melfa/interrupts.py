@@ -28,10 +28,10 @@ COM: Final = 0
 """The rank of interrupts of lines, which come before those of `Def Act` 1 to 8."""
 ON_WAY: Final = frozenset(("P_CURR", "P_FBC", "J_CURR", "J_FBC", "M_RDST", "M_RATIO", "M_RSPD"))
 """What changes while the arm is on its way."""
-SAMPLED: Final = ON_WAY | {"M_TIMER"}
-"""What changes while nothing happens."""
 CYCLE: Final = 0.0071
-"""Seconds from look to look at those: the motion cycle of CRn-500 controllers (BFP-A3379, MXT)."""
+"""Seconds from look to look at what changes while nothing happens: the cycle in which CRn-500
+controllers move (BFP-A3379, MXT).
+"""
 LASTING: Final = ("WAIT", "DLY", "HLT")
 
 
@@ -210,15 +210,14 @@ def attend(m: Machine, *more: s.Expression | None) -> None:
 
     more: conditions beside those of interrupts.
     """
-    conditions = [*more, *(() if m.interrupts is None else m.interrupts.conditions())]
-    timed = any(
-        isinstance(part, s.Variable) and part.key in SAMPLED
-        for condition in conditions
-        for part in nodes(condition)
-    )
-    task = m.world.task
-    task.sampling = CYCLE if timed else None
-    task.looks = lambda: look(m.world)
+    task, known = m.world.task, m.interrupts
+    conditions = [*more, *(() if known is None else known.conditions())]
+    parts = [part for condition in conditions for part in nodes(condition)]
+    asked = {part.key for part in parts if isinstance(part, s.Variable)}
+    flies = bool(asked & ON_WAY) and task.kernel.motion.where() is not None
+    task.sampling = CYCLE if flies or "M_TIMER" in asked else None
+    if known is not None or m.world.monitor is not None:
+        task.looks = lambda: look(m.world)
 
 
 def _define(m: Machine, node: s.DefAct) -> None:
@@ -272,6 +271,8 @@ def back(m: Machine, *node: s.Expression) -> None:
     """`Return` of a subroutine, `Return 0` and `Return 1` of an interrupt."""
     frame = m.frame
     if not node:
+        if not frame.back and frame.interrupts:
+            raise Failed(None, "Return without a number from an interrupt")
         if not frame.back:
             raise Failed(3840, "Return without GoSub")
         m.at = frame.back.pop()
@@ -280,7 +281,7 @@ def back(m: Machine, *node: s.Expression) -> None:
     if choice not in (0, 1):
         raise out_of_range(f"Return {choice}")
     if frame.back or not frame.interrupts:
-        raise Failed(3840, "Return with a number outside of an interrupt")
+        raise Failed(None, "Return with a number outside of an interrupt")
     frame.choice, frame.left = choice, True
 
 

@@ -136,6 +136,16 @@ class _Tcp(_Stream):
         self._peer: socket.socket | None = None
 
     def connected(self) -> bool:
+        """Not any more once the other end has closed and all that it sent was taken."""
+        if self._peer is not None:
+            try:
+                there = self._peer.recv(1, socket.MSG_PEEK) != b""
+            except BlockingIOError:
+                there = True
+            except OSError:
+                there = False
+            if not there:
+                self._gone()
         return self._peer is not None
 
     def _read(self) -> bytes:
@@ -172,7 +182,9 @@ class TcpServer(_Tcp):
         self._open = True
 
     def connected(self) -> bool:
-        if self._peer is None and self._open:
+        if super().connected():
+            return True
+        if self._open:
             with suppress(BlockingIOError):
                 self._peer = self._server.accept()[0]
                 self._peer.setblocking(False)
@@ -253,7 +265,7 @@ def _set_rate(port: int, rate: Rate) -> None:
     import tty
 
     try:
-        tty.setraw(port)
+        tty.setraw(port, termios.TCSANOW)  # what has come already stays
         settings = termios.tcgetattr(port)
         baud = getattr(termios, f"B{rate.baud}")
         flags = settings[2] & ~(termios.PARENB | termios.PARODD | termios.CSTOPB)

@@ -92,7 +92,7 @@ def _rank(m: Machine, lines: s.Expression, *node: s.Expression) -> None:
     if node:
         slot = slot.controller.slot(expressions.integer(m, node[0], "the slot"))
         if not slot.program:
-            raise Unknown("the error of Priority for a slot without a program")
+            raise Failed(None, f"slot {slot.number} has no program")
     slot.rank(count)
 
 

@@ -156,7 +156,11 @@ def _wait(m: Machine, node: s.Expression) -> None:
         while not holds(expressions.value(m, node)):
             task.step()
     else:
-        task.wait(lambda: holds(expressions.value(m, node)))
+        interrupts.attend(m, node)
+        try:
+            task.wait(lambda: holds(expressions.value(m, node)))
+        finally:
+            interrupts.attend(m)
 
 
 def _halt(m: Machine) -> None:

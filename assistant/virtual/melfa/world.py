@@ -102,6 +102,7 @@ class World:
             channel = self.files.pop(number, None)
             if channel is not None:
                 channel.line.close()
+                self.task.kernel.attached -= channel.line.outside
 
     @property
     def clock(self) -> float:

@@ -215,8 +215,10 @@ class Timed:
             self.catch_up(self.kernel)
         if not self._flight.orders or self.kernel is None or self.kernel.ending is not None:
             return -math.inf
+        if self._held:
+            return -math.inf
         made = self._to_rest()
-        return math.inf if self._held else made.began + float(made.ends[-1])
+        return made.began + float(made.ends[-1])
 
     # ---------------------------------------------------------------------------- planning
 
@@ -272,6 +274,8 @@ class Timed:
     # ----------------------------------------------------------------------------- looking
 
     def stands(self) -> bool:
+        if self._held and self._flight.orders:
+            return False
         return self.kernel is None or self.rest() <= self.kernel.clock
 
     def where(self) -> Standing:
