@@ -109,6 +109,8 @@ def next_turn(m: Machine, _: s.Next) -> None:
 def _follow_bounds(m: Machine, node: s.For, loop: Loop) -> None:
     """Whether bounds that change while the loop runs still count is an option."""
     way = m.world.options.bounds
+    if isinstance(node.last, s.Number) and (node.step is None or isinstance(node.step, s.Number)):
+        return
     if way == "each":
         loop.last, loop.step = _bounds(m, node)
     elif way is None and not _calls(m, node) and _bounds(m, node) != (loop.last, loop.step):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING, Final
 
 from assistant.languages.melfa_basic.tables import vocabulary
@@ -156,6 +157,7 @@ def _arc(m: Machine, arguments: tuple[s.Expression | None, ...]) -> int:
     return done
 
 
+@cache
 def is_status(key: str) -> bool:
     """Whether a name is the controller's own, and none of its numbered ones, `M_00` or `P_100`."""
     return vocabulary.status(key) is not None and not (is_external(key) and key[2:].isdigit())
