@@ -153,7 +153,7 @@ def _slots(kernel: Kernel, parts: Sequence[Part], settings: Settings) -> None:
         robot=settings.robot,
         start=home(settings.robot),
         slots=max(SLOTS, len(parts)),
-        options=choose(settings.options),
+        options=choose({"pulses": "timed", **settings.options}),
     )
     controller.start()
 

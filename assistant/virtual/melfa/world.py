@@ -180,15 +180,29 @@ class World:
             self.switch(number, 1, value)
             self.switch(number, 1, back)
             return
-        kernel = self.task.kernel
-        if self.held is not None:
-            raise Unknown("when a pulse ends that begins on the way of a motion")
-        self.pulses = [x for x in self.pulses if x.time > kernel.now]
+        now = self.task.kernel.now
+        self.pulses = [pulse for pulse in self.pulses if pulse.time > now]
         if len(self.pulses) >= MOST_PULSES:
             raise Failed(None, f"more than {MOST_PULSES} pulses at once")
+        if self.held is None:
+            self.switch(number, 1, value)
+            self._end_pulse(number, back, seconds)
+            return
+        outputs = self.task.kernel.board.outputs
+
+        def begun(name: str, _: float, level: float) -> None:
+            """The motion sets the output on its way."""
+            if name == str(number) and level == value:
+                outputs.listeners.remove(begun)
+                self._end_pulse(number, back, seconds)
+
+        outputs.listeners.append(begun)
         self.switch(number, 1, value)
+
+    def _end_pulse(self, number: int, back: int, seconds: float) -> None:
+        kernel = self.task.kernel
         end = kernel.now + seconds
-        self.pulses.append(kernel.at(end, lambda: self.switch(number, 1, back)))
+        self.pulses.append(kernel.at(end, lambda: self.task.switch(str(number), float(back))))
 
     def end(self) -> None:
         """What `End` of the main program does."""
