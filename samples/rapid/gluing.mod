@@ -24,7 +24,7 @@ MODULE Gluing
         MoveJ pHome,v1000,fine,tNozzle;
         MoveJ Offs(pStart,0,0,50),v500,z10,tNozzle\WObj:=wCover;
         MoveL pStart,v100,fine,tNozzle\WObj:=wCover;
-        SetAO aoPressure,4.5;
+        SetAO aoPressure,45;
         SetDO doGlue,1;
         WaitTime 0.15;
         Bead;

@@ -241,6 +241,8 @@ class Expressions:
         if signal is None:
             raise Undeclared(name)
         variable, mask = self.register(name, signal)
+        if signal.kind == "analog":
+            _whole_in_register(name, value)
         if mask is None:
             return variable, value
         width = next(w for w in self.dialect.groups if w >= signal.bits)
@@ -386,3 +388,14 @@ def joint_constant(target: JointTarget, robot: Robot | None) -> s.Constant:
 
 def _bits(mask: int) -> s.Number:
     return s.Number(mask, 16)
+
+
+def _whole_in_register(name: str, value: s.Expression) -> None:
+    """Registers of a field bus hold whole numbers: what they make of others is not documented."""
+    number = value.operand if isinstance(value, s.Unary) else value
+    if isinstance(number, s.Number) and not float(number.value).is_integer():
+        raise Unsayable(
+            f"the value {number.value:g} of the analog signal `{name}`, whose register holds whole"
+            " numbers",
+            "state it as the field bus counts it",
+        )

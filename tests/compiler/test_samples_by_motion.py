@@ -1,0 +1,65 @@
+"""The samples do in every other language what they do in their own, as interpreters tell it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from assistant import languages
+from assistant.compiler import translate
+from assistant.compiler.motion import Proving
+
+SAMPLES = Path(__file__).parents[2] / "samples"
+ARMS = {"rapid": "irb1200-7-0.7", "melfa": "rv-4frl"}
+RAPID = ("drilling.mod", "gluing.mod", "palletising.mod", "pick_and_place.mod")
+PROGRAMS = [f"rapid/{name}" for name in (*RAPID, "station/station.pgf")]
+PROGRAMS += [f"melfa/{name}.prg" for name in ("LOADER", "PALLET")]
+NOT_RUN = {
+    "CONTROLLINK": "the variable M_01 has no value",
+    "DATALINK": "the variable M_02 has no value",
+    "MULTITASK": "slots of a program that runs without a controller",
+}
+"""What works together with programs in other slots, and why none of them runs by itself."""
+
+
+def proven(sample: str, to: str, proving: Proving) -> list[str]:
+    """Why a sample in another language is not proven by motion; nothing if it is."""
+    maker = sample.split("/")[0]
+    other = "rapid" if to == "rapid" else "melfa"
+    found = translate(
+        SAMPLES / sample,
+        to=to,
+        robot=ARMS[other],
+        from_robot=ARMS[maker],
+        process=SAMPLES / maker / "cell.process.toml",
+        proving=proving,
+    )
+    assert found.motion is not None, found.findings
+    return [] if found.motion.holds else [f.message for f in found.motion.findings]
+
+
+@pytest.mark.parametrize("sample", ["rapid/gluing.mod", "rapid/drilling.mod", "melfa/LOADER.prg"])
+def test_a_sample_moves_as_its_translation(sample: str) -> None:
+    to = "melfa-basic-5" if sample.startswith("rapid") else "rapid"
+    assert proven(sample, to, Proving(runs=2)) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("to", languages.names())
+@pytest.mark.parametrize("sample", PROGRAMS)
+def test_every_sample_moves_as_its_translation(sample: str, to: str) -> None:
+    assert proven(sample, to, Proving(seconds=60.0)) == []
+
+
+@pytest.mark.parametrize("name", NOT_RUN)
+def test_a_sample_that_cannot_be_run_by_itself_is_said(name: str) -> None:
+    (why, *_) = proven(f"melfa/{name}.prg", "melfa-basic-6", Proving(runs=2))
+    assert NOT_RUN[name] in why
+
+
+def test_every_sample_is_tried() -> None:
+    there = {p.relative_to(SAMPLES).as_posix() for p in SAMPLES.rglob("*.prg")}
+    there |= {p.relative_to(SAMPLES).as_posix() for p in (SAMPLES / "rapid").glob("*.mod")}
+    known = {*PROGRAMS, *(f"melfa/{name}.prg" for name in NOT_RUN), "rapid/station/station.pgf"}
+    assert there - known == {"rapid/pose_exchange.mod"}  # of files, which MELFA-BASIC has not
