@@ -115,10 +115,7 @@ def prove_motion(made: Made, arms: Arms, proving: Proving, entry: str | None = N
     from assistant.virtual.rounding import Rounding
 
     origin, target = made.source.origin, language_of(made.language)
-    if origin is None:
-        return _not_run("the source is no program in a robot language")
-    spoken = language_of(origin.language)
-    for language in (spoken, target):
+    for language in (target, *([] if origin is None else [language_of(origin.language)])):
         if not can_run(language.family):
             return _not_run(f"programs in {language.name} cannot be run")
     trees, left = in_the_cell(made)
@@ -131,7 +128,7 @@ def prove_motion(made: Made, arms: Arms, proving: Proving, entry: str | None = N
     rounding = Rounding(precision.position, precision.angle, precision.position)
     rounding = rounding.of(second.constants())
     outputs = outputs_of(made, (first.family, second.family))
-    names = _path(origin.trees[0]), _path(written[0])
+    names = made.source.name if origin is None else _path(trees[0]), _path(written[0])
     script = None if proving.script is None else read_script(proving.script)
     budget = Budget(proving.seed, proving.runs, proving.seconds)
     found = compared(first, second, outputs, rounding, budget, script)

@@ -46,17 +46,16 @@ def sides(
     made: Made, trees: Sequence[Any], written: Sequence[Any], arms: Arms, entry: str | None
 ) -> tuple[Side, Side]:
     """The source and what was written, parsed, before the same motion and with the same signals."""
-    from assistant.virtual.proving.sides import PLAIN_START, Side
+    from assistant.virtual.proving.sides import PLAIN_START, PSEUDO, Side
     from assistant.virtual.running import home
 
     source = made.source
-    assert source.origin is not None
     here, there = taught_on(source, arms), arms.robot or known_robot(source.robot)
     start = home(here) or home(there) or PLAIN_START
     signals = {name.lower(): signal for name, signal in made.signals.items()}
 
-    def side(language: str, files: Sequence[Any], robot: Robot | None, begin: str) -> Side:
-        family = language_of(language).family
+    def side(language: str | None, files: Sequence[Any], robot: Robot | None, begin: str) -> Side:
+        family = PSEUDO if language is None else language_of(language).family
         return Side(
             family=family,
             trees=tuple(files),
@@ -67,7 +66,8 @@ def sides(
             outputs=_other_names(signals, family),
         )
 
-    first = side(source.origin.language, trees, here, entry or "main")
+    spoken = None if source.origin is None else source.origin.language
+    first = side(spoken, trees, here if spoken else here or there, entry or "main")
     return first, side(made.language, written, there, "main")
 
 
@@ -80,7 +80,8 @@ def in_the_cell(made: Made) -> tuple[list[Any], list[str]]:
     from assistant.virtual.proving.equipping import Cell, equipped
 
     origin, program = made.source.origin, made.source
-    assert origin is not None
+    if origin is None:  # it is run as it stands
+        return [program], []
     tools = {n: t.tip for n, t in program.tools.items() if origin.lifted.tools.get(n) != t}
     frames = {n: f for n, f in program.frames.items() if origin.lifted.frames.get(n) != f}
     cell = Cell(

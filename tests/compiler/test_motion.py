@@ -34,6 +34,7 @@ direction = "input"
 number = 40
 bits = 4
 """
+SAMPLES = Path(__file__).parents[2] / "samples"
 HEAD = """MODULE Cell
 PERS tooldata tGrip:=[TRUE,[[0,0,100],[1,0,0,0]],[1,[0,0,50],[1,0,0,0],0,0,0]];
 PERS wobjdata wTable:=[FALSE,TRUE,"",[[300,-100,50],[0.991444861,0,0,0.130526192]],[[0,0,0],[1,0,0,0]]];
@@ -204,3 +205,24 @@ def test_tools_and_frames_of_another_cell(tmp_path: Path) -> None:
     back = assistant.translate(tmp_path / name, to="rapid", process=other, proving=Proving(runs=20))
     assert back.ok, [f for f in back.findings if f.severity == "error"]
     assert b"410,10,60" in next(iter(back.files.values()))
+
+
+@pytest.mark.parametrize(
+    ("language", "robot"), [("rapid", "irb1200-7-0.7"), ("melfa-basic-4", "rv-2aj")]
+)
+def test_what_is_written_of_a_drawing_moves_as_it_says(language: str, robot: str) -> None:
+    source = SAMPLES / "plate.dxf"
+    compiled = assistant.compile(source, language=language, robot=robot, proving=Proving())
+    assert compiled.ok
+    found = compiled.motion
+    assert found is not None and found.found is not None
+    assert (found.found.runs, found.found.visits, found.found.changes) == (1, 103, 10)
+    assert 0.0 < found.found.apart < 0.01
+
+
+def test_a_fault_in_what_is_written_of_a_table_is_found() -> None:
+    table = SAMPLES / "positioning.csv"
+    compiled = assistant.compile(table, language="rapid", robot="irb1200-7-0.7")
+    found = with_fault(compiled, "MoveL positioning_30,", "MoveL positioning_29,")
+    assert not found.holds
+    assert "another flange" in found.findings[0].message

@@ -20,13 +20,15 @@ if TYPE_CHECKING:
 
 PLAIN_START: Final = Pose((400.0, 0.0, 500.0), (0.0, 0.0, 1.0, 0.0))
 """Where the flange is before the first motion of a program without a robot: the same in both."""
+PSEUDO: Final = "pseudo"
 STATEMENT_TIME: Final = 0.002
 """Seconds that a statement takes, so that a loop which looks at a clock comes to its end."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Side:
-    """A program that is run. family: of its language. trees: of its files, the first one first.
+    """A program that is run. family: of its language, PSEUDO of a pseudo-program. trees: of its
+    files, the first one first, or the pseudo-program.
 
     start: of the flange. entry: the routine that it begins with. wiring: what it calls the inputs.
     outputs: what it calls outputs of a bit, by what the other program calls them.
@@ -65,7 +67,9 @@ class Side:
         return _KINDS[self.family].constants(self.text())
 
     def text(self) -> str:
-        return "\n".join(tree.source.text for tree in self.trees if tree.source is not None)
+        """Of all files; a pseudo-program has none."""
+        sources = [getattr(tree, "source", None) for tree in self.trees]
+        return "\n".join(source.text for source in sources if source is not None)
 
 
 def can_run(family: str) -> bool:
@@ -99,6 +103,18 @@ def _begin_melfa(side: Side, kernel: Kernel) -> None:
     start_slot(kernel, list(side.trees), robot=side.robot, start=side.start, names=names)
 
 
+def _begin_pseudo(side: Side, kernel: Kernel) -> None:
+    from assistant.virtual.pseudo import start_program
+
+    (program,) = side.trees
+    start_program(kernel, program, robot=side.robot, start=side.start)
+
+
+def _no_branches(_: Sequence[Any]) -> Branches:
+    """Those of a pseudo-program are not told."""
+    return {}
+
+
 def _rapid_branches(trees: Sequence[Any]) -> Branches:
     from assistant.virtual.rapid.branches import branches
 
@@ -129,6 +145,7 @@ def _melfa_constants(text: str) -> Iterator[tuple[Pose, Printed]]:
 
 _KINDS: Final[Mapping[str, _Kind]] = {
     "RA": _Kind(_begin_rapid, _rapid_branches, counts_signals=False, constants=_alike),
+    PSEUDO: _Kind(_begin_pseudo, _no_branches, counts_signals=False, constants=_alike),
     "MB": _Kind(_begin_melfa, _melfa_branches, counts_signals=True, constants=_melfa_constants),
 }
 """By the family of a language."""
