@@ -118,11 +118,15 @@ DOUBLE: Final = "<d"
 def shown(options: Options, value: Value) -> str:
     """A number as Str$ writes it; of those that are not whole the form is an option."""
     given = number(value)
-    if given == int(given):
+    if given == int(given) and abs(given) < LONG:
         return str(int(given))
     if options.digits is None:
         raise open_point("how Str$ writes a number that is not whole", "digits")
     return f"{given:.{options.digits}g}"
+
+
+LONG: Final = 1 << 31
+"""From here on a number is no whole one of 32 bits."""
 
 
 def _number_in(of: Value) -> int | float:

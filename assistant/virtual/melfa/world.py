@@ -14,7 +14,7 @@ from assistant.virtual.melfa.arm import Arm, Settings
 from assistant.virtual.melfa.memory import Memory, Scope
 from assistant.virtual.melfa.options import Options
 from assistant.virtual.melfa.plugins import Command, Given
-from assistant.virtual.melfa.stops import Failed, Unknown, out_of_range
+from assistant.virtual.melfa.stops import Failed, Unknown
 from assistant.virtual.melfa.values import Value
 from assistant.virtual.melfa.values import number as number_of
 from assistant.virtual.on_way import told
@@ -120,7 +120,7 @@ class World:
     def read(self, output: bool, first: int, width: int) -> int:
         """Inputs or outputs of a width as one number, the first as the lowest bit."""
         if first < 0:
-            raise out_of_range(f"the signal {first}")
+            raise Failed(6600, f"there is no signal {first}")
         numbers = range(first, first + width)
         board = self.task.kernel.board
         read = (board.outputs if output else board.inputs).read
@@ -129,7 +129,7 @@ class World:
     def switch(self, first: int, width: int, value: int, mask: int = -1) -> None:
         """Sets outputs; each bit is an event. mask: the bits that are set."""
         if first < 0:
-            raise out_of_range(f"the signal {first}")
+            raise Failed(6600, f"there is no signal {first}")
         if not 0 <= value < 1 << width:
             raise Unknown(f"{value} in a signal of {width} bits")
         for at in range(width):
