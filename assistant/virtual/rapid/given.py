@@ -11,7 +11,7 @@ from assistant.virtual.rapid.ends import Fault, NotSimulated
 from assistant.virtual.rapid.expressions import evaluate, place, signal
 from assistant.virtual.rapid.machine import Function, Machine
 from assistant.virtual.rapid.scopes import Absent, Place
-from assistant.virtual.rapid.values import Record, Shape, Value, fitted
+from assistant.virtual.rapid.values import Record, Shape, Value, fitted, is_like, kind_of
 
 
 @dataclass(slots=True)
@@ -58,7 +58,11 @@ class Given:
             return None
         wanted = Shape(type) if type else None
         value = evaluate(self.machine, node, wanted)
-        return value if wanted is None else fitted(value, wanted)
+        if wanted is None:
+            return value
+        if not is_like(value, wanted):
+            raise Fault(f"{kind_of(value)} where {type} is wanted")
+        return fitted(value, wanted)
 
     def optional_number(self, option: str) -> float | None:
         value = self.optional(option)

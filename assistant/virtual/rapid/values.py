@@ -205,4 +205,4 @@ def text_of(value: Value) -> str:
             return "[" + ",".join(map(text_of, parts.values())) + "]"
         case Array(items):
             return "[" + ",".join(map(text_of, items)) + "]"
-    raise ValueError("a clock has no value")
+    raise ValueError("data without a value cannot be written")

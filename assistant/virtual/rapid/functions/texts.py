@@ -88,7 +88,10 @@ def _number(of: Callable[[float], float]) -> Callable[[Given], str]:
 
 
 def _value(given: Given) -> str:
-    return joined(text_of(given.value(0)))
+    try:
+        return joined(text_of(given.value(0)))
+    except ValueError as error:
+        raise Fault(str(error)) from None
 
 
 def _parsed(given: Given) -> bool:
