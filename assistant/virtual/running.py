@@ -30,6 +30,8 @@ NO_DISK: Final = error(
 NO_OPTIONS: Final = error(
     "VC210", "options are for programs whose manuals leave something open", "leave [options] out"
 )
+BUSY_TIME: Final = 0.001
+"""Seconds of each further statement of a loop that lets no time pass."""
 MOST_STEPS: Final = 1_000_000
 MOST_TIME: Final = 3600.0
 """Simulated seconds after which a run is over, unless it is told otherwise."""
@@ -116,6 +118,7 @@ def _tasks(kernel: Kernel, parts: Sequence[Part], settings: Settings) -> None:
     from assistant.virtual.rapid.disk import Disk
     from assistant.virtual.rapid.running import start_task
 
+    kernel.busy_time = BUSY_TIME
     disk = Disk(settings.disk, outside=settings.disk is not None)
     controller = Controller(Options(addresses=settings.hosts), disk)
     for number, part in enumerate(parts):

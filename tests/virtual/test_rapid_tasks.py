@@ -137,6 +137,15 @@ def test_statements_take_the_time_that_a_run_says() -> None:
     assert later == pytest.approx(202 * STATEMENT_TIME)
 
 
+def test_a_loop_that_looks_for_an_input_comes_to_see_it() -> None:
+    main = 'WHILE diPart=0 DO\nENDWHILE\nTPWrite "seen";'
+    back = "WHILE TRUE DO\nreg1:=reg1+1;\nENDWHILE"
+    script = Script(changes=(Change(name="dipart", value=1.0, at=5.0),))
+    run = run_tasks([task("T_ROB1", main), task("T_BACK", back, kind="static")], script=script)
+    assert [(round(time, 1), text) for time, _, text in said(run)] == [(5.0, "seen")]
+    assert run.ended == "end"
+
+
 def test_a_script_answers_what_a_task_asks() -> None:
     ask = 'TPReadNum reg1,"How many?";\nTPWrite ValToStr(reg1);'
     script = Script(answers=(Answer(value="7", after=5.0),))

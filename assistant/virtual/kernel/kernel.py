@@ -19,6 +19,8 @@ from assistant.virtual.kernel.signals import Board
 from assistant.virtual.kernel.task import Body, Task
 
 MOST_STEPS: Final = 100_000
+BUSY: Final = 1000
+"""Statements that take no time before one takes `busy_time`."""
 SLICE: Final = 0.002
 """Seconds of real time after which a task that waits for the outside looks again."""
 
@@ -50,13 +52,14 @@ class Timer:
 class Kernel:
     """most_steps: statements of all tasks. most_time: simulated seconds.
 
-    statement_time: seconds that a statement takes. pace: simulated seconds for each real one,
-    None for as fast as possible. watch: is asked before each statement, to trace it or to hold the
-    run. branch: is told of each way that a statement goes on: its file, where it stands there, and
-    which way, counted from 0. stuck: is asked where a task waits, before its time is over or the
-    run ends; True if it has brought what is waited for. told: is told of each event. clock:
-    simulated seconds, but behind `now` while a program runs ahead of its arm. person: answers what
-    programs ask. shared: whether several tasks run.
+    statement_time: seconds that a statement takes. busy_time: of each behind many that took none,
+    so that a program that looks for an input again and again comes to see it. pace: simulated
+    seconds for each real one, None for as fast as possible. watch: is asked before each statement,
+    to trace it or to hold the run. branch: is told of each way that a statement goes on: its file,
+    where it stands there, and which way, counted from 0. stuck: is asked where a task waits, before
+    its time is over or the run ends; True if it has brought what is waited for. told: is told of
+    each event. clock: simulated seconds, but behind `now` while a program runs ahead of its arm.
+    person: answers what programs ask. shared: whether several tasks run.
     """
 
     board: Board = field(default_factory=Board)
@@ -64,6 +67,7 @@ class Kernel:
     most_steps: int = MOST_STEPS
     most_time: float = math.inf
     statement_time: float = 0.0
+    busy_time: float = 0.0
     pace: float | None = None
     watch: Callable[[Task], None] | None = None
     branch: Callable[[str, int, int], None] | None = None
@@ -90,6 +94,7 @@ class Kernel:
         self._numbers = count()
         self._due = math.inf
         self._began: float | None = None
+        self._idle, self._moved = 0, 0.0
         self._since: tuple[float, float] | None = None
 
     # ----------------------------------------------------------------------------- tasks
@@ -99,8 +104,12 @@ class Kernel:
         self.catch_up()
         made = Task(self, name, body, lines, essential)
         self.tasks.append(made)
-        self.shared = len(self.tasks) > 1
+        self._share()
         return made
+
+    def _share(self) -> None:
+        """One that goes on only as long as others do has to let the kernel see that they ended."""
+        self.shared = len(self.tasks) > 1 or not all(task.essential for task in self.tasks)
 
     def drop(self, task: Task) -> None:
         """Ends a task where it is, on behalf of another one."""
@@ -108,7 +117,7 @@ class Kernel:
         task.kill()
         task.ended = task.ended or Ending()
         self.tasks.remove(task)
-        self.shared = len(self.tasks) > 1
+        self._share()
 
     def end(self, ending: Ending, task: Task | None = None) -> None:
         """Ends the run: all tasks stop where they are. task: the one that it ends in."""
@@ -170,7 +179,10 @@ class Kernel:
 
     def _ended(self, task: Task) -> None:
         self.tasks.remove(task)
-        self.shared = len(self.tasks) > 1
+        self._share()
+        if not any(other.essential for other in self.tasks):
+            for other in self.tasks:  # What it did last may be what another one waited for.
+                other.prompt()
         if task.ended is not None and task.ended.ended != "end":
             self.end(task.ended, task)
 
@@ -243,6 +255,8 @@ class Kernel:
             self.halt(task, self._too_many())
         self.steps += 1
         self.clock += self.statement_time
+        if self.busy_time:
+            self._pass_while_busy()
         if self.clock >= self._due:
             self._fire()
             if self.ending is not None:
@@ -251,6 +265,16 @@ class Kernel:
             self.halt(task, Ending("time", f"more than {self.most_time:g} s"))
         if self.watch is not None:
             self.watch(task)
+
+    def _pass_while_busy(self) -> None:
+        """Another statement runs: time passes if it did not for many of them."""
+        if self.clock != self._moved or self.motion.behind:
+            self._idle = 0
+        elif self._idle < BUSY:
+            self._idle += 1
+        else:
+            self.clock += self.busy_time
+        self._moved = self.clock
 
     def _advance(self, latest: float = math.inf) -> bool:
         """Lets time pass until something happens; False if nothing ever will."""

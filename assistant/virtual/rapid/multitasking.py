@@ -16,6 +16,7 @@ from assistant.virtual.kernel.motion import Instant
 from assistant.virtual.kernel.script import Script, follow
 from assistant.virtual.rapid.controller import Controller, Kind
 from assistant.virtual.rapid.running import Inputs, start_task
+from assistant.virtual.running import BUSY_TIME
 
 STATEMENT_TIME: Final = 0.0001
 """Seconds that a statement may be taken to last in a run with motions that take time: a guess, for
@@ -55,12 +56,16 @@ def run_tasks(
     statement_time: seconds that each statement takes, see `STATEMENT_TIME`. pace, most_time: of
     the simulated clock, see `Kernel`.
     """
+    happens = script or Script()
+    if inputs is None:
+        inputs = dict.fromkeys((change.name for change in happens.changes), 0.0)
     kernel = Kernel(
-        Board(Signals({} if inputs is None else inputs)),
+        Board(Signals(inputs)),
         motion=motion or Instant(),
         most_steps=most_steps,
         most_time=most_time,
         statement_time=statement_time,
+        busy_time=BUSY_TIME,
         pace=pace,
     )
     shared = controller or Controller()
@@ -76,5 +81,5 @@ def run_tasks(
             kind=task.kind,
             moves=task.moves,
         )
-    follow(kernel, script or Script())
+    follow(kernel, happens)
     return kernel.run()
