@@ -103,16 +103,20 @@ def _slots(files: Sequence[str], folder: str | None) -> list[Group]:
     return slots(files, folder)
 
 
-def _named_signals(programs: Programs) -> frozenset[str]:
+def _named_signals(programs: Programs) -> frozenset[str] | None:
     """All names that are used: what only an expression reads may be a signal as well."""
     from assistant.languages.rapid.tree import syntax
     from assistant.languages.rapid.tree.walk import nodes
+    from assistant.virtual.rapid.loading import signals, works_signals_out
 
+    if any(works_signals_out(part.trees) for part in programs.parts):
+        return None
     files = tuple(tree.parts for part in programs.parts for tree in part.trees)
-    return frozenset(one.name.lower() for one in nodes(files) if isinstance(one, syntax.NameRef))
+    used = {one.name.lower() for one in nodes(files) if isinstance(one, syntax.NameRef)}
+    return frozenset(used.union(*(signals(part.trees)[1] for part in programs.parts)))
 
 
-SIGNALS: Final[Mapping[str, Callable[[Programs], frozenset[str]]]] = {"RA": _named_signals}
+SIGNALS: Final[Mapping[str, Callable[[Programs], frozenset[str] | None]]] = {"RA": _named_signals}
 """By the family of a language whose signals have names."""
 GROUPS: Final[Mapping[str, Grouping]] = {"RA": _tasks, "MB": _slots}
 """By the family of a language."""

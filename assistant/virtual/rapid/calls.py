@@ -11,7 +11,7 @@ from assistant.virtual.rapid.machine import MOST_CALLS, Machine
 from assistant.virtual.rapid.parameters import parameters
 from assistant.virtual.rapid.recovery import undo
 from assistant.virtual.rapid.rows import targets
-from assistant.virtual.rapid.scopes import Cell, Frame, Known
+from assistant.virtual.rapid.scopes import Cell, Frame, Known, Pending
 from assistant.virtual.rapid.statements import execute
 from assistant.virtual.rapid.values import Shape, Value, copied, fitted, is_like
 
@@ -60,7 +60,12 @@ def _local(machine: Machine, node: s.Data) -> None:
     if node.storage == "PERS":
         raise Fault(f"the persistent `{node.name}` inside of a routine")
     cell = Cell(Shape("num"), "CONST" if node.storage == "CONST" else "VAR")
-    declare(machine, cell, node)
+    try:
+        declare(machine, cell, node)
+    except NotSimulated:
+        if node.value is not None:
+            raise
+        cell.pending = Pending(node, machine.frame.unit)
     machine.frame.names[node.name.lower()] = cell
 
 

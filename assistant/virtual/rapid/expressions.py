@@ -15,7 +15,8 @@ from assistant.virtual.rapid.operators import infix, prefix, whole
 from assistant.virtual.rapid.poses import number, truth
 from assistant.virtual.rapid.precision import Double, Exact, single
 from assistant.virtual.rapid.scopes import Absent, Cell, Known, Place, Signal
-from assistant.virtual.rapid.values import Array, Record, Shape, Value, copied
+from assistant.virtual.rapid.types import SIGNALS
+from assistant.virtual.rapid.values import Array, Handle, Record, Shape, Value, copied, kind_of
 
 Indices = tuple[s.Expression | s.Whole, ...]
 PREFIXES = {"0x": 16, "0o": 8, "0b": 2, "0d": 10}
@@ -67,15 +68,26 @@ def place(machine: Machine, node: s.Expression | s.Whole) -> Place:
 
 
 def signal(machine: Machine, node: s.Expression) -> str:
-    """The signal that a name stands for, in lower case."""
-    if not isinstance(node, s.NameRef):
+    """The signal that a name or data stands for, in lower case."""
+    if isinstance(node, s.NameRef):
+        meaning = machine.meaning(node.name)
+        if isinstance(meaning, Signal):
+            return meaning.name
+        if meaning is None:
+            return node.name.lower()
+    if not isinstance(node, s.NameRef | s.Component | s.Element):
         raise NotSimulated("a signal that is worked out")
-    meaning = machine.meaning(node.name)
-    if isinstance(meaning, Signal):
-        return meaning.name
-    if meaning is not None:
-        raise NotSimulated(f"`{node.name}` as a signal")
-    return node.name.lower()
+    found = place(machine, node).get()
+    if not isinstance(found, Handle) or found.type not in SIGNALS:
+        raise NotSimulated(f"{kind_of(found)} as a signal")
+    return _connected(found)
+
+
+def _connected(handle: Handle) -> str:
+    """The signal that AliasIO has said data to stand for."""
+    if not isinstance(handle.inside, str):
+        raise Fault("data that is connected to no signal", "ERR_NO_ALIASIO_DEF")
+    return handle.inside
 
 
 def settled(machine: Machine, cell: Cell) -> Cell:
@@ -85,8 +97,12 @@ def settled(machine: Machine, cell: Cell) -> Cell:
         return cell
     cell.pending = None
     node, unit = pending.node, pending.unit
-    with machine.outside(unit):
-        declare(machine, cell, node)
+    try:
+        with machine.outside(unit):
+            declare(machine, cell, node)
+    except NotSimulated:
+        cell.pending = pending
+        raise
     if cell.storage == "PERS" and cell.value is not None:
         cell.first = copied(cell.value)
     return cell
@@ -155,8 +171,10 @@ def _item(array: Place, index: int) -> Place:
 
 def _variable(machine: Machine, node: s.NameRef, _: Shape | None) -> Value:
     meaning = machine.meaning(node.name)
-    if type(meaning) is Cell and meaning.pending is None and meaning.value is not None:
-        return meaning.value
+    if type(meaning) is Cell and meaning.pending is None:
+        value = meaning.value
+        if value is not None and type(value) is not Handle:
+            return value
     if isinstance(meaning, Signal):
         return single(machine.signals.read(meaning.name))
     if meaning is None and _is_signal(machine, node.name):
@@ -169,7 +187,11 @@ def _stored(machine: Machine, node: s.Expression, _: Shape | None) -> Value:
     if isinstance(node, s.Element) and isinstance(node.indices[0], s.Whole):
         return _column(machine, place(machine, node.value).get(), node.indices)
     found = place(machine, node).get()
-    return single(found) if type(found) is float else found
+    if type(found) is float:
+        return single(found)
+    if isinstance(found, Handle) and found.type in SIGNALS:
+        return single(machine.signals.read(_connected(found)))
+    return found
 
 
 def _column(machine: Machine, value: Value, indices: Indices) -> Value:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, TypeGuard
 
 from assistant.languages.rapid.tree import syntax as s
 from assistant.languages.rapid.tree.walk import nodes
@@ -34,6 +34,8 @@ SET_UP: Final = frozenset(("triggio", "triggequip"))
 """Instructions whose options name an output that motions set on their way."""
 CORNER: Final = {"movejdo": 4, "moveldo": 4, "movecdo": 5}
 """Motions that set an output, and which argument it is."""
+ALIAS: Final = "aliasio"
+"""Gives data of a signal the one that its first argument is, or names in text."""
 
 
 @dataclass(slots=True)
@@ -129,6 +131,8 @@ def signals(files: Iterable[s.File]) -> tuple[frozenset[str], frozenset[str]]:
             named = {one.name.lower() for one in on_way if isinstance(one, s.NameRef)}
             outputs |= named
             known |= named
+        if name == ALIAS and given and isinstance(given[0], s.StringLiteral):
+            known.add(given[0].value.lower())
         place = CORNER.get(name, 0)
         if name in SETS | READS | CORNER.keys() and len(given) > place:
             signal = given[place]
@@ -137,3 +141,19 @@ def signals(files: Iterable[s.File]) -> tuple[frozenset[str], frozenset[str]]:
                 if name not in READS:
                     outputs.add(signal.name.lower())
     return frozenset(outputs), frozenset(known)
+
+
+def works_signals_out(files: Iterable[s.File]) -> bool:
+    """Whether names of signals may come to be that stand nowhere in the modules."""
+    calls = (n for n in nodes(tuple(file.parts for file in files)) if _is_alias(n))
+    return any(
+        isinstance(one, s.Positional) and not isinstance(one.value, s.StringLiteral)
+        for call in calls
+        for one in call.arguments[:1]
+    )
+
+
+def _is_alias(node: object) -> TypeGuard[s.ProcedureCall]:
+    if not isinstance(node, s.ProcedureCall) or not isinstance(node.name, str):
+        return False
+    return node.name.lower() == ALIAS

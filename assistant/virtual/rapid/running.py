@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from functools import partial
 from typing import Final
 
@@ -160,11 +161,15 @@ def _standing(kernel: Kernel) -> Pose | None:
 
 
 def _begin(machine: Machine, cells: Sequence[Cell], entry: str, kind: Kind) -> None:
-    """Every datum of a module has its value before the first statement."""
+    """Every datum of a module has its value before the first statement.
+
+    One of what is not simulated ends the run only when something asks for it.
+    """
     unit = Unit(None)
     machine.frames.append(Frame(unit, None))
     for cell in cells:
-        settled(machine, cell)
+        with suppress(NotSimulated):
+            settled(machine, cell)
     first = machine.meaning(entry)
     if not isinstance(first, Known):
         raise Fault(f"there is no routine `{entry}` to begin with")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Final
 
 from assistant.languages.rapid.tables import predefined
 from assistant.languages.rapid.tree import syntax as s
@@ -12,6 +13,10 @@ from assistant.virtual.rapid.values import Array, Clock, Handle, Record, Shape, 
 
 PLAIN: Mapping[str, Value] = {"num": 0.0, "dnum": 0.0, "bool": False, "string": "", "switch": True}
 """First values of the types without components."""
+INPUTS: Final = ("signaldi", "signalgi", "signalai")
+OUTPUTS: Final = ("signaldo", "signalgo", "signalao")
+SIGNALS: Final = (*INPUTS, *OUTPUTS)
+"""Types of data that stands for a signal once AliasIO says which one."""
 
 
 @dataclass(slots=True)
@@ -68,7 +73,7 @@ class Types:
         if shape.type == "triggdata":
             return Trigger()
         known = predefined.types().get(shape.type)
-        if known is not None and known.kind == "HANDLE":
+        if known is not None and (known.kind == "HANDLE" or shape.type in SIGNALS):
             return Handle(shape.type)
         parts = self.components(shape.type)
         if parts is None:

@@ -121,6 +121,12 @@ OUTPUTS: Final = ("dop", "gop", "aop")
 ON_WAY: Final = f"{motion.OPTIONS} {MORE}"
 ANY: Final = "on off wrist lockaxis4 finepointramp tunevalue"
 
+
+def _tunes(name: str) -> Callable[[Given], None]:
+    """What changes how well an arm follows, not where it is told to go."""
+    return lambda given: given.machine.task.kernel.note(f"{name} has no effect on this run")
+
+
 TABLE: Final[Mapping[str, Function]] = dict(
     (
         takes("MoveJ", 4, motion.joint, motion.OPTIONS),
@@ -146,6 +152,11 @@ TABLE: Final[Mapping[str, Function]] = dict(
         takes("GripLoad", 1, _nothing),
         takes("PathAccLim", 2, _nothing, "accmax decelmax"),
         takes("WorldAccLim", 0, _nothing, ANY),
+        takes("SoftAct", 2, _tunes("SoftAct"), "mechunit ramp"),
+        takes("SoftDeact", 0, _tunes("SoftDeact"), "ramp"),
+        takes("TuneServo", 3, _tunes("TuneServo"), "type"),
+        takes("TuneReset", 0, _nothing),
+        takes("PathResol", 1, _tunes("PathResol")),
         takes("WaitRob", 0, _stop, "inpos zerospeed"),
     )
 )

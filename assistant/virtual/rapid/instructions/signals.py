@@ -1,6 +1,6 @@
 """Outputs.
 
-Instructions manual, SetDO and its kin, PulseDO.
+Instructions manual, SetDO and its kin, PulseDO, AliasIO.
 """
 
 from __future__ import annotations
@@ -8,10 +8,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Final
 
+from assistant.languages.rapid.tree import syntax as s
 from assistant.virtual.kernel.motion import Instant
 from assistant.virtual.rapid.ends import Fault, NotSimulated
 from assistant.virtual.rapid.given import Given, takes
 from assistant.virtual.rapid.machine import Function
+from assistant.virtual.rapid.scopes import Signal
+from assistant.virtual.rapid.types import OUTPUTS, SIGNALS
+from assistant.virtual.rapid.values import Handle
 
 PULSE: Final = 0.2
 SHORTEST: Final = 0.001
@@ -71,8 +75,39 @@ def _delayed(value: Callable[[Given], float]) -> Callable[[Given], None]:
     return does
 
 
+def _alias(given: Given) -> None:
+    """The name is text, or that of a signal itself; the configuration is taken to have it."""
+    target, source = given.place(1).get(), given.required[0]
+    if not isinstance(target, Handle) or target.type not in SIGNALS:
+        raise Fault("an alias of what is no data of a signal", "ERR_ALIASIO_DEF")
+    name = given.signal(0) if _names_signal(given, source) else given.text(0).lower()
+    if not name:
+        raise Fault("an alias of a signal without a name", "ERR_ALIASIO_DEF")
+    controller = given.machine.controller
+    controller.known.add(name)
+    if target.type in OUTPUTS:
+        controller.outputs.add(name)
+    target.inside = name
+
+
+def _names_signal(given: Given, node: s.Expression) -> bool:
+    if not isinstance(node, s.NameRef):
+        return False
+    meaning = given.machine.meaning(node.name)
+    return meaning is None or isinstance(meaning, Signal)
+
+
+def _end_alias(given: Given) -> None:
+    target = given.place(0).get()
+    if not isinstance(target, Handle) or target.type not in SIGNALS:
+        raise Fault("an alias of what is no data of a signal", "ERR_ALIASIO_DEF")
+    target.inside = None
+
+
 TABLE: Final[Mapping[str, Function]] = dict(
     (
+        takes("AliasIO", 2, _alias),
+        takes("AliasIOReset", 1, _end_alias),
         takes("Set", 1, _set),
         takes("Reset", 1, _reset),
         takes("SetDO", 2, _delayed(lambda given: float(given.number(1) != 0.0)), "sync sdelay"),
