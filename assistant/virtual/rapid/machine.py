@@ -85,8 +85,8 @@ class Machine:
 
     def meaning(self, name: str) -> Meaning | None:
         """What a name stands for here; None if for nothing that is declared."""
-        key = name.lower()
-        for names in (self.frame.names, self.frame.unit.names, self.named, self.predefined):
+        key, frame = name.lower(), self.frames[-1]
+        for names in (frame.names, frame.unit.names, self.named, self.predefined):
             if key in names:
                 return names[key]
         return None

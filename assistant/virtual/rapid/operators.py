@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Callable, Mapping
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from assistant.program import rotations
 from assistant.program.arrays import Floats
 from assistant.virtual.rapid.ends import UNSURE, Fault
 from assistant.virtual.rapid.poses import orient, pos, quaternion_of, truth, vector_of
-from assistant.virtual.rapid.precision import LARGEST, as_kind, paired
+from assistant.virtual.rapid.precision import LARGEST, paired, single
 from assistant.virtual.rapid.values import Record, Value, equal, kind_of
 
 LONGEST_TEXT: Final = 80
@@ -21,6 +21,14 @@ LONGEST_TEXT: Final = 80
 
 def infix(sign: str, left: Value, right: Value) -> Value:
     """The value of two operands; raises Fault where a controller stops or refuses them."""
+    if isinstance(left, float) and isinstance(right, float) and sign in NUMBERS:
+        one, two, kind = paired(left, right)
+        found = NUMBERS[sign](one, two)
+        if found is True or found is False:
+            return found
+        if -LARGEST <= found <= LARGEST:
+            return single(found) if kind is float else kind(found)
+        return kind(_finite(found, kind))
     if sign in TRUTHS:
         return TRUTHS[sign](truth(left), truth(right))
     if sign in ("=", "<>"):
@@ -28,24 +36,19 @@ def infix(sign: str, left: Value, right: Value) -> Value:
             return equal(left, right) is (sign == "=")
         except ValueError as error:
             raise Fault(str(error)) from None
-    if _are_numbers(left, right):
-        one, two, kind = paired(_float(left), _float(right))
-        if sign in ORDERS:
-            return ORDERS[sign](one, two)
-        return as_kind(_finite(NUMBERS[sign](one, two), kind), kind)
     if sign == "+" and isinstance(left, str) and isinstance(right, str):
         return joined(left + right)
-    found = _vectors(sign, left, right)
-    if found is None:
+    vector = _vectors(sign, left, right)
+    if vector is None:
         raise Fault(f"`{sign}` cannot join {kind_of(left)} and {kind_of(right)}")
-    return found
+    return vector
 
 
 def prefix(sign: str, value: Value) -> Value:
     if sign == "NOT":
         return not truth(value)
     factor = -1.0 if sign == "-" else 1.0
-    if isinstance(value, float) and not isinstance(value, bool):
+    if isinstance(value, float):
         return type(value)(factor * value)
     if isinstance(value, Record) and value.type == "pos":
         x, y, z = vector_of(value)
@@ -112,7 +115,7 @@ def _is(value: Value, type: str) -> bool:
 
 
 def _are_numbers(*values: Value) -> bool:
-    return all(isinstance(v, float) and not isinstance(v, bool) for v in values)
+    return all(isinstance(value, float) for value in values)
 
 
 def _float(value: Value) -> float:
@@ -132,20 +135,21 @@ TRUTHS: Final[Mapping[str, Callable[[bool, bool], bool]]] = {
     "XOR": operator.xor,
 }
 """Both sides are worked out: that the second may be left out is not documented."""
-ORDERS: Final[Mapping[str, Callable[..., bool]]] = {
-    "<": operator.lt,
-    "<=": operator.le,
-    ">": operator.gt,
-    ">=": operator.ge,
-}
-NUMBERS: Final[Mapping[str, Callable[[float, float], float]]] = {
+NUMBERS: Final[Mapping[str, Callable[[float, float], Any]]] = {
     "+": operator.add,
     "-": operator.sub,
     "*": operator.mul,
     "/": _divide,
     "DIV": _quotient,
     "MOD": _remainder,
+    "<": operator.lt,
+    "<=": operator.le,
+    ">": operator.gt,
+    ">=": operator.ge,
+    "=": operator.eq,
+    "<>": operator.ne,
 }
+"""Of two numbers, a number or a truth."""
 VECTORS: Final[Mapping[str, Callable[..., Floats]]] = {
     "+": np.add,
     "-": np.subtract,

@@ -78,6 +78,9 @@ class Place:
         if not is_like(value, self.shape):
             raise Fault(f"{kind_of(value)} is assigned to data of type {self.shape.type}")
         value = fitted(value, self.shape)
+        if isinstance(self.holder, Cell) and isinstance(value, float | str | bool):
+            self.holder.value = value
+            return
         try:
             stored = overwrite(self.get(), value)
         except ValueError as error:

@@ -75,7 +75,7 @@ NUMBERS = ("num", "dnum")
 
 def fitted(value: Value, shape: Shape) -> Value:
     """A number as exact as where it is stored; any other value as it is."""
-    if isinstance(value, float) and not isinstance(value, bool):
+    if isinstance(value, float):
         if shape.type == "num":
             return single(value)
         if shape.type == "dnum":
