@@ -8,6 +8,7 @@ import pytest
 
 from assistant.compiler.running import programs
 from assistant.program.diagnostics import Refused
+from assistant.virtual.events import Said
 from assistant.virtual.running import Settings, prepared
 
 SAMPLES = Path(__file__).parents[2] / "samples"
@@ -111,3 +112,22 @@ def test_a_module_that_is_wrong_is_refused_with_its_place(tmp_path: Path) -> Non
         programs([str(tmp_path / "bad.mod")])
     assert caught.value.findings[0].path == str(tmp_path / "bad.mod")
     assert prepared(programs([str(SAMPLES / "rapid" / "gluing.mod")]), Settings(entry="nix")).run()
+
+
+def test_the_tasks_of_a_backup_share_persistents(tmp_path: Path) -> None:
+    """The background task ends what the other one waits for, and itself with that."""
+    folder = write(
+        tmp_path / "cell",
+        {
+            "SYSPAR/SYS.cfg": 'CAB_TASKS:\n  -Name "T_ROB1" -MotionTask\n  -Name "T_BACK" -Type '
+            '"SEMISTATIC"\n',
+            "BACKINFO/backinfo.txt": ">>TASK1: (T_ROB1,,)\n>>TASK2: (T_BACK,,)\n",
+            "RAPID/TASK1/PROGMOD/a.mod": "MODULE a\nPERS num parts:=0;\nPROC main()\n"
+            "WaitUntil parts=3;\nTPWrite ValToStr(parts);\nENDPROC\nENDMODULE\n",
+            "RAPID/TASK2/PROGMOD/b.mod": "MODULE b\nPERS num parts:=0;\nPROC main()\n"
+            "WaitTime 1;\nparts:=parts+1;\nENDPROC\nENDMODULE\n",
+        },
+    )
+    run = prepared(programs([str(folder)])).run()
+    assert [(row.time, row.task) for row in run.log if row.what == Said("3")] == [(3.0, "T_ROB1")]
+    assert run.ended == "end"

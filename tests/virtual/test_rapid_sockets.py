@@ -167,6 +167,22 @@ TPWrite line;
     assert said(ran(SERVER, client, port=port))[1:3] == ["RAP", "got RAP"]
 
 
+def test_packed_bytes() -> None:
+    client = main(
+        """
+SocketCreate link;
+SocketConnect link,"127.0.0.1",PORT;
+PackRawBytes "pos",sent,1\\ASCII;
+SocketSend link\\RawData:=sent;
+SocketReceive link\\RawData:=came\\ReadNoOfBytes:=7;
+UnpackRawBytes came,5,line\\ASCII:=3;
+TPWrite line;
+""",
+        "VAR string line; VAR rawbytes sent; VAR rawbytes came;",
+    )
+    assert said(ran(SERVER, client, port=free_port()))[1:3] == ["pos", "pos"]
+
+
 @pytest.mark.parametrize(
     ("body", "number"),
     [
