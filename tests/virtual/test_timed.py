@@ -213,6 +213,29 @@ def test_axes_that_turn_further_than_the_target_says(strict: bool) -> None:
     assert times(run) == ([] if strict else [2.02])
 
 
+def test_a_line_on_which_the_arm_changes_its_branch_is_told_of() -> None:
+    """From a wrist that bends down to one that is turned over."""
+    flipped = "[pB.trans,pB.rot,[0,0,0,1],pB.extax]"
+    _, run = rapid(
+        f"MoveL pFar, v100, fine, tGrip;\nConfL\\On;\nMoveL {flipped}, v100, fine, tGrip;"
+    )
+    assert run.ended == "end"
+    assert [note for note in run.notes if "13: the arm cannot stay in one branch" in note]
+
+
+def test_a_run_whose_arm_is_held_for_ever_is_stopped() -> None:
+    motion = Timed(ARM, drive(), A)
+    kernel = Kernel(motion=motion)
+
+    def body(task: Task) -> Ending:
+        motion.go(task, line((400.0, 200.0, 300.0), 10.0))
+        return Ending()
+
+    kernel.task("one", body)
+    kernel.at(2.95, lambda: motion.hold(kernel))
+    assert (kernel.run().ended, kernel.now) == ("stopped", 2.95)
+
+
 def test_a_run_that_takes_too_long_ends_where_its_time_is_over() -> None:
     main = "\n".join(f"MoveL p{x}, v100, fine, tGrip;\nSet do{x};" for x in "BCBC")
     text = f"{HEAD}PROC main()\nConfL\\Off;\n{main}\nENDPROC\nENDMODULE\n"
@@ -292,6 +315,50 @@ def test_a_motion_that_is_cut_ends_where_the_arm_is() -> None:
     kernel.at(1.0, lambda: motion.cut(task) and None)
     run = kernel.run()
     assert times(run) == [1.0, 2.05]
+
+
+TRAP_CELL = """VAR intnum stop;
+PROC main()
+ConfL\\Off; ConfJ\\Off;
+CONNECT stop WITH Attend;
+ISignalDI di1, 1, stop;
+MoveL pFar, v100, fine, tGrip;
+Set do1;
+MoveL pA, v100, fine, tGrip;
+Set do2;
+ENDPROC
+TRAP Attend
+{trap}
+ENDTRAP
+ENDMODULE
+"""
+
+
+@pytest.mark.parametrize(
+    ("trap", "wanted"),
+    [
+        # After 1 s the arm is at 95 mm of 300 mm at 100 mm/s, which take 0.1 s to come to.
+        ("StopMove;\nWaitTime 5;\nStartMove;", [8.15, 11.25]),
+        ("StopMove;\nClearPath;\nStartMove;", [1.0, 2.05]),
+        # 95 mm back and forth: 1.05 s each.
+        (
+            "StopMove;\nStorePath;\npHere:=CRobT(\\Tool:=tGrip\\WObj:=wobj0);\n"
+            "MoveL pA, v100, fine, tGrip;\nMoveL pHere, v100, fine, tGrip;\nRestoPath;\nStartMove;",
+            [1.0 + 2.1 + 2.15, 8.35],
+        ),
+    ],
+    ids=["stop", "clear", "store"],
+)
+def test_a_trap_stops_the_arm_on_its_way(trap: str, wanted: list[float]) -> None:
+    text = HEAD + "VAR robtarget pHere;\n" + TRAP_CELL.replace("{trap}", trap)
+    tree = languages.get("rapid").parse(text)
+    assert tree.findings == ()
+    kernel = Kernel(motion=Timed(ARM, drive(acceleration=1000.0), A))
+    start_task(kernel, (tree,), robot=ARM)
+    kernel.at(1.0, lambda: kernel.board.inputs.set("di1", 1.0))
+    run = kernel.run()
+    assert (run.ended, run.message) == ("end", "")
+    assert times(run) == wanted
 
 
 # ------------------------------------------------------------------------------ in MELFA-BASIC

@@ -156,6 +156,7 @@ class Adapter:
 
     def _tell_log(self) -> None:
         assert self.kernel is not None
+        self.kernel.catch_up()
         for row in self.kernel.log[self._logged :]:
             body: Object = {
                 "category": "stdout",

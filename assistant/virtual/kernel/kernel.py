@@ -171,8 +171,8 @@ class Kernel:
             rest = self.motion.rest()
             if rest <= self.clock:
                 self.end(Ending())
-            elif not went and not self.stirred:
-                self._advance(rest)
+            elif not went and not self.stirred and not self._advance(rest):
+                self.end(Ending("stopped", "the arm is held on its way"))
         elif not went and not self.stirred and before == self.steps:
             if not self._helped() and not self._advance():
                 self._stuck()

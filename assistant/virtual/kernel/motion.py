@@ -46,7 +46,7 @@ class Motion(Protocol):
         """Waits until the arm stands at its latest target, whatever corner the motion states."""
 
     def stands(self) -> bool:
-        """Whether the arm does not move now."""
+        """Whether the arm is where its latest motion leads."""
 
     def where(self) -> Standing | None:
         """Where the arm is now; None if only the motions tell, which take no time."""
@@ -59,6 +59,12 @@ class Motion(Protocol):
 
     def rest(self) -> float:
         """The time from which on the arm stands, if nothing more is commanded."""
+
+    def store(self, kernel: Kernel) -> None:
+        """Stops the arm, and keeps what it was to do until `restore`; other motions may come."""
+
+    def restore(self, task: Task) -> None:
+        """What was kept is to be done again; the arm stays where it is until `resume`."""
 
     def cut(self, task: Task) -> Standing | None:
         """Ends all motions where the arm is, and tells where that is."""
@@ -98,6 +104,12 @@ class Instant:
 
     def rest(self) -> float:
         return -math.inf
+
+    def store(self, kernel: Kernel) -> None:
+        """Nothing is left to do."""
+
+    def restore(self, task: Task) -> None:
+        """Nothing was left to do."""
 
     def cut(self, task: Task) -> None:
         """The latest motion has come to its end."""

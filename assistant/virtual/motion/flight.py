@@ -59,7 +59,7 @@ class Planned:
     """A plan of n orders. began: the time of the kernel at its beginning. first: seconds from there
     on which it holds. releases: (n,) seconds from its beginning at which each order lets its
     program go on: at its end, or where its corner begins. ends: (n,) seconds at which each is over.
-    joints: (n, a) there.
+    joints: (n, a) there. guessed: those on whose way the arm cannot stay in one branch.
     """
 
     plan: Plan
@@ -68,6 +68,7 @@ class Planned:
     releases: Floats
     ends: Floats
     joints: Floats
+    guessed: tuple[int, ...] = ()
 
     def leg(self, until: float) -> Leg:
         """What the arm goes through until so many seconds from the beginning."""
@@ -145,7 +146,8 @@ class Flight:
             begin = end
         times = plan.passing(places[last]), plan.passing(ends[last])
         first = 0.0 if start.speed is None else _at(plan, orders[0].end / 2.0)
-        return Planned(plan, start.time - first, first, *times, moves.joints[last])
+        guessed = tuple(np.unique(np.searchsorted(last, plan.course.knots.guessed)).tolist())
+        return Planned(plan, start.time - first, first, *times, moves.joints[last], guessed)
 
     def _solve(self) -> None:
         """Finds the joints at the ends of those orders that are new."""

@@ -40,6 +40,7 @@ MOST_AHEAD: Final = 20_000
 MOST_ORDERS: Final = 64
 LEAST_ORDERS: Final = 24
 """Motions of a flight that are planned together, where others wait for the time of each."""
+GUESSED: Final = "{}: the arm cannot stay in one branch on its way; its joints there are guessed"
 NO_TIME: Final = 1e-9
 """Seconds that are none."""
 
@@ -68,6 +69,7 @@ class Timed:
         self._flight = Flight(self.model, Start(self.home, 0.0))
         self.behind = False
         self._held = False
+        self._stored: list[list[Order]] = []
         self._flying: Planned | None = None
         self._braking: Planned | None = None
 
@@ -161,6 +163,7 @@ class Timed:
         Between motions that stop, the arm stands as long as the statements there take.
         """
         orders, log = self._flight.orders, kernel.log
+        self._note(kernel, made)
         latest = made.began + made.first
         for i, order in enumerate(orders[: len(made.ends)]):
             if math.isfinite(order.release):
@@ -216,7 +219,7 @@ class Timed:
         if not self._flight.orders or self.kernel is None or self.kernel.ending is not None:
             return -math.inf
         if self._held:
-            return -math.inf
+            return math.inf
         made = self._to_rest()
         return made.began + float(made.ends[-1])
 
@@ -231,12 +234,20 @@ class Timed:
             self._refuse(kernel, self._flight.refusal)
         assert made is not None
         self._flying, self._braking = made, None
+        self._note(kernel, made)
         for order, release in zip(self._flight.orders, made.releases.tolist(), strict=True):
             if order.release > kernel.clock:
                 early = 0.0 if order.stops else self.ahead
                 order.release = max(made.began + release - early, kernel.clock)
             for change in order.changes:
                 self._schedule(kernel, made, order, change)
+
+    def _note(self, kernel: Kernel, made: Planned) -> None:
+        """Says what is only assumed of the orders."""
+        for index in made.guessed:
+            place = self._flight.orders[index].place
+            where = "a motion" if place is None else f"{place[0]}:{place[1]}".lstrip(":")
+            kernel.note(GUESSED.format(where))
 
     def _schedule(self, kernel: Kernel, made: Planned, order: Order, change: Change) -> None:
         """Has an output set when the arm comes to its place."""
@@ -365,6 +376,17 @@ class Timed:
         self._rise(kernel)
         if self._flight.orders:
             self._plan(kernel)
+
+    def store(self, kernel: Kernel) -> None:
+        self.hold(kernel)
+        self._stored.append(self._flight.orders)
+        self._flight = Flight(self.model, self._flight.start)
+        self._held = False
+
+    def restore(self, task: Task) -> None:
+        self.settle(task)
+        self.hold(task.kernel)
+        self._flight.orders = self._stored.pop() if self._stored else []
 
     def done(self) -> list[Leg]:
         """All that the arm went through until now."""

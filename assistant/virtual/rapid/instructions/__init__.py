@@ -18,6 +18,7 @@ from assistant.virtual.rapid.instructions import (
     raw,
     signals,
     sockets,
+    stopping,
     tasks,
     waits,
 )
@@ -35,6 +36,7 @@ INSTRUCTIONS: Final[Mapping[str, Function]] = {
     **interrupts.TABLE,
     **raw.INSTRUCTIONS,
     **sockets.INSTRUCTIONS,
+    **stopping.TABLE,
     **tasks.INSTRUCTIONS,
     **waits.TABLE,
     **naming.TABLE,
