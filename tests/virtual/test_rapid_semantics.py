@@ -79,4 +79,4 @@ def _line(event: object) -> str | None:
 
 
 def test_no_case_is_lost() -> None:
-    assert len(list(cases())) >= 150
+    assert len(list(cases())) >= 300

@@ -60,14 +60,20 @@ def _truncated(value: float, scale: float) -> float:
 
 
 def _to_num(given: Given) -> float:
-    r"""DnumToNum; with \Integer the value is to be a whole number that a num can hold."""
+    r"""DnumToNum; with \Integer the value is to be a whole number that a num is sure to hold."""
     value = given.number(0)
-    found = single(value)
-    if given.has("integer") and not (value.is_integer() and found == value):
-        raise Fault(f"the dnum {value:.15g} as a whole num", "ERR_ARGVALERR")
     if abs(value) > LARGEST:
         raise Fault(f"the dnum {value:g} as a num", "ERR_NUM_LIMIT")
-    return found
+    if given.has("integer"):
+        if not -WHOLE < value <= WHOLE:
+            raise Fault(f"the dnum {value:.15g} as a whole num", "ERR_ARGVALERR")
+        if not value.is_integer():
+            raise Fault(f"the dnum {value:.15g} as a whole number", UNSURE)
+    return single(value)
+
+
+WHOLE: Final = 8388608
+"""The whole numbers of a num are exact from -8388607 to this (reference, 2.1)."""
 
 
 def _scale(given: Given) -> float:

@@ -16,9 +16,6 @@ from assistant.virtual.rapid.operators import whole
 from assistant.virtual.rapid.recovery import leave
 from assistant.virtual.rapid.scopes import Cell
 
-LONGEST: Final = 46
-"""Characters of the header of an ErrWrite (manual, ErrWrite)."""
-
 
 def _book(given: Given) -> None:
     """BookErrNo: a number that nobody else has."""
@@ -29,12 +26,9 @@ def _book(given: Given) -> None:
 
 
 def _write(given: Given) -> None:
-    header = given.text(0)
-    if len(header) > LONGEST:
-        raise Fault(f"a header of {len(header)} characters, {LONGEST} at most", "ERR_ARGVALERR")
     lines = [given.text(1)]
     lines += [poses.text(v) for name in LINES if (v := given.optional(name)) is not None]
-    _report(given, header, lines)
+    _report(given, given.text(0), lines)
 
 
 def _log(given: Given) -> None:
