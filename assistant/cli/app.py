@@ -342,6 +342,15 @@ def run(
             metavar="ADDRESS=HOST",
         ),
     ] = None,
+    lines: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--line",
+            help="What a line of the programs leads to: a port for others to call, the "
+            "HOST:PORT of a server, or the path of a serial port; repeatable.",
+            metavar="NAME=TARGET",
+        ),
+    ] = None,
     ask: Annotated[
         bool, typer.Option("--ask", help="Have what the programs ask answered on standard input.")
     ] = False,
@@ -372,6 +381,7 @@ def run(
         real_time=real_time,
         disk=disk,
         hosts=hosts or (),
+        lines=lines or (),
         ask=ask,
     )
     raise typer.Exit(run_run(programs, options, format))

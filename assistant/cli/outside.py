@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from assistant.program.diagnostics import Refused, error
+from assistant.program.diagnostics import Refused, Rule, error
 
 if TYPE_CHECKING:
     from assistant.virtual.kernel import Kernel
@@ -23,6 +23,13 @@ NO_ASKING: Final = error(
 )
 
 
+NO_LINE: Final = error(
+    "CL033",
+    "`{given}` leads no line anywhere",
+    "write NAME=PORT, NAME=HOST:PORT or NAME=PATH, as COM1=10003",
+)
+
+
 def check_disk(folder: Path | None) -> None:
     if folder is not None and not folder.is_dir():
         raise Refused(NO_FOLDER(folder=folder), exit_status=2)
@@ -30,13 +37,22 @@ def check_disk(folder: Path | None) -> None:
 
 def hosts_of(given: Sequence[str]) -> dict[str, str]:
     """Hosts by address; raises Refused for what names none."""
-    hosts = {}
+    return _pairs(given, NO_HOST)
+
+
+def lines_of(given: Sequence[str]) -> dict[str, str]:
+    """What lines lead to by their names; raises Refused for what names none."""
+    return _pairs(given, NO_LINE)
+
+
+def _pairs(given: Sequence[str], wrong: Rule) -> dict[str, str]:
+    pairs = {}
     for pair in given:
-        address, _, host = (part.strip() for part in pair.partition("="))
-        if not address or not host:
-            raise Refused(NO_HOST(given=pair), exit_status=2)
-        hosts[address] = host
-    return hosts
+        name, _, value = (part.strip() for part in pair.partition("="))
+        if not name or not value:
+            raise Refused(wrong(given=pair), exit_status=2)
+        pairs[name] = value
+    return pairs
 
 
 def ask_here(kernel: Kernel, flush: Callable[[], None]) -> None:

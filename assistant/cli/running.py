@@ -18,7 +18,7 @@ from assistant.cli.compiling import (
     standard_input,
     working,
 )
-from assistant.cli.outside import NO_ASKING, ask_here, check_disk, hosts_of
+from assistant.cli.outside import NO_ASKING, ask_here, check_disk, hosts_of, lines_of
 from assistant.cli.presentation import Format, print_findings, print_json, say
 from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, fold, info, warning
 
@@ -76,6 +76,7 @@ class Options:
     real_time: bool
     disk: Path | None
     hosts: Sequence[str]
+    lines: Sequence[str]
     ask: bool
 
 
@@ -168,6 +169,7 @@ class _Running:
             pace=1.0 if options.real_time else None,
             disk=options.disk,
             hosts=hosts_of(options.hosts),
+            lines=lines_of(options.lines),
             options=script.options,
         )
         self.kernel = prepared(programs, settings)
@@ -187,7 +189,8 @@ class _Running:
     @property
     def live(self) -> bool:
         """Whether what happens is printed while it does."""
-        lasts = self.options.real_time or self.options.ask or self.options.disk is not None
+        one = self.options
+        lasts = one.real_time or one.ask or one.disk is not None or bool(one.lines)
         return lasts and self.format is Format.TEXT
 
     def run(self) -> int:

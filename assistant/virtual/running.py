@@ -18,6 +18,7 @@ from assistant.virtual.parts import Part, Programs
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
+    from assistant.virtual.melfa.lines import Line
 
 NO_ENTRY: Final = error(
     "VC206", "a program begins at its top, not with `{name}`", "leave --entry out"
@@ -26,6 +27,11 @@ NO_DISK: Final = error(
     "VC207",
     "programs in {language} use no {what} here",
     "leave --{option} out",
+)
+NO_LINE: Final = error(
+    "VC217",
+    "the line {name} cannot be had: {reason}",
+    "name a port that is free, or a serial port that there is",
 )
 NO_OPTIONS: Final = error(
     "VC210", "options are for programs whose manuals leave something open", "leave [options] out"
@@ -49,7 +55,8 @@ class Settings:
     statement_time: seconds that a statement takes where the language states none. disk: the folder
     whose files are those of the controller, which others may change meanwhile; None for an empty
     one. hosts: real ones by the address that programs state; those of this computer need none.
-    options: what a language leaves open, by name (see `melfa.options`).
+    lines: what communication lines lead to, by their names (see `melfa.lines`). options: what a
+    language leaves open, by name (see `melfa.options`).
     """
 
     robot: Robot | None = None
@@ -62,6 +69,7 @@ class Settings:
     statement_time: float = 0.0
     disk: Path | None = None
     hosts: Mapping[str, str] = field(default_factory=dict)
+    lines: Mapping[str, str] = field(default_factory=dict)
     options: Mapping[str, object] = field(default_factory=dict)
 
 
@@ -118,6 +126,8 @@ def _tasks(kernel: Kernel, parts: Sequence[Part], settings: Settings) -> None:
     from assistant.virtual.rapid.disk import Disk
     from assistant.virtual.rapid.running import start_task
 
+    if settings.lines:
+        raise Refused(NO_DISK(language="RAPID", what="lines", option="line"), exit_status=2)
     kernel.busy_time = BUSY_TIME
     disk = Disk(settings.disk, outside=settings.disk is not None)
     controller = Controller(Options(addresses=settings.hosts), disk)
@@ -157,8 +167,25 @@ def _slots(kernel: Kernel, parts: Sequence[Part], settings: Settings) -> None:
         start=home(settings.robot),
         slots=max(SLOTS, len(parts)),
         options=choose({"pulses": "timed", **settings.options}),
+        lines=_lines(kernel, settings.lines),
     )
     controller.start()
+
+
+def _lines(kernel: Kernel, given: Mapping[str, str]) -> dict[str, Line]:
+    """Lines by the names that programs open, to the end of the run."""
+    from assistant.virtual.melfa.lines import line_to
+
+    lines = {}
+    for name, target in given.items():
+        try:
+            lines[f"{name.rstrip(':')}:"], leave = line_to(target)
+        except (OSError, OverflowError) as wrong:
+            for close in kernel.leaving:
+                close()
+            raise Refused(NO_LINE(name=name, reason=wrong), exit_status=2) from None
+        kernel.leaving.append(leave)
+    return lines
 
 
 OPEN: Final = "MB"

@@ -6,8 +6,11 @@ import io
 import json
 import os
 import pty
+import socket
 import subprocess
 import sys
+import threading
+import time
 from pathlib import Path
 
 import numpy as np
@@ -316,6 +319,8 @@ def test_a_folder_is_the_disk_of_the_controller(capsys: Capture, tmp_path: Path)
         (("--disk", "nowhere"), "CL031"),
         (("--host", "192.168.125.1"), "CL030"),
         (("--host", "=127.0.0.1"), "CL030"),
+        (("--line", "COM1"), "CL033"),
+        (("--line", "COM1=10003"), "VC207"),
     ],
 )
 def test_what_is_outside_has_to_be_there(
@@ -391,3 +396,40 @@ def test_a_sample_comes_to_its_end(capsys: Capture) -> None:
     status, out, err = run(capsys, "run", program, "-r", "rv-4frl", "--signals", script)
     assert (status, err) == (0, "")
     assert "came to its end" in out.splitlines()[-1]
+
+
+def test_lines_lead_to_this_computer(capsys: Capture) -> None:
+    """Programs of three slots, stopped over one of their lines."""
+    ports = []
+    for _ in range(2):
+        with socket.create_server(("127.0.0.1", 0)) as free:
+            ports.append(free.getsockname()[1])
+    heard = bytearray()
+
+    def client() -> None:
+        for _ in range(1000):
+            try:
+                peer = socket.create_connection(("127.0.0.1", ports[1]), 20.0)
+            except ConnectionRefusedError:
+                time.sleep(0.02)
+                continue
+            with peer:
+                peer.sendall(b"0\r")
+                while data := peer.recv(100):
+                    heard.extend(data)
+            return
+
+    person = threading.Thread(target=client)
+    person.start()
+    main = SAMPLES / "melfa" / "datalink" / "MULTITASK.prg"
+    lines = [part for n in (1, 2) for part in ("--line", f"COM{n}={ports[n - 1]}")]
+    status, out, err = run(capsys, "run", main, "-r", "rv-2aj", *lines)
+    person.join()
+    assert (status, bytes(heard)) == (0, b"READY\rEND\r"), err
+    assert "stop" in out
+
+
+def test_a_line_that_cannot_be_had(capsys: Capture, tmp_path: Path) -> None:
+    program = write(tmp_path, "PART.prg", MELFA)
+    status, _, err = run(capsys, "run", program, "--line", f"COM1={tmp_path / 'none'}")
+    assert (status, "VC217" in err) == (2, True)

@@ -89,6 +89,8 @@ class Kernel:
         self.attached = 0
         """How much there is outside of the run that may act on it at any time."""
         self.ended_in: tuple[str, Place | None] = "", None
+        self.leaving: list[Callable[[], None]] = []
+        """What is done when the run is over."""
         self._timers: list[Timer] = []
         self._handed = 0
         self._numbers = count()
@@ -143,6 +145,8 @@ class Kernel:
             for task in self.tasks:
                 task.kill()
             self.catch_up()
+            for leave in self.leaving:
+                leave()
         ending, (name, place) = self.ending or Ending(), self.ended_in
         events = tuple(row.what for row in self.log)
         log, notes = tuple(self.log), tuple(self.notes)

@@ -7,6 +7,7 @@ import socket
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Final, Literal, Protocol
 
 MOST_UNSENT: Final = 1 << 12
@@ -257,6 +258,25 @@ class Serial(_Stream):
         if self._port is not None:
             os.close(self._port)
             self._port = None
+
+
+def line_to(target: str) -> tuple[Line, Callable[[], None]]:
+    """A line by what it leads to, and what ends it for good; raises OSError.
+
+    target: a port of this computer that a client connects to, `address:port` of a server on it, or
+    the path of a serial port with the maker's rate.
+    """
+    if target.isdecimal():
+        server = TcpServer(int(target))
+        return server, server.shut
+    host, _, port = target.rpartition(":")
+    if port.isdecimal():
+        client = TcpClient(host, int(port))
+        return client, client.close
+    if not Path(target).exists():
+        raise FileNotFoundError(f"there is no {target}")
+    serial = Serial(target)
+    return serial, serial.close
 
 
 def _set_rate(port: int, rate: Rate) -> None:
