@@ -114,6 +114,24 @@ TriggL p20,v100,close,fine,tool0;
     assert arrived - trapped == pytest.approx(0.5, abs=0.1)
 
 
+@pytest.mark.parametrize("wait", ["WaitUntil\\InPos,TRUE;", "WaitTime\\InPos,0;"])
+def test_a_wait_may_begin_when_the_arm_stands(wait: str) -> None:
+    tell = "here:=CPos(\\Tool:=tool0\\WObj:=wobj0);\nTPWrite ValToStr(here);"
+    main = f"MoveJ p10,v1000,fine,tool0;\nMoveL p20,v100,z50,tool0;\n{wait}\n{tell}"
+    run = timed(task("T_ROB1", main, f"VAR pos here;{PLACES}"))
+    assert [text for _, _, text in said(run)] == ["[400,150,500]"]
+
+
+def test_tasks_meet_where_the_arm_stands() -> None:
+    lists = 'PERS tasks both{2}:=[["T_ROB1"],["T_BACK"]];\nVAR syncident met;'
+    main = "MoveJ p10,v1000,fine,tool0;\nMoveL p20,v100,z50,tool0;\nWaitSyncTask\\InPos,met,both;"
+    back = 'WaitSyncTask met,both;\nTPWrite "met";'
+    run = timed(task("T_ROB1", main, lists + PLACES), task("T_BACK", back, lists, moves=False))
+    (met, who, _), *_ = said(run)
+    assert (who, run.ended) == ("T_BACK", "end")
+    assert met == pytest.approx(run.seconds, abs=1e-4)
+
+
 def test_tasks_go_on_while_one_of_them_moves() -> None:
     moves = task("T_ROB1", "MoveJ p10,v1000,fine,tool0;\nMoveL p20,v100,fine,tool0;", PLACES)
     beside = task("T_BACK", "WaitTime 0.25;\nTPWrite ValToStr(TaskRunRob());", moves=False)
