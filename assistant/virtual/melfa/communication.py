@@ -1,4 +1,4 @@
-"""Open, Close, Print# and Input#: files of a program that are communication lines (COSIROP)."""
+"""Open, Close, Print# and Input#: communication lines, and files on the controller (COSIROP)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.virtual.melfa import expressions, records
-from assistant.virtual.melfa.lines import Line, TcpClient
+from assistant.virtual.melfa.lines import Line, Stored, TcpClient
 from assistant.virtual.melfa.stops import Failed, Unknown, out_of_range
 from assistant.virtual.melfa.values import Kind, text
 
@@ -80,12 +80,14 @@ def _channel(m: Machine, node: s.Expression, what: str) -> Channel:
 def _open(m: Machine, node: s.Open) -> None:
     number = _number(m, node.number)
     name = text(expressions.value(m, node.name), "the name of a file").strip().upper()
-    if ":" not in name:
-        raise Unknown("files on the controller")
     slot = m.world.slot
     if slot is None:
         raise Unknown("lines of a program that runs without a controller")
-    line = slot.controller.line(name)
+    line: Line
+    if ":" in name:
+        line = slot.controller.line(name)
+    else:
+        line = _stored(slot.controller.stored, name, node.mode.capitalize())
     if number in m.world.files or slot.controller.uses(line):
         raise Failed(3130, f"{name} or the file {number} is open already")
     try:
@@ -94,6 +96,24 @@ def _open(m: Machine, node: s.Open) -> None:
         raise Failed(3140, f"{name} cannot be opened: {error}") from None
     m.world.task.kernel.attached += line.outside
     m.world.files[number] = Channel(name, line, m.world.options.prefixed)
+
+
+def _stored(files: dict[str, bytearray], name: str, mode: str) -> Stored:
+    """A file on the controller."""
+    if len(name) > LONGEST:
+        raise Failed(None, f"the name {name} of a file is longer than {LONGEST} characters")
+    match mode:
+        case "Output" | "Append":
+            return Stored(files.setdefault(name, bytearray()), mode)
+        case "Input":
+            if name not in files:
+                raise Failed(None, f"there is no file {name}")
+            return Stored(files[name], mode)
+    raise Unknown(f"the file {name} in random mode")
+
+
+LONGEST: Final = 16
+"""Characters of a file's name (COSIROP: OPEN)."""
 
 
 def _close(m: Machine, node: s.Close) -> None:
@@ -107,10 +127,12 @@ def _close(m: Machine, node: s.Close) -> None:
 def _print(m: Machine, node: s.Print) -> None:
     """A comma goes on in the next column, a semicolon at once; either at the end keeps the line."""
     channel, options = _channel(m, node.number, "Print #"), m.world.options
+    if isinstance(channel.line, Stored) and channel.line.mode == "Input":
+        raise Failed(3150, f"{channel.name} is open for input")
     made, goes_on = channel.unfinished, False
     for place, (mark, item) in enumerate(node.items):
         goes_on = item is None
-        if mark == "," and place > 0 and (item is not None or place < len(node.items)):
+        if mark == "," and place > 0:
             made = records.padded(made, options.columns)
         if item is not None:
             made += records.written(expressions.value(m, item), options)
@@ -128,9 +150,13 @@ def _print(m: Machine, node: s.Print) -> None:
 def _input(m: Machine, node: s.Input) -> None:
     """Waits for an item for each variable; further ones are for the next Input#."""
     channel = _channel(m, node.number, "Input #")
-    count = len(node.variables)
+    count, line = len(node.variables), channel.line
+    if isinstance(line, Stored) and line.mode != "Input":
+        raise Failed(3170, f"{channel.name} is open for output")
+    if isinstance(line, Stored) and not channel.has(count):
+        raise Unknown(f"what Input # does behind the end of {channel.name}")
     m.world.task.wait(
-        lambda: channel.has(count), what=f"data on {channel.name}", outside=channel.line.outside
+        lambda: channel.has(count), what=f"data on {channel.name}", outside=line.outside
     )
     for variable, item in zip(node.variables, channel.take(count), strict=True):
         expressions.store(m, variable, records.read(item, _kind(m, variable)))

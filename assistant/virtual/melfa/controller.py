@@ -84,6 +84,7 @@ class Controller:
         self.always_may = always_may
         self.options, self.commands = options or Options(), by_name(commands)
         self.lines = {name.upper(): line for name, line in (lines or {}).items()}
+        self.stored: dict[str, bytearray] = {}
         self.timers: dict[int, float] = {}
         self.error: Failed | None = None
         self.owner: Slot | None = None

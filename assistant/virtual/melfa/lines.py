@@ -77,6 +77,37 @@ class Wire:
         self._come.clear()
 
 
+@dataclass(slots=True)
+class Stored:
+    """A file on the controller. content: shared by all that open it. mode: `Input` reads it from
+    its beginning, `Output` and `Append` write it.
+    """
+
+    content: bytearray
+    mode: Literal["Input", "Output", "Append"]
+    outside: bool = False
+    _read: bool = False
+
+    def open(self) -> None:
+        if self.mode == "Output":
+            self.content.clear()
+
+    def connected(self) -> bool:
+        return True
+
+    def send(self, data: bytes) -> None:
+        self.content += data
+
+    def full(self) -> bool:
+        return False
+
+    def receive(self) -> bytes:
+        first, self._read = not self._read, True
+        return bytes(self.content) if first else b""
+
+    def close(self) -> None: ...
+
+
 class _Stream:
     """Bytes through a descriptor that never blocks."""
 
