@@ -411,6 +411,18 @@ def test_where_a_melfa_arm_is_on_its_way() -> None:
     assert set_ == ["1", "2", "3", "4", "5"]
 
 
+def test_what_is_appended_to_a_melfa_motion_happens_on_its_way() -> None:
+    """Lines of 100 mm at 100 mm/s take 1.01 s, to the middle 0.505 s; Skip looks every few ms."""
+    text = (
+        "1 Spd 100\n2 Mvs P1 Wth M_Out(1)=1\n3 Mvs P2 WthIf M_RDst<20,M_Out(2)=1\n"
+        "4 Mvs P1 WthIf M_Ratio>50,Skip\n5 M_Out(3)=M_SkipCq\n6 PN=P_Curr\n"
+        "7 If Abs(PN.Z-450)<1 Then M_Out(4)=1\n8 End\n"
+    )
+    _, run = melfa(text + POINTS)
+    assert (run.ended, run.message) == ("end", "")
+    assert times(run) == pytest.approx([0.0, 1.815, 2.525, 2.525], abs=0.01)
+
+
 def test_a_melfa_arm_tells_what_it_cannot_reach_by_its_number() -> None:
     _, run = melfa("1 Mov P9\n2 End\nP9=(+4000.00,+0.00,+400.00,+180.00,+0.00,+180.00)(7,0)\n")
     assert run.ended == "error"

@@ -13,6 +13,7 @@ from assistant.program import rotations
 from assistant.program.arrays import Floats, Rows, norms
 from assistant.program.geometry import Frame, Pose, Tool
 from assistant.program.path import UNSTATED, Kind
+from assistant.robots.arms.arm import CLOSING
 from assistant.robots.motion.arcs import arcs_of
 from assistant.robots.motion.run import from_flange
 from assistant.robots.robot import Robot
@@ -179,7 +180,9 @@ class _Rows:
     def _nearest(self, joints: Floats, rows: Rows, branch: Rows, start: Floats) -> None:
         """Sets rows to the joints in a branch, -1 for any, that are nearest to those before."""
         robot = self.robot
-        found, _ = robot.ik(self.p[rows], self.q[rows])
+        solved, excess = robot.solve(self.p[rows], self.q[rows])
+        found = np.ascontiguousarray(np.moveaxis(solved, (2, 1), (0, 1)))
+        found[excess.T >= CLOSING] = np.nan
         found[(branch[:, None] >= 0) & (np.arange(robot.branches) != branch[:, None])] = np.nan
         for place, row in enumerate(rows):
             at = joints[row - 1] if row else start
@@ -192,6 +195,7 @@ class _Rows:
             best = int(far.argmin())
             if np.isfinite(far[best]):
                 joints[row] = both[best]
+        joints[rows[~robot.closes(joints[rows], self.p[rows], self.q[rows])]] = np.nan
 
     def _refusal(self, row: int, joints: Floats) -> Refusal:
         robot, index = self.robot, int(self.of[row])

@@ -37,9 +37,13 @@ NEVER_LATE: Final = 0.1
 controller had read it ahead. How far they read ahead no reference at hand tells."""
 MOST_AHEAD: Final = 20_000
 """Motions that wait to be planned, at most."""
-MOST_ORDERS: Final = 64
-LEAST_ORDERS: Final = 24
+MOST_ORDERS: Final = 40
+LEAST_ORDERS: Final = 20
 """Motions of a flight that are planned together, where others wait for the time of each."""
+BRAKING: Final = 0.5
+"""Seconds from a motion on, that the arm has made, in which a later one does not change it."""
+FEW_ORDERS: Final = 4
+"""Motions that are worth to be planned no more."""
 GUESSED: Final = "{}: the arm cannot stay in one branch on its way; its joints there are guessed"
 NO_TIME: Final = 1e-9
 """Seconds that are none."""
@@ -199,12 +203,18 @@ class Timed:
         """A long flight is planned from one of its latest orders on, which the others do not
         change any more.
         """
-        if self._flying is not None and len(self._flight.orders) > MOST_ORDERS and not self._held:
-            at = len(self._flight.orders) - LEAST_ORDERS
-            leg, start = gone_on(self._flying, self._flight.orders, at)
+        made, orders = self._flying, self._flight.orders
+        if made is None or self._held or self.kernel is None:
+            return
+        over = self.kernel.clock - made.began - BRAKING
+        at = min(int(np.searchsorted(made.ends, over)), len(orders) - FEW_ORDERS)
+        if len(orders) > MOST_ORDERS:
+            at = max(at, len(orders) - LEAST_ORDERS)
+        if at >= FEW_ORDERS:
+            leg, start = gone_on(made, orders, at)
             self.legs.append(leg)
             self._flight.begin(at, start)
-            self._flying, self._braking = self._flight.planned(going_on=True), None
+            self._flying = self._braking = None
 
     def _rest_from_end(self, kernel: Kernel) -> None:
         """The flight is over if the arm has come to its end and stops there."""
