@@ -20,9 +20,9 @@ class Fault(Exception):
     """What a controller stops at with an error.
 
     number: of an error that the program can recover from, None for any other. unsure: whether it
-    has a number, so that nobody knows what a handler would do. at: the statement
-    that it happened in. leaves: the call that it was not recovered in. goal: the call whose handler
-    it goes to in one step, None for that of the next caller.
+    has a number, so that nobody knows what a handler would do. at, row: the statement that it
+    happened in. leaves: the call that it was not recovered in. goal: the call whose handler it goes
+    to in one step, None for that of the next caller.
     """
 
     def __init__(self, message: str, error: str = "", number: int | None = None) -> None:
@@ -32,6 +32,7 @@ class Fault(Exception):
         super().__init__(f"{message} ({error})" if named else message)
         self.number = NUMBERS[error.lower()] if named else number
         self.at: tuple[Unit, Span | None] | None = None
+        self.row = 0
         self.leaves: Frame | None = None
         self.goal: Frame | None = None
 

@@ -39,7 +39,8 @@ def attempt(
         try:
             does(machine, node)
         except Fault as fault:
-            fault.at = fault.at or machine.at
+            if fault.at is None:
+                fault.at, fault.row = machine.at, machine.row
             if not _recovered(machine, frame, fault, left, execute):
                 return
             left = frame.retries - 1
@@ -58,7 +59,7 @@ def leave(machine: Machine, frame: Frame, fault: Fault) -> None:
             machine.controller.options.propagates or frame.handling is fault
         ):
             fault.number = None
-    machine.at = fault.at
+    _point_at(machine, fault)
     raise fault
 
 
@@ -100,17 +101,22 @@ def _recovered(machine: Machine, frame: Frame, fault: Fault, left: int, execute:
     except Jump as jump:
         raise Fault(f"there is no label `{jump.label}` in the handler") from None
     else:
-        machine.at = fault.at
+        _point_at(machine, fault)
         raise Fault(f"the handler leaves the error as it is: {fault}")
     finally:
         frame.handling = None
     over = Fault(f"more than {machine.controller.options.retries} retries", "ERR_EXCRTYMAX")
-    over.at = fault.at
+    over.at, over.row = fault.at, fault.row
     if machine.controller.options.retries_raise and fault.number != over.number:
         return _recovered(machine, frame, over, 0, execute)
-    machine.at = fault.at
+    _point_at(machine, fault)
     over.number = None
     raise over
+
+
+def _point_at(machine: Machine, fault: Fault) -> None:
+    """Messages are to tell where an error happened, not where it was handled."""
+    machine.at, machine.row = fault.at, fault.row
 
 
 def _handler(frame: Frame, kind: str) -> s.Handler | None:
