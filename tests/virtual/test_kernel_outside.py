@@ -67,3 +67,20 @@ def test_a_wait_for_the_outside_ends_with_its_time() -> None:
     kernel = Kernel(most_time=0.02)
     kernel.task("alone", lambda task: Ending(message=str(task.wait(bool, None, outside=True))))
     assert kernel.run().ended == "time"
+
+
+def test_statements_that_take_time_keep_the_pace_of_a_run() -> None:
+    kernel = Kernel(statement_time=0.001, pace=1.0)
+    seen: list[tuple[float, float]] = []
+    began = time.monotonic()
+
+    def runs(task: Task) -> Ending:
+        for _ in range(30):
+            task.step()
+            seen.append((kernel.clock - 0.001, time.monotonic() - began))
+        return Ending()
+
+    kernel.task("alone", runs)
+    assert kernel.run().ended == "end"
+    assert len(seen) == 30
+    assert all(simulated <= real for simulated, real in seen)

@@ -261,6 +261,8 @@ class Kernel:
         self.clock += self.statement_time
         if self.busy_time:
             self._pass_while_busy()
+        if self.pace is not None:
+            self._pass_to(self.clock)
         if self.clock >= self._due:
             self._fire()
             if self.ending is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final
@@ -13,6 +14,8 @@ from assistant.virtual.rapid.values import Array, Clock, Handle, Record, Shape, 
 
 PLAIN: Mapping[str, Value] = {"num": 0.0, "dnum": 0.0, "bool": False, "string": "", "switch": True}
 """First values of the types without components."""
+MOST_ELEMENTS: Final = 1_000_000
+"""Of an array, beyond what the program memory of a controller holds."""
 INPUTS: Final = ("signaldi", "signalgi", "signalai")
 OUTPUTS: Final = ("signaldo", "signalgo", "signalao")
 SIGNALS: Final = (*INPUTS, *OUTPUTS)
@@ -65,6 +68,8 @@ class Types:
     def first(self, shape: Shape) -> Value:
         """The value of data without a first value; raises NotSimulated for types without one."""
         if shape.sizes:
+            if math.prod(shape.sizes) > MOST_ELEMENTS:
+                raise NotSimulated(f"an array of more than {MOST_ELEMENTS} elements")
             return Array([self.first(shape.element) for _ in range(max(shape.sizes[0], 0))])
         if shape.type in PLAIN:
             return PLAIN[shape.type]
