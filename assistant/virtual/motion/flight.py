@@ -16,6 +16,7 @@ from assistant.robots.timing.plan import Plan, plan_of
 from assistant.robots.timing.rows import Moves, joined
 from assistant.virtual.events import Moved, OnWay, Place, Switched
 from assistant.virtual.kernel.kernel import Timer
+from assistant.virtual.kernel.motion import Progress
 from assistant.virtual.kernel.task import Task
 from assistant.virtual.motion.goals import Refusal, goals_of
 
@@ -222,6 +223,17 @@ def moment(planned: Planned, order: Order, at: OnWay) -> float:
         case "share":
             when = _at(planned.plan, begin + (end - begin) * at.amount / 100.0)
     return min(max(when - at.ahead, first), last)
+
+
+def progress(planned: Planned, orders: Sequence[Order], gone: float) -> Progress:
+    """Of the order that is followed so many seconds from the beginning of a plan."""
+    at = min(int(np.searchsorted(planned.ends, gone, side="right")), len(orders) - 1)
+    begin, end = orders[at].begin, orders[at].end
+    place = min(max(planned.plan.place(gone)[0], begin), end)
+    if gone >= float(planned.ends[-1]) or end <= begin:
+        return Progress()
+    speed = float(planned.plan.at(np.array([gone])).speeds[0])
+    return Progress(end - place, 100.0 * (place - begin) / (end - begin), speed)
 
 
 def gone_on(planned: Planned, orders: Sequence[Order], index: int) -> tuple[Leg, Start]:

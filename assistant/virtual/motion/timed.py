@@ -28,6 +28,7 @@ from assistant.virtual.motion.flight import (
     Start,
     gone_on,
     moment,
+    progress,
 )
 from assistant.virtual.motion.goals import Refusal
 from assistant.virtual.motion.refusals import LATE, message
@@ -230,8 +231,7 @@ class Timed:
             return -math.inf
         if self._held:
             return math.inf
-        made = self._to_rest()
-        return made.began + float(made.ends[-1])
+        return self._to_rest().began + float(self._to_rest().ends[-1])
 
     # ---------------------------------------------------------------------------- planning
 
@@ -331,14 +331,7 @@ class Timed:
         if self.kernel is None or not orders or self._held:
             return Progress()
         made = self._to_rest()
-        gone = self.kernel.clock - made.began
-        at = min(int(np.searchsorted(made.ends, gone, side="right")), len(orders) - 1)
-        begin, end = orders[at].begin, orders[at].end
-        place = min(max(made.plan.place(gone)[0], begin), end)
-        if gone >= float(made.ends[-1]) or end <= begin:
-            return Progress()
-        speed = float(made.plan.at(np.array([gone])).speeds[0])
-        return Progress(end - place, 100.0 * (place - begin) / (end - begin), speed)
+        return progress(made, orders, self.kernel.clock - made.began)
 
     # ------------------------------------------------------------------------- interfering
 
