@@ -114,6 +114,24 @@ M_Out(3)=(PX.Z>548)And(PX.Z<552)
     ]
 
 
+def test_an_output_comes_when_its_condition_does() -> None:
+    done = run(
+        A="""
+Mov P1
+Spd 100
+Mvs P2 WthIf M_In(1)=1,M_Out(1)=1
+M_Out(2)=1
+Mvs P3 WthIf M_In(2)=1,M_Out(3)=1
+Mvs P1 WthIf M_RSpd>90,M_Out(4)=1
+M_Out(5)=M_SkipCq
+"""
+    )
+    assert told(done) == [
+        *("0,500 at 0.0", "200,500 at 0.1", "1 at 1.0", "2 at 2.1"),
+        *("100,600 at 2.1", "0,500 at 3.5", "4 at 3.5"),
+    ]
+
+
 SECOND = """
 GetM 1
 Spd 100

@@ -47,23 +47,37 @@ class _Skipped(Exception):
     """A motion is broken off."""
 
 
-def guard(m: Machine, append: s.Append, run: Callable[[], None]) -> None:
-    """Runs a motion that `Skip` ends where the arm is, or `Hlt` holds, as soon as a condition is
-    met (COSIROP: SKIP, HLT, WTHIF).
+def is_watched(m: Machine, append: s.Append) -> bool:
+    """Whether what is appended waits for its condition while the motion runs."""
+    condition = append.condition
+    if not isinstance(append.statement, s.Assign):
+        return True
+    if condition is None or _asks_place(condition):
+        return False
+    on_way = _asks(condition, interrupts.ON_WAY)
+    if m.world.task.kernel.motion.where() is None:
+        if on_way:
+            raise Unknown("where on its way a motion meets a condition")
+        return False
+    return on_way or not holds(expressions.value(m, condition))
+
+
+def watch(m: Machine, append: s.Append, run: Callable[[], None]) -> None:
+    """Runs a motion that `Skip` ends where the arm is, or `Hlt` holds, or on whose way an output is
+    set, as soon as a condition is met (COSIROP: SKIP, HLT, WTHIF).
     """
     world, condition = m.world, append.condition
-    task = world.task
-    statement = append.statement
-    word = statement.keyword.upper() if isinstance(statement, s.Command) else ""
-    if word not in ("SKIP", "HLT"):
+    motion = world.task.kernel.motion
+    word = append.statement.keyword.upper() if isinstance(append.statement, s.Command) else ""
+    if word not in ("SKIP", "HLT") and not isinstance(append.statement, s.Assign):
         raise Unknown(f"{word or 'such a statement'} on the way of a motion")
-    timed = task.kernel.motion.where() is not None
+    timed = motion.where() is not None
     on_way = condition is not None and _asks(condition, interrupts.ON_WAY)
     if on_way and not timed:
         raise Unknown("where a motion is when it is broken off")
     if condition is None or (not on_way and holds(expressions.value(m, condition))):
         if word == "SKIP":
-            task.kernel.motion.settle(task)
+            motion.settle(world.task)
             world.skipped = True
         else:
             world.halt()
@@ -73,26 +87,34 @@ def guard(m: Machine, append: s.Append, run: Callable[[], None]) -> None:
     def monitor() -> None:
         if holds(expressions.value(m, condition)):
             world.monitor = None
-            if word == "SKIP":
-                raise _Skipped
-            paused = pausing.pause(world, late=False)
-            world.halt()
-            if paused:
-                pausing.resume(world)
+            _act(m, append.statement, word)
 
-    skipped = False
+    world.skipped = world.skipped and word != "SKIP"
     world.monitor = monitor if timed else None
     interrupts.attend(m, condition)
     try:
         run()
     except _Skipped:
         pausing.cut(world)
-        skipped = True
+        world.skipped = True
     finally:
         world.monitor = None
         interrupts.attend(m)
+
+
+def _act(m: Machine, statement: s.Statement, word: str) -> None:
+    """The condition of what is appended is met while the motion runs."""
+    from assistant.virtual.melfa.statements import execute
+
     if word == "SKIP":
-        world.skipped = skipped
+        raise _Skipped
+    if word == "HLT":
+        paused = pausing.pause(m.world, late=False)
+        m.world.halt()
+        if paused:
+            pausing.resume(m.world)
+    else:
+        execute(m, statement)
 
 
 def _asks(condition: s.Expression, names: Container[str]) -> bool:

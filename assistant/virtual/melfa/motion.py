@@ -43,8 +43,8 @@ def move(m: Machine, node: s.Motion) -> None:
     if node.append is None:
         kind(m, node)
         return
-    if not isinstance(node.append.statement, s.Assign):
-        appended.guard(m, node.append, lambda: kind(m, node))
+    if appended.is_watched(m, node.append):
+        appended.watch(m, node.append, lambda: kind(m, node))
         return
     m.world.on_way, m.world.appended = appended.begin(m, node.append), False
     try:
