@@ -143,6 +143,22 @@ PROC main()
   IF low SetDO do1,1;
   IF isLow(7,FALSE) AND low SetDO doGrip,1;
 ENDPROC""",
+    "a truth that a routine is given to change": """VAR bool low;
+PROC main()
+  Turn low;
+  IF low SetDO do1,1;
+  MoveL p10,v100,fine,tGripper;
+ENDPROC
+PROC Turn(INOUT bool what)
+  VAR bool other;
+  what:=NOT what;
+  other:=what;
+  IF what Again other;
+ENDPROC
+PROC Again(INOUT bool what)
+  what:=FALSE;
+  SetDO doGrip,1;
+ENDPROC""",
     "numbers that a group has bits for": """VAR num n:=14;
 FUNC num fNext()
   n:=n+1;

@@ -32,10 +32,12 @@ if TYPE_CHECKING:
     from assistant.robots import Robot
 
 DEFINED: Final[dict[ValueType, str]] = {
-    "number": "Float", "truth": "Inte", "integer": "Inte", "text": "Char",
+    "number": "Float", "truth": "Float", "integer": "Inte", "text": "Char",
     "position": "Pos", "pose": "Pos", "joints": "Jnt",
 }  # fmt: skip
-"""The word after `Def` for what all Functions of a file share."""
+"""The word after `Def` for what all Functions of a file share. A truth is of the type of variables
+that nothing defines, as parameters are: what is given by reference must be of the same.
+"""
 
 
 def build(
