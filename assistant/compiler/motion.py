@@ -110,7 +110,7 @@ def prove_motion(made: Made, arms: Arms, proving: Proving, entry: str | None = N
     Refused for a script that cannot be used.
     """
     from assistant.compiler.script_file import read_script
-    from assistant.virtual.proving.search import Budget, compared
+    from assistant.virtual.proving.search import Budget, Found, compared
     from assistant.virtual.proving.sides import can_run
     from assistant.virtual.rounding import Rounding
 
@@ -118,6 +118,8 @@ def prove_motion(made: Made, arms: Arms, proving: Proving, entry: str | None = N
     for language in (target, *([] if origin is None else [language_of(origin.language)])):
         if not can_run(language.family):
             return _not_run(f"programs in {language.name} cannot be run")
+    if not made.source.procedures:  # data that other programs use: nothing that could be run
+        return MotionProof(Found(), (), (made.source.name, made.program.name))
     trees, left = in_the_cell(made)
     if left:
         names_left = ", ".join(f"`{name}`" for name in left)

@@ -226,3 +226,10 @@ def test_a_fault_in_what_is_written_of_a_table_is_found() -> None:
     found = with_fault(compiled, "MoveL positioning_30,", "MoveL positioning_29,")
     assert not found.holds
     assert "another flange" in found.findings[0].message
+
+
+def test_data_alone_is_nothing_that_could_be_run(tmp_path: Path) -> None:
+    data = HEAD + "ENDMODULE\n"
+    found = proof(made(data, "melfa-basic-5", tmp_path))
+    assert found.holds
+    assert found.record()["runs"] == 0
