@@ -28,6 +28,7 @@ from assistant.cli.options import (
     complete_robot,
 )
 from assistant.cli.presentation import FindingFormat, Format, FramesAs, answer_as
+from assistant.cli.virtual_runs import debug, run
 
 app: Final = typer.Typer(
     help="Drawings, trajectories and robot programs to proven ABB RAPID and MELFA-BASIC.",
@@ -283,108 +284,8 @@ def simulate(
     raise typer.Exit(run_simulate(program, options, output or (), format))
 
 
-@app.command()
-def run(
-    programs: Annotated[
-        list[str],
-        typer.Argument(
-            help="A program, the programs of several slots, the modules or folder of a task, a "
-            "backup, or any other source; - for standard input."
-        ),
-    ],
-    robot: RobotOption = None,
-    signals: Annotated[
-        Path | None,
-        typer.Option("--signals", help="Script of inputs and answers, in TOML.", metavar="FILE"),
-    ] = None,
-    until: Annotated[
-        str | None,
-        typer.Option(help="End the run there: seconds, or FILE:LINE.", metavar="TIME|FILE:LINE"),
-    ] = None,
-    breaks: Annotated[
-        list[str] | None,
-        typer.Option("--break", help="Hold the run there; repeatable.", metavar="FILE:LINE"),
-    ] = None,
-    step: Annotated[
-        bool, typer.Option("--step", help="Hold the run at its first statement.")
-    ] = False,
-    trace: Annotated[
-        Path | None,
-        typer.Option(help="Write the run in columns.", metavar="FILE.npz"),
-    ] = None,
-    plot: Annotated[
-        Path | None, typer.Option(help="Draw the run over time.", metavar="FILE.png|.svg")
-    ] = None,
-    period: Annotated[
-        float | None, typer.Option(help="Seconds between samples; default 0.01, or what fits.")
-    ] = None,
-    max_steps: Annotated[
-        int, typer.Option(help="Statements after which the run is broken off.")
-    ] = 1_000_000,
-    max_time: Annotated[
-        float, typer.Option(help="Simulated seconds after which the run is broken off.")
-    ] = 3600.0,
-    real_time: Annotated[
-        bool, typer.Option("--real-time", help="As slowly as it would really be.")
-    ] = False,
-    disk: Annotated[
-        Path | None,
-        typer.Option(
-            help="Folder with the files of the controller, which others may change meanwhile.",
-            metavar="FOLDER",
-        ),
-    ] = None,
-    hosts: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--host",
-            help="Host that an address of the programs stands for; repeatable.",
-            metavar="ADDRESS=HOST",
-        ),
-    ] = None,
-    lines: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--line",
-            help="What a line of the programs leads to: a port for others to call, the "
-            "HOST:PORT of a server, or the path of a serial port; repeatable.",
-            metavar="NAME=TARGET",
-        ),
-    ] = None,
-    ask: Annotated[
-        bool, typer.Option("--ask", help="Have what the programs ask answered on standard input.")
-    ] = False,
-    process: ProcessOption = None,
-    unit: UnitOption = None,
-    from_language: FromLanguage = None,
-    entry: EntryOption = None,
-    format: FormatOption = Format.TEXT,
-) -> None:
-    """Run programs on a virtual controller and tell what they do. No robot moves."""
-    from assistant.cli.running import Options, run_run
-
-    options = Options(
-        robot=robot,
-        process=process,
-        unit=unit,
-        from_language=from_language,
-        entry=entry,
-        signals=signals,
-        until=until,
-        breaks=breaks or (),
-        step=step,
-        trace=trace,
-        plot=plot,
-        max_steps=max_steps,
-        max_time=max_time,
-        period=period,
-        real_time=real_time,
-        disk=disk,
-        hosts=hosts or (),
-        lines=lines or (),
-        ask=ask,
-    )
-    raise typer.Exit(run_run(programs, options, format))
+app.command()(run)
+app.command()(debug)
 
 
 @app.command()
@@ -468,14 +369,6 @@ def virtual_cr(
     from assistant.cli.virtual import run_cr
 
     run_cr(robot, port, log)
-
-
-@app.command()
-def debug() -> None:
-    """Run a program as an editor says, over the Debug Adapter Protocol; see docs/debugging.md."""
-    from assistant.cli.debugging import run_debug
-
-    raise typer.Exit(run_debug())
 
 
 @app.command()

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import nullcontext
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path, PurePath
@@ -176,11 +177,13 @@ class _Running:
         if arm is None:
             self.findings.append(NO_MOTION())
         self.given = follow(self.kernel, script)
-        self.columns = Columns.of([task.name for task in self.kernel.tasks], self.sources)
+        self.tasks = [task.name for task in self.kernel.tasks]
+        self.columns = Columns.of(self.tasks, self.sources)
         self.printed = self.changed = 0
         self.until = _moment(options.until, self.sources)
         self.points = [_place(point, self.sources) for point in options.breaks]
         self.reached: set[Place] = set()
+        self.interrupted = False
         if self.live:
             self.kernel.told = lambda _: self.flush()
         if options.ask:
@@ -198,7 +201,8 @@ class _Running:
 
         self._prepare_stops()
         quiet = self.live or self.options.step or bool(self.points)
-        with nullcontext() if quiet else working(f"running {self.programs.title}"):
+        shown = nullcontext() if quiet else working(f"running {self.programs.title}")
+        with shown, self._ended_by_hand():
             run = self.kernel.run()
         wrong = ending(run, self.sources)
         notes = [NOTED(what=note) for note in run.notes]
@@ -215,7 +219,28 @@ class _Running:
                 say(f"wrote {path}")
         # What is odd about a source, as a drawing, keeps nothing from running.
         bad = (f for f in findings if f not in self.read and f.severity is not Severity.INFO)
+        if self.interrupted:
+            raise KeyboardInterrupt
         return 1 if any(bad) else 0
+
+    @contextmanager
+    def _ended_by_hand(self) -> Iterator[None]:
+        """Ctrl-C ends the run before its next statement; what it did until then is told."""
+        from assistant.virtual.kernel import Ending
+
+        def interrupt(*_: object) -> None:
+            self.interrupted = True
+            signal.signal(signal.SIGINT, before)
+            self.kernel.watch = lambda task: self.kernel.halt(task, Ending("until"))
+
+        if self.options.step or self.points or self.options.ask:
+            yield  # A person is asked there, who can end the run.
+            return
+        before = signal.signal(signal.SIGINT, interrupt)
+        try:
+            yield
+        finally:
+            signal.signal(signal.SIGINT, before)
 
     # ------------------------------------------------------------------------------- stops
 
@@ -259,11 +284,14 @@ class _Running:
     def flush(self) -> None:
         """Prints what happened since the last time."""
         from assistant.virtual.events import Logged
-        from assistant.virtual.telling import rows
+        from assistant.virtual.telling import Columns, rows
 
         first, log = self.printed, self.kernel.log[self.printed :]
         given = self.given[self.changed :]
         self.printed, self.changed = first + len(log), len(self.given)
+        if not {row.task for row in log} <= {*self.tasks}:  # that others have started
+            self.tasks = list(dict.fromkeys((*self.tasks, *(row.task for row in log))))
+            self.columns = Columns.of(self.tasks, self.sources)
         for row in rows(log, given, first):
             if isinstance(row, Logged):
                 say(self.columns.line(row.time, row.task, row.place, row.what))

@@ -38,6 +38,14 @@ NO_OPTIONS: Final = error(
 )
 BUSY_TIME: Final = 0.001
 """Seconds of each further statement of a loop that lets no time pass."""
+NO_SUCH_ENTRY: Final = error("VC218", "no procedure `{name}` is there to begin with", "{cure}")
+TWO_ENTRIES: Final = error(
+    "VC219",
+    "each of {files} has a procedure `{name}`",
+    "name the modules that one task loads together",
+)
+MOST_NAMED: Final = 8
+"""Procedures that a cure names."""
 MOST_STEPS: Final = 1_000_000
 MOST_TIME: Final = 3600.0
 """Simulated seconds after which a run is over, unless it is told otherwise."""
@@ -132,17 +140,43 @@ def _tasks(kernel: Kernel, parts: Sequence[Part], settings: Settings) -> None:
     disk = Disk(settings.disk, outside=settings.disk is not None)
     controller = Controller(Options(addresses=settings.hosts), disk)
     for number, part in enumerate(parts):
+        entry = (settings.entry if number == 0 else None) or "main"
+        _check_entry(part, entry)
         start_task(
             kernel,
             part.trees,
             name=part.name,
             robot=settings.robot,
-            entry=(settings.entry if number == 0 else None) or "main",
+            entry=entry,
             start=home(settings.robot),
             controller=controller,
             kind="normal" if part.essential else "semistatic",
             moves=True if number == 0 else None,
         )
+
+
+def _check_entry(part: Part, entry: str) -> None:
+    """Raises Refused if a task has no routine to begin with, or two."""
+    from assistant.languages.rapid.tree import syntax as s
+
+    routines = [
+        (item, tree.path)
+        for tree in part.trees
+        for module in tree.modules
+        for item in module.items
+        if isinstance(item, s.Routine) and item.kind == "PROC" and not item.local
+    ]
+    found = [path for item, path in routines if item.name.lower() == entry.lower()]
+    if len(found) > 1:
+        files = ", ".join(f"`{path}`" for path in found)
+        raise Refused(TWO_ENTRIES(place=part.name, name=entry, files=files), exit_status=2)
+    if not found:
+        names = [item.name for item, _ in routines if not item.parameters]
+        some = ", ".join(names[:MOST_NAMED]) + (" …" if len(names) > MOST_NAMED else "")
+        cure = (
+            f"choose one with --entry: {some}" if names else "name the module that has it as well"
+        )
+        raise Refused(NO_SUCH_ENTRY(place=part.name, name=entry, cure=cure), exit_status=2)
 
 
 def _slots(kernel: Kernel, parts: Sequence[Part], settings: Settings) -> None:

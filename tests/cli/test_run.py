@@ -6,6 +6,7 @@ import io
 import json
 import os
 import pty
+import signal
 import socket
 import subprocess
 import sys
@@ -433,3 +434,19 @@ def test_a_line_that_cannot_be_had(capsys: Capture, tmp_path: Path) -> None:
     program = write(tmp_path, "PART.prg", MELFA)
     status, _, err = run(capsys, "run", program, "--line", f"COM1={tmp_path / 'none'}")
     assert (status, "VC217" in err) == (2, True)
+
+
+def test_a_run_that_is_interrupted_tells_what_it_did(tmp_path: Path) -> None:
+    endless = "SetDO doGrip,1;\nWHILE TRUE DO\ndone:=done+1;\nENDWHILE\n"
+    text = f"MODULE a\nVAR num done;\nPROC main()\n{endless}ENDPROC\nENDMODULE\n"
+    program = write(tmp_path, "a.mod", text)
+    command = [sys.executable, "-m", "assistant", "run", str(program), "--real-time"]
+    limits = ["--max-steps", "100000000"]
+    with subprocess.Popen(
+        [*command, *limits], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
+    ) as child:
+        assert child.stdout is not None
+        assert b"dogrip = 1" in child.stdout.readline()
+        child.send_signal(signal.SIGINT)
+        assert b"was ended as asked" in child.stdout.read()
+    assert child.returncode == 130

@@ -111,7 +111,6 @@ def test_a_module_that_is_wrong_is_refused_with_its_place(tmp_path: Path) -> Non
     with pytest.raises(Refused) as caught:
         programs([str(tmp_path / "bad.mod")])
     assert caught.value.findings[0].path == str(tmp_path / "bad.mod")
-    assert prepared(programs([str(SAMPLES / "rapid" / "gluing.mod")]), Settings(entry="nix")).run()
 
 
 def test_the_tasks_of_a_backup_share_persistents(tmp_path: Path) -> None:
@@ -131,3 +130,19 @@ def test_the_tasks_of_a_backup_share_persistents(tmp_path: Path) -> None:
     run = prepared(programs([str(folder)])).run()
     assert [(row.time, row.task) for row in run.log if row.what == Said("3")] == [(3.0, "T_ROB1")]
     assert run.ended == "end"
+
+
+@pytest.mark.parametrize(("entry", "cure"), [("nix", "--entry: main, Bead"), ("Add", "--entry")])
+def test_a_procedure_to_begin_with_has_to_be_there(entry: str, cure: str) -> None:
+    found = programs([str(SAMPLES / "rapid" / "gluing.mod")])
+    with pytest.raises(Refused) as caught:
+        prepared(found, Settings(entry=entry))
+    (finding,) = caught.value.findings
+    assert finding.code == "VC218" and cure in finding.cure
+
+
+def test_two_procedures_to_begin_with_are_refused(tmp_path: Path) -> None:
+    write(tmp_path, {name + ".mod": MAIN.format(name=name, seconds=1, more="") for name in "ab"})
+    with pytest.raises(Refused) as caught:
+        prepared(programs([str(tmp_path)]))
+    assert [finding.code for finding in caught.value.findings] == ["VC219"]
