@@ -10,8 +10,7 @@ import signal
 import socket
 import subprocess
 import sys
-import threading
-import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -400,33 +399,31 @@ def test_a_sample_comes_to_its_end(capsys: Capture) -> None:
 
 
 def test_lines_lead_to_this_computer(capsys: Capture) -> None:
-    """Programs of three slots, stopped over one of their lines."""
-    ports = []
-    for _ in range(2):
-        with socket.create_server(("127.0.0.1", 0)) as free:
-            ports.append(free.getsockname()[1])
-    heard = bytearray()
+    """Programs of three slots: one line is a port that a client connects to, the other a server."""
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    with socket.create_server(("127.0.0.1", 0)) as server, ThreadPoolExecutor() as pool:
+        server.settimeout(20.0)
 
-    def client() -> None:
-        for _ in range(1000):
-            try:
-                peer = socket.create_connection(("127.0.0.1", ports[1]), 20.0)
-            except ConnectionRefusedError:
-                time.sleep(0.02)
-                continue
-            with peer:
-                peer.sendall(b"0\r")
-                while data := peer.recv(100):
-                    heard.extend(data)
-            return
+        def client() -> str:
+            peer, _ = server.accept()
+            with peer, peer.makefile("rw", newline="\r") as stream:
+                peer.settimeout(20.0)
+                said = stream.readline()
+                with socket.create_connection(("127.0.0.1", port), 20.0) as mover:
+                    mover.sendall(b"(10,0,90,0,90,0)\r")
+                    print("1", end="\r", file=stream, flush=True)
+                    while "(10.00,0.00,90.00" not in stream.readline():
+                        pass
+                print("0", end="\r", file=stream, flush=True)
+                *_, last = stream
+            return said + last
 
-    person = threading.Thread(target=client)
-    person.start()
-    main = SAMPLES / "melfa" / "datalink" / "MULTITASK.prg"
-    lines = [part for n in (1, 2) for part in ("--line", f"COM{n}={ports[n - 1]}")]
-    status, out, err = run(capsys, "run", main, "-r", "rv-2aj", *lines)
-    person.join()
-    assert (status, bytes(heard)) == (0, b"READY\rEND\r"), err
+        person = pool.submit(client)
+        main = SAMPLES / "melfa" / "datalink" / "MULTITASK.prg"
+        lines = ("--line", f"COM1={port}", "--line", f"COM2=127.0.0.1:{server.getsockname()[1]}")
+        status, out, err = run(capsys, "run", main, "-r", "rv-2aj", *lines, "--max-time", "60")
+        assert (status, person.result()) == (0, "READY\rEND\r"), err
     assert "stop" in out
 
 

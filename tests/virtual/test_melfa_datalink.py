@@ -10,9 +10,9 @@ import os
 import pty
 import select
 import socket
-import threading
 import tty
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cache, partial
@@ -261,7 +261,13 @@ PATIENCE = 20.0
 def over_tcp() -> Iterator[tuple[Line, Talk]]:
     line = TcpServer()
     with socket.create_connection(line.address, PATIENCE) as client:
-        yield line, (client.sendall, lambda: client.recv(4096))
+
+        def hear() -> bytes:
+            data = client.recv(4096)
+            assert data, "the line was closed"
+            return data
+
+        yield line, (client.sendall, hear)
     line.shut()
 
 
@@ -284,7 +290,7 @@ def over_serial() -> Iterator[tuple[Line, Talk]]:
 @pytest.mark.parametrize(("one", "two"), [(over_tcp, over_serial), (over_serial, over_tcp)])
 def test_a_client_on_real_lines(one: Callable[..., Any], two: Callable[..., Any]) -> None:
     received: list[str] = []
-    with one() as (com1, (move, _)), two() as (com2, (say, hear)):
+    with ThreadPoolExecutor() as pool, one() as (com1, (move, _)), two() as (com2, (say, hear)):
 
         def lines() -> Iterator[str]:
             data = b""
@@ -308,12 +314,11 @@ def test_a_client_on_real_lines(one: Callable[..., Any], two: Callable[..., Any]
             while next(told) != "END":
                 pass
 
-        cell = Cell(HARDENED, seconds=30.0)
+        cell = Cell(HARDENED, seconds=3 * PATIENCE)
         cell.controller = cell.made({"COM1:": com1, "COM2:": com2})
-        person = threading.Thread(target=client)
-        person.start()
+        person = pool.submit(client)
         done = cell.run()
-        person.join()
+        person.result()
     assert (done.ended, turned(done)) == ("end", [10, 20]), done.message
     assert [slot.state for slot in cell.controller.slots[:3]] == ["waits", "reset", "reset"]
     assert received[0] == "READY" and received[-1] == "END"
