@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from assistant import languages
+from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program import expressions as e
 from assistant.program import statements as p
 from assistant.program.diagnostics import Severity
@@ -195,3 +196,28 @@ def test_names_of_another_world_do_no_harm() -> None:
     assert text.count("\r\n") == len(tree.items) == len(text.splitlines())
     assert FOUR.lift(tree).procedures == adapted.procedures
     assert FOUR.file_name(adapted).isascii()
+
+
+@pytest.mark.parametrize(
+    ("text", "code"),
+    [
+        ("Mov P1\nM_Out(2)=1\nP1=(400,0,400,180,0,180)(7,0)\n", 2),
+        ("Mov P1\nEnd\nM_Out(2)=1\n", 3),  # never come to, but no variable of the program
+        ('Mov P1\nM1=1\nC1$="a"\n\nM2=2\nP1=(400,0,400,180,0,180)(7,0)\n', 4),
+        ("*L\nMov P1\nGoTo *L\nM1=1\nP1=(400,0,400,180,0,180)(7,0)\n", 3),
+        ("Mov P1\nEnd\nM1=1\nP1=(400,0,400,180,0,180)(7,0)\n", 2),
+        ("Mov P1\nP1=(400,0,400,180,0,180)(7,0)\nM1=1\n", 1),
+        ("M1=1\nP1=(400,0,400,180,0,180)(7,0)\n", 0),
+    ],
+)
+def test_what_a_program_comes_to_is_no_variable_line(text: str, code: int) -> None:
+    """Without step numbers, where assignments behind the last move are told from data."""
+    items = FIVE.parse(text).items
+    assert sum(isinstance(x, s.Line) for x in items) == code
+
+
+def test_an_output_in_the_last_line_is_translated() -> None:
+    text = "Mov P1\nM_Out(2)=1\nP1=(400,0,400,180,0,180)(7,0)\n"
+    program = FIVE.lift(FIVE.parse(text))
+    body = program.procedures[0].body
+    assert isinstance(body[-1], p.SetSignal)

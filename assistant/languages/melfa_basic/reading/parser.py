@@ -9,8 +9,11 @@ from typing import Final
 from assistant.languages.melfa_basic import rules
 from assistant.languages.melfa_basic.reading.files import TOKENISED
 from assistant.languages.melfa_basic.reading.line import TooLarge, parts, read_line, statement
+from assistant.languages.melfa_basic.tables.vocabulary import status
 from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.languages.melfa_basic.tree.blocks import statement_of
 from assistant.languages.melfa_basic.tree.columnar import MoveRows, PositionRows, rows_at
+from assistant.languages.melfa_basic.tree.targets import exits_of
 from assistant.languages.recovery.lexemes import Stop
 from assistant.program.diagnostics import Diagnostic, Span
 from assistant.program.text import SourceText
@@ -74,7 +77,8 @@ def _pieces(text: str, items: list[s.Item], runs: bool) -> Iterator[tuple[int, i
 def _with_data(items: list[s.Item]) -> list[s.Item]:
     """Variable lines at the end told apart from assignments: they have no step number.
 
-    In a source without step numbers they are what follows the last other statement.
+    In a source without step numbers they are what follows the last other statement. A number or a
+    text that the program comes to is assigned there; what it cannot come to is a variable line.
     """
     numbered = any(isinstance(item, s.Line) and item.number is not None for item in items)
     first = 0
@@ -84,13 +88,32 @@ def _with_data(items: list[s.Item]) -> list[s.Item]:
             isinstance(items[first - 1], s.Blank | PositionRows) or _datum(items[first - 1])
         ):
             first -= 1
+        while first < len(items) and _is_come_to(items, first):
+            first += 1
     return items[:first] + [_datum(item) or item for item in items[first:]]
+
+
+def _is_come_to(items: list[s.Item], at: int) -> bool:
+    """Whether the program goes on to an assignment of a number or a text, or a blank line."""
+    match items[at]:
+        case s.Line(statement=s.Assign(value=s.Constant())):
+            return False
+        case s.Line() | s.Blank():
+            before = next((x for x in items[at - 1 :: -1] if _runs(x)), None) if at else None
+            return before is not None and exits_of(statement_of(before)).on
+    return False
+
+
+def _runs(item: s.Item) -> bool:
+    return isinstance(item, s.Line) and item.statement is not None
 
 
 def _datum(item: s.Item) -> s.Data | None:
     """An unnumbered assignment of a constant, or declaration of one, as a variable line."""
     match item:
         case s.Line(None, None, s.Assign(s.Variable(component="") as target, value, None), None):
+            if status(target.name) is not None:
+                return None
             match value:
                 case (s.Constant() | s.Number() | s.String()) | s.Unary(
                     "+" | "-", s.Constant() | s.Number() | s.String()
