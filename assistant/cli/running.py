@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -19,12 +19,12 @@ from assistant.cli.compiling import (
     standard_input,
     working,
 )
+from assistant.cli.moments import line_named, moment
 from assistant.cli.outside import NO_ASKING, ask_here, check_disk, hosts_of, lines_of
 from assistant.cli.presentation import Format, print_findings, print_json, say
 from assistant.program.diagnostics import Diagnostic, Refused, Severity, error, fold, info, warning
 
 if TYPE_CHECKING:
-    from assistant.program.text import SourceText
     from assistant.robots import Robot
     from assistant.virtual.events import Place, Run
     from assistant.virtual.kernel import Task
@@ -32,12 +32,6 @@ if TYPE_CHECKING:
     from assistant.virtual.parts import Programs
 
 NO_TRACE: Final = error("CL021", "a trace is not written as `{name}`", "end its name in .npz")
-NO_TIME: Final = error("CL022", "`{given}` is no time", "write seconds, 0 or more")
-NO_PLACE: Final = error(
-    "CL027",
-    "`{given}` is no place in the programs",
-    "write FILE:LINE, the file one of {names}, and one of its lines",
-)
 NOT_FOR_PROGRAMS: Final = error(
     "CL028", "a run is not stepped through as JSON", "leave out --format json, --step and --break"
 )
@@ -180,8 +174,8 @@ class _Running:
         self.tasks = [task.name for task in self.kernel.tasks]
         self.columns = Columns.of(self.tasks, self.sources)
         self.printed = self.changed = 0
-        self.until = _moment(options.until, self.sources)
-        self.points = [_place(point, self.sources) for point in options.breaks]
+        self.until = moment(options.until, self.sources)
+        self.points = [line_named(point, self.sources) for point in options.breaks]
         self.reached: set[Place] = set()
         self.interrupted = False
         if self.live:
@@ -358,41 +352,6 @@ def _unused(programs: Programs, script: Script) -> Iterator[Diagnostic]:
             near = get_close_matches(name, known, n=1, cutoff=0.6)
             cure = f"write `{near[0]}`" if near else "name a signal that they use"
             yield NOT_USED(name=name, cure=cure)
-
-
-def _moment(given: str | None, sources: Sequence[SourceText]) -> float | Place | None:
-    """Seconds, or a file and a line."""
-    if given is None:
-        return None
-    try:
-        seconds = float(given)
-    except ValueError:
-        return _place(given, sources)
-    if not 0.0 <= seconds < float("inf"):
-        raise Refused(NO_TIME(given=given), exit_status=2)
-    return seconds
-
-
-def _place(given: str, sources: Sequence[SourceText]) -> Place:
-    """FILE:LINE, the file as the programs' own is named, with or without folder and suffix."""
-    name, _, number = given.rpartition(":")
-    wanted = name.replace("\\", "/").casefold()
-    shapes: tuple[Callable[[PurePath], str], ...] = (
-        PurePath.as_posix,
-        lambda path: path.name,
-        lambda path: path.stem,
-    )
-    for shape in shapes:
-        found = [s for s in sources if shape(PurePath(s.path or "")).casefold() == wanted]
-        if len(found) == 1 and number.isascii() and number.isdecimal():
-            line = int(number)
-            if 1 <= line <= found[0].text.count("\n") + 1:
-                return found[0].path or "", line
-    raise Refused(NO_PLACE(given=given, names=_names(sources)), exit_status=2)
-
-
-def _names(sources: Sequence[SourceText]) -> str:
-    return ", ".join(f"`{PurePath(source.path or '').name}`" for source in sources) or "none"
 
 
 _ENDED: Final = {

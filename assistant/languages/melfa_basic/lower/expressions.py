@@ -233,7 +233,7 @@ class Expressions:
     def signal(self, name: str, signal: Signal) -> s.Expression:
         """The value of a signal; raises NoNumber without a number."""
         variable, mask = self.register(name, signal)
-        return variable if mask is None else s.Binary("AND", variable, _bits(mask))
+        return variable if mask is None else s.Binary("AND", variable, s.Number(mask, 16))
 
     def output(self, name: str, value: s.Expression) -> tuple[s.Variable, s.Expression]:
         """What to assign to, and what: the bits beside a group of an odd width stay."""
@@ -246,8 +246,8 @@ class Expressions:
         if mask is None:
             return variable, value
         width = next(w for w in self.dialect.groups if w >= signal.bits)
-        others = s.Binary("AND", variable, _bits((1 << width) - 1 - mask))
-        own = value if isinstance(value, s.Number) else s.Binary("AND", value, _bits(mask))
+        others = s.Binary("AND", variable, s.Number((1 << width) - 1 - mask, 16))
+        own = value if isinstance(value, s.Number) else s.Binary("AND", value, s.Number(mask, 16))
         return variable, s.Binary("OR", others, own)
 
     def register(self, name: str, signal: Signal) -> tuple[s.Variable, int | None]:
@@ -384,10 +384,6 @@ def joint_constant(target: JointTarget, robot: Robot | None) -> s.Constant:
         joints = row
     joints += more
     return s.Constant(tuple(round(0.0 if v != v else v, poses.PLACES) + 0.0 for v in joints))
-
-
-def _bits(mask: int) -> s.Number:
-    return s.Number(mask, 16)
 
 
 def _whole_in_register(name: str, value: s.Expression) -> None:
