@@ -1,4 +1,4 @@
-"""The debugger as an editor meets it: a process, and the protocol's client of another project."""
+"""The debugger as an editor meets it: a process that speaks the protocol."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def test_rapid_is_held_at_break_points_and_shows_calls_and_data(module: FilePath
         assert e.stack() == [("count", 15), ("main", 7)]
         assert e.data("Routine") == {"by": "1"}
         assert e.data("Task")["total"] == "0"
-        e.ask(e.client.continue_execution(1))
+        e.ask("continue", threadId=1)
         e.event("stopped")
         assert e.data("Task")["total"] == "1"
 
@@ -74,14 +74,14 @@ def test_steps_go_into_over_and_out_of_calls(module: FilePath) -> None:
         assert e.event("stopped")["reason"] == "entry"
         assert e.stack() == [("main", 6)]
         for step, place in (
-            (e.client.next, ("main", 7)),
-            (e.client.next, ("main", 8)),
-            (e.client.step_in, ("main", 6)),
-            (e.client.next, ("main", 7)),
-            (e.client.step_in, ("count", 15)),
-            (e.client.step_out, ("main", 8)),
+            ("next", ("main", 7)),
+            ("next", ("main", 8)),
+            ("stepIn", ("main", 6)),
+            ("next", ("main", 7)),
+            ("stepIn", ("count", 15)),
+            ("stepOut", ("main", 8)),
         ):
-            e.ask(step(1))
+            e.ask(step, threadId=1)
             assert e.event("stopped")["reason"] == "step"
             assert e.stack()[0] == place
 
@@ -91,15 +91,15 @@ def test_melfa_is_stepped_and_shows_subroutines_positions_and_signals(program: F
         e.begin(program, (8,))
         e.event("stopped")
         assert e.stack() == [("GoSub", 8), ("Main", 2)]
-        e.ask(e.client.step_out(1))
+        e.ask("stepOut", threadId=1)
         e.event("stopped")
-        e.ask(e.client.next(1))
+        e.ask("next", threadId=1)
         e.event("stopped")
         assert e.data("Program")["M1"] == "5"
         assert e.data("Program")["P1"] == "(500,0,400,180,0,180,,,7,0)"
-        found = e.ask(e.client.evaluate("p1.z"))
+        found = e.ask("evaluate", expression="p1.z")
         assert found["result"] == "400"
-        e.ask(e.client.next(1))
+        e.ask("next", threadId=1)
         e.event("stopped")
         assert e.data("Outputs")["3"] == "1"
 
@@ -108,11 +108,11 @@ def test_an_input_that_is_set_ends_a_wait(program: FilePath) -> None:
     with editor() as e:
         e.begin(program, (5,))
         e.event("stopped")
-        frame = e.ask(e.client.stack_trace(1))["stackFrames"][0]["id"]
-        scopes = e.ask(e.client.scopes(frame))["scopes"]
+        frame = e.ask("stackTrace", threadId=1)["stackFrames"][0]["id"]
+        scopes = e.ask("scopes", frameId=frame)["scopes"]
         (inputs,) = (s["variablesReference"] for s in scopes if s["name"] == "Inputs")
-        e.ask(e.client.set_variable(inputs, "5", "1"))
-        e.ask(e.client.continue_execution(1))
+        e.ask("setVariable", variablesReference=inputs, name="5", value="1")
+        e.ask("continue", threadId=1)
         assert e.event("exited")["exitCode"] == 0
         e.event("terminated")
 
@@ -121,7 +121,7 @@ def test_a_wait_that_nothing_ends_is_told_and_ends_the_run(module: FilePath) -> 
     with editor() as e:
         e.begin(module)
         assert e.event("exited")["exitCode"] == 1
-        said = [m.body["output"] for m in e.events if m.event == "output"]
+        said = [m["body"]["output"] for m in e.events if m["event"] == "output"]
         assert sum("counted" in text for text in said) == 3
         assert "ready" in said[-1]
 
@@ -131,10 +131,9 @@ def test_a_program_that_never_ends_can_be_paused_and_left(tmp_path: FilePath) ->
     path.write_text("1 M1=0\n2 *LOOP\n3 M1=M1+1\n4 GoTo *LOOP\n")
     with editor() as e:
         e.begin(path, maxSteps=10**9)
-        e.ask(e.client.pause(1))
+        e.ask("pause", threadId=1)
         assert e.event("stopped")["reason"] == "pause"
-        e.client.disconnect()
-        e.flush()
+        e.ask("disconnect")
         assert e.process.wait(30) == 0
 
 
@@ -152,11 +151,10 @@ def test_what_cannot_be_launched_is_refused_with_its_reason(
 ) -> None:
     given = {k: str(module) if v == "{module}" else v for k, v in launch.items()}
     with editor() as e:
-        e.flush()
-        e.event("initialized")
-        answer = e.answer(e.client._send_request("launch", given))
-        assert not answer.success
-        assert said in answer.message
+        e.ask("initialize", adapterID="robot-assistant")
+        answer = e.answer("launch", **given)
+        assert not answer["success"]
+        assert said in answer["message"]
 
 
 @pytest.mark.parametrize(
@@ -177,3 +175,21 @@ def test_what_is_no_message_ends_the_debugger_without_a_traceback(sent: bytes) -
     assert b"Traceback" not in done.stderr
     assert done.stderr.strip()
     assert done.stdout == b""
+
+
+@pytest.mark.skipif(sys.version_info < (3, 12), reason="the client needs Python 3.12")
+def test_the_client_of_another_project_understands_what_is_said(module: FilePath) -> None:
+    from dap import DAPClient
+
+    with editor() as e:
+        e.begin(module, (15,))
+        e.event("stopped")
+        e.stack()
+        e.data("Task")
+        e.ask("threads")
+        e.ask("disconnect")
+        e.process.wait(30)
+    client = DAPClient(clientID="test", adapterID="robot-assistant")
+    understood = list(client.recv(e.heard))
+    assert len(understood) == e.heard.count(b"Content-Length: ")
+    assert {message.type for message in understood} <= {"event", "response"}
