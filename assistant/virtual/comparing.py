@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest
@@ -39,6 +40,10 @@ SINGLE: Final = 2.0**-22
 """Of the farthest place: what a few steps in single precision add, as RAPID works positions out."""
 BLEND: Final = 0.01
 TIME: Final = 1e-3
+SINGLE_TURN: Final = math.degrees(4.0 * 2.0**-24)
+"""Degrees that the same does to orientations: the four components of a quaternion are each off by
+half of their last bit, 2 to the power of -25, which turns by twice their length; twice, for the
+target and for what the program moves it by."""
 
 Bits = Mapping[str, Sequence[int] | str]
 """Numbers of a signal's bits, the lowest first, or its other name, by its name in lower case."""
@@ -202,7 +207,13 @@ class _Comparing:
         if self.rounding is not None:
             allowed = self.rounding.allowed(move, self.reach)
         single = SINGLE * self.reach
-        return replace(allowed, tip=allowed.tip + single, tool=allowed.tool + single)
+        return replace(
+            allowed,
+            tip=allowed.tip + single,
+            tool=allowed.tool + single,
+            angle=allowed.angle + SINGLE_TURN,
+            tool_angle=allowed.tool_angle + SINGLE_TURN,
+        )
 
     def _same_place(self, one: OnWay | None, two: OnWay | None) -> bool:
         if one is None or two is None:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from assistant.program.geometry import Pose
 from assistant.virtual.comparing import difference
 from assistant.virtual.events import Event, Moved, Reported, Run, Said, Stopped, Switched, Waited
+from assistant.virtual.rounding import Rounding
 
 MOVE = Moved("linear", Pose((400.0, 0.0, 300.0)), Pose((0.0, 0.0, 100.0)), speed=100.0, blend=10.0)
 ARC = replace(MOVE, kind="circular", via=Pose((410.0, 10.0, 300.0)))
@@ -108,3 +110,21 @@ def test_far_away_places_are_as_exact_as_single_precision() -> None:
     far = replace(MOVE, flange=Pose((9.0e9, 0.0, 300.0)))
     assert difference(run(far), run(replace(MOVE, flange=Pose((9.0e9 + 500, 0.0, 300.0))))) is None
     assert difference(run(far), run(replace(MOVE, flange=Pose((9.0e9 + 9e4, 0.0, 300.0)))))
+
+
+def test_single_precision_of_a_target_and_of_its_turn_is_no_difference() -> None:
+    """RAPID holds both in single precision, whatever its text prints."""
+    prints = Rounding(value=6e-5, angle=1e-6, joint=6e-5)
+    rng = np.random.default_rng(7)
+    for _ in range(200):
+        turn = rng.normal(size=4)
+        turn /= np.linalg.norm(turn)
+        place = rng.uniform(-900.0, 900.0, 3)
+        exact = replace(MOVE, flange=Pose.of(place, turn))
+        held = Pose.of(place.astype(np.float32), turn.astype(np.float32))
+        moved = Pose((0.0, 0.0, -100.0))
+        assert exact.flange is not None
+        pairs = (exact.flange, held), (exact.flange @ moved, held @ moved)
+        for one, two in pairs:
+            ours, theirs = replace(MOVE, flange=one), replace(MOVE, flange=two)
+            assert difference(run(ours), run(theirs), rounding=prints) is None
