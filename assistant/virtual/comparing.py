@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 from typing import Final
@@ -24,6 +24,7 @@ from assistant.virtual.events import (
     Stopped,
     Switched,
     Waited,
+    Why,
     said,
 )
 from assistant.virtual.rounding import Allowed, Rounding, reach_of, tip_of
@@ -44,6 +45,8 @@ SINGLE_TURN: Final = math.degrees(4.0 * 2.0**-24)
 """Degrees that the same does to orientations: the four components of a quaternion are each off by
 half of their last bit, 2 to the power of -25, which turns by twice their length; twice, for the
 target and for what the program moves it by."""
+BROKEN_OFF: Final[Set[Why]] = frozenset({"steps", "unknown"})
+"""How runs end that would have gone on."""
 
 Bits = Mapping[str, Sequence[int] | str]
 """Numbers of a signal's bits, the lowest first, or its other name, by its name in lower case."""
@@ -99,8 +102,8 @@ def likeness(
     alike have other ones. Speeds of joint motions are not compared: they are percentages of an
     arm's own. A run of the first that waits for ever, or ends for good, may be one without end in
     the second. Where the first ends with an error, the second may stop. Of a run that was broken
-    off only what was told is compared. rounding: what one of the texts prints; without it places
-    may be apart by POSITION and ANGLE.
+    off only what was told is compared, and the other one has to do as much. rounding: what one of
+    the texts prints; without it places may be apart by POSITION and ANGLE.
     """
     ours = list(_doings(first, signals or {}))
     others = list(_doings(second, signals or {}))
@@ -110,9 +113,10 @@ def likeness(
         while len(others) > len(ours) and others[-1].what == Stopped():
             others.pop()
     both = (first.ended, second.ended)
-    if {"steps", "unknown"} & set(both) and both != ("stopped", "steps"):
-        shorter = min(len(ours), len(others))
-        ours, others = ours[:shorter], others[:shorter]
+    if both[0] in BROKEN_OFF:
+        others = others[: len(ours)]
+    if both[1] in BROKEN_OFF and both != ("stopped", "steps"):
+        ours = ours[: len(others)]
     if first.ended == "error" and all(x.what == Stopped() for x in others[len(ours) :]):
         # where a controller would stop with an error, another one may just stop
         if len(others) > len(ours):
@@ -226,9 +230,8 @@ class _Comparing:
         )
 
 
-def _end_alike(first: str, second: str) -> bool:
-    broken_off = {"steps", "unknown"} & {first, second}
-    return first == second or bool(broken_off)
+def _end_alike(first: Why, second: Why) -> bool:
+    return first == second or bool(BROKEN_OFF & {first, second})
 
 
 def _end(run: Run) -> str:

@@ -144,6 +144,30 @@ def test_a_fault_is_found_with_its_place(compiled: Compiled, name: str) -> None:
     assert finding.line == source
 
 
+ENDLESS = """PROC main()
+  MoveL p10,v200,fine,tGrip\\WObj:=wTable;
+  WHILE TRUE DO
+    SetDO doGrip,1;
+    WaitTime 0.5;
+    SetDO doGrip,0;
+  ENDWHILE
+ENDPROC
+ENDMODULE
+"""
+
+
+def test_an_end_is_no_loop_without_end(tmp_path: Path) -> None:
+    endless = made(HEAD + ENDLESS, "melfa-basic-5", tmp_path)
+    few = Proving(runs=1)
+    assert proof(endless, few).holds
+    assert not with_fault(endless, "M_Out(4)=0", "M_Out(4)=0 : End", few).holds
+    once = ENDLESS.replace("WHILE TRUE DO", "").replace("ENDWHILE", "")
+    ends = made(HEAD + once, "melfa-basic-5", tmp_path)
+    assert proof(ends, few).holds
+    found = with_fault(ends, "Dly 0.5", "*LEND : GoTo *LEND", few)
+    assert "came to its end, and went on for" in found.findings[0].message
+
+
 def test_rounding_of_the_last_decimal_is_no_fault(compiled: Compiled) -> None:
     assert proof(compiled, Proving(runs=10)).holds
     few = Proving(runs=10)

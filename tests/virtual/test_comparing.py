@@ -96,6 +96,10 @@ def test_runs_that_never_end() -> None:
     assert difference(run(MOVE, ended="stopped"), run(MOVE, MOVE, ended="steps")) is not None
     assert difference(run(MOVE, ended="stopped"), run(MOVE)) is not None
     assert difference(run(MOVE, MOVE, ended="steps"), run(MOVE, ended="steps")) is None
+    for ended in ("end", "stopped", "error"):
+        assert difference(run(MOVE, MOVE, ended="steps"), run(MOVE, ended=ended)) is not None
+        assert difference(run(MOVE, ended=ended), run(MOVE, MOVE, ended="unknown")) is not None
+    assert difference(run(MOVE, ended="steps"), run(MOVE, MOVE)) is None
     halts = run(MOVE, Stopped(), Stopped(), Stopped(), ended="steps")
     assert difference(run(MOVE, Stopped(end=True)), halts) is None
     assert difference(run(Stopped(end=True)), halts) is not None

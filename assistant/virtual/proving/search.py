@@ -12,7 +12,7 @@ from typing import Final
 
 from assistant.virtual.branches import Branch, Branches, Way
 from assistant.virtual.comparing import Bits, Unlike, likeness
-from assistant.virtual.events import Run
+from assistant.virtual.events import Run, Stopped
 from assistant.virtual.kernel import Board, Kernel, Task
 from assistant.virtual.kernel.script import Script, follow
 from assistant.virtual.proving.driver import Driver, Moment, Scenario, Taken
@@ -76,7 +76,6 @@ class Found:
     unknown: Stop | None = None
     failed: Stop | None = None
     failing: int = 0
-    broken_off: int = 0
     total: tuple[int, int] = (0, 0)
     never: tuple[tuple[Branch, ...], tuple[Branch, ...]] = ((), ())
 
@@ -204,16 +203,19 @@ class _Search:
     def _compare(self, one: Run, two: Run, scenario: Scenario) -> None:
         found = self.found
         like = likeness(one, two, self.signals, self.rounding)
+        unlike = like.unlike
+        if unlike is None and two.ended == "steps" and one.ended == "end":
+            if Stopped(end=True) not in one.events:
+                unlike = Unlike(0, f"came to its end, and went on for {two.steps:,} statements")
         found.runs += 1
         found.visits += like.visits
         found.changes += like.changes
         found.apart, found.turned = max(found.apart, like.apart), max(found.turned, like.turned)
-        found.broken_off += one.ended in ("steps", "time")
         if one.ended == "error":
             found.failing += 1
             found.failed = found.failed or Stop(0, one, scenario)
-        if like.unlike is not None:
-            found.unlike, found.scenario = like.unlike, scenario
+        if unlike is not None:
+            found.unlike, found.scenario = unlike, scenario
 
     # ------------------------------------------------------------------------- more scenarios
 
