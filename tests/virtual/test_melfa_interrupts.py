@@ -17,8 +17,6 @@ P1=(400,0,500,180,0,180)(7,0)
 P2=(400,200,500,180,0,180)(7,0)
 P3=(400,100,600,180,0,180)(7,0)
 """
-WAY = 2.0
-"""Seconds from P1 to P2 at 100 mm/s, without those of speeding up and slowing down."""
 
 
 def run(**programs: str) -> Run:

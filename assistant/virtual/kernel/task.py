@@ -126,11 +126,6 @@ class Task:
         """Runs an action in the task before its next statement, or while it waits."""
         self._posted.append(action)
 
-    @property
-    def is_posted(self) -> bool:
-        """Whether an action is to run now."""
-        return bool(self._posted) and not self.closed
-
     def _run_posted(self) -> None:
         while self._posted and not self.closed:
             self.kernel.stirred = True

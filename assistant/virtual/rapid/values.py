@@ -68,7 +68,6 @@ class Shape:
 
 
 NUMBER = Shape("num")
-TRUTH = Shape("bool")
 TEXT = Shape("string")
 NUMBERS = ("num", "dnum")
 
