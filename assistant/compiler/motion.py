@@ -164,6 +164,9 @@ def _findings(
     elif found.failing == found.runs and found.failed is not None:
         reason = f"`{names[0]}` ends with an error of its own ({_message(found.failed.run)})"
         yield NOT_RUN(reason=reason, **_at(found.failed.run.place))
+    elif found.idling == found.runs and found.idle is not None:
+        reason = f"`{names[0]}` only waits, and nothing is compared ({_message(found.idle.run)})"
+        yield NOT_RUN(reason=reason, **_at(found.idle.run.place))
     elif found.failed is not None:
         run = found.failed.run
         yield STOPS_ITSELF(

@@ -209,6 +209,21 @@ def test_a_script_drives_both_programs(compiled: Compiled, tmp_path: Path) -> No
     assert with_fault(compiled, "MPICKCOUNT=MN", "MPICKCOUNT=1", driven).holds  # nobody goes there
 
 
+def test_a_script_that_leaves_a_program_waiting_proves_nothing(tmp_path: Path) -> None:
+    script = tmp_path / "part.toml"
+    script.write_text('[[set]]\ninput = "diPart"\n', encoding="utf-8")
+    waits = made(
+        HEAD
+        + MAIN.replace("  MoveL p10,v200,fine", "  WaitDI diReady,1;\n  MoveL p10,v200,fine", 1),
+        "melfa-basic-5",
+        tmp_path,
+    )
+    found = proof(waits, Proving(script=script))
+    assert not found.holds
+    (finding,) = [f for f in found.findings if f.code == "CO111"]
+    assert "only waits, and nothing is compared" in finding.message
+
+
 def test_a_script_that_is_wrong_is_refused(compiled: Compiled, tmp_path: Path) -> None:
     script = tmp_path / "part.toml"
     script.write_text("[[set]]\nvalue = 1\n", encoding="utf-8")

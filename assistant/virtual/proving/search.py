@@ -61,7 +61,8 @@ class Stop:
 class Found:
     """What all runs together have shown.
 
-    failing: runs that end with an error of the program itself. unlike: the first difference, and
+    failing: runs that end with an error of the program itself. idling: runs that wait for ever
+    before anything is compared, idle the first of them. unlike: the first difference, and
     the scenario that it shows in. unknown: what an interpreter could not run. never: branches of
     either program that no run took. total: how many there are.
     """
@@ -76,6 +77,8 @@ class Found:
     unknown: Stop | None = None
     failed: Stop | None = None
     failing: int = 0
+    idle: Stop | None = None
+    idling: int = 0
     total: tuple[int, int] = (0, 0)
     never: tuple[tuple[Branch, ...], tuple[Branch, ...]] = ((), ())
 
@@ -214,6 +217,9 @@ class _Search:
         if one.ended == "error":
             found.failing += 1
             found.failed = found.failed or Stop(0, one, scenario)
+        if one.ended == "stopped" and not like.visits and not like.changes:
+            found.idling += 1
+            found.idle = found.idle or Stop(0, one, scenario)
         if unlike is not None:
             found.unlike, found.scenario = unlike, scenario
 
