@@ -283,9 +283,14 @@ class Serial(_Stream):
 
     def _gone(self) -> None:
         super()._gone()
-        self.close()
+        self._shut()
 
     def close(self) -> None:
+        if self._port is not None:
+            self._flush()
+            self._shut()
+
+    def _shut(self) -> None:
         if self._port is not None:
             os.close(self._port)
             self._port = None
@@ -294,8 +299,8 @@ class Serial(_Stream):
 def line_to(target: str) -> tuple[Line, Callable[[], None]]:
     """A line by what it leads to, and what ends it for good; raises OSError.
 
-    target: a port of this computer that a client connects to, `address:port` of a server on it, or
-    the path of a serial port with the maker's rate.
+    target: a port of this computer that a client connects to, `address:port` of a server, or the
+    path of a serial port with the maker's rate.
     """
     if target.isdecimal():
         server = TcpServer(int(target))
@@ -304,6 +309,8 @@ def line_to(target: str) -> tuple[Line, Callable[[], None]]:
     if port.isdecimal():
         client = TcpClient(host, int(port))
         return client, client.close
+    if os.name == "nt":
+        raise OSError("serial ports can be opened on Linux and macOS only")
     if not Path(target).exists():
         raise FileNotFoundError(f"there is no {target}")
     serial = Serial(target)
