@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from assistant.compiler.arms import Arms
 from assistant.compiler.loading import language_of
 from assistant.compiler.motion_sides import Made, in_the_cell, names_of_wires, outputs_of, sides
-from assistant.program.diagnostics import Diagnostic, error, has_errors, info
+from assistant.program.diagnostics import Diagnostic, error, has_errors, info, warning
 
 if TYPE_CHECKING:
     from assistant.virtual.branches import Branch
@@ -37,6 +37,11 @@ STOPS_ITSELF = info(
     "CO113",
     "{count} of {runs} runs end with an error of the program, the first with {inputs}: {what}",
     "see whether a real cell has such inputs",
+)
+STALLED = warning(
+    "CO114",
+    "the script leaves `{name}` waiting here: what follows was not compared",
+    "say in the script what ends the wait, if something does",
 )
 
 
@@ -176,6 +181,8 @@ def _findings(
             what=_message(run),
             **_at(run.place),
         )
+    if found.stalled is not None:
+        yield STALLED(name=names[0], **_at(found.stalled.run.place))
     for branches, name in zip(found.never, names, strict=True):
         for one in branches:
             yield NO_BRANCH(said=one.said, **_at((one.file or name, one.line)))

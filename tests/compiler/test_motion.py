@@ -224,6 +224,18 @@ def test_a_script_that_leaves_a_program_waiting_proves_nothing(tmp_path: Path) -
     assert "only waits, and nothing is compared" in finding.message
 
 
+def test_a_script_that_leaves_a_program_waiting_half_way_is_told(
+    compiled: Compiled, tmp_path: Path
+) -> None:
+    script = tmp_path / "part.toml"
+    script.write_text('[[set]]\ninput = "diPart"\n', encoding="utf-8")
+    (finding,) = [f for f in proof(compiled, Proving(script=script)).findings if f.code == "CO114"]
+    assert finding.line == HEAD.count("\n") + MAIN[: MAIN.index("WaitDI")].count("\n") + 1
+    script.write_text(SCRIPT, encoding="utf-8")
+    found = proof(compiled, Proving(script=script)).findings
+    assert "CO114" not in {f.code for f in found}
+
+
 def test_a_script_that_is_wrong_is_refused(compiled: Compiled, tmp_path: Path) -> None:
     script = tmp_path / "part.toml"
     script.write_text("[[set]]\nvalue = 1\n", encoding="utf-8")

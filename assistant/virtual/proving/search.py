@@ -62,7 +62,8 @@ class Found:
     """What all runs together have shown.
 
     failing: runs that end with an error of the program itself. idling: runs that wait for ever
-    before anything is compared, idle the first of them. unlike: the first difference, and
+    before anything is compared, idle the first of them. stalled: a run that a script leaves
+    waiting behind what is compared. unlike: the first difference, and
     the scenario that it shows in. unknown: what an interpreter could not run. never: branches of
     either program that no run took. total: how many there are.
     """
@@ -79,6 +80,7 @@ class Found:
     failing: int = 0
     idle: Stop | None = None
     idling: int = 0
+    stalled: Stop | None = None
     total: tuple[int, int] = (0, 0)
     never: tuple[tuple[Branch, ...], tuple[Branch, ...]] = ((), ())
 
@@ -220,6 +222,8 @@ class _Search:
         if one.ended == "stopped" and not like.visits and not like.changes:
             found.idling += 1
             found.idle = found.idle or Stop(0, one, scenario)
+        elif self.script is not None and one.ended == "stopped":
+            found.stalled = Stop(0, one, scenario)
         if unlike is not None:
             found.unlike, found.scenario = unlike, scenario
 
