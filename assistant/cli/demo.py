@@ -17,7 +17,7 @@ from assistant.resources import resource
 
 if TYPE_CHECKING:
     from assistant.compiler import Compiled
-    from assistant.controllers import Controller
+    from assistant.controllers import Programs
     from assistant.report.page import Program, Section
 
 SOURCES: Final = {
@@ -46,7 +46,7 @@ def run_demo(output: Path) -> int:
     return 0
 
 
-def _controllers(stack: ExitStack) -> Mapping[str, Controller]:
+def _controllers(stack: ExitStack) -> Mapping[str, Programs]:
     """A client of a running virtual controller for each robot; both are empty at first."""
     from assistant.controllers import connect
     from assistant.virtual.cr import VirtualCr
@@ -62,7 +62,7 @@ def _controllers(stack: ExitStack) -> Mapping[str, Controller]:
 
 
 def _section(
-    output: Path, source: Path, title: str, controllers: Mapping[str, Controller]
+    output: Path, source: Path, title: str, controllers: Mapping[str, Programs]
 ) -> Section:
     from assistant.report import page, plots
     from assistant.report.track import track
@@ -96,7 +96,7 @@ def _compiled(source: Path, robot: str) -> Compiled:
 
 
 def _installed(
-    output: Path, source: Path, robot: str, compiled: Compiled, controller: Controller
+    output: Path, source: Path, robot: str, compiled: Compiled, controller: Programs
 ) -> Program:
     from assistant import deploy, languages
     from assistant.compiler.output import write_files

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import importlib
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path as FilePath
 from typing import Final, Protocol, Self
 
 from assistant.controllers.address import SCHEMES, Address, parse
 from assistant.controllers.credentials import Credentials, Question, find
+from assistant.controllers.states import Fault, Identity, Jog, Position, Sample, State
 
 
-class Controller(Protocol):
+class Programs(Protocol):
     """A session with a controller that keeps programs; a context manager.
 
     Entering connects. All methods raise Refused with a finding that says what state the
@@ -49,10 +51,96 @@ class Controller(Protocol):
         """The form in which two versions of a program are compared."""
 
 
+class Controller(Programs, Protocol):
+    """A controller that can be looked at and operated, beside the programs that it keeps.
+
+    Those who call `start`, `jog`, `hand` and `motors` have asked the user by name; everything
+    else never moves anything. What a controller cannot do raises Refused with rules.NOT_HERE.
+    """
+
+    def identify(self) -> Identity: ...
+
+    def state(self) -> State: ...
+
+    def position(self) -> Position: ...
+
+    def log(self, most: int = 50) -> tuple[Fault, ...]:
+        """The latest errors and events, the newest first."""
+
+    def reset(self) -> None:
+        """Acknowledges errors, so that programs can be started again."""
+
+    def inputs(self, names: Sequence[str]) -> dict[str, float]:
+        """What signals read, by name, or by number as text where a controller numbers them."""
+
+    def outputs(self, names: Sequence[str]) -> dict[str, float]: ...
+
+    def set_output(self, name: str, value: float) -> None: ...
+
+    def parameters(self, names: Sequence[str] = ()) -> dict[str, str]:
+        """Values by name, as the controller writes them; without names, of changed ones."""
+
+    def set_parameter(self, name: str, value: str) -> None: ...
+
+    def variable(self, name: str, program: str = "", task: str = "") -> str:
+        """A variable's value as the controller's language writes it."""
+
+    def set_variable(self, name: str, value: str, program: str = "", task: str = "") -> None: ...
+
+    def load(self, name: str, task: str = "") -> None:
+        """Selects a program that is there, to begin at its top; task "" for the first one."""
+
+    def motors(self, on: bool) -> None:
+        """Switches the servos on or off."""
+
+    def start(self, task: str = "", *, forever: bool = False) -> None:
+        """Starts what is loaded, once or again and again."""
+
+    def stop(self) -> None:
+        """Stops all programs where they are; may be asked for at any time."""
+
+    def set_override(self, percent: int) -> None: ...
+
+    def jog(self, jog: Jog) -> None:
+        """Moves one axis by hand, and comes back when it stands."""
+
+    def hand(self, number: int, *, open: bool) -> None: ...
+
+    def backup(self, folder: FilePath) -> tuple[str, ...]:
+        """Writes programs, parameters and variables into a new folder; its files, relative to it.
+
+        The folder appears whole or not at all.
+        """
+
+    def restore(self, folder: FilePath, *, only: Sequence[str] = ()) -> Restoring:
+        """What of a backup differs from the controller; `Restoring.apply` brings it back.
+
+        only: files or parameters to restore, the origin, safety and network settings among them,
+        which are left out else.
+        """
+
+    def watch(self, interval: float, signals: Sequence[str] = ()) -> Iterator[Sample]:
+        """Looks at the controller again and again, each `interval` seconds; needs no right."""
+
+
+class Restoring(Protocol):
+    """A restore that has not happened yet.
+
+    changes: unified differences by what they are of. left_out: what is never restored unless it
+    is named, with why.
+    """
+
+    changes: Mapping[str, str]
+    left_out: Mapping[str, str]
+
+    def apply(self) -> None:
+        """Restores; raises Refused with what has been restored by then."""
+
+
 CLIENTS: Final = {
-    "ftp": ("assistant.controllers.irc5", "Irc5"),
-    "ftps": ("assistant.controllers.irc5", "Irc5"),
-    "melfa": ("assistant.controllers.cr", "Cr"),
+    "ftp": ("assistant.controllers.abb.ftp", "Ftp"),
+    "ftps": ("assistant.controllers.abb.ftp", "Ftp"),
+    "melfa": ("assistant.controllers.mitsubishi.cr", "Cr"),
 }
 """Scheme of an address → module and class of its client."""
 
@@ -66,7 +154,7 @@ def connect(
     credentials: Credentials | None = None,
     timeout: float = 30.0,
     certificate: str | FilePath | None = None,
-) -> Controller:
+) -> Programs:
     """The client for an address; use it in a `with`, which connects.
 
     user, password, ask: see `credentials.find`. timeout: seconds to wait for an answer.

@@ -87,6 +87,11 @@ LINE_TOO_LONG = error(
 LINE_CHARACTER = error(
     "CN305", "the line holds a control character (code {code}); nothing was sent", "remove it"
 )
+NOT_HERE = error(
+    "CN209",
+    "{address} cannot {what}: {reason}; nothing was changed by that",
+    "{cure}",
+)
 
 
 class Lost(Refused):

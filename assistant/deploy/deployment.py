@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 
-from assistant.controllers import Address, Controller
+from assistant.controllers import Address, Programs
 from assistant.controllers.rules import Lost
 from assistant.deploy import rules
 from assistant.deploy.backup import keep
@@ -95,7 +95,7 @@ class _Run:
 
     def __init__(self, plan: Plan) -> None:
         self.plan = plan
-        self.controller: Controller = plan.controller
+        self.controller: Programs = plan.controller
         self.findings: list[Diagnostic] = []
         self.backup: FilePath | None = None
         self.states = {

@@ -11,7 +11,7 @@ from pathlib import Path as FilePath
 from typing import Final
 
 from assistant import languages
-from assistant.controllers import Address, Controller
+from assistant.controllers import Address, Programs
 from assistant.deploy import rules
 from assistant.languages import Tree
 from assistant.program.diagnostics import Diagnostic, Refused, has_errors
@@ -52,7 +52,7 @@ class Plan:
 
     address: Address
     files: tuple[PlannedFile, ...]
-    controller: Controller = field(repr=False, compare=False)
+    controller: Programs = field(repr=False, compare=False)
 
     @property
     def changes(self) -> tuple[PlannedFile, ...]:
@@ -64,7 +64,7 @@ class Plan:
         return tuple(finding for file in self.files for finding in file.findings)
 
 
-def plan(files: Sequence[str | FilePath], controller: Controller) -> Plan:
+def plan(files: Sequence[str | FilePath], controller: Programs) -> Plan:
     """Compares local programs with what is on the controller; changes nothing.
 
     Every file is parsed first: a program with errors is never sent. Raises Refused (Unreadable
@@ -101,7 +101,7 @@ def _shown(data: bytes) -> list[str]:
     return [re.sub(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]", "�", line) for line in lines if line]
 
 
-def _names(paths: Sequence[str], controller: Controller) -> dict[str, str]:
+def _names(paths: Sequence[str], controller: Programs) -> dict[str, str]:
     """Local file → its name on the controller; no two may be the same there."""
     names: dict[str, str] = {}
     owner: dict[str, str] = {}
@@ -120,7 +120,7 @@ def _names(paths: Sequence[str], controller: Controller) -> dict[str, str]:
     return names
 
 
-def _looked_at(data: dict[str, bytes], controller: Controller) -> dict[str, tuple[Diagnostic, ...]]:
+def _looked_at(data: dict[str, bytes], controller: Programs) -> dict[str, tuple[Diagnostic, ...]]:
     """The findings of each file: of its own language, or that it is not the controller's.
 
     The language's rules see all files together, as the controller will.
@@ -145,7 +145,7 @@ def _looked_at(data: dict[str, bytes], controller: Controller) -> dict[str, tupl
     return {path: tuple(dict.fromkeys(notes.get(path, ()))) for path in data}
 
 
-def _language(path: str, data: bytes, controller: Controller) -> str | Diagnostic | None:
+def _language(path: str, data: bytes, controller: Programs) -> str | Diagnostic | None:
     """Name of the controller's language that a file is in, None for a list of modules."""
     if path.lower().endswith(controller.lists):
         return None
@@ -161,7 +161,7 @@ def _language(path: str, data: bytes, controller: Controller) -> str | Diagnosti
 
 
 def _planned(
-    path: str, name: str, data: bytes, controller: Controller, notes: tuple[Diagnostic, ...]
+    path: str, name: str, data: bytes, controller: Programs, notes: tuple[Diagnostic, ...]
 ) -> PlannedFile:
     before = controller.read(name)
     there = None if before is None else controller.stored(before)

@@ -7,7 +7,8 @@ import pytest
 from assistant.controllers import rules as controllers
 from assistant.deploy import rules as deploying
 from assistant.program.diagnostics import Rule
-from assistant.virtual import irc5, irc5_modules
+from assistant.virtual.irc5 import controller as irc5
+from assistant.virtual.irc5 import modules as irc5_modules
 
 RULES = sorted(
     {

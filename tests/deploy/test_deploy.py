@@ -11,8 +11,8 @@ from assistant.deploy.backup import keep
 from assistant.program.diagnostics import Refused, Severity, Unreadable
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.irc5 import VirtualIrc5
-from tests.controllers.bad_ftp import FtpPeer
-from tests.virtual.wire import Wire
+from tests.controllers.abb.bad_ftp import FtpPeer
+from tests.wire import Wire
 
 MODULE = "MODULE {}\r\n  PROC {}()\r\n    WaitTime {};\r\n  ENDPROC\r\nENDMODULE\r\n"
 PROGRAM = (

@@ -9,7 +9,7 @@ import pytest
 
 from assistant import languages
 from assistant.compiler import check_files, translate
-from assistant.controllers.cr_listing import lines_of as listed_lines
+from assistant.controllers.mitsubishi.listing import lines_of as listed_lines
 from assistant.program.diagnostics import Refused, has_errors
 from assistant.program.text import LINE_ENDS, SourceText, lines_of
 

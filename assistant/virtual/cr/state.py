@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from assistant.program.rotations import to_euler
-from assistant.virtual.cr_store import CrProgram, CrRefusal, CrStore
+from assistant.virtual.cr.store import CrProgram, CrRefusal, CrStore
 
 if TYPE_CHECKING:
     from assistant.robots import Robot

@@ -29,7 +29,7 @@ RATE: Final = 50_000.0
 """Bytes a second that a server is granted for looking through a file before it answers."""
 
 
-class Irc5:
+class Ftp:
     """A session with the file server of an IRC5; see `Controller`.
 
     timeout: seconds for an answer; more is granted after a long file.
@@ -54,7 +54,7 @@ class Irc5:
         self._ftp: ftplib.FTP | None = None
 
     def __repr__(self) -> str:
-        return f"Irc5({str(self.address)!r})"
+        return f"Ftp({str(self.address)!r})"
 
     def __enter__(self) -> Self:
         """Connects, logs in and goes to the folder of the address."""

@@ -15,10 +15,10 @@ from datetime import datetime
 from pathlib import Path as FilePath
 from typing import Final, Self
 
-from assistant.virtual.cr_commands import execute
-from assistant.virtual.cr_framing import MOST_BYTES, Framing
-from assistant.virtual.cr_state import SUFFIXES, CrSession, CrState
-from assistant.virtual.cr_store import CAPACITY, CrRefusal, CrStore
+from assistant.virtual.cr.commands import execute
+from assistant.virtual.cr.framing import MOST_BYTES, Framing
+from assistant.virtual.cr.state import SUFFIXES, CrSession, CrState
+from assistant.virtual.cr.store import CAPACITY, CrRefusal, CrStore
 
 MOST_CONNECTIONS: Final = 9
 """Lines OPT11 to OPT19 of a controller, one client each."""

@@ -6,11 +6,11 @@ import socket
 import pytest
 
 from assistant.controllers import Credentials, connect
-from assistant.controllers.irc5 import first_difference
+from assistant.controllers.abb.ftp import first_difference
 from assistant.controllers.rules import Lost
 from assistant.program.diagnostics import Refused
 from assistant.virtual.irc5 import VirtualIrc5
-from tests.controllers.bad_ftp import FtpPeer
+from tests.controllers.abb.bad_ftp import FtpPeer
 
 GOOD = b"MODULE Seam\r\n  PROC main()\r\n    WaitTime 1;\r\n  ENDPROC\r\nENDMODULE\r\n"
 OTHER = GOOD.replace(b"1;", b"2;")

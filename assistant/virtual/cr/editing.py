@@ -6,9 +6,9 @@ import re
 from collections.abc import Sequence
 from typing import Final
 
-from assistant.virtual.cr_lines import check
-from assistant.virtual.cr_state import CrSession
-from assistant.virtual.cr_store import CrProgram, CrRefusal, checked_name
+from assistant.virtual.cr.lines import check
+from assistant.virtual.cr.state import CrSession
+from assistant.virtual.cr.store import CrProgram, CrRefusal, checked_name
 
 VT: Final = "\v"
 MOST_LISTED: Final = 230

@@ -18,7 +18,7 @@ from pyftpdlib.handlers import DTPHandler, FTPHandler
 
 from assistant.program.diagnostics import Diagnostic, Severity
 from assistant.virtual.atomic import ARRIVING, write_whole
-from assistant.virtual.irc5_modules import is_looked_at, look
+from assistant.virtual.irc5.modules import is_looked_at, look
 
 UNIT: Final = "HOME:"
 MOST_ARRIVING: Final = 1 << 30

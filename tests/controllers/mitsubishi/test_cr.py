@@ -9,12 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assistant.controllers import connect
-from assistant.controllers.cr import Cr, identity
-from assistant.controllers.cr_listing import listed
+from assistant.controllers.mitsubishi.cr import Cr, identity
+from assistant.controllers.mitsubishi.listing import listed
 from assistant.controllers.rules import Lost
 from assistant.program.diagnostics import Refused
 from assistant.virtual.cr import VirtualCr
-from tests.virtual.wire import Wire
+from tests.wire import Wire
 
 PROGRAM = b"".join(
     [

@@ -4,9 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assistant.controllers.cr_errors import LOOK_IT_UP, error
-from assistant.controllers.cr_link import parse_answer
-from assistant.controllers.cr_listing import listed
+from assistant.controllers.mitsubishi.errors import LOOK_IT_UP, error
+from assistant.controllers.mitsubishi.link import parse_answer
+from assistant.controllers.mitsubishi.listing import listed
 
 PROGRAM = (
     b'10 MOV P1\r\n20 \'Comment  stays\r\n30 PRINT #1,"a  b;c"\r\n'

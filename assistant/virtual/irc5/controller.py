@@ -14,7 +14,7 @@ from pathlib import Path as FilePath
 from typing import Any, Final, Self
 
 from assistant.program.diagnostics import Refused, error
-from assistant.virtual.irc5_modules import MODULE_SUFFIXES, TWICE, LoadedModule, load
+from assistant.virtual.irc5.modules import MODULE_SUFFIXES, TWICE, LoadedModule, load
 
 USER: Final = "engineer"
 NEEDS_PYFTPDLIB = error(
@@ -113,7 +113,7 @@ class VirtualIrc5:
         except ImportError:
             raise Refused(NEEDS_PYFTPDLIB()) from None
 
-        from assistant.virtual.irc5_files import Home, Session
+        from assistant.virtual.irc5.files import Home, Session
 
         _keep_quiet()
         authorizer = DummyAuthorizer()

@@ -1,6 +1,6 @@
 """Error numbers of Mitsubishi CR controllers: the commonest, in our own words.
 
-The table is `cr_errors.tsv`; numbers and levels are those of the controllers' error lists.
+The table is `errors.tsv`; numbers and levels are those of the controllers' error lists.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def error(number: int) -> CrError:
 
 @cache
 def _table() -> Mapping[int, CrError]:
-    text = files(__package__).joinpath("cr_errors.tsv").read_text(encoding="ascii")
+    text = files(__package__).joinpath("errors.tsv").read_text(encoding="ascii")
     rows = csv.DictReader(io.StringIO(text), delimiter="\t", quoting=csv.QUOTE_NONE)
     return {
         int(row["number"]): CrError(

@@ -13,11 +13,12 @@ from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Final, Self
 
-from assistant.controllers import cr_listing, rules
+from assistant.controllers import rules
 from assistant.controllers.address import Address
-from assistant.controllers.cr_errors import error
-from assistant.controllers.cr_link import MOST_BYTES, Answer, Link
-from assistant.controllers.cr_listing import Line
+from assistant.controllers.mitsubishi import listing
+from assistant.controllers.mitsubishi.errors import error
+from assistant.controllers.mitsubishi.link import MOST_BYTES, Answer, Link
+from assistant.controllers.mitsubishi.listing import Line
 from assistant.program.diagnostics import Diagnostic, Refused
 
 OPEN_NAME: Final = "USERTOOL"
@@ -116,7 +117,7 @@ class Cr:
         doing = f"reading `{name}`"
         with self._editing(name, doing, UNCHANGED):
             lines = [*self._steps(doing), *self._variables(doing)]
-        return "".join(f"{line}\r\n" for line in lines).encode(cr_listing.ENCODING)
+        return "".join(f"{line}\r\n" for line in lines).encode(listing.ENCODING)
 
     def write(self, name: str, data: bytes) -> None:
         """Replaces the program; its lines are all looked at before the first is sent."""
@@ -144,7 +145,7 @@ class Cr:
 
     def stored(self, data: bytes) -> bytes:
         """As a controller lists it: steps in order, variables by name with two decimals."""
-        return cr_listing.listed(data)
+        return listing.listed(data)
 
     @property
     def _edit_slot(self) -> int:
@@ -267,7 +268,7 @@ def checked_name(name: str) -> str:
 
 def checked_lines(name: str, data: bytes, most: int) -> list[Line]:
     """The lines of a program, if the link can carry each of its `most` bytes; raises Refused."""
-    lines = cr_listing.lines_of(data)
+    lines = listing.lines_of(data)
     findings = [finding for line in lines if (finding := _unsendable(name, line, most))]
     if findings:
         raise Refused(*findings)

@@ -5,8 +5,9 @@ import threading
 
 import pytest
 
-from assistant.virtual.cr import MOST_CONNECTIONS, VirtualCr
-from tests.virtual.wire import Wire
+from assistant.virtual.cr import VirtualCr
+from assistant.virtual.cr.controller import MOST_CONNECTIONS
+from tests.wire import Wire
 
 POSITION = "P1=(+250.00,+0.00,+450.00,+0.00,+180.00,+0.00)(6,0)"
 

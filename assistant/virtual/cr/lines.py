@@ -6,7 +6,7 @@ from typing import Final
 
 from assistant import languages
 from assistant.program.diagnostics import Refused, Severity
-from assistant.virtual.cr_store import ENCODING, CrRefusal
+from assistant.virtual.cr.store import ENCODING, CrRefusal
 
 SYNTAX: Final = 4220
 CHARACTER: Final = 4310

@@ -11,9 +11,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from assistant.virtual import cr_edit
-from assistant.virtual.cr_state import TASKMAX, CrSession
-from assistant.virtual.cr_store import CrRefusal, checked_name
+from assistant.virtual.cr import editing
+from assistant.virtual.cr.state import TASKMAX, CrSession
+from assistant.virtual.cr.store import CrRefusal, checked_name
 
 if TYPE_CHECKING:
     from assistant.robots import Robot
@@ -270,17 +270,17 @@ COMMANDS: Final = {
     "CNTLON": Command(bare(_take_right)),
     "CNTLOFF": Command(bare(_give_right)),
     # edit
-    "NEW": Command(bare(cr_edit.new)),
-    "LOAD=": Command(cr_edit.load),
-    "SAVE": Command(bare(cr_edit.save)),
-    "EDATA": Command(cr_edit.put_line),
-    "EMDAT": Command(cr_edit.put_lines),
-    "ECLR": Command(bare(cr_edit.clear)),
-    "DELETE": Command(cr_edit.delete_steps),
-    "LISTL": Command(cr_edit.list_lines),
-    "LISTI": Command(cr_edit.list_line),
-    "LISTP": Command(cr_edit.list_position),
-    "LISTCNT": Command(cr_edit.count_steps),
+    "NEW": Command(bare(editing.new)),
+    "LOAD=": Command(editing.load),
+    "SAVE": Command(bare(editing.save)),
+    "EDATA": Command(editing.put_line),
+    "EMDAT": Command(editing.put_lines),
+    "ECLR": Command(bare(editing.clear)),
+    "DELETE": Command(editing.delete_steps),
+    "LISTL": Command(editing.list_lines),
+    "LISTI": Command(editing.list_line),
+    "LISTP": Command(editing.list_position),
+    "LISTCNT": Command(editing.count_steps),
     # files
     "PDIR": Command(_directory),
     "FCHECK": Command(_file_check),

@@ -1,0 +1,1 @@
+"""Clients of ABB controllers: the IRC5 and OmniCore."""

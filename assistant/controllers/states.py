@@ -1,0 +1,96 @@
+"""What controllers tell of themselves, in words and units that all of them share."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from datetime import datetime
+from typing import Literal
+
+Mode = Literal["automatic", "manual", ""]
+
+
+@dataclass(frozen=True, slots=True)
+class Identity:
+    """robot, controller: types as the maker calls them. serial: number; "" for what is not told."""
+
+    robot: str = ""
+    controller: str = ""
+    version: str = ""
+    serial: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """An error, warning or event of a controller: its number with text and what to do about it."""
+
+    number: int
+    text: str
+    level: Literal["error", "warning", "info"] = "error"
+    cure: str = ""
+    time: datetime | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class TaskState:
+    """A task or slot. program: what is loaded in it, "" for nothing. line: that is next."""
+
+    name: str
+    program: str = ""
+    line: int | None = None
+    running: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """motors: whether the servos are on. override: percent. faults: what it stands still for.
+
+    right: whether this session holds the operation right or the mastership.
+    """
+
+    mode: Mode = ""
+    motors: bool = False
+    running: bool = False
+    emergency: bool = False
+    right: bool = False
+    override: int | None = None
+    tasks: tuple[TaskState, ...] = ()
+    faults: tuple[Fault, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Position:
+    """Where the arm is.
+
+    joints: degrees (mm of a linear axis) of J1, J2, …, None for one that the arm lacks.
+    position: mm, quaternion: (w, x, y, z), of the tool in the frame that the controller shows.
+    text: the pose as the controller's language writes it.
+    """
+
+    joints: tuple[float | None, ...]
+    position: tuple[float, float, float]
+    quaternion: tuple[float, float, float, float]
+    text: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """One look at a controller. seconds: since the first. signals: values by name."""
+
+    seconds: float
+    state: State
+    position: Position
+    signals: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Jog:
+    """A small motion by hand: of one axis, by some degrees or mm.
+
+    axis: J1 … J8, or X Y Z A B C of the frame. frame: of X … C. speed: percent of the override.
+    """
+
+    axis: str
+    by: float
+    frame: Literal["base", "tool"] = "base"
+    speed: float = 10.0

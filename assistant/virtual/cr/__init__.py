@@ -1,0 +1,9 @@
+"""The virtual CR controller: its protocols served on this computer.
+
+with VirtualCr("rv-2aj") as controller:
+    connect(controller.address)
+"""
+
+from assistant.virtual.cr.controller import VirtualCr
+
+__all__ = ["VirtualCr"]
