@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-import heapq
 import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from itertools import count
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from greenlet import getcurrent
 
-from assistant.virtual.events import Called, Event, Logged, Moved, Place, Run, Switched, Why
+from assistant.virtual.events import Called, Event, Logged, Moved, Place, Run, Switched
 from assistant.virtual.kernel.motion import Instant, Motion
 from assistant.virtual.kernel.script import Person
 from assistant.virtual.kernel.signals import Board
-from assistant.virtual.kernel.task import Body, Task
+from assistant.virtual.kernel.task import Body, Broken, Ending, Task
+from assistant.virtual.kernel.timers import Timer, Timers
+
+if TYPE_CHECKING:
+    from assistant.virtual.kernel.live import Live
 
 MOST_STEPS: Final = 100_000
 BUSY: Final = 1000
@@ -25,27 +27,8 @@ SLICE: Final = 0.002
 """Seconds of real time after which a task that waits for the outside looks again."""
 
 
-@dataclass(frozen=True, slots=True)
-class Ending:
-    """How a task ended; see `Run`. place: where it was, None for where it is when it is asked."""
-
-    ended: Why = "end"
-    message: str = ""
-    place: Place | None = None
-
-
 class OutOfSteps(Exception):
     """More happened than the run may take."""
-
-
-@dataclass(slots=True, order=True)
-class Timer:
-    """An action at a time; it is left out if it is cancelled by then."""
-
-    time: float
-    number: int
-    action: Callable[[], None] = field(compare=False)
-    cancelled: bool = field(default=False, compare=False)
 
 
 @dataclass(eq=False)
@@ -59,7 +42,8 @@ class Kernel:
     where it stands there, and which way, counted from 0. stuck: is asked where a task waits, before
     its time is over or the run ends; True if it has brought what is waited for. told: is told of
     each event. clock: simulated seconds, but behind `now` while a program runs ahead of its arm.
-    person: answers what programs ask. shared: whether several tasks run.
+    person: answers what programs ask. shared: whether several tasks run. live: what the run is part
+    of that goes on when all tasks have ended.
     """
 
     board: Board = field(default_factory=Board)
@@ -77,6 +61,7 @@ class Kernel:
     steps: int = 0
     person: Person = field(default_factory=Person)
     shared: bool = False
+    live: Live | None = None
     tasks: list[Task] = field(default_factory=list)
     log: list[Logged] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
@@ -91,10 +76,8 @@ class Kernel:
         self.ended_in: tuple[str, Place | None] = "", None
         self.leaving: list[Callable[[], None]] = []
         """What is done when the run is over."""
-        self._timers: list[Timer] = []
+        self._timers = Timers()
         self._handed = 0
-        self._numbers = count()
-        self._due = math.inf
         self._began: float | None = None
         self._idle, self._moved = 0, 0.0
         self._since: tuple[float, float] | None = None
@@ -158,6 +141,10 @@ class Kernel:
 
     def _turns(self) -> None:
         """A turn of each task that can go on; time passes if none can."""
+        if self.live is not None:
+            self.live.attend()
+            if self.ending is not None:
+                return
         before = self.steps
         went = self.stirred = False
         for task in tuple(self.tasks):
@@ -171,7 +158,10 @@ class Kernel:
             if self.ending is not None:
                 return
         self._keep_pace_with_outside()
-        if not any(task.essential for task in self.tasks):
+        if self.live is not None:
+            if not went and not self.stirred and before == self.steps and self.ending is None:
+                self._advance()
+        elif not any(task.essential for task in self.tasks):
             rest = self.motion.rest()
             if rest <= self.clock:
                 self.end(Ending())
@@ -184,6 +174,9 @@ class Kernel:
     def _ended(self, task: Task) -> None:
         self.tasks.remove(task)
         self._share()
+        if self.live is not None and task.ended is not None:
+            self.live.ended(task, task.ended)
+            return
         if not any(other.essential for other in self.tasks):
             for other in self.tasks:  # What it did last may be what another one waited for.
                 other.prompt()
@@ -225,16 +218,26 @@ class Kernel:
         board = self.board
         return not (
             self.shared
-            or self._due < math.inf
+            or self._timers.due < math.inf
             or self.pace is not None
             or self._since is not None
+            or self.live is not None
             or board.inputs.listeners
             or board.outputs.listeners
             or any(task.looks is not None for task in self.tasks)
         )
 
     def fail(self, task: Task, place: Place | None, ending: Ending) -> None:
-        """Ends the run, for what went wrong before anything else did; no task goes on."""
+        """Ends the run, for what went wrong before anything else did; no task goes on.
+
+        Of one that lives on it ends the task alone, and raises Broken.
+        """
+        if self.live is not None:
+            if task.coroutine is not getcurrent() and task in self.tasks:
+                task.kill()
+                task.ended = ending
+                self._ended(task)
+            raise Broken(replace(ending, place=place))
         self.ending, self.ended_in = ending, (task.name, place)
         if getcurrent() is not self.hub:
             self.hub.switch()
@@ -242,10 +245,7 @@ class Kernel:
     def at(self, moment: float, action: Callable[[], None]) -> Timer:
         """Has an action run at a simulated time, between two statements."""
         self.catch_up()
-        timer = Timer(moment, next(self._numbers), action)
-        heapq.heappush(self._timers, timer)
-        self._due = self._timers[0].time
-        return timer
+        return self._timers.add(moment, action)
 
     def spend(self) -> None:
         """Something happens that a run must not do for ever; raises OutOfSteps."""
@@ -263,8 +263,8 @@ class Kernel:
             self._pass_while_busy()
         if self.pace is not None:
             self._pass_to(self.clock)
-        if self.clock >= self._due:
-            self._fire()
+        if self.clock >= self._timers.due:
+            self._timers.fire(self.clock)
             if self.ending is not None:
                 self.hub.switch()
         if self.clock > self.most_time:
@@ -286,12 +286,14 @@ class Kernel:
         """Lets time pass until something happens; False if nothing ever will."""
         self.catch_up()
         wakes = [task.wakes for task in self.tasks if task.waiting]
-        following = min([self._due, latest, *wakes])
+        following = min([self._timers.due, latest, *wakes])
         if self._since is not None:
             real, then = self._since
             passed = max(self.clock + SLICE, then + time.monotonic() - real)
             following = min(following, passed)
-        if math.isinf(following):
+        if self.live is not None and self._looks_outside():
+            following = min(following, max(self.clock + SLICE, self.live.now()))
+        if math.isinf(following) and self.live is None:
             return False
         if following > self.most_time:
             waiting = next((task for task in self.tasks if task.essential), None)
@@ -300,10 +302,13 @@ class Kernel:
             self.end(Ending("time", told), waiting)
             return True
         self._pass_to(max(self.clock, following))
-        self._fire()
+        self._timers.fire(self.clock)
         return True
 
     def _pass_to(self, moment: float) -> None:
+        if self.live is not None:
+            self.clock = self.live.reach(self.clock, moment)
+            return
         if self.pace is not None:
             began = self._began = (
                 time.monotonic() - self.clock / self.pace if (self._began is None) else self._began
@@ -316,23 +321,21 @@ class Kernel:
         """While a task waits for the outside, or something there may act on the run, simulated time
         is never ahead of real time.
         """
-        if not self.attached and not any(task.outside for task in self.tasks):
+        if self.live is not None:
+            self.live.hold(self.clock)
+        elif not self._looks_outside():
             self._since = None
         elif self._since is None:
             self._since = time.monotonic(), self.clock
         self._hold()
 
+    def _looks_outside(self) -> bool:
+        return self.attached > 0 or any(task.outside for task in self.tasks)
+
     def _hold(self) -> None:
         if self._since is not None:
             real, then = self._since
             time.sleep(max(0.0, real + self.clock - then - time.monotonic()))
-
-    def _fire(self) -> None:
-        while self._timers and self._timers[0].time <= self.clock:
-            timer = heapq.heappop(self._timers)
-            if not timer.cancelled:
-                timer.action()
-        self._due = self._timers[0].time if self._timers else math.inf
 
     # ------------------------------------------------------------------------------- log
 
@@ -357,6 +360,13 @@ class Kernel:
             while self._handed < len(self.log):
                 self._handed += 1
                 self.told(self.log[self._handed - 1])
+
+    def forget(self) -> None:
+        """Lets go of what has happened, while the arm stands; who is told of it has been."""
+        self._hand_on()
+        self.log.clear()
+        self._handed = 0
+        self.motion.forget()
 
     def note(self, what: str) -> None:
         """Says of what a program asks for that it is taken without any effect; once for a run."""

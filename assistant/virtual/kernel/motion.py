@@ -75,6 +75,9 @@ class Motion(Protocol):
     def resume(self, kernel: Kernel) -> None:
         """Lets the arm go on."""
 
+    def forget(self) -> None:
+        """Nobody will ask for what is over."""
+
 
 class Instant:
     """Motions take no time: the arm is where it is sent."""
@@ -119,3 +122,6 @@ class Instant:
 
     def resume(self, kernel: Kernel) -> None:
         """The arm stands."""
+
+    def forget(self) -> None:
+        """There is nothing to forget."""

@@ -5,17 +5,36 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from greenlet import greenlet
 
-from assistant.virtual.events import Event, OnWay, Place, Switched, Waited
+from assistant.virtual.events import Event, OnWay, Place, Switched, Waited, Why
 from assistant.virtual.kernel.looking import Level
 
 if TYPE_CHECKING:
-    from assistant.virtual.kernel.kernel import Ending, Kernel
+    from assistant.virtual.kernel.kernel import Kernel
 
-Body = Callable[["Task"], "Ending"]
+
+@dataclass(frozen=True, slots=True)
+class Ending:
+    """How a task ended; see `Run`. place: where it was, None for where it is when it is asked."""
+
+    ended: Why = "end"
+    message: str = ""
+    place: Place | None = None
+
+
+class Broken(Exception):
+    """A task is over for what is none of its program's doing, as a motion that cannot be made."""
+
+    def __init__(self, ending: Ending) -> None:
+        super().__init__(ending.message)
+        self.ending = ending
+
+
+Body = Callable[["Task"], Ending]
 
 
 class Task:
@@ -138,7 +157,10 @@ class Task:
         self.kernel.hub.switch()
 
     def _run(self) -> None:
-        self.ended = self.body(self)
+        try:
+            self.ended = self.body(self)
+        except Broken as broken:
+            self.ended = broken.ending
 
     def kill(self) -> None:
         """Ends it where it is."""

@@ -20,7 +20,7 @@ from assistant.virtual.melfa.values import number as number_of
 from assistant.virtual.on_way import told
 
 if TYPE_CHECKING:
-    from assistant.virtual.kernel.kernel import Timer
+    from assistant.virtual.kernel.timers import Timer
     from assistant.virtual.melfa.communication import Channel
     from assistant.virtual.melfa.machine import Machine
     from assistant.virtual.melfa.slots import Slot

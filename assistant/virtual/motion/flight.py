@@ -15,9 +15,9 @@ from assistant.robots.timing.drive import Drive, drive_of
 from assistant.robots.timing.plan import Plan, plan_of
 from assistant.robots.timing.rows import Moves, joined
 from assistant.virtual.events import Moved, OnWay, Place, Switched
-from assistant.virtual.kernel.kernel import Timer
 from assistant.virtual.kernel.motion import Progress
 from assistant.virtual.kernel.task import Task
+from assistant.virtual.kernel.timers import Timer
 from assistant.virtual.motion.goals import Refusal, goals_of
 
 
@@ -175,6 +175,11 @@ class Flight:
         elif index and self._moves is not None:
             rows = int(self._last[index - 1]) + 1
             self._moves, self._last = self._moves.rest(rows), self._last[index:] - rows
+
+    def leave_out(self, index: int) -> None:
+        """An order is refused and not made, nor are those behind it; what flies goes on."""
+        self.refusal = None
+        del self.orders[index:]
 
     def _drive(self) -> Drive:
         if self.model.drive is not None:

@@ -15,9 +15,9 @@ from assistant.program.geometry import Pose
 from assistant.robots.robot import Robot
 from assistant.robots.timing.drive import Drive
 from assistant.virtual.events import Moved, Noted, Switched
-from assistant.virtual.kernel.kernel import Ending, Kernel
+from assistant.virtual.kernel.kernel import Kernel
 from assistant.virtual.kernel.motion import Progress, Standing
-from assistant.virtual.kernel.task import Task
+from assistant.virtual.kernel.task import Ending, Task
 from assistant.virtual.motion.flight import (
     Change,
     Flight,
@@ -289,6 +289,8 @@ class Timed:
         """Ends the run where a motion cannot be made."""
         order = self._flight.orders[refusal.index]
         del kernel.log[order.row :]
+        if kernel.live is not None:
+            self._flight.leave_out(refusal.index)
         text = message(refusal, self.robot, order.place)
         kernel.fail(order.task, order.place, Ending("error", text))
 
@@ -398,3 +400,6 @@ class Timed:
             made = self._to_rest()
             legs.append(made.leg(min(self.kernel.clock - made.began, float(made.ends[-1]))))
         return legs
+
+    def forget(self) -> None:
+        del self.legs[:-1]

@@ -6,8 +6,8 @@ from collections.abc import Set
 from dataclasses import dataclass, field
 
 from assistant.virtual.events import OnWay, Switched
-from assistant.virtual.kernel.kernel import Timer
 from assistant.virtual.kernel.task import Task
+from assistant.virtual.kernel.timers import Timer
 
 
 @dataclass(slots=True)

@@ -1,0 +1,141 @@
+"""A kernel that lives on in a thread of its own: what a virtual controller's servers act upon.
+
+Simulated time passes as real time does. Commands of other threads are carried out between two
+statements, and the end of a task, whatever it is, leaves the others and the controller alive.
+
+    live = Live(make, ended=tell)
+    live.start()
+    live.do(lambda kernel: kernel.board.inputs.set("di_1", 1.0))
+    live.stop()
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import Future
+from contextlib import suppress
+from typing import TYPE_CHECKING, Final, TypeVar
+
+from assistant.virtual.kernel.task import Ending, Task
+
+if TYPE_CHECKING:
+    from assistant.virtual.kernel.kernel import Kernel
+
+PATIENCE: Final = 10.0
+"""Seconds that a command waits for its turn; a turn takes as long as a motion's planning."""
+MOST_ROWS: Final = 10_000
+"""Of the log, after which what is over is forgotten."""
+
+T = TypeVar("T")
+
+
+class Live:
+    """make: builds the kernel, in the thread in which it then runs. rate: simulated seconds for
+    each real one. ended: is told of each task that has ended, and how; it may start others.
+    """
+
+    def __init__(
+        self,
+        make: Callable[[], Kernel],
+        *,
+        rate: float = 1.0,
+        ended: Callable[[Task, Ending], None] | None = None,
+        name: str = "virtual-controller",
+    ) -> None:
+        self._make, self.rate, self._ended = make, rate, ended
+        self._commands: deque[Callable[[Kernel], None]] = deque()
+        self._bell = threading.Event()
+        self._ready: Future[None] = Future()
+        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
+        self._over = False
+        self._began = 0.0
+
+    # ----------------------------------------------------------------- for other threads
+
+    def start(self) -> None:
+        """Builds the kernel and lets it run; raises what `make` raises."""
+        self._thread.start()
+        self._ready.result()
+
+    def stop(self) -> None:
+        """Ends all tasks where they are; a command that is under way is finished."""
+        if self._thread.is_alive():
+            with suppress(RuntimeError):
+                self.do(lambda kernel: kernel.end(Ending("stopped", "the controller is off")))
+            self._thread.join()
+
+    def do(self, command: Callable[[Kernel], T], timeout: float = PATIENCE) -> T:
+        """Has a command carried out between two statements; gives what it gives, raises what it
+        raises. Raises RuntimeError if the controller is off, TimeoutError if it never has time.
+        """
+        if threading.current_thread() is self._thread:
+            return command(self.kernel)
+        future: Future[T] = Future()
+
+        def act(kernel: Kernel) -> None:
+            try:
+                future.set_result(command(kernel))
+            except Exception as error:  # noqa: BLE001 - it is the caller's, who gets it
+                future.set_exception(error)
+
+        if self._over:
+            raise RuntimeError("the controller is off")
+        self._commands.append(act)
+        self._bell.set()
+        return future.result(timeout)
+
+    # -------------------------------------------------------------------- for the kernel
+
+    def now(self) -> float:
+        """Simulated seconds that have passed."""
+        return (time.monotonic() - self._began) * self.rate
+
+    def attend(self) -> None:
+        """Carries out what other threads have asked for."""
+        self._bell.clear()
+        while self._commands:
+            self._commands.popleft()(self.kernel)
+            self.kernel.stirred = True
+        if len(self.kernel.log) > MOST_ROWS and self.kernel.motion.stands():
+            self.kernel.forget()
+
+    def reach(self, clock: float, moment: float) -> float:
+        """Waits for a moment, `clock` being the time; the one that is reached when another thread
+        asks for something before.
+        """
+        rest = (moment - self.now()) / self.rate
+        if rest > 0.0 and self._bell.wait(None if math.isinf(rest) else rest):
+            return max(clock, min(moment, self.now()))
+        return max(clock, moment)
+
+    def hold(self, clock: float) -> None:
+        """Lets real time come up with a clock that is ahead; commands come meanwhile."""
+        while (rest := (clock - self.now()) / self.rate) > 0.0:
+            if self._bell.wait(rest):
+                self.attend()
+
+    def ended(self, task: Task, ending: Ending) -> None:
+        if self._ended is not None:
+            self._ended(task, ending)
+
+    # --------------------------------------------------------------------------- its own
+
+    def _run(self) -> None:
+        try:
+            self.kernel = self._make()
+            self.kernel.live = self
+            self._began = time.monotonic() - self.kernel.clock / self.rate
+        except BaseException as error:  # noqa: BLE001 - `start` raises it
+            self._over = True
+            self._ready.set_exception(error)
+            return
+        self._ready.set_result(None)
+        try:
+            self.kernel.run()
+        finally:
+            self._over = True
+            self.attend()
