@@ -21,7 +21,7 @@ ROOMS: dict[str, frozenset[str]] = {
     "languages": frozenset({"program", "robots"}),
     "checks": frozenset({"program", "robots"}),
     "virtual": frozenset({"program", "robots", "languages"}),
-    "controllers": frozenset({"program"}),
+    "controllers": frozenset({"program", "sources"}),
     "deploy": frozenset({"program", "languages", "controllers"}),
     "compiler": frozenset(
         {

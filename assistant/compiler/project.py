@@ -1,4 +1,4 @@
-"""A project's own file: `assistant.toml`, or our table of `pyproject.toml`.
+"""What a project's file says about the controllers of a language.
 
 [melfa-basic]        # in assistant.toml; `[tool.robot-assistant.melfa-basic]` in pyproject.toml
 name-length = 16
@@ -7,22 +7,15 @@ name-length = 16
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
 from assistant.languages.language import Choice
-from assistant.program.diagnostics import Diagnostic, Refused, Rule, Span, error
-from assistant.program.text import SourceText, decode, read_bytes
+from assistant.program.diagnostics import Diagnostic, Refused, error
+from assistant.sources.project import Project, project_of
 
 if TYPE_CHECKING:
     from assistant.languages import Language
-
-FILES: Final[Mapping[str, tuple[str, ...]]] = {
-    "assistant.toml": (),
-    "pyproject.toml": ("tool", "robot-assistant"),
-}
-"""Name of a file → the table in it that is ours; the first that is there counts."""
 
 NO_SETTING: Final = error("CO304", "`{key}` is no setting of {table}", "write one of {settings}")
 NOT_ALLOWED: Final = error(
@@ -33,48 +26,6 @@ NO_WORD: Final = error("CO307", "`{key}` is {value!a}, none of {words}", "{meani
 NO_SETTINGS: Final = error(
     "CO306", "`{table}` is no table", "write lines such as {setting} = {value} in it"
 )
-
-
-@dataclass(frozen=True, slots=True)
-class Project:
-    """Our table of a project's file.
-
-    table: where in the file it is. spans: where keys stand, by their path from the top.
-    content: of the table, a mapping in a sound file.
-    """
-
-    source: SourceText
-    table: tuple[str, ...]
-    spans: Mapping[tuple[str, ...], Span]
-    content: Any
-
-    def finding(self, rule: Rule, at: tuple[str, ...], /, **fields: object) -> Diagnostic:
-        """The rule's finding at a key of our table."""
-        return self.source.finding(rule, self.spans.get((*self.table, *at), Span(0, 0)), **fields)
-
-
-def project_of(folder: FilePath) -> Project | None:
-    """The nearest file with a table of ours, in a folder or above it; raises Unreadable."""
-    for here in (folder, *folder.parents):
-        for name, table in FILES.items():
-            file = here / name
-            if file.is_file() and (found := read_project(file, table)) is not None:
-                return found
-    return None
-
-
-def read_project(file: FilePath, table: tuple[str, ...]) -> Project | None:
-    """Our table in a file, None if it is not there; raises Unreadable."""
-    from assistant.sources.process.file import read_toml
-    from assistant.sources.process.lines import key_spans
-
-    source = decode(read_bytes(file, allow_empty=True), str(file), ("utf-8-sig", "utf-8"))
-    content: Any = read_toml(source).content
-    for key in table:
-        content = content.get(key) if isinstance(content, Mapping) else None
-    if content is None:
-        return None
-    return Project(source, table, key_spans(source.text), content)
 
 
 def configured(language: Language[Any], folder: FilePath) -> Language[Any]:

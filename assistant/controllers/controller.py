@@ -7,8 +7,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path as FilePath
 from typing import Final, Protocol, Self
 
-from assistant.controllers.address import SCHEMES, Address, parse
+from assistant.controllers.address import SCHEMES, Address
 from assistant.controllers.credentials import Credentials, Question, find
+from assistant.controllers.named import Named, named
 from assistant.controllers.states import Fault, Identity, Jog, Position, Sample, State
 
 
@@ -145,26 +146,36 @@ CLIENTS: Final = {
 """Scheme of an address → module and class of its client."""
 
 
+TIMEOUT: Final = 30.0
+"""Seconds to wait for an answer where nobody says how long."""
+
+
 def connect(
-    address: str | Address,
+    address: str | Address | Named,
     *,
     user: str | None = None,
     password: str | None = None,
     ask: Question | None = None,
     credentials: Credentials | None = None,
-    timeout: float = 30.0,
+    timeout: float | None = None,
     certificate: str | FilePath | None = None,
 ) -> Programs:
-    """The client for an address; use it in a `with`, which connects.
+    """The client for an address, or for a name of this project; use it in a `with`, which connects.
 
     user, password, ask: see `credentials.find`. timeout: seconds to wait for an answer.
-    certificate: file of the certificate that an `ftps` controller is trusted by.
-    Raises Refused if the address is wrong or no password can be found.
+    certificate: file of the certificate that a controller is trusted by over TLS.
+    Raises Refused if there is no such controller or no password can be found.
     """
-    place = parse(address) if isinstance(address, str) else address
+    one = named(address) if isinstance(address, str) else address
+    if isinstance(one, Address):
+        one = Named(str(one), one)
+    place, waiting = one.address, timeout or one.timeout or TIMEOUT
     module, name = CLIENTS[place.scheme]
     client = getattr(importlib.import_module(module), name)
     if not SCHEMES[place.scheme].login:
-        return client(place, timeout=timeout)  # type: ignore[no-any-return]
-    found = credentials or find(place, user=user, password=password, ask=ask)
-    return client(place, found, timeout=timeout, certificate=certificate)  # type: ignore[no-any-return]
+        return client(place, timeout=waiting)  # type: ignore[no-any-return]
+    found = credentials or find(
+        place, controller=one.variables, user=user, password=password, ask=ask
+    )
+    trusted = certificate or one.certificate
+    return client(place, found, timeout=waiting, certificate=trusted)  # type: ignore[no-any-return]

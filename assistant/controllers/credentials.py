@@ -13,6 +13,7 @@ from assistant.program.diagnostics import Refused
 
 USER: Final = "ROBOT_ASSISTANT_USER"
 PASSWORD: Final = "ROBOT_ASSISTANT_PASSWORD"  # noqa: S105 - the name of a variable
+PREFIX: Final = "ROBOT_ASSISTANT_"
 SERVICE: Final = "robot-assistant"
 """Service name in the keyring; the entry is `user@host`."""
 
@@ -33,9 +34,18 @@ class Credentials:
         return text.replace(self.password, "***") if self.password else text
 
 
+def variable(controller: str, what: str) -> str:
+    """The environment variable of one controller: `ROBOT_ASSISTANT_CELL1_PASSWORD`.
+
+    what: USER or PASSWORD.
+    """
+    return f"{PREFIX}{controller.upper().replace('-', '_')}_{what}"
+
+
 def find(
     address: Address,
     *,
+    controller: str = "",
     user: str | None = None,
     password: str | None = None,
     ask: Question | None = None,
@@ -43,14 +53,20 @@ def find(
 ) -> Credentials:
     """The first user and password that are stated: arguments, address, environment, keyring, ask.
 
+    controller: its name in the project; a variable of its own comes before the one of all.
     Raises Refused if there is none.
     """
-    name = user or address.user or environment.get(USER)
+
+    def stated(what: str, of_all: str) -> str | None:
+        own = environment.get(variable(controller, what)) if controller else None
+        return environment.get(of_all) if own is None else own
+
+    name = user or address.user or stated("USER", USER)
     if not name:
         raise Refused(rules.NO_USER(place=str(address), address=address))
     sources: tuple[Callable[[], str | None], ...] = (
         lambda: password,
-        lambda: environment.get(PASSWORD),
+        lambda: stated("PASSWORD", PASSWORD),
         lambda: _from_keyring(f"{name}@{address.host}"),
         lambda: ask(f"Password of {name} on {address.host}: ") if ask else None,
     )

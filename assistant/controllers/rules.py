@@ -19,6 +19,33 @@ PASSWORD_IN_ADDRESS = error(
     "leave it out; set ROBOT_ASSISTANT_PASSWORD, store it with keyring, or type it when asked",
 )
 UNKNOWN_SCHEME = error("CN103", "no controller is reached by `{given}`", "use {known}")
+UNKNOWN_NAME = error(
+    "CN104",
+    "no project names a controller `{name}`; those that are named: {known}",
+    "write `{name}` with its address into [controllers] of assistant.toml, or give the address",
+)
+BAD_NAME = error(
+    "CN105",
+    "`{name}` cannot be the name of a controller",
+    "write letters, digits, `_` and `-`, a letter first",
+)
+PASSWORD_IN_FILE = error(
+    "CN106",
+    "the file holds a password of `{name}`, where everybody can read it who has the project",
+    "take it out and change it; set {variable}, store it with keyring, or type it when asked",
+)
+NO_TABLE_OF_CONTROLLERS = error(
+    "CN107", "`{key}` is no table", 'write lines such as cell1 = "melfa://192.168.0.20" in it'
+)
+NO_ADDRESS = error(
+    "CN108", "`{name}` has no address", 'write address = "melfa://192.168.0.20" or the like'
+)
+TWO_USERS = error("CN109", "`{name}` has two users, `{one}` and `{other}`", "keep one of them")
+SAME_VARIABLE = error(
+    "CN110",
+    "`{name}` and `{other}` would find their passwords in the same environment variable",
+    "rename one of them",
+)
 NO_USER = error(
     "CN111",
     "no user is known for {address}",

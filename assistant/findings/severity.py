@@ -13,7 +13,6 @@ from pathlib import Path as FilePath
 from typing import Final
 
 from assistant import languages
-from assistant.compiler.project import Project, project_of
 from assistant.findings import rulebook
 from assistant.program.diagnostics import (
     Diagnostic,
@@ -24,6 +23,7 @@ from assistant.program.diagnostics import (
     has_errors,
     warning,
 )
+from assistant.sources.project import CONTROLLERS, Project, project_of
 
 TABLE: Final = "severity"
 OFF: Final = "off"
@@ -133,8 +133,9 @@ class _Page:
 
 
 def _tables() -> set[str]:
-    """Tables of a project's file that languages read."""
-    return {language.table for language in map(languages.get, languages.names())} - {""}
+    """Other tables of a project's file: of languages, and of controllers."""
+    of_languages = {language.table for language in map(languages.get, languages.names())} - {""}
+    return {*of_languages, CONTROLLERS}
 
 
 def adjusted(findings: Iterable[Diagnostic], severities: Severities) -> list[Diagnostic]:

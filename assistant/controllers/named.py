@@ -1,0 +1,178 @@
+"""Controllers that a project names: `[controllers]` of assistant.toml or pyproject.toml.
+
+[controllers]
+cell1 = "melfa://192.168.0.20"
+
+[controllers.cell2]
+address = "rws://192.168.125.1"
+user = "engineer"               # never a password
+robot = "irb1200-7-0.7"         # or a robot file, from the project's folder
+certificate = "cell2.pem"       # that it is trusted by, from the project's folder
+timeout = 10                    # seconds to wait for an answer
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Final
+
+from assistant.controllers import rules
+from assistant.controllers.address import Address, parse, without_password
+from assistant.controllers.credentials import variable
+from assistant.program.diagnostics import Diagnostic, Refused, Rule
+
+if TYPE_CHECKING:
+    from assistant.sources.process.table import Table
+
+NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
+SECRET: Final = re.compile(r"pass|pwd|secret|token|credential", re.IGNORECASE)
+"""Keys that somebody may write a password behind."""
+ROBOT_FILES: Final = (".toml", ".urdf")
+"""How the name of a robot ends that is one of a file."""
+LONGEST_TIMEOUT: Final = 3600.0
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """A controller with what is known of it.
+
+    name: in the project, the address itself of one that no project names. robot: that it
+    moves, by its name or its file. timeout: seconds to wait for an answer.
+    """
+
+    name: str
+    address: Address
+    robot: str | None = None
+    certificate: FilePath | None = None
+    timeout: float | None = None
+
+    @property
+    def variables(self) -> str:
+        """The name that its variables of the environment have, "" where no project names it."""
+        return self.name if NAME.fullmatch(self.name) else ""
+
+    @property
+    def word(self) -> str:
+        """What somebody types who means this controller."""
+        return self.variables or self.address.host
+
+
+def named(text: str, folder: FilePath | None = None) -> Named:
+    """The controller of an address, or of a name of the project of a folder (default: this one).
+
+    Raises Refused and Unreadable, of exit status 2, if there is none.
+    """
+    if NAME.fullmatch(text) is None:
+        try:
+            address = parse(text)
+        except Refused as refused:
+            raise Refused(*refused.findings, exit_status=2) from None
+        return Named(str(address), address)
+    there = controllers_of(folder or FilePath.cwd())
+    if text not in there:
+        known = ", ".join(f"`{name}`" for name in there) or "none"
+        raise Refused(rules.UNKNOWN_NAME(place=text, name=text, known=known), exit_status=2)
+    return there[text]
+
+
+def controllers_of(folder: FilePath) -> dict[str, Named]:
+    """The controllers of a folder's project by their names; raises Unreadable and Refused."""
+    from assistant.sources.process.table import Page, Table
+    from assistant.sources.project import CONTROLLERS, project_of
+
+    project = project_of(folder)
+    if project is None or not isinstance(project.content, Mapping):
+        return {}
+    content = project.content.get(CONTROLLERS, {})
+    page, path = Page(project.source, project.spans), (*project.table, CONTROLLERS)
+    if not isinstance(content, dict):
+        page.say(rules.NO_TABLE_OF_CONTROLLERS, path, key=".".join(path))
+        content = {}
+    table = Table(page, path, content)
+    read = _Reader(table, FilePath(project.source.path or "").absolute().parent)
+    found = {name: read.entry(name) for name in content}
+    read.check_variables()
+    if page.findings:
+        # The lines of the file are not shown: a password may stand in one.
+        shown = (replace(finding, excerpt=None) for finding in page.findings)
+        raise Refused(*sorted(shown, key=lambda f: f.line or 0), exit_status=2)
+    return {name: one for name, one in found.items() if one is not None}
+
+
+class _Reader:
+    """Reads the entries of a table of controllers. folder: of the project's file."""
+
+    def __init__(self, table: Table, folder: FilePath) -> None:
+        from assistant.sources.process import values
+
+        self.table, self.folder = table, folder
+        self.keys = {
+            "address": values.text,
+            "robot": values.text,
+            "user": values.text,
+            "certificate": values.text,
+            "timeout": values.number("seconds", above=0.0, most=LONGEST_TIMEOUT),
+        }
+
+    def entry(self, name: str) -> Named | None:
+        """A controller, None if what is said of it is wrong."""
+        if NAME.fullmatch(name) is None:
+            self.table.say(rules.BAD_NAME, name, name=name)
+            return None
+        given = self.table.content[name]
+        if isinstance(given, str):
+            address = self._address(given, (name,))
+            return None if address is None else Named(name, address)
+        table = self.table.table(name)
+        secrets = [key for key in table.content if SECRET.search(key)]
+        for key in secrets:
+            table.say(rules.PASSWORD_IN_FILE, key, name=name, variable=variable(name, "PASSWORD"))
+        kept = {key: value for key, value in table.content.items() if key not in secrets}
+        found = replace(table, content=kept).read(self.keys)
+        if "address" not in table.content and isinstance(given, dict):
+            table.say(rules.NO_ADDRESS, name=name)
+        address = self._address(found["address"], (name, "address")) if "address" in found else None
+        if address is None:
+            return None
+        if "user" in found:
+            if address.user not in (None, found["user"]):
+                table.say(rules.TWO_USERS, "user", name=name, one=address.user, other=found["user"])
+            address = replace(address, user=found["user"])
+        certificate = self.folder / found["certificate"] if "certificate" in found else None
+        robot = found.get("robot")
+        if robot is not None and robot.lower().endswith(ROBOT_FILES):
+            robot = str(self.folder / robot)
+        return Named(name, address, robot, certificate, found.get("timeout"))
+
+    def _address(self, text: str, at: tuple[str, ...]) -> Address | None:
+        """The address, or None with the finding that it gives, placed at its key."""
+        page, path = self.table.page, (*self.table.path, *at)
+        if without_password(text) != text:
+            page.say(rules.PASSWORD_IN_FILE, path, name=at[0], variable=variable(at[0], "PASSWORD"))
+            return None
+        try:
+            return parse(text)
+        except Refused as refused:
+            for finding in refused.findings:
+                page.say(_as_rule(finding), path)
+            return None
+
+    def check_variables(self) -> None:
+        """Names whose variables of the environment would be the same are told apart by nobody."""
+        seen: dict[str, str] = {}
+        for name in self.table.content:
+            other = seen.setdefault(variable(name, ""), name)
+            if other != name:
+                self.table.say(rules.SAME_VARIABLE, name, name=name, other=other)
+
+
+def _as_rule(finding: Diagnostic) -> Rule:
+    """A rule that says what a finding says, at another place."""
+
+    def plain(text: str) -> str:
+        return text.replace("{", "{{").replace("}", "}}")
+
+    return Rule(finding.code, finding.severity, plain(finding.message), plain(finding.cure))
