@@ -25,13 +25,18 @@ from assistant.cli.presentation import (
     print_json,
     say,
 )
-from assistant.program.diagnostics import Refused
+from assistant.program.diagnostics import Refused, error
 
 if TYPE_CHECKING:
     from assistant.compiler import Loaded
     from assistant.compiler.motion import Proving
     from assistant.report.translation import Translated
 
+NO_PRINTING: Final = error(
+    "CL014",
+    "the report of a translation goes to standard output, so programs cannot",
+    "name a folder with --output",
+)
 STYLES: Final = {"supported": "green", "partial": "yellow", "not": "bold red"}
 
 
@@ -75,6 +80,8 @@ def run_translate(
 
     if list(programs).count(STANDARD) > 1:
         raise Refused(TWICE(), exit_status=2)
+    if output == STANDARD:
+        raise Refused(NO_PRINTING(), exit_status=2)
     if report is not None and not report.name:
         raise Refused(NO_FILE_NAME(name=report), exit_status=2)
     options.check()

@@ -273,3 +273,13 @@ def test_a_script_without_a_proof_is_refused(tmp_path: Path, capsys: Capture) ->
     status, _, err = run(capsys, "translate", PALLET, *TO_RAPID, "--signals", tmp_path / "s.toml")
     assert status == 2
     assert "CL020" in err
+
+
+def test_programs_do_not_go_to_standard_output(
+    tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    status, out, err = run(capsys, "translate", PALLET, *TO_RAPID, "-o", "-")
+    assert (status, out) == (2, "")
+    assert "CL014" in err
+    assert list(tmp_path.iterdir()) == []
