@@ -1,11 +1,12 @@
-"""Addresses of controllers: `ftp://user@host:port/folder`, `ftps://…`, `melfa://host:port`."""
+"""Addresses of controllers: `ftp://user@host:port/folder`, `melfa://host:port`, serial lines."""
 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Final
-from urllib.parse import SplitResult, quote, unquote, urlsplit
+from urllib.parse import SplitResult, parse_qsl, quote, unquote, urlencode, urlsplit
 
 from assistant.controllers import rules
 from assistant.program.diagnostics import Refused
@@ -16,44 +17,78 @@ class Scheme:
     """What an address of one kind may say.
 
     port: where the controller listens if the address names none. folder: where programs go
-    if it names none. login: whether there is a user and a folder at all.
+    if it names none. login: whether there is a user and a folder at all. device: whether it
+    names a serial line of this computer instead of a host. options: what may follow a `?`,
+    each with a pattern of its values.
     """
 
     title: str
     port: int
     folder: str = ""
     login: bool = False
+    device: bool = False
+    options: Mapping[str, str] = field(default_factory=dict)
 
+
+END: Final = {"end": "cr|crlf|none"}
+"""What ends a command of the controller link."""
+SERIAL: Final = {
+    **END,
+    "baud": "[1-9][0-9]{2,5}",
+    "bits": "7|8",
+    "parity": "even|odd|none",
+    "stop": "1|2",
+    "framing": "plain|procedural",
+}
+DEVICE: Final = re.compile(r"/(?:[\w.+:-]+/)*[\w.+:-]+|COM[1-9]\d{0,2}", re.ASCII)
+"""A file of a serial line, or its name in Windows."""
 
 SCHEMES: Final = {
     "ftp": Scheme("ABB IRC5 by FTP", 21, "HOME:", login=True),
     "ftps": Scheme("ABB IRC5 by FTP over TLS", 21, "HOME:", login=True),
-    "melfa": Scheme("Mitsubishi CR controller by controller link", 10001),
+    "melfa": Scheme("Mitsubishi CR controller by controller link", 10001, options=END),
+    "melfa-serial": Scheme(
+        "Mitsubishi CR controller by controller link on a serial line",
+        0,
+        device=True,
+        options=SERIAL,
+    ),
 }
 """Kinds of addresses. Port 10001 is the first controller-link line (parameter CPRCE11 = 0)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Address:
-    """Where a controller is; never holds a password."""
+    """Where a controller is; never holds a password.
+
+    host: the file or name of a serial line, whose port is 0. options: name and value each.
+    """
 
     scheme: str
     host: str
     port: int
     user: str | None = None
     folder: str = ""
+    options: tuple[tuple[str, str], ...] = ()
 
     def __str__(self) -> str:
+        options = f"?{urlencode(self.options)}" if self.options else ""
+        if SCHEMES[self.scheme].device:
+            return f"{self.scheme}://{self.host}{options}"
         user = f"{quote(self.user, safe='')}@" if self.user else ""
         host = f"[{self.host}]" if ":" in self.host else self.host
         folder = f"/{quote(self.folder, safe=':/')}" if self.folder else ""
-        return f"{self.scheme}://{user}{host}:{self.port}{folder}"
+        return f"{self.scheme}://{user}{host}:{self.port}{folder}{options}"
+
+    def option(self, name: str, default: str) -> str:
+        return dict(self.options).get(name, default)
 
     @property
     def label(self) -> str:
         """A name for the controller that is safe as a folder's name."""
         folder = f"_{self.folder}" if SCHEMES[self.scheme].folder != self.folder else ""
-        words = re.sub(r"[^A-Za-z0-9.-]+", "_", f"{self.scheme}_{self.host}_{self.port}{folder}")
+        port = f"_{self.port}" if self.port else ""
+        words = re.sub(r"[^A-Za-z0-9.-]+", "_", f"{self.scheme}_{self.host}{port}{folder}")
         return words.strip("_.")
 
 
@@ -75,13 +110,17 @@ def parse(text: str) -> Address:
     scheme = SCHEMES.get(parts.scheme.lower())
     if scheme is None:
         raise Refused(rules.UNKNOWN_SCHEME(place=shown, given=parts.scheme, known=_known()))
-    wrong = _wrong(parts, port, scheme)
+    wrong = _wrong_device(parts) if scheme.device else _wrong(parts, port, scheme)
+    wrong = wrong or _wrong_options(parts, scheme)
     if wrong:
         raise Refused(rules.BAD_ADDRESS(place=shown, reason=wrong))
+    options = tuple(sorted(parse_qsl(parts.query)))
+    if scheme.device:
+        return Address(parts.scheme.lower(), parts.netloc + parts.path, 0, options=options)
     folder = unquote(parts.path).strip("/") or scheme.folder
     user = unquote(parts.username) if parts.username else None
     assert parts.hostname is not None
-    return Address(parts.scheme.lower(), parts.hostname, port or scheme.port, user, folder)
+    return Address(parts.scheme.lower(), parts.hostname, port or scheme.port, user, folder, options)
 
 
 def _wrong(parts: SplitResult, port: int | None, scheme: Scheme) -> str | None:
@@ -91,13 +130,37 @@ def _wrong(parts: SplitResult, port: int | None, scheme: Scheme) -> str | None:
         (not parts.hostname, "it names no host"),
         (port == 0, "port 0 cannot be connected to"),
         (bool(parts.hostname and re.search(r"[\s%/\\]", parts.hostname)), "the host is no name"),
-        (bool(parts.query or parts.fragment), "nothing may follow a `?` or `#`"),
         (bool(re.search(r"[\x00-\x1f\x7f]", said)), "it holds a control character"),
         (".." in unquote(parts.path).split("/"), "the folder must not lead upwards"),
         (not scheme.login and parts.username is not None, "this controller knows no users"),
         (not scheme.login and parts.path not in ("", "/"), "this controller has no folders"),
     )
     return next((reason for wrong, reason in checks if wrong), None)
+
+
+def _wrong_device(parts: SplitResult) -> str | None:
+    """The first thing wrong with the name of a serial line."""
+    name = parts.netloc + parts.path
+    if not DEVICE.fullmatch(name) or ".." in name.split("/"):
+        return "a serial line is a file such as `/dev/ttyS0`, or `COM3`"
+    return None
+
+
+def _wrong_options(parts: SplitResult, scheme: Scheme) -> str | None:
+    """The first thing wrong with what follows the `?`."""
+    if parts.fragment:
+        return "nothing may follow a `#`"
+    known = " ".join(f"{name}={values}" for name, values in scheme.options.items())
+    if parts.query and not known:
+        return "nothing may follow a `?`"
+    try:
+        pairs = parse_qsl(parts.query, keep_blank_values=True, strict_parsing=bool(parts.query))
+    except ValueError:
+        return f"what follows the `?` must be of {known}"
+    for name, value in pairs:
+        if not re.fullmatch(scheme.options.get(name, "(?!)"), value):
+            return f"`{name}={value}` is none of {known}"
+    return None if len(dict(pairs)) == len(pairs) else "an option stands twice"
 
 
 def without_password(text: str) -> str:

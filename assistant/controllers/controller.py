@@ -142,6 +142,7 @@ CLIENTS: Final = {
     "ftp": ("assistant.controllers.abb.ftp", "Ftp"),
     "ftps": ("assistant.controllers.abb.ftp", "Ftp"),
     "melfa": ("assistant.controllers.mitsubishi.cr", "Cr"),
+    "melfa-serial": ("assistant.controllers.mitsubishi.cr", "Cr"),
 }
 """Scheme of an address → module and class of its client."""
 

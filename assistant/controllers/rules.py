@@ -11,7 +11,8 @@ ERROR: Final = Severity.ERROR
 BAD_ADDRESS = error(
     "CN101",
     "the address cannot be used: {reason}",
-    "write it as `ftp://user@host:port/folder`, `ftps://…` or `melfa://host:port`",
+    "write it as `ftp://user@host:port/folder`, `ftps://…`, `melfa://host:port` or "
+    "`melfa-serial:///dev/ttyS0`",
 )
 PASSWORD_IN_ADDRESS = error(
     "CN102",
