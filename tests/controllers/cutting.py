@@ -141,15 +141,15 @@ class Cutting:
         if to not in self._other:
             return
         if self._cut is not None and not self.was_cut.is_set():
-            data, whole = data[: self._cut - self.passed], data
-            ends = self.passed + len(whole) >= self._cut
+            ends = self.passed + len(data) >= self._cut
+            data = data[: self._cut - self.passed]
         else:
             ends = False
+        self.passed += len(data)  # before it can be received
         try:
             to.sendall(data)
         except OSError:
             self._hang_up(to)
-        self.passed += len(data)
         if ends:
             self.was_cut.set()
             for connection in list(self._other):
