@@ -14,6 +14,7 @@ from benchmarks.arms import ROBOTS
 from benchmarks.emission import CASES
 from benchmarks.reading import READING
 from benchmarks.running import RUNNING
+from benchmarks.talking import TALKING
 
 TABLES = {
     "reading": {
@@ -22,6 +23,7 @@ TABLES = {
     },
     "arms": {"Arms: joints at random inside the limits; a tool that goes over a surface": ROBOTS},
     "running": {"Running: loops that count, and moves that are simulated in time": RUNNING},
+    "talking": {"Talking: a command and its answer, the server in a process of its own": TALKING},
 }
 MEASURED = (cases for tables in TABLES.values() for cases in tables.values())
 EVERY = CASES | {name: one.case for cases in MEASURED for name, one in cases.items()}
