@@ -1,0 +1,127 @@
+"""Rows of numbers as they come from a controller, kept in columns, saved as CSV or NPZ."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import os
+import secrets
+import zipfile
+from array import array
+from collections.abc import Mapping, Sequence
+from pathlib import Path as FilePath
+from typing import Final
+
+import numpy as np
+
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Refused, error
+
+NO_FORMAT: Final = error(
+    "CN601", "a recording cannot be written as `{suffix}`", "name a file that ends in {known}"
+)
+NOT_SAVED: Final = error(
+    "CN602",
+    "the recording cannot be written: {reason}; what was there before is untouched",
+    "free space or name another file",
+)
+
+
+class Recording:
+    """Fields by name; each row has a number for every component of each field.
+
+    fields: name → names of its components, none for a single number.
+    """
+
+    def __init__(self, fields: Mapping[str, Sequence[str]]) -> None:
+        self.fields = {name: tuple(parts) for name, parts in fields.items()}
+        self._widths = {name: max(1, len(parts)) for name, parts in self.fields.items()}
+        self._width = sum(self._widths.values())
+        self._numbers = array("d")
+
+    def __len__(self) -> int:
+        return len(self._numbers) // self._width
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Of the columns: `field`, or `field.component`."""
+        return tuple(
+            f"{name}.{part}" if part else name
+            for name, parts in self.fields.items()
+            for part in parts or ("",)
+        )
+
+    def add(self, *values: float | Sequence[float]) -> None:
+        """A row, a value for each field; raises ValueError if it does not fit."""
+        row: list[float] = []
+        for name, value in zip(self.fields, values, strict=True):
+            numbers = [value] if isinstance(value, (int, float)) else list(value)
+            if len(numbers) != self._widths[name]:
+                raise ValueError(f"{name} has {self._widths[name]} components, not {len(numbers)}")
+            row += numbers
+        self._numbers.extend(row)
+
+    def rows(self) -> Floats:
+        """(n, k): a copy of all rows, a column for each of `labels`."""
+        return np.array(self._numbers, dtype=np.float64).reshape(-1, self._width)
+
+    def column(self, name: str) -> Floats:
+        """(n,) of a field that is one number, (n, k) of one of k components."""
+        at = 0
+        for field, width in self._widths.items():
+            if field == name:
+                part = self.rows()[:, at : at + width]
+                return part if self.fields[name] else part[:, 0]
+            at += width
+        raise KeyError(name)
+
+    def save(self, path: str | FilePath) -> None:
+        """Writes a `.csv` with `labels` above, or a `.npz` with an array for each field.
+
+        The file appears whole or not at all. Raises Refused (exit status 2).
+        """
+        target = FilePath(path)
+        form = FORMS.get(target.suffix.lower())
+        if form is None:
+            known = " or ".join(f"`{suffix}`" for suffix in FORMS)
+            finding = NO_FORMAT(path=str(target), suffix=target.suffix, known=known)
+            raise Refused(finding, exit_status=2)
+        beside = target.with_name(f".{target.name}.{secrets.token_hex(4)}")
+        try:
+            try:
+                with beside.open("xb") as file:
+                    file.write(form(self))
+                    file.flush()
+                    os.fsync(file.fileno())
+                beside.replace(target)
+            finally:
+                beside.unlink(missing_ok=True)
+        except OSError as wrong:
+            reason = wrong.strerror or str(wrong)
+            raise Refused(NOT_SAVED(path=str(target), reason=reason), exit_status=2) from None
+
+
+def _csv(recording: Recording) -> bytes:
+    """An empty cell for a number that is not there."""
+    text = io.StringIO(newline="")
+    writer = csv.writer(text)
+    writer.writerow(recording.labels)
+    for row in recording.rows().tolist():
+        writer.writerow("" if math.isnan(value) else repr(value) for value in row)
+    return text.getvalue().encode()
+
+
+def _npz(recording: Recording) -> bytes:
+    """The same bytes for the same numbers: no time stamps."""
+    data = io.BytesIO()
+    with zipfile.ZipFile(data, "w") as archive:
+        for name in recording.fields:
+            column = io.BytesIO()
+            np.lib.format.write_array(column, recording.column(name), allow_pickle=False)
+            entry = zipfile.ZipInfo(f"{name}.npy")
+            archive.writestr(entry, column.getvalue(), zipfile.ZIP_DEFLATED)
+    return data.getvalue()
+
+
+FORMS: Final = {".csv": _csv, ".npz": _npz}
