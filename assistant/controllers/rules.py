@@ -115,6 +115,48 @@ LINE_TOO_LONG = error(
 LINE_CHARACTER = error(
     "CN305", "the line holds a control character (code {code}); nothing was sent", "remove it"
 )
+RIGHT_HELD = error(
+    "CN306",
+    "the operation right of {address} could not be given back: {reason}; it may still be held",
+    "connect again, or enable the teaching box for a moment, before others need it",
+)
+NOT_DONE = error(
+    "CN307",
+    "{doing} did not come to its end within {seconds:g} s; {state}",
+    "look at the controller: its state, its mode and what stands in its way",
+)
+BAD_VALUE = error(
+    "CN308", "`{value}` cannot be {what}: {reason}; nothing was sent", "write it as {form}"
+)
+OUT_OF_LIMITS = error(
+    "CN309",
+    "{axis} would go to {value:g}, beyond its limits {least:g} to {most:g}; nothing moved",
+    "go less far",
+)
+NOT_TAKEN = error(
+    "CN310",
+    "{what} was accepted, but the controller has `{back}` for it and not `{sent}`",
+    "check what values it may have, and whether another client changes it",
+)
+BACKUP_EXISTS = error("CN401", "`{folder}` is there already; nothing was written", "name a new one")
+BACKUP_WRITE = error(
+    "CN402",
+    "the backup cannot be written to `{folder}`: {reason}; nothing of it is left",
+    "free the place or name another one",
+)
+NO_BACKUP = error(
+    "CN403",
+    "`{folder}` is no backup that could be restored: {reason}; nothing was changed by that",
+    "take a folder as `backup` wrote it",
+)
+NOT_IN_BACKUP = error(
+    "CN404", "the backup has no `{name}`; nothing was changed by that", "take one of {known}"
+)
+RESTORED_PARTLY = error(
+    "CN405",
+    "restoring stopped at `{name}`; restored by then: {done}",
+    "put right what the other finding says and restore again; what was there before is in `{kept}`",
+)
 NOT_HERE = error(
     "CN209",
     "{address} cannot {what}: {reason}; nothing was changed by that",

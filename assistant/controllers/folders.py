@@ -1,0 +1,119 @@
+"""The folder of a backup: it appears whole or not at all, and tells whether it still is whole.
+
+`backup.json` in it lists the other files with their hashes, of their text with LF ends, so that
+version control may write line ends in its own way. Nothing in it says when it was made: what has
+not changed on the controller makes no difference between two backups.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path as FilePath
+from pathlib import PurePosixPath
+from typing import Final
+
+from assistant.controllers import rules
+from assistant.program.diagnostics import Refused
+
+INDEX: Final = "backup.json"
+FORMAT: Final = 1
+
+
+@contextmanager
+def appearing(folder: str | FilePath, kind: str) -> Iterator[FilePath]:
+    """A new folder to write into, which is `folder` when the block ends well and gone else.
+
+    kind: of the controller, kept in the index. Raises Refused if there is one already, or if
+    it cannot be written.
+    """
+    target = FilePath(folder)
+    if target.exists():
+        raise Refused(rules.BACKUP_EXISTS(folder=target, path=str(target)))
+    under_way: FilePath | None = None
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        under_way = FilePath(tempfile.mkdtemp(prefix=f".{target.name}.", dir=target.parent))
+        yield under_way
+        _seal(under_way, kind)
+        under_way.chmod(0o755)
+        under_way.rename(target)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise Refused(rules.BACKUP_WRITE(folder=target, reason=reason, path=str(target))) from None
+    finally:
+        if under_way is not None and under_way.exists():
+            shutil.rmtree(under_way, ignore_errors=True)
+
+
+def put(folder: FilePath, name: str, data: bytes) -> None:
+    """Writes a file below the folder; raises OSError."""
+    path = folder / name
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("xb") as file:
+        file.write(data)
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def files(folder: FilePath) -> tuple[str, ...]:
+    """Names of all files of a backup but its index, relative to it, sorted."""
+    found = (path for path in folder.rglob("*") if path.is_file())
+    names = {path.relative_to(folder).as_posix() for path in found}
+    return tuple(sorted(names - {INDEX}))
+
+
+def contents(folder: str | FilePath, kind: str) -> Mapping[str, bytes]:
+    """The files of a backup that is whole, by name.
+
+    Raises Refused if a file is missing or has changed, or if it is of another kind of controller.
+    """
+    place = FilePath(folder)
+    try:
+        index = json.loads((place / INDEX).read_bytes())
+    except (OSError, ValueError) as error:
+        raise _refused(place, f"`{INDEX}` cannot be read ({_reason(error)})") from None
+    if not isinstance(index, dict) or index.get("format") != FORMAT:
+        raise _refused(place, f"`{INDEX}` is not of format {FORMAT}")
+    if index.get("kind") != kind:
+        raise _refused(place, f"it is of another kind of controller (`{index.get('kind')}`)")
+    listed = index.get("files")
+    if not isinstance(listed, dict):
+        raise _refused(place, f"`{INDEX}` lists no files")
+    return {name: _checked(place, name, digest) for name, digest in listed.items()}
+
+
+def _checked(place: FilePath, name: str, digest: object) -> bytes:
+    path = PurePosixPath(name)
+    if path.is_absolute() or ".." in path.parts or "\\" in name:
+        raise _refused(place, f"`{name}` is outside of it")
+    try:
+        data = (place / name).read_bytes()
+    except OSError as error:
+        raise _refused(place, f"`{name}` cannot be read ({_reason(error)})") from None
+    if _digest(data) != digest:
+        raise _refused(place, f"`{name}` is not as it was written")
+    return data
+
+
+def _seal(folder: FilePath, kind: str) -> None:
+    hashes = {name: _digest((folder / name).read_bytes()) for name in files(folder)}
+    index = {"format": FORMAT, "kind": kind, "files": hashes}
+    put(folder, INDEX, (json.dumps(index, indent=2) + "\n").encode())
+
+
+def _digest(data: bytes) -> str:
+    return hashlib.sha256(data.replace(b"\r\n", b"\n")).hexdigest()
+
+
+def _reason(error: Exception) -> str:
+    return getattr(error, "strerror", None) or str(error)
+
+
+def _refused(place: FilePath, reason: str) -> Refused:
+    return Refused(rules.NO_BACKUP(folder=place, reason=reason, path=str(place)), exit_status=2)

@@ -1,0 +1,94 @@
+"""The folder of a backup: whole or not at all, and never taken for whole if it is not."""
+
+import json
+
+import pytest
+
+from assistant.controllers import folders
+from assistant.program.diagnostics import Refused
+
+FILES = {"programs/SEAM.prg": b"10 END\r\n", "parameters.txt": b"RLNG=1\n"}
+
+
+def made(folder):
+    with folders.appearing(folder, "toy") as place:
+        for name, data in FILES.items():
+            folders.put(place, name, data)
+    return folder
+
+
+def codes(refused):
+    return [finding.code for finding in refused.value.findings]
+
+
+def test_it_comes_back_and_nothing_else_is_left(tmp_path):
+    folder = made(tmp_path / "deep" / "copy")
+    assert folders.contents(folder, "toy") == FILES
+    assert folders.files(folder) == ("parameters.txt", "programs/SEAM.prg")
+    assert [path.name for path in folder.parent.iterdir()] == ["copy"]
+
+
+def test_two_backups_of_the_same_are_the_same_bytes(tmp_path):
+    one, two = (made(tmp_path / name) / folders.INDEX for name in ("one", "two"))
+    assert one.read_bytes() == two.read_bytes()
+
+
+def test_line_ends_may_change_in_version_control(tmp_path):
+    folder = made(tmp_path / "copy")
+    (folder / "programs" / "SEAM.prg").write_bytes(b"10 END\n")
+    assert folders.contents(folder, "toy")["programs/SEAM.prg"] == b"10 END\n"
+
+
+def test_what_fails_leaves_nothing(tmp_path):
+    with pytest.raises(KeyboardInterrupt), folders.appearing(tmp_path / "copy", "toy") as place:
+        folders.put(place, "a", b"1")
+        raise KeyboardInterrupt
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_is_there_is_left_alone(tmp_path):
+    folder = made(tmp_path / "copy")
+    with pytest.raises(Refused) as refused, folders.appearing(folder, "toy"):
+        pass
+    assert codes(refused) == ["CN401"]
+    assert folders.contents(folder, "toy") == FILES
+
+
+def test_a_place_that_cannot_be_written(tmp_path):
+    (tmp_path / "file").write_bytes(b"")
+    with pytest.raises(Refused) as refused, folders.appearing(tmp_path / "file" / "x", "toy"):
+        pass
+    assert codes(refused) == ["CN402"]
+
+
+def test_names_that_lead_out_of_it(tmp_path):
+    folder = made(tmp_path / "copy")
+    (tmp_path / "secret").write_bytes(b"x")
+    index = json.loads((folder / folders.INDEX).read_bytes())
+    for name in ("../secret", str(tmp_path / "secret")):
+        index["files"] = {name: "0"}
+        (folder / folders.INDEX).write_text(json.dumps(index))
+        with pytest.raises(Refused) as refused:
+            folders.contents(folder, "toy")
+        assert "outside" in refused.value.findings[0].message
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        lambda folder: (folder / "parameters.txt").unlink(),
+        lambda folder: (folder / "parameters.txt").write_bytes(b"RLNG=2\n"),
+        lambda folder: (folder / folders.INDEX).unlink(),
+        lambda folder: (folder / folders.INDEX).write_bytes(b"{"),
+        lambda folder: (folder / folders.INDEX).write_bytes(b"[]"),
+        lambda folder: (folder / folders.INDEX).write_bytes(b'{"format": 2}'),
+        lambda folder: (folder / folders.INDEX).write_bytes(b'{"format": 1, "kind": "toy"}'),
+        lambda folder: (folder / folders.INDEX).write_bytes(b'{"format": 1, "kind": "other"}'),
+    ],
+)
+def test_what_is_not_whole_is_refused(tmp_path, spoil):
+    folder = made(tmp_path / "copy")
+    spoil(folder)
+    with pytest.raises(Refused) as refused:
+        folders.contents(folder, "toy")
+    assert codes(refused) == ["CN403"] and refused.value.exit_status == 2
