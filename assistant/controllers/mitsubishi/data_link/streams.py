@@ -42,6 +42,7 @@ class Rate:
     baud: int = 9600
     parity: Literal["none", "odd", "even"] = "even"
     stops: Literal[1, 2] = 2
+    bits: Literal[7, 8] = 8
 
 
 class Stream(Protocol):
@@ -109,7 +110,14 @@ class _Tcp:
 
 
 class TcpClient(_Tcp):
-    """To a line of a controller that is the server (NETMODE 1, as it is delivered)."""
+    """To a line of a controller that is the server (NETMODE 1, as it is delivered).
+
+    patient: whether to try again while nothing listens there.
+    """
+
+    def __init__(self, target: str, host: str, port: int, *, patient: bool = True) -> None:
+        super().__init__(target, host, port)
+        self._patient = patient
 
     def open(self, timeout: float) -> None:
         end = time.monotonic() + timeout
@@ -118,7 +126,7 @@ class TcpClient(_Tcp):
                 left = max(RETRY, end - time.monotonic())
                 peer = socket.create_connection(self._place, timeout=left)
             except ConnectionRefusedError:
-                if time.monotonic() + RETRY > end:
+                if not self._patient or time.monotonic() + RETRY > end:
                     raise
                 time.sleep(RETRY)
             else:
@@ -176,6 +184,7 @@ class Serial:
             self._port = serial.Serial(
                 self.target,
                 self._rate.baud,
+                bytesize=self._rate.bits,
                 parity={"none": "N", "odd": "O", "even": "E"}[self._rate.parity],
                 stopbits=self._rate.stops,
                 timeout=SLICE,  # and not changed later: that would set the port anew each time
@@ -190,6 +199,8 @@ class Serial:
 
     def receive(self, timeout: float) -> bytes:
         port, end = self._opened(), time.monotonic() + timeout
+        if timeout <= 0 and not port.in_waiting:
+            raise TimeoutError
         while not (data := bytes(port.read(1))):
             if time.monotonic() >= end:
                 raise TimeoutError

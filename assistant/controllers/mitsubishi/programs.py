@@ -1,0 +1,274 @@
+"""Programs of a CR controller: listed, read, written, copied, renamed, protected, removed.
+
+A program is written in the edit slot and takes the old one's place with SAVE; up to there
+NEW throws the edit away.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Final
+
+from assistant.controllers import rules
+from assistant.controllers.mitsubishi import listing
+from assistant.controllers.mitsubishi.answers import BARE
+from assistant.controllers.mitsubishi.errors import error
+from assistant.controllers.mitsubishi.listing import Line
+from assistant.controllers.mitsubishi.session import UNCHANGED, Session
+from assistant.program.diagnostics import Diagnostic, Refused
+
+VT: Final = "\v"
+PROGRAM_NAME: Final = re.compile(r"[A-Z0-9]{1,12}")
+LANGUAGES: Final = {
+    "MB4": ("melfa-basic-4",),
+    "MB5": ("melfa-basic-5",),
+    "MB6": ("melfa-basic-6",),
+}
+"""Suffix of a controller's program files → languages of the programs that it takes."""
+MOST_PROGRAMS: Final = 100_000
+"""Entries after which a folder that never ends is taken for a fault."""
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A program as the controller lists it; attributes: its protections, as it writes them."""
+
+    name: str
+    size: int | None = None
+    changed: datetime | None = None
+    attributes: str = ""
+
+
+def entries(session: Session) -> tuple[Entry, ...]:
+    """All programs by name."""
+    doing = "listing the programs"
+    found: dict[str, Entry] = {}
+    text = session.ask("PDIRTOP", doing=doing).text
+    for index in range(1, MOST_PROGRAMS):
+        fields = text.split(";")
+        name, _, suffix = fields[0].partition(".")
+        if name and (suffix.upper() in LANGUAGES or not suffix):
+            found[name] = _entry(name, fields, first=index == 1)
+        text = session.ask(f"PDIR{index}", doing=doing).text
+        if not text.strip("; "):
+            break
+    return tuple(found[name] for name in sorted(found))
+
+
+def _entry(name: str, fields: list[str], *, first: bool) -> Entry:
+    """`name;size;time;…`; the first entry has count and free bytes before its attributes."""
+    rest = fields[5:] if first else fields[3:]
+    size = fields[1] if len(fields) > 1 else ""
+    return Entry(
+        name,
+        int(size) if size.isdecimal() else None,
+        time_of(fields[2]) if len(fields) > 2 else None,
+        rest[0].strip() if rest else "",
+    )
+
+
+def time_of(text: str) -> datetime | None:
+    """`yy-mm-ddhh:mm:ss`, with or without something between day and hour; None for no time."""
+    digits = re.findall(r"\d\d", text)
+    if len(digits) != 6:
+        return None
+    with suppress(ValueError):
+        return datetime.strptime("".join(digits), "%y%m%d%H%M%S")
+    return None
+
+
+def names(session: Session) -> tuple[str, ...]:
+    """Names without suffix."""
+    return tuple(entry.name for entry in entries(session))
+
+
+def read(session: Session, name: str) -> bytes | None:
+    """The listing: steps, then variables, each line with CR LF."""
+    if checked_name(name) not in names(session):
+        return None  # LOAD= would create it
+    doing = f"reading `{name}`"
+    with editing(session, name, doing, UNCHANGED):
+        lines = [*_steps(session, doing), *_positions(session, doing)]
+    return "".join(f"{line}\r\n" for line in lines).encode(listing.ENCODING)
+
+
+def write(session: Session, name: str, data: bytes) -> None:
+    """Replaces the program; its lines are all looked at before the first is sent."""
+    checked_name(name)
+    most = session.most - len(f"1;{session.edit_slot};EMDAT")
+    parcels = list(_parcels(checked_lines(name, data, most), most))
+    state = f"`{name}` there is as it was"
+    doing = f"writing `{name}`"
+    with editing(session, name, doing, state):
+        session.ask("ECLR", doing=doing, state=state, slot=session.edit_slot, shape=BARE)
+        for parcel in parcels:
+            _send(session, name, parcel, doing, state)
+        saved = f"`{name}` there is either the old program or the new one"
+        session.ask("SAVE", doing=f"saving `{name}`", state=saved, shape=BARE)
+
+
+def remove(session: Session, name: str) -> None:
+    if checked_name(name) in names(session):
+        doing, state = f"deleting `{name}`", f"`{name}` is still there"
+        session.ask(f"FDEL{file_name(session, name)}", doing=doing, state=state, shape=BARE)
+
+
+def copy(session: Session, name: str, new: str) -> None:
+    """A second program of the same text; raises Refused if there is one of that name."""
+    doing = f"copying `{name}` to `{new}`"
+    files = _two(session, name, new, doing)
+    session.ask(f"FCOPY{files}", doing=doing, shape=BARE)
+
+
+def rename(session: Session, name: str, new: str) -> None:
+    doing = f"renaming `{name}` to `{new}`"
+    files = _two(session, name, new, doing)
+    session.ask(f"FRENAME{files}", doing=doing, shape=BARE)
+
+
+def protect(session: Session, name: str, *, lines: bool | None, variables: bool | None) -> None:
+    """Protects lines and variables against changes, or allows them; None leaves it as it is."""
+    file = file_name(session, checked_name(name))
+    doing = f"protecting `{name}`"
+    for letter, on in (("p", lines), ("q", variables)):
+        if on is not None:
+            sign = "+" if on else "-"
+            session.ask(f"FATTRIB{file};{sign}{letter}", doing=doing, shape=BARE)
+
+
+def file_name(session: Session, name: str) -> str:
+    """With its suffix: without one some controllers take it for an .MB5."""
+    return f"{name}.{session.about.suffix}" if session.about.suffix else name
+
+
+def _two(session: Session, name: str, new: str, doing: str) -> str:
+    checked_name(name), checked_name(new)
+    there = names(session)
+    for wrong, number in ((name not in there, 4140), (new in there, 4190)):
+        if wrong and number == 4140:
+            raise Refused(session.alarm(number, doing))
+        if wrong:
+            reason = "there is a program of that name already"
+            raise Refused(rules.FILE_NAME(place=new, name=new, reason=reason))
+    return f"{file_name(session, name)};{file_name(session, new)}"
+
+
+@contextmanager
+def editing(session: Session, name: str, doing: str, state: str) -> Iterator[None]:
+    """With the program in the edit slot; leaves it empty again whatever happens."""
+    with session.scope():
+        session.ask("NEW", doing=doing, state=state, shape=BARE)
+        session.ask(f"LOAD={name}", doing=doing, state=state, shape=BARE)
+        try:
+            yield
+        finally:
+            if session.connected:
+                with suppress(Refused):
+                    session.ask("NEW", doing=f"closing `{name}`", state=state, shape=BARE)
+
+
+def _steps(session: Session, doing: str) -> Iterator[str]:
+    command = "LISTLTOP"
+    while True:
+        text = session.ask(command, doing=doing).text
+        if not text.strip("; "):
+            return
+        body, _, more = counted(session, text, doing)
+        yield from (line for line in body.split(VT) if line)
+        if not more:
+            return
+        command = "LISTL+1"
+
+
+def counted(session: Session, text: str, doing: str) -> tuple[str, int, bool]:
+    """`…;<count>;<1 more/0>` of a list: its lines, how many, whether more follow."""
+    parts = text.rsplit(";", 2)  # a line may hold a semicolon, the numbers may not
+    if len(parts) < 3 or parts[2].strip() not in ("0", "1") or not parts[1].strip().isdecimal():
+        session.garbled(doing, text)
+    return parts[0], int(parts[1]), parts[2].strip() == "1"
+
+
+def _positions(session: Session, doing: str) -> Iterator[str]:
+    line = session.ask("LISTPTOP", doing=doing).text
+    while line:
+        yield line
+        line = session.ask("LISTP+1", doing=doing).text
+
+
+def _send(session: Session, name: str, parcel: list[Line], doing: str, state: str) -> None:
+    """Some lines at once; a refused one is named with its place in the file."""
+    command = "EMDAT" + VT.join(line.text for line in parcel)
+    slot = session.edit_slot
+    answer = session.attempt(command, doing=doing, state=state, slot=slot, shape=BARE)
+    if answer.number is None:
+        return
+    if not answer.places:  # not a line is wrong but the moment
+        raise Refused(session.alarm(answer.number, doing, state))
+    nth, column = place_in_parcel(answer.places)
+    line = parcel[min(max(nth, 1), len(parcel)) - 1]
+    known = error(answer.number)
+    raise Refused(
+        rules.LINE_REFUSED(
+            path=name,
+            line=line.number,
+            column=column,
+            excerpt=line.text,
+            name=name,
+            number=f"{answer.number:04}",
+            text=known.text,
+            cure=known.cure,
+            state=state,
+        )
+    )
+
+
+def checked_name(name: str) -> str:
+    """The name, if a program of a CR controller can have it; raises Refused."""
+    if PROGRAM_NAME.fullmatch(name):
+        return name
+    reason = "1 to 12 capital letters A-Z and digits are allowed"
+    raise Refused(rules.FILE_NAME(place=name, name=name, reason=reason))
+
+
+def checked_lines(name: str, data: bytes, most: int) -> list[Line]:
+    """The lines of a program, if the link can carry each of its `most` bytes; raises Refused."""
+    lines = listing.lines_of(data)
+    findings = [finding for line in lines if (finding := _unsendable(name, line, most))]
+    if findings:
+        raise Refused(*findings)
+    return lines
+
+
+def _unsendable(name: str, line: Line, most: int) -> Diagnostic | None:
+    text, number = line.text, line.number
+    if strange := re.search(r"[\x00-\x08\x0b-\x1f\x7f]", text):
+        column, code = strange.start() + 1, ord(strange[0])
+        return rules.LINE_CHARACTER(path=name, line=number, column=column, excerpt=text, code=code)
+    if len(text) > most:
+        return rules.LINE_TOO_LONG(
+            path=name, line=number, excerpt=text, length=len(text), most=most
+        )
+    return None
+
+
+def place_in_parcel(places: tuple[int, ...]) -> tuple[int, int | None]:
+    """Line of a parcel and character in it, from `<nth line>;<character>` of an answer."""
+    return places[0], (places[1] if len(places) > 1 else None)
+
+
+def _parcels(lines: list[Line], most: int) -> Iterator[list[Line]]:
+    """Runs of lines that fit into one EMDAT, separators included."""
+    parcel: list[Line] = []
+    size = 0
+    for line in lines:
+        size += len(line.text) + bool(parcel)
+        if parcel and size > most:
+            yield parcel
+            parcel, size = [], len(line.text)
+        parcel.append(line)
+    if parcel:
+        yield parcel

@@ -1,0 +1,283 @@
+"""A session with a CR controller: opened, asked, and the operation right given back.
+
+The right is taken for what needs it and given back when that is over, however it ends. Where
+the line was cut meanwhile, one new connection gives it back, else a finding says that it may
+still be held.
+"""
+
+from __future__ import annotations
+
+import re
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from typing import Final
+
+from assistant.controllers import rules
+from assistant.controllers.address import Address
+from assistant.controllers.mitsubishi.answers import BARE, Answer
+from assistant.controllers.mitsubishi.errors import error
+from assistant.controllers.mitsubishi.link import Link, link_to
+from assistant.program.diagnostics import Diagnostic, Refused
+
+OPEN_NAME: Final = "USERTOOL"
+"""Name under which a session is opened; controllers know NARCUSR, USERTOOL and TOOLBOX."""
+NO_RIGHT: Final = 6020
+UNCHANGED: Final = "nothing was changed by that"
+RUN_BITS: Final = re.compile(r"([0-9A-F]{2})([0-9A-F]{2})(\d*)(?:;.*)?", re.IGNORECASE | re.DOTALL)
+"""Run bits, stop bits and error number, as DSTATE and the fifth field of STATE have them."""
+RIGHT_TAKEN: Final = 0x80
+PACE: Final = 0.1
+"""Seconds between commands while a program runs, which the manual asks for."""
+LOOK: Final = 0.05
+"""Seconds between two looks whether the right is free."""
+
+
+@dataclass(frozen=True, slots=True)
+class About:
+    """What a controller says of itself when a session is opened; "" for what it does not say.
+
+    suffix: of its program files. slots: number of its task slots; the edit slot follows.
+    """
+
+    robot: str = ""
+    controller: str = ""
+    version: str = ""
+    suffix: str = ""
+    slots: int = 8
+
+
+def about(text: str) -> About:
+    """What the answer to OPEN= says; fields that are missing stay empty."""
+    fields = dict(enumerate(text.split(";")))
+    slots = fields.get(15, "").strip()
+    return About(
+        robot=fields.get(6, "").strip(),
+        controller=fields.get(7, "").strip(),
+        version=fields.get(10, "").strip(),
+        suffix=fields.get(4, "").strip().upper(),
+        slots=int(slots) if re.fullmatch(r"[1-9]\d?", slots) else 8,
+    )
+
+
+class Session:
+    """A connection to a CR controller that can be opened, asked and closed.
+
+    running: whether a program ran when the state was last looked at; commands keep `pace`
+    seconds between them then.
+    """
+
+    def __init__(
+        self,
+        address: Address,
+        *,
+        timeout: float,
+        terminator: bytes | None = None,
+        pace: float = PACE,
+    ) -> None:
+        self.address = address
+        self.timeout = timeout
+        self.about = About()
+        self.has_right = False
+        self.running = False
+        self._link: Link = link_to(address, timeout=timeout, terminator=terminator)
+        self._pace = pace
+        self._depth = 0
+        self._asked = 0.0
+        self._lock = threading.RLock()
+
+    @property
+    def most(self) -> int:
+        """Bytes of a command, its head included."""
+        return self._link.most
+
+    @property
+    def edit_slot(self) -> int:
+        return self.about.slots + 1
+
+    @property
+    def connected(self) -> bool:
+        return self._link.connected
+
+    def open(self) -> None:
+        """Connects and opens a session; raises Lost."""
+        self._link.open()
+        try:
+            answer = self._hello(self.timeout)
+        except BaseException:
+            self._link.close()
+            raise
+        if answer.ok:  # a controller without OPEN still takes the other commands
+            self.about = about(answer.text)
+
+    def close(self) -> None:
+        if self._link.connected:
+            with suppress(Refused):
+                self.ask("CLOSE", doing="closing the session", shape=BARE)
+        self._link.close()
+
+    def ask(
+        self,
+        command: str,
+        *,
+        doing: str,
+        state: str = UNCHANGED,
+        slot: int = 1,
+        shape: re.Pattern[str] | None = None,
+    ) -> Answer:
+        """An answer that is no error; takes the operation right where it is asked for."""
+        answer = self.attempt(command, doing=doing, state=state, slot=slot, shape=shape)
+        if answer.number is not None:
+            raise Refused(self.alarm(answer.number, doing, state))
+        return answer
+
+    def attempt(
+        self,
+        command: str,
+        *,
+        doing: str,
+        state: str = UNCHANGED,
+        slot: int = 1,
+        shape: re.Pattern[str] | None = None,
+    ) -> Answer:
+        """The answer, which may be an error number."""
+
+        def once() -> Answer:
+            return self._once(f"1;{slot};{command}", doing, state, shape)
+
+        answer = once()
+        if answer.number != NO_RIGHT or self.has_right:
+            return answer
+        with self.scope():
+            refused = self._take_right(doing, state)
+            return refused or once()
+
+    @contextmanager
+    def scope(self) -> Iterator[None]:
+        """Something that belongs together: a right that is taken in it is given back behind it."""
+        self._depth += 1
+        try:
+            yield
+        except BaseException as caught:
+            self._depth -= 1
+            self._leave(caught)
+            raise
+        self._depth -= 1
+        self._leave(None)
+
+    @contextmanager
+    def right(self, doing: str, state: str = UNCHANGED) -> Iterator[None]:
+        """With the operation right; raises Refused if somebody else has it."""
+        with self.scope():
+            refused = None if self.has_right else self._take_right(doing, state)
+            if refused is not None and refused.number is not None:
+                raise Refused(self.alarm(refused.number, doing, state))
+            yield
+
+    @contextmanager
+    def anew(self) -> Iterator[None]:
+        """Over a new connection if there is none any more, which is closed again then."""
+        if self._link.connected:
+            yield
+            return
+        self._link.open()
+        try:
+            self._hello(self.timeout)
+            yield
+        finally:
+            self._link.close()
+
+    def alarm(self, number: int, doing: str, state: str = UNCHANGED) -> Diagnostic:
+        """The finding that an error number is."""
+        known = error(number)
+        return rules.ALARM(
+            place=str(self.address),
+            number=f"{number:04}",
+            text=known.text,
+            cure=known.cure,
+            doing=doing,
+            state=state,
+        )
+
+    def garbled(self, doing: str, text: str, state: str = UNCHANGED) -> None:
+        """What an answer says makes no sense: ends the connection; raises rules.Lost."""
+        self._link.garbled(doing, text, state)
+
+    def _once(
+        self, command: str, doing: str, state: str, shape: re.Pattern[str] | None = None
+    ) -> Answer:
+        with self._lock:
+            if self.running:
+                time.sleep(max(0.0, self._asked + self._pace - time.monotonic()))
+            try:
+                return self._link.ask(command, doing=doing, state=state, shape=shape)
+            finally:
+                self._asked = time.monotonic()
+
+    def _hello(self, timeout: float) -> Answer:
+        """OPEN=, once more if half a command of an earlier connection stood before it."""
+        for _ in range(2):
+            answer = self._link.ask(
+                f"1;1;OPEN={OPEN_NAME}", doing="opening a session", state=UNCHANGED, timeout=timeout
+            )
+            if answer.ok or self.address.port:
+                break
+        return answer
+
+    def _take_right(self, doing: str, state: str) -> Answer | None:
+        """None if this session has the right now, else the answer that refuses it."""
+        self.has_right = True  # from here on it may be held, whatever becomes of the answer
+        answer = self._once("1;1;CNTLON", doing, state, BARE)
+        self.has_right = answer.ok
+        return None if answer.ok else answer
+
+    def _leave(self, caught: BaseException | None) -> None:
+        """Gives the right back; raises Lost with what was caught if that cannot be done."""
+        if self._depth or not self.has_right:
+            return
+        doing = "giving the operation right back"
+        lost: Refused | None = None
+        reason: str | None = "the connection was lost"
+        if self._link.connected:
+            try:
+                answer = self._once("1;1;CNTLOFF", doing, "what was asked for is done", BARE)
+                reason = None if answer.ok else f"error {answer.number:04}"
+            except rules.Lost as error:
+                lost = error
+        if not self._link.connected:
+            reason = self._give_back_anew()
+        self.has_right = False
+        if reason is not None:
+            earlier = caught.findings if isinstance(caught, Refused) else ()
+            place = str(self.address)
+            raise rules.Lost(
+                *earlier, rules.RIGHT_HELD(place=place, address=place, reason=reason)
+            ) from caught
+        if lost is not None and caught is None:
+            raise lost
+
+    def _give_back_anew(self) -> str | None:
+        """Gives the right back over a new connection; why not, None if it is free."""
+        end = time.monotonic() + self.timeout
+        doing = "giving the operation right back over a new connection"
+        try:
+            self._link.open(self.timeout)
+            self._hello(self.timeout)
+            while True:
+                left = max(LOOK, end - time.monotonic())
+                self._link.ask("1;1;CNTLOFF", doing=doing, state=UNCHANGED, timeout=left)
+                told = self._link.ask("1;1;DSTATE", doing=doing, state=UNCHANGED, timeout=left)
+                bits = RUN_BITS.fullmatch(told.text)
+                if bits is None or not told.ok:
+                    return "the controller does not tell whether it is free"
+                if not int(bits[1], 16) & RIGHT_TAKEN:
+                    return None
+                if time.monotonic() + LOOK > end:
+                    return "the controller shows it as taken"
+                time.sleep(LOOK)
+        except Refused as error:
+            return error.findings[0].message
+        finally:
+            self._link.close()
