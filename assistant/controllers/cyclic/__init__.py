@@ -1,0 +1,28 @@
+"""Motion that is commanded cycle by cycle, whosever controller it is.
+
+`trajectory.py` brings a trajectory to the cycle, `process.py` starts a process that sends it by
+`loop.py`, paced by the controller's packets; `link.py` is what a maker's packets have to answer.
+"""
+
+from assistant.controllers.cyclic.link import Endpoint, Link, Measured
+from assistant.controllers.cyclic.process import Ended, Progress, follow
+from assistant.controllers.cyclic.report import Delays, Report
+from assistant.controllers.cyclic.settings import Settings
+from assistant.controllers.cyclic.space import ArmLimits, Limits
+from assistant.controllers.cyclic.trajectory import Trajectory, resampled
+
+__all__ = [
+    "ArmLimits",
+    "Delays",
+    "Ended",
+    "Endpoint",
+    "Limits",
+    "Link",
+    "Measured",
+    "Progress",
+    "Report",
+    "Settings",
+    "Trajectory",
+    "follow",
+    "resampled",
+]

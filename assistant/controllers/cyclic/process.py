@@ -1,0 +1,209 @@
+"""Following a trajectory in a process of its own, which nothing here can keep waiting."""
+
+from __future__ import annotations
+
+import json
+import os
+import queue
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, is_dataclass
+from pathlib import Path as FilePath
+from typing import Final
+
+import numpy as np
+
+from assistant.controllers.cyclic import rules
+from assistant.controllers.cyclic.link import Endpoint, Link
+from assistant.controllers.cyclic.report import Delays, Report
+from assistant.controllers.cyclic.settings import Settings
+from assistant.controllers.cyclic.space import Limits
+from assistant.controllers.cyclic.trajectory import Trajectory, resampled
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Diagnostic, Refused
+
+PATIENCE: Final = 20.0
+"""Seconds beyond three times its duration after which the process is told to stop."""
+GRACE: Final = 5.0
+"""Seconds more after which it is killed; it ends earlier than that whatever the controller does."""
+LOOK: Final = 0.05
+"""Seconds from look to look whether to stop."""
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """Where a trajectory is. seconds: since the first packet. row: of the rows at the cycle, below
+    0 in the soft start. values: where the arm is.
+    """
+
+    seconds: float
+    row: float
+    rows: int
+    values: tuple[float, ...]
+
+
+class Ended(Refused):
+    """A trajectory that was not followed to its end; `report` is what came of it until then."""
+
+    exit_status = 2
+
+    def __init__(self, finding: Diagnostic, report: Report | None) -> None:
+        super().__init__(finding)
+        self.report = report
+
+
+def follow(
+    link: Link,
+    endpoint: Endpoint,
+    trajectory: Trajectory,
+    limits: Limits,
+    settings: Settings | None = None,
+    *,
+    watch: Callable[[Progress], None] | None = None,
+    stop: threading.Event | None = None,
+) -> Report:
+    """Leads the arm along a trajectory and comes back when it stands at its end.
+
+    watch: is told some ten times a second where the arm is. stop: brings the arm to rest when set,
+    as Ctrl-C does. Raises Refused before anything is sent, Ended afterwards.
+    """
+    settings = settings or Settings()
+    speeds, rises = limits.columns(trajectory.kind, trajectory.rows.shape[1])
+    rows = resampled(trajectory, limits, link.cycle)
+    described = {
+        "link": [type(link).__module__, type(link).__qualname__],
+        "fields": asdict(link) if is_dataclass(link) else {},
+        "endpoint": asdict(endpoint),
+        "settings": asdict(settings),
+        "kind": trajectory.kind,
+        "speeds": speeds.tolist(),
+        "rises": rises.tolist(),
+    }
+    with tempfile.TemporaryDirectory(prefix="robot-assistant-", ignore_cleanup_errors=True) as name:
+        folder = FilePath(name)
+        np.save(folder / "rows.npy", rows)
+        (folder / "job.json").write_text(json.dumps(described), encoding="utf-8")
+        patience = 3.0 * len(rows) * link.cycle + settings.timeout + PATIENCE
+        said, why = _run(folder, patience, watch, stop, len(rows))
+        if "done" not in said:
+            rule = rules.ERRORS.get(str(said.get("code")), rules.BROKEN)
+            fields = said.get("fields") or {"reason": why}
+            assert isinstance(fields, Mapping)
+            raise Ended(rule(**fields), None)
+        with np.load(folder / "samples.npz", allow_pickle=False) as saved:
+            report = _report(said, saved["table"], saved["delays"], len(rows), link.cycle)
+    if said["code"]:
+        fields = said["fields"]
+        assert isinstance(fields, Mapping)
+        raise Ended(rules.ERRORS[str(said["code"])](**fields), report)
+    return report
+
+
+def _run(
+    folder: FilePath,
+    patience: float,
+    watch: Callable[[Progress], None] | None,
+    stop: threading.Event | None,
+    rows: int,
+) -> tuple[dict[str, object], str]:
+    """What the process said last, and what it died of if that tells nothing."""
+    command = [sys.executable, "-m", "assistant.controllers.cyclic.worker", str(folder)]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, sys.path))}
+    with (folder / "errors.txt").open("w+", encoding="utf-8", errors="replace") as errors:
+        worker = subprocess.Popen(  # noqa: S603
+            command,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=errors,
+            text=True,
+            env=environment,
+            start_new_session=True,
+        )
+        assert worker.stdin is not None
+        assert worker.stdout is not None
+        lines: queue.Queue[str | None] = queue.Queue()
+        reader = threading.Thread(target=_read, args=(worker.stdout, lines), daemon=True)
+        reader.start()
+        last: dict[str, object] = {}
+        until, asked = time.monotonic() + patience, False
+        try:
+            while True:
+                try:
+                    line = lines.get(timeout=LOOK)
+                    if line is None:
+                        break
+                    last = json.loads(line)
+                    if watch is not None and "row" in last:
+                        watch(_progress(last, rows))
+                except queue.Empty:
+                    pass
+                except KeyboardInterrupt:
+                    until = 0.0
+                over = time.monotonic() > until
+                if over and asked:
+                    break
+                if over or (stop is not None and stop.is_set() and not asked):
+                    asked, until = True, time.monotonic() + GRACE
+                    worker.stdin.close()
+        finally:
+            _close(worker)
+            reader.join(GRACE)
+        errors.seek(0)
+        why = errors.read().strip().splitlines()
+    return last, why[-1] if why else "its process ended without a word"
+
+
+def _close(worker: subprocess.Popen[str]) -> None:
+    """The process ends by itself once stdin ends; else it is killed."""
+    assert worker.stdin is not None
+    if not worker.stdin.closed:
+        worker.stdin.close()
+    try:
+        worker.wait(GRACE)
+    except subprocess.TimeoutExpired:
+        worker.kill()
+        worker.wait()
+
+
+def _read(lines: object, into: queue.Queue[str | None]) -> None:
+    assert hasattr(lines, "__iter__")
+    for line in lines:
+        into.put(line)
+    into.put(None)
+
+
+def _progress(said: Mapping[str, object], rows: int) -> Progress:
+    seconds, row, values = said["seconds"], said["row"], said["values"]
+    assert isinstance(seconds, float)
+    assert isinstance(row, float | int)
+    assert isinstance(values, list)
+    return Progress(seconds, float(row), rows, tuple(values))
+
+
+def _report(
+    said: Mapping[str, object], table: Floats, delays: Floats, rows: int, cycle: float
+) -> Report:
+    named = said["columns"]
+    assert isinstance(named, list)
+    columns = {str(name): table[:, i] for i, name in enumerate(named)}
+    time_ = columns["time"]
+    columns["time"] = time_ - time_[:1] if len(time_) else time_
+    counts = {}
+    for name in ("done", "asked_again", "repeated", "garbled", "missed"):
+        value = said[name]
+        assert isinstance(value, int)
+        counts[name] = value
+    return Report(
+        rows=rows,
+        seconds=float(columns["time"][-1]) if len(time_) else 0.0,
+        cycle=cycle,
+        delays=Delays.of(delays, cycle, str(said["measured"])),
+        priority=str(said["priority"]),
+        refused=str(said["refused"]),
+        columns=columns,
+        **counts,
+    )

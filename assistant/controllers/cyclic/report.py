@@ -1,0 +1,131 @@
+"""What a loop did: whether its answers were in time, and what the controller told meanwhile."""
+
+from __future__ import annotations
+
+import csv
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+
+import numpy as np
+
+from assistant.controllers.cyclic.rules import MISSED, PRIORITY
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Diagnostic
+
+
+@dataclass(frozen=True, slots=True)
+class Delays:
+    """Seconds from the arrival of a packet in this machine to its answer being sent.
+
+    late: how many were more than half a cycle. measured: `kernel` if the arrival was stamped by
+    it, `program` if only when the program saw the packet, which hides the time until it woke up.
+    """
+
+    count: int
+    median: float
+    most_of: float
+    longest: float
+    late: int
+    measured: str
+
+    @staticmethod
+    def of(seconds: Floats, cycle: float, measured: str) -> Delays:
+        """most_of: the 99th percentile."""
+        if not len(seconds):
+            return Delays(0, 0.0, 0.0, 0.0, 0, measured)
+        median, most_of = np.percentile(seconds, (50, 99))
+        late = int((seconds > cycle / 2.0).sum())
+        return Delays(
+            len(seconds), float(median), float(most_of), float(seconds.max()), late, measured
+        )
+
+    def __str__(self) -> str:
+        ms = [f"{1e3 * value:.3f}" for value in (self.median, self.most_of, self.longest)]
+        return (
+            f"delay of {self.count} answers: median {ms[0]} ms, 99 % below {ms[1]} ms, longest "
+            f"{ms[2]} ms; {self.late} later than half a cycle"
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Report:
+    """A trajectory that was followed, or the part of it up to a failure.
+
+    done, rows: points that were sent, of how many. seconds: that it took. cycle: of the controller.
+    asked_again: times when the controller was silent for a while. repeated: packets that came
+    twice or out of order. garbled: without sense. missed: the most cycles in a row that the
+    controller says it was left without a command. priority: what the loop ran with; refused: why
+    that is no real-time priority, "" if it is or was not wanted.
+    columns: what was recorded, one value a packet: `time` in seconds since the first, `row` of the
+    trajectory, where the arm was by the names of its joints or of its pose, `to_…` what it was
+    told, and what else the packets tell.
+    """
+
+    done: int
+    rows: int
+    seconds: float
+    cycle: float
+    delays: Delays
+    asked_again: int
+    repeated: int
+    garbled: int
+    missed: int
+    priority: str
+    refused: str
+    columns: Mapping[str, Floats]
+
+    @property
+    def findings(self) -> tuple[Diagnostic, ...]:
+        """What should be looked at, although all was followed."""
+        found = []
+        if self.delays.late or self.missed:
+            cycles, late = self.delays.count, self.delays.late
+            found.append(MISSED(late=late, cycles=cycles, without=self.missed))
+        if self.refused:
+            found.append(PRIORITY(reason=self.refused))
+        return tuple(found)
+
+    def __str__(self) -> str:
+        return (
+            f"{self.done} of {self.rows} points in {self.seconds:.2f} s, cycle "
+            f"{1e3 * self.cycle:.2f} ms, {self.priority}; {self.delays}"
+        )
+
+    def to_npz(self, path: str | FilePath) -> None:
+        """Writes the columns; the file appears whole or not at all."""
+        write_npz(path, self.columns)
+
+    def to_csv(self, path: str | FilePath) -> None:
+        """Writes the columns with a head line; the file appears whole or not at all."""
+        write_csv(path, self.columns)
+
+
+def write_npz(path: str | FilePath, columns: Mapping[str, Floats]) -> None:
+    """An archive of numpy with an array a column. Raises OSError."""
+    target = FilePath(path)
+    part = target.with_name(target.name + ".part")
+    try:
+        with zipfile.ZipFile(part, "w") as archive:
+            for name, column in columns.items():
+                with archive.open(f"{name}.npy", "w") as file:
+                    np.save(file, column)
+        part.replace(target)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def write_csv(path: str | FilePath, columns: Mapping[str, Floats]) -> None:
+    """A table with a head line, a comma between columns. Raises OSError."""
+    target = FilePath(path)
+    part = target.with_name(target.name + ".part")
+    try:
+        with part.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.writer(file)
+            writer.writerow(columns)
+            for row in zip(*(column.tolist() for column in columns.values()), strict=True):
+                writer.writerow([f"{value:.9g}" for value in row])
+        part.replace(target)
+    finally:
+        part.unlink(missing_ok=True)

@@ -1,0 +1,39 @@
+"""What the loop asks of the machine: priority, memory that stays, no collecting of garbage."""
+
+from __future__ import annotations
+
+import gc
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from assistant.controllers.cyclic.settings import PRIORITY
+
+
+@contextmanager
+def real_time(wanted: bool) -> Iterator[tuple[str, str]]:
+    """In here the garbage collector is off and, where that is permitted, the priority real-time.
+
+    Yields what it runs with, and why that is no real-time priority ("" if none was wanted).
+    """
+    said = _priority() if wanted else ("ordinary priority, as asked", "")
+    gc.collect()
+    gc.freeze()
+    gc.disable()
+    try:
+        yield said
+    finally:
+        gc.enable()
+        gc.unfreeze()
+        if said[0].startswith("SCHED_FIFO"):
+            os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+
+
+def _priority() -> tuple[str, str]:
+    if not hasattr(os, "sched_setscheduler"):
+        return "ordinary priority", "this system has no SCHED_FIFO"
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
+    except OSError as error:
+        return "ordinary priority", f"SCHED_FIFO is not permitted: {error.strerror}"
+    return f"SCHED_FIFO {PRIORITY}", ""

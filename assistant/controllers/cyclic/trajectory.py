@@ -1,0 +1,252 @@
+"""Trajectories, brought to the cycle of a controller within limits of speed and acceleration.
+
+    rows = resampled(Trajectory.of_joints(angles, times), Limits((420.0, 336.0)), cycle=0.00711)
+
+The curve through the points stays as it is; only the time along it is stretched where a limit would
+be broken, never compressed below the times that were given.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from assistant.controllers.cyclic.curve import Curve
+from assistant.controllers.cyclic.rules import BAD_SETTING, BAD_TRAJECTORY
+from assistant.controllers.cyclic.space import POSE_COLUMNS, Kind, Limits, checked, sizes
+from assistant.program import rotations
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Refused
+from assistant.program.expressions import Name
+from assistant.program.geometry import BASE
+from assistant.program.path import Kind as Move
+from assistant.program.path import Path
+
+MOST_ROWS: Final = 2_000_000
+"""Cycles of one trajectory: 3.9 hours at 7.11 ms."""
+FINE: Final = 4
+"""Places in a cycle at which the limits are looked at, where the times are given."""
+FEWEST: Final = 8
+MOST: Final = 4096
+"""Places in a piece between two points at which the limits are looked at."""
+MARGIN: Final = 0.995
+"""Of the limits that is used: rounding to single precision in packets stays within."""
+ROUNDS: Final = 40
+FASTEST: Final = 1e6
+"""How many times faster than `_nominal` a trajectory without times may go; limits hold before."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trajectory:
+    """Points to be gone through. rows: (n, c). times: (n,) seconds, None for as fast as allowed."""
+
+    kind: Kind
+    rows: Floats
+    times: Floats | None = None
+
+    @staticmethod
+    def of_joints(
+        rows: Sequence[Sequence[float]] | Floats, times: Sequence[float] | Floats | None = None
+    ) -> Trajectory:
+        """rows: (n, a) degrees, mm of an axis that slides, or pulses. Raises Refused."""
+        return _made("joints", rows, times)
+
+    @staticmethod
+    def of_poses(
+        positions: Sequence[Sequence[float]] | Floats,
+        quaternions: Sequence[Sequence[float]] | Floats,
+        times: Sequence[float] | Floats | None = None,
+    ) -> Trajectory:
+        """positions: (n, 3) mm. quaternions: (n, 4), scalar first. Raises Refused."""
+        try:
+            place, turn = checked(positions), checked(quaternions)
+            if place.shape[1] != 3 or turn.shape != (len(place), 4):
+                raise ValueError(f"positions {place.shape} and quaternions {turn.shape}")
+            if not (np.abs(turn).max(axis=1) > 0.0).all():
+                raise ValueError("a quaternion is 0")
+        except ValueError as error:
+            raise Refused(BAD_TRAJECTORY(reason=error), exit_status=2) from None
+        turn = rotations.unflipped(rotations.canonical(turn))
+        return _made("poses", np.column_stack([place, turn]), times)
+
+    @staticmethod
+    def of_path(path: Path) -> Trajectory:
+        """The poses of a path of straight lines, at the speeds of its tool.
+
+        Its frame and tool are those that the controller works in. Raises Refused for arcs, moves
+        of the joints, frames, external axes, and speeds that are variables: simulate those
+        programs, and give their joints.
+        """
+        refusal = _refusal(path)
+        if refusal:
+            raise Refused(BAD_TRAJECTORY(reason=refusal), exit_status=1)
+        mm_s = np.array([s.tcp for s in path.speeds if not isinstance(s, Name)])
+        turning = np.array([s.rotation for s in path.speeds if not isinstance(s, Name)])
+        one = Trajectory.of_poses(path.positions, path.quaternions)
+        change = sizes("poses", np.diff(one.rows, axis=0))
+        row = path.speed[1:]
+        seconds = np.maximum(change[:, 0] / mm_s[row], change[:, 1] / turning[row])
+        moving = np.concatenate([[True], seconds > 1e-9])
+        times = np.concatenate([[0.0], np.cumsum(seconds)])[moving]
+        return replace(one, rows=one.rows[moving], times=times if len(times) > 1 else None)
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+
+def _made(
+    kind: Kind,
+    rows: Sequence[Sequence[float]] | Floats,
+    times: Sequence[float] | Floats | None,
+) -> Trajectory:
+    try:
+        values = checked(rows)
+        if times is None:
+            return Trajectory(kind, values)
+        at = np.ascontiguousarray(times, dtype=np.float64)
+        if at.shape != (len(values),):
+            raise ValueError(f"{len(values)} points but times of shape {at.shape}")
+        if not np.isfinite(at).all() or not (np.diff(at) > 0.0).all():
+            raise ValueError("its times do not rise from point to point")
+    except (TypeError, ValueError) as error:
+        raise Refused(BAD_TRAJECTORY(reason=error), exit_status=2) from None
+    return Trajectory(kind, values, at - at[0])
+
+
+def _refusal(path: Path) -> str:
+    """Why a path cannot be followed as poses in time, "" if it can."""
+    if not len(path):
+        return "it has no points"
+    if not (path.kinds[1:] == Move.LINEAR).all():
+        return "it has moves that are no straight lines"
+    if any(frame != BASE for frame in path.frames) or len(set(path.tool.tolist())) > 1:
+        return "it has frames of its own, or several tools"
+    if np.isfinite(path.external).any():
+        return "it has external axes"
+    for speed in path.speeds:
+        if isinstance(speed, Name) or not 0.0 < speed.tcp < np.inf:
+            return "a speed of it is a variable or no number of mm/s"
+    return ""
+
+
+def resampled(trajectory: Trajectory, limits: Limits, cycle: float) -> Floats:
+    """The rows (m, c) to command, one a cycle, from the first point to the last, at rest at both.
+
+    No step from row to row exceeds a speed times the cycle, no change between two steps an
+    acceleration times its square. Raises Refused if points are out of range, if the limits do not
+    fit, or if no time stretched that far keeps them.
+    """
+    if not 0.0 < cycle <= 1.0:
+        what = BAD_SETTING(name="cycle", value=cycle, reason="it is seconds, above 0, at most 1")
+        raise Refused(what, exit_status=2)
+    speeds, rises = limits.columns(trajectory.kind, trajectory.rows.shape[1])
+    _width(trajectory)
+    outside = limits.outside(trajectory.kind, trajectory.rows)
+    if outside:
+        raise Refused(BAD_TRAJECTORY(reason=f"{outside} of its range"))
+    points, times, fastest = _with_times(trajectory, speeds)
+    if len(points) == 1:
+        return points
+    curve = Curve.through(times, points)
+    places = _places(times, cycle, trajectory.times is not None)
+    v, a = speeds * MARGIN, rises * MARGIN
+    for _ in range(ROUNDS):
+        rows = _in_time(curve, places, trajectory.kind, v, a, fastest, cycle)
+        too_fast = _excess(trajectory.kind, rows, limits, speeds, rises, cycle)
+        if too_fast <= 1.0:
+            return rows
+        slower = min(0.98, 0.99 / too_fast)
+        v, a, fastest = v * slower, a * slower**2, fastest * slower
+    raise Refused(BAD_TRAJECTORY(reason="no time that it may take keeps the limits"))
+
+
+def _width(trajectory: Trajectory) -> None:
+    width = trajectory.rows.shape[1]
+    if trajectory.kind == "poses" and width != POSE_COLUMNS:
+        raise Refused(BAD_TRAJECTORY(reason=f"poses have {POSE_COLUMNS} columns, not {width}"))
+
+
+def _with_times(trajectory: Trajectory, speeds: Floats) -> tuple[Floats, Floats, float]:
+    """Points that differ, their times, and how many times faster than these it may go."""
+    rows, times = trajectory.rows, trajectory.times
+    if times is not None:
+        return rows, times, 1.0
+    seconds = (sizes(trajectory.kind, np.diff(rows, axis=0)) / speeds).max(axis=1, initial=0.0)
+    moving = np.concatenate([[True], seconds > 1e-9])
+    at = np.concatenate([[0.0], np.cumsum(seconds)])[moving]
+    return rows[moving], at, FASTEST
+
+
+def _places(times: Floats, cycle: float, given: bool) -> Floats:
+    """Places (p,) on the curve, all points among them, so close that limits hold in between."""
+    step = np.diff(times)
+    least = 2 if given else FEWEST
+    parts = np.clip(np.ceil(step * (FINE / cycle)), least, MOST).astype(np.intp)
+    if parts.sum() > FINE * MOST_ROWS:
+        raise Refused(BAD_TRAJECTORY(reason=f"it has more than {MOST_ROWS:,} cycles"))
+    piece = np.repeat(np.arange(len(step)), parts)
+    inside = np.arange(len(piece)) - np.repeat(np.cumsum(parts) - parts, parts)
+    return np.append(times[piece] + step[piece] * inside / parts[piece], times[-1])
+
+
+def _in_time(
+    curve: Curve, places: Floats, kind: Kind, v: Floats, a: Floats, fastest: float, cycle: float
+) -> Floats:
+    """Rows at the cycle, along the curve as fast as v and a let it, at rest at both ends.
+
+    Half of each acceleration is for the bends of the curve, half for speeding up along it.
+    """
+    piece = curve.piece(places[:-1])
+    ends = [curve.changes(piece, s) for s in (places[:-1], places[1:])]
+    first = np.maximum(*(sizes(kind, one) for one, _ in ends))
+    second = np.maximum(*(sizes(kind, two) for _, two in ends))
+    with np.errstate(divide="ignore"):
+        most = np.minimum((v / first) ** 2, a / (2.0 * second)).min(axis=1)
+        rise = (a / (2.0 * first)).min(axis=1)
+    most = np.minimum(most, fastest**2)
+    step = np.diff(places)
+    squares = _along(most, 2.0 * np.minimum(rise, 1e12) * step)
+    rate = np.sqrt(squares)
+    seconds = 2.0 * step / (rate[:-1] + rate[1:])
+    clock = np.concatenate([[0.0], np.cumsum(seconds)])
+    count = int(np.ceil(clock[-1] / cycle - 1e-9))
+    if count >= MOST_ROWS:
+        raise Refused(BAD_TRAJECTORY(reason=f"it takes more than {MOST_ROWS:,} cycles"))
+    at = np.minimum(np.arange(count + 1) * cycle, clock[-1])
+    i = np.clip(np.searchsorted(clock, at, side="right") - 1, 0, len(step) - 1)
+    since = at - clock[i]
+    change = (squares[i + 1] - squares[i]) / (2.0 * step[i])
+    s = np.clip(places[i] + since * (rate[i] + 0.5 * change * since), places[i], places[i + 1])
+    rows = curve.values(s)
+    if kind == "poses":
+        rows[:, 3:] /= np.linalg.norm(rows[:, 3:], axis=1, keepdims=True)
+    return rows
+
+
+def _along(most: Floats, gain: Floats) -> Floats:
+    """Squared rates (p,) along places: from rest to rest, below `most` of the steps beside."""
+    cap = np.concatenate([[0.0], np.minimum(most[1:], most[:-1]), [0.0]]).tolist()
+    gains = gain.tolist()
+    for i, more in enumerate(gains):
+        cap[i + 1] = min(cap[i + 1], cap[i] + more)
+    for i in range(len(gains) - 1, -1, -1):
+        cap[i] = min(cap[i], cap[i + 1] + gains[i])
+    return np.array(cap)
+
+
+def _excess(
+    kind: Kind, rows: Floats, limits: Limits, speeds: Floats, rises: Floats, cycle: float
+) -> float:
+    """By how much time has to be stretched for rows to keep their limits; at most 1 if they do."""
+    steps = np.diff(rows, axis=0)
+    found = [(sizes(kind, steps) / (speeds * cycle)).max(initial=0.0)]
+    rest = np.zeros((1, rows.shape[1]))
+    turns = sizes(kind, np.diff(np.concatenate([rest, steps, rest]), axis=0))
+    found.append(np.sqrt((turns / (rises * cycle**2)).max(initial=0.0)))
+    if kind == "poses" and limits.arm is not None:
+        joints = np.abs(np.diff(limits.arm.joints(rows), axis=0))
+        found.append((joints / (np.array(limits.arm.speeds) * cycle)).max(initial=0.0))
+    return float(max(found))

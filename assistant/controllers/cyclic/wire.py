@@ -1,0 +1,122 @@
+"""The socket of a loop: packets with the time at which they arrived in this machine."""
+
+from __future__ import annotations
+
+import contextlib
+import select
+import socket
+import struct
+import sys
+import time
+from typing import Final
+
+from assistant.controllers.cyclic.link import Endpoint
+
+BIGGEST: Final = 2048
+"""Bytes of a packet that are read; longer ones make no sense here."""
+_STAMP: Final = 35
+"""SO_TIMESTAMPNS of Linux on machines of 64 bits (asm-generic/socket.h): the kernel stamps each
+packet as it arrives."""
+_TIMES: Final = struct.Struct("=qq")
+_ROOM: Final = 64
+"""Bytes for the stamp and its head."""
+
+
+class Wire:
+    """A UDP socket to one controller; a context manager. Raises OSError.
+
+    refused: whether the other side said that nothing listens on that port.
+    """
+
+    def __init__(self, endpoint: Endpoint, *, spin: bool = False) -> None:
+        self._endpoint = endpoint
+        self._spin = spin
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._peer: tuple[str, int] | None = None
+        self.stamped = False
+        try:
+            self._socket.setblocking(False)
+            self._socket.bind((endpoint.local_host, endpoint.local_port))
+            if sys.platform == "linux" and struct.calcsize("P") == 8:
+                self._socket.setsockopt(socket.SOL_SOCKET, _STAMP, 1)
+                self.stamped = True
+            if endpoint.host is not None:
+                self._peer = (socket.gethostbyname(endpoint.host), endpoint.port)
+                if endpoint.port:
+                    self._socket.connect(self._peer)
+        except OSError:
+            self._socket.close()
+            raise
+        self.refused = False
+        self._poll = select.poll() if hasattr(select, "poll") else None
+        if self._poll is not None:
+            self._poll.register(self._socket, select.POLLIN)
+
+    def __enter__(self) -> Wire:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._socket.close()
+
+    @property
+    def connected(self) -> bool:
+        """Whether it is known whom to send to."""
+        return self._peer is not None and self._peer[1] != 0
+
+    def send(self, packet: bytes) -> None:
+        try:
+            self._socket.send(packet)
+        except ConnectionRefusedError:  # what an earlier packet met; this one was not sent
+            self.refused = True
+            with contextlib.suppress(ConnectionRefusedError):
+                self._socket.send(packet)
+
+    def receive(self, seconds: float) -> tuple[bytes, float] | None:
+        """The next packet and its arrival by `now`, None if none comes in that time.
+
+        Other senders are not heard. The first one that speaks is the peer where none is known.
+        """
+        until = time.monotonic() + seconds
+        while True:
+            try:
+                packet, data, sender = self._read()
+            except ConnectionRefusedError:
+                self.refused = True
+                continue
+            except BlockingIOError:
+                left = until - time.monotonic()
+                if left <= 0.0:
+                    return None
+                if not self._spin:
+                    self._wait(left)
+                continue
+            if not self.connected:
+                if self._peer is not None and sender[0] != self._peer[0]:
+                    continue
+                self._peer = sender
+                self._socket.connect(sender)
+            return packet, self._arrival(data)
+
+    def now(self) -> float:
+        """Seconds of the clock that arrivals are stamped with."""
+        return time.time() if self.stamped else time.perf_counter()
+
+    def _read(self) -> tuple[bytes, list[tuple[int, int, bytes]], tuple[str, int]]:
+        if not self.stamped:  # where the system may lack `recvmsg`
+            packet, sender = self._socket.recvfrom(BIGGEST)
+            return packet, [], sender
+        packet, data, _, sender = self._socket.recvmsg(BIGGEST, _ROOM)
+        return packet, data, sender
+
+    def _arrival(self, data: list[tuple[int, int, bytes]]) -> float:
+        for level, kind, value in data:
+            if level == socket.SOL_SOCKET and kind == _STAMP and len(value) >= _TIMES.size:
+                seconds, nanoseconds = _TIMES.unpack_from(value)
+                return float(seconds + 1e-9 * nanoseconds)
+        return self.now()
+
+    def _wait(self, seconds: float) -> None:
+        if self._poll is not None:
+            self._poll.poll(max(1.0, 1e3 * seconds))
+        else:
+            select.select([self._socket], [], [], seconds)
