@@ -16,6 +16,7 @@ from pathlib import Path as FilePath
 from typing import Final, Self
 
 from assistant.virtual.cr.commands import execute
+from assistant.virtual.cr.error_log import level_of
 from assistant.virtual.cr.framing import MOST_BYTES, Framing
 from assistant.virtual.cr.state import SUFFIXES, CrSession, CrState
 from assistant.virtual.cr.store import CAPACITY, CrRefusal, CrStore
@@ -100,10 +101,13 @@ class VirtualCr:
         self._thread.join()
         self._server = self._thread = None
 
-    def alarm(self, number: int, level: int = 2) -> None:
-        """Brings the controller into an error state; RSTALRM ends it."""
+    def alarm(self, number: int, level: int | None = None) -> None:
+        """Brings the controller into an error state; RSTALRM ends it.
+
+        level: 1 high, 2 low, 3 caution; None for that of the error list.
+        """
         with self.state.lock:
-            self.state.alarm = (number, level)
+            self.state.alert(number, level or level_of(number))
 
     def text(self, name: str) -> str | None:
         """The text of a stored program, None if there is none of that name."""

@@ -1,46 +1,49 @@
-"""Editing a program on a virtual CR controller: opening, lines in, listings out, saving."""
+"""Editing a program on a virtual CR controller: opening, lines in, numbering, saving."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from typing import Final
 
+from assistant import languages
+from assistant.program.diagnostics import Refused
+from assistant.virtual.cr.command import VT, Command, bare, parts, whole
 from assistant.virtual.cr.lines import check
 from assistant.virtual.cr.state import CrSession
-from assistant.virtual.cr.store import CrProgram, CrRefusal, checked_name
+from assistant.virtual.cr.store import LAST_LINE, CrProgram, CrRefusal, checked_name
 
-VT: Final = "\v"
-MOST_LISTED: Final = 230
-"""Bytes of lines in one answer to LISTL."""
+FIRST: Final = 10
+"""The number of the first line, and from line to line, where RENUM is told 0."""
 
 
-def new(session: CrSession) -> str:
+def _new(session: CrSession) -> str:
     session.close()
     return ""
 
 
-def load(session: CrSession, argument: str) -> str:
+def _load(session: CrSession, argument: str) -> str:
     session.open(checked_name(argument))
     return ""
 
 
-def save(session: CrSession) -> str:
+def _save(session: CrSession) -> str:
     program = session.edit
     assert session.name is not None
-    program.changed = session.state.clock()
-    session.state.store.save(session.name, program)
+    state = session.state
+    program.changed = state.now()
+    state.store.save(session.name, program)
+    state.forget(session.name)
     session.close()
     return ""
 
 
-def put_line(session: CrSession, argument: str) -> str:
+def _put_line(session: CrSession, argument: str) -> str:
     program = session.edit
     _put(session, program, argument)
     return ""
 
 
-def put_lines(session: CrSession, argument: str) -> str:
+def _put_lines(session: CrSession, argument: str) -> str:
     program = session.edit
     for number, line in enumerate(argument.split(VT), start=1):
         try:
@@ -55,79 +58,86 @@ def _put(session: CrSession, program: CrProgram, line: str) -> None:
     if not re.fullmatch(r"\s*\d+\s*", line):  # a number alone deletes, and is no line to parse
         check(session.state.language, line)
     program.put(line)
+    session.changed = True
 
 
-def clear(session: CrSession) -> str:
-    session.edit.clear()
+def _insert(session: CrSession, argument: str) -> str:
+    """A line before the one that has its number; that and those that follow close up move on."""
+    program = session.edit
+    number, text = parts(argument, 2)
+    at = whole(number, 1, LAST_LINE, error=4420)
+    check(session.state.language, f"{at} {text}")
+    last = at
+    while last in program.steps:
+        last += 1
+    if last > LAST_LINE:
+        raise CrRefusal(4420, 1)
+    steps = dict(program.steps)
+    for line in range(last, at, -1):
+        steps[line] = f"{line} {program.steps[line - 1].partition(' ')[2]}"
+    program.renumber(steps)
+    program.put(f"{at} {text}")
+    session.changed = True
     return ""
 
 
-def delete_steps(session: CrSession, argument: str) -> str:
+def _clear(session: CrSession) -> str:
+    session.edit.clear()
+    session.changed = True
+    return ""
+
+
+def _delete_steps(session: CrSession, argument: str) -> str:
     program = session.edit
-    first, last = _range(argument)
+    first, last = line_range(argument)
     gone = [number for number in program.steps if first <= number <= last]
     if not gone:
         raise CrRefusal(4230)
-    for number in gone:
-        del program.steps[number]
+    program.renumber({n: line for n, line in program.steps.items() if n not in gone})
+    session.changed = True
     return ""
 
 
-def count_steps(session: CrSession, argument: str) -> str:
-    first, last = _range(argument)
-    return f"{sum(first <= number <= last for number in session.edit.steps):04}"
-
-
-def _range(argument: str) -> tuple[int, int]:
+def line_range(argument: str) -> tuple[int, int]:
     """`<a>;<b>`, either may be missing."""
-    found = re.fullmatch(r"(\d{0,5})(?:;(\d{0,5}))?", argument)
+    found = re.fullmatch(r"(\d{0,5})(?:;(\d{0,5}))?", argument, re.ASCII)
     if found is None:
         raise CrRefusal(4460)
     first = int(found[1]) if found[1] else 1
-    return first, int(found[2]) if found[2] else (first if found[2] is None else 32767)
+    return first, int(found[2]) if found[2] else (first if found[2] is None else LAST_LINE)
 
 
-def list_lines(session: CrSession, argument: str) -> str:
-    lines = session.edit.lines()
-    start = _place(argument, session.next_line, sorted(session.edit.steps))
-    listed: list[str] = []
-    for line in lines[start:]:
-        if listed and sum(map(len, listed)) + len(listed) + len(line) > MOST_LISTED:
-            break
-        listed.append(line)
-    session.next_line = start + len(listed)
-    more = int(session.next_line < len(lines))
-    return f"{VT.join(listed)};{len(listed)};{more}" if listed else ""
+def _renumber(session: CrSession, argument: str) -> str:
+    """Jumps to line numbers are changed with them; 4410 where that cannot be done."""
+    program = session.edit
+    new, start, step, end = (whole(part, 0, LAST_LINE) for part in parts(argument, 4))
+    numbers = sorted(program.steps)
+    if not numbers:
+        return ""
+    if (start not in (0, numbers[0])) or (end != 0 and end < numbers[-1]):
+        raise CrRefusal(4410)  # jumps between renumbered lines and others are not followed
+    language = languages.get(session.state.language)
+    text = "".join(f"{line}\n" for line in program.lines())
+    try:
+        made = language.render(language.renumber(language.parse(text), new or FIRST, step or FIRST))
+    except Refused:
+        raise CrRefusal(4410) from None
+    renumbered = CrProgram()
+    for line in made.splitlines():
+        renumbered.put(line)
+    program.renumber(renumbered.steps)
+    session.changed = True
+    return ""
 
 
-def list_line(session: CrSession, argument: str) -> str:
-    lines = session.edit.lines()
-    at = _place(argument, session.next_line, sorted(session.edit.steps))
-    session.next_line = min(at + 1, len(lines))
-    return lines[at] if at < len(lines) else ""
-
-
-def list_position(session: CrSession, argument: str) -> str:
-    positions = session.edit.positions()
-    if argument in ("TOP", "END", "+1", "-1", ""):
-        at = _place(argument, session.next_position, range(len(positions)))
-    else:
-        names = [line.partition("=")[0].upper() for line in positions]
-        at = _place(argument, session.next_position, names)
-    session.next_position = min(at + 1, len(positions))
-    return positions[at] if at < len(positions) else ""
-
-
-def _place(argument: str, following: int, keys: Sequence[int] | Sequence[str]) -> int:
-    """Index that TOP, END, +1, -1, or a key of a listing means; its length for none."""
-    steps = {
-        "TOP": 0,
-        "END": max(len(keys) - 1, 0),
-        "+1": following,
-        "-1": max(following - 2, 0),
-        "": following,
-    }
-    if argument in steps:
-        return steps[argument]
-    wanted = [str(key) for key in keys]
-    return wanted.index(argument.upper()) if argument.upper() in wanted else len(keys)
+COMMANDS: Final = {
+    "NEW": Command(bare(_new)),
+    "LOAD=": Command(_load),
+    "SAVE": Command(bare(_save)),
+    "EDATA": Command(_put_line),
+    "EMDAT": Command(_put_lines),
+    "EDINS=": Command(_insert),
+    "ECLR": Command(bare(_clear)),
+    "DELETE": Command(_delete_steps),
+    "RENUM": Command(_renumber),
+}

@@ -18,7 +18,7 @@ MOST_FILES: Final = 128
 CAPACITY: Final = 220_160
 """Bytes for programs, as an RV-3SB reported of itself (PDIRTOP)."""
 NAME: Final = re.compile(r"[A-Z0-9]{1,12}")
-STEP: Final = re.compile(r"\s*(\d+)(?:[ \t]+(.*\S))?\s*", re.DOTALL | re.ASCII)
+STEP: Final = re.compile(r"\s*(\d+)(?:[ \t]([ \t]*\S.*?))?\s*", re.DOTALL | re.ASCII)
 VARIABLE: Final = re.compile(
     r"\s*([A-Za-z]\w*(?:\([\d, ]*\))?)\s*=\s*(\([^()]*\))\s*(\([^()]*\))?\s*", re.DOTALL | re.ASCII
 )
@@ -39,15 +39,27 @@ class CrRefusal(Exception):
 
 @dataclass
 class CrProgram:
-    """A program: steps by number, position variables by name in capitals, as their lines."""
+    """A program: steps by number, position variables by name in capitals, as their lines.
+
+    values: the other variables that have a value, as `M1=+3`; they are no part of the text.
+    protected: `p` for lines, `q` for variables that may not be changed.
+    """
 
     steps: dict[int, str] = field(default_factory=dict)
     variables: dict[str, str] = field(default_factory=dict)
     changed: datetime | None = None
+    values: dict[str, str] = field(default_factory=dict)
+    protected: set[str] = field(default_factory=set)
     _sorted: list[str] | None = field(default=None, compare=False, repr=False)
 
     def copy(self) -> CrProgram:
-        return CrProgram(dict(self.steps), dict(self.variables), self.changed)
+        return CrProgram(
+            dict(self.steps),
+            dict(self.variables),
+            self.changed,
+            dict(self.values),
+            set(self.protected),
+        )
 
     def put(self, line: str) -> None:
         """Takes one line in; a step number alone deletes that step.
@@ -56,6 +68,7 @@ class CrProgram:
         """
         self._sorted = None
         if step := STEP.fullmatch(line):
+            self._may("p", 4240)
             number = int(step[1][:6])
             if not 1 <= number <= LAST_LINE:
                 raise CrRefusal(4420, 1)
@@ -64,13 +77,35 @@ class CrProgram:
             else:
                 self.steps.pop(number, None)
         elif variable := VARIABLE.fullmatch(line):
+            self._may("q", 4320)
             name = re.sub(r"\s+", "", variable[1])
             flags = re.sub(r"\s+", "", variable[3] or "")
-            self.variables[name.upper()] = f"{name}={_values(variable[2])}{flags}"
+            self.variables[name.upper()] = f"{name}={listed_values(variable[2])}{flags}"
         else:
             raise CrRefusal(4220, 1)
 
+    def _may(self, letter: str, error: int) -> None:
+        if letter in self.protected:
+            raise CrRefusal(error)
+
+    def keep(self, name: str, value: str) -> None:
+        """Gives a variable a value, written as a controller lists it."""
+        self._may("q", 4320)
+        self._sorted = None
+        (self.variables if value.startswith("(") else self.values)[name.upper()] = f"{name}={value}"
+
+    def renumber(self, steps: dict[int, str]) -> None:
+        self._may("p", 4240)
+        self.steps = steps
+
+    def valued(self, kinds: str) -> list[str]:
+        """The lines of all variables of some classes (M, C, P, J), in order of their names."""
+        lines = self.variables | self.values
+        return [lines[n] for n in sorted(lines, key=_in_order) if class_of(lines[n]) in kinds]
+
     def clear(self) -> None:
+        self._may("p", 4240)
+        self.values.clear()
         self.steps.clear()
         self.variables.clear()
         self._sorted = None
@@ -168,16 +203,35 @@ def checked_name(text: str) -> str:
     return name
 
 
-def _program_of(file: FilePath) -> CrProgram:
-    """A file of an earlier run; lines that are none of a program are left out."""
-    program = CrProgram(changed=datetime.fromtimestamp(file.stat().st_mtime))
-    for line in re.split(r"\r\n|\r|\n", file.read_bytes().decode(ENCODING)):
+def class_of(line: str) -> str:
+    """M, C, P or J of a variable with its value: `P1=(…)(7,0)`."""
+    _, _, value = line.partition("=")
+    if value.startswith("("):
+        return "P" if value.count("(") == 2 else "J"
+    return "C" if value.startswith('"') else "M"
+
+
+def program_of(text: str, *, strict: bool = False) -> CrProgram:
+    """A program by its text. strict: raises CrRefusal 4160 for lines that are none of a program;
+    else they are left out.
+    """
+    program = CrProgram()
+    for line in re.split(r"\r\n|\r|\n", text):
         if STEP.fullmatch(line) or VARIABLE.fullmatch(line):
             program.put(line)
+        elif strict and line.strip():
+            raise CrRefusal(4160)
     return program
 
 
-def _values(text: str) -> str:
+def _program_of(file: FilePath) -> CrProgram:
+    """A file of an earlier run."""
+    program = program_of(file.read_bytes().decode(ENCODING))
+    program.changed = datetime.fromtimestamp(file.stat().st_mtime)
+    return program
+
+
+def listed_values(text: str) -> str:
     """Bracketed numbers as the controller lists them: a sign, two decimals."""
     items = [item.strip() for item in text.strip("()").split(",")]
     return "(" + ",".join(f"{float(item) + 0.0:+.2f}" if item else "" for item in items) + ")"

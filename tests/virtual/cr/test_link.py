@@ -172,9 +172,7 @@ def test_single_answers(wire, command, answer):
     assert wire.ask(command) == answer
 
 
-@pytest.mark.parametrize(
-    "command", ["RUNSEAM;1", "RUN", "SRVON", "EXECMOV P1", "STEP1", "HOME0;FF", "ALIGN", "MOVSP"]
-)
+@pytest.mark.parametrize("command", ["RUNSEAM;1", "RUN", "EXECMOV P1", "STEP1", "ALIGN", "MOVSP"])
 def test_nothing_that_would_move_is_taken(wire, command):
     wire.ask("1;1;CNTLON")
     assert wire.ask(f"1;1;{command}") == "QeR6010"

@@ -1,0 +1,63 @@
+"""Listings of the program that is open for editing."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from assistant.virtual.cr.command import VT, Command, at_once, place
+from assistant.virtual.cr.editing import line_range
+from assistant.virtual.cr.state import CrSession
+from assistant.virtual.cr.store import CrRefusal
+
+LINES: Final = "lines"
+POSITIONS: Final = "positions"
+BY_WORD: Final = ("TOP", "END", "+1", "-1", "")
+
+
+def _lines(session: CrSession, argument: str) -> str:
+    lines = session.edit.lines()
+    start = place(argument, session.following.get(LINES, 0), sorted(session.edit.steps))
+    listed = at_once(lines[start:])
+    behind = session.following[LINES] = start + len(listed)
+    return f"{VT.join(listed)};{len(listed)};{int(behind < len(lines))}" if listed else ""
+
+
+def _line(session: CrSession, argument: str) -> str:
+    lines = session.edit.lines()
+    at = place(argument, session.following.get(LINES, 0), sorted(session.edit.steps))
+    session.following[LINES] = min(at + 1, len(lines))
+    return lines[at] if at < len(lines) else ""
+
+
+def _position(session: CrSession, argument: str) -> str:
+    positions = session.edit.positions()
+    following = session.following.get(POSITIONS, 0)
+    if argument in BY_WORD:
+        at = place(argument, following, range(len(positions)))
+    else:
+        names = [line.partition("=")[0].upper() for line in positions]
+        at = place(argument, following, names)
+    session.following[POSITIONS] = min(at + 1, len(positions))
+    return positions[at] if at < len(positions) else ""
+
+
+def _count(session: CrSession, argument: str) -> str:
+    first, last = line_range(argument)
+    return f"{sum(first <= number <= last for number in session.edit.steps):04}"
+
+
+def _search(session: CrSession, argument: str) -> str:
+    """The first line from the top that has the text, and how many characters stand before it."""
+    for line in session.edit.lines():
+        if argument and argument in line:
+            return f"{line};{line.index(argument)}"
+    raise CrRefusal(4430)
+
+
+COMMANDS: Final = {
+    "LISTL": Command(_lines),
+    "LISTI": Command(_line),
+    "LISTP": Command(_position),
+    "LISTCNT": Command(_count),
+    "ESEARCH": Command(_search),
+}

@@ -1,0 +1,140 @@
+"""Commands that tell how the controller is and where its arm stands."""
+
+from __future__ import annotations
+
+import re
+from datetime import datetime
+from typing import Final
+
+from assistant.virtual.cr.command import Command, bare
+from assistant.virtual.cr.sessions import axes_there
+from assistant.virtual.cr.state import CrSession
+from assistant.virtual.cr.store import CrRefusal
+
+FULL: Final = "F"
+CLOCK: Final = "%y-%m-%d%H:%M:%S"
+
+
+def _state(session: CrSession) -> str:
+    state = session.state
+    slot = state.slot_now(session.slot)
+    program = f"{slot.program}.{state.suffix}" if slot.program else ""
+    edits = session.name is not None
+    edit = edits | slot.runs << 1 | (edits and session.changed) << 2
+    row = state.parameters[f"SLT{session.slot}"] if slot.is_task else ("", "REP", "START", "1")
+    listed = f"{row[0]}.{state.suffix}" if row[0] else program
+    fields = [program, str(slot.line), str(state.override), str(edit), _bits(session)]
+    told = [listed, slot.mode, row[2], row[3], str(int(slot.moves))]
+    return ";".join([*fields, str(slot.step), "1", *[""] * 7, *told])
+
+
+def _short_state(session: CrSession) -> str:
+    slot = session.state.slot_now(session.slot)
+    return f"{_bits(session)};{slot.step};{int(slot.moves)}"
+
+
+def _bits(session: CrSession) -> str:
+    """Run bits, stop bits, error number.
+
+    Run: 01 repeat, 02 cycle stop off, 04 machine lock, 20 servos on, 40 runs, 80 operation right.
+    Stop: 01 emergency stop, 02 stopped, 04 waits, 10 a program can be selected, 40 pseudo input.
+    """
+    state = session.state
+    slot = state.slot_now(session.slot)
+    run = (
+        (slot.mode == "REP") * 0x01
+        | (not slot.ends_cycle) * 0x02
+        | state.machine_lock * 0x04
+        | state.servo * 0x20
+        | slot.runs * 0x40
+        | (state.right is not None) * 0x80
+    )
+    stop = (
+        state.emergency * 0x01
+        | (not slot.runs) * 0x02
+        | slot.waits * 0x04
+        | (not slot.runs and not slot.waits) * 0x10
+        | (state.real_inputs is not None) * 0x40
+    )
+    return f"{run:02X}{stop:02X}{state.alarm[0] if state.alarm else 0}"
+
+
+def _joints(session: CrSession, axis: str) -> str:
+    return _position(session, session.state.shown_joints(), "****,****", axis)
+
+
+def _pose(session: CrSession, axis: str) -> str:
+    return _position(session, session.state.shown_pose(), session.state.flags(), axis)
+
+
+def _cylinder(session: CrSession, axis: str) -> str:
+    """Radius, angle about the base, and height take the places of X, Y and Z."""
+    return _position(session, session.state.shown_cylinder(), session.state.flags(), axis)
+
+
+def _goal_joints(session: CrSession, axis: str) -> str:
+    return _position(session, session.state.shown_joints(goal=True), "****,****", axis)
+
+
+def _goal_pose(session: CrSession, axis: str) -> str:
+    return _position(session, session.state.shown_pose(goal=True), session.state.flags(), axis)
+
+
+def _position(session: CrSession, shown: list[tuple[str, str]], flags: str, axis: str) -> str:
+    """`name;value;…;;flags;override;speed;limits`; an axis (1 to 8) chooses one of them."""
+    axis = axis.removeprefix(FULL)
+    if axis and not re.fullmatch(r"[1-8]", axis):
+        raise CrRefusal(4460)
+    state = session.state
+    chosen = shown[int(axis) - 1 : int(axis)] if axis else shown
+    values = "".join(f"{name};{value};" for name, value in chosen)
+    return f"{values};{flags};{state.override};{state.speed():.2f};{state.limits_reached()}"
+
+
+def _calibration(session: CrSession) -> str:
+    """The origin of every axis is set."""
+    _, joints = axes_there(session.state.robot)
+    return f"N{joints:02X}{joints:02X}"
+
+
+def _stops(session: CrSession) -> str:
+    """Stop of the computer's line, and emergency stop of the operating panel."""
+    state = session.state
+    return f"{state.stop_on * 2:X};{state.emergency * 2:X}"
+
+
+def _time(session: CrSession) -> str:
+    return f"{session.state.now():{CLOCK}}"
+
+
+def _set_time(session: CrSession, argument: str) -> str:
+    state = session.state
+    try:
+        wanted = datetime.strptime(argument, CLOCK)
+    except ValueError:
+        raise CrRefusal(6070) from None
+    state.clock_off = (wanted - state.clock()).total_seconds()
+    return ""
+
+
+def _areas(session: CrSession) -> str:
+    """No user-defined area is set."""
+    del session
+    return "0"
+
+
+COMMANDS: Final = {
+    "STATE": Command(bare(_state)),
+    "DSTATE": Command(bare(_short_state)),
+    "JPOS": Command(_joints),
+    "PPOS": Command(_pose),
+    "XPOS": Command(_pose),
+    "RPOS": Command(_cylinder),
+    "GJPOS": Command(_goal_joints),
+    "GPPOS": Command(_goal_pose),
+    "CALIB": Command(bare(_calibration)),
+    "STPSIG": Command(bare(_stops)),
+    "TIME": Command(bare(_time)),
+    "TIME=": Command(_set_time),
+    "USERAREASTS": Command(bare(_areas)),
+}

@@ -1,0 +1,160 @@
+"""Commands about signals: inputs, outputs, registers of a field bus, and hands."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from assistant.virtual.cr.command import Command, bare, hexadecimal, parts, whole
+from assistant.virtual.cr.state import HANDS, CrSession
+from assistant.virtual.cr.store import CrRefusal
+from assistant.virtual.kernel.signals import Signals
+
+BITS: Final = 16
+LAST_SIGNAL: Final = 32767
+REGISTERS: Final = range(6000, 6256)
+"""Of CC-Link."""
+AT_ONCE: Final = 16
+SHOWN_HANDS: Final = 8
+FIRST_HAND: Final = 900
+"""Output of the first hand, two for each (HNDSTS in BFP-A4288)."""
+
+
+def _inputs(session: CrSession, argument: str) -> str:
+    return _word(session.state.board.inputs, argument)
+
+
+def _outputs(session: CrSession, argument: str) -> str:
+    return _word(session.state.board.outputs, argument)
+
+
+def _both(session: CrSession, argument: str) -> str:
+    first, second = parts(argument, 2)
+    return _inputs(session, first) + _outputs(session, second)
+
+
+def _word(signals: Signals, argument: str) -> str:
+    first = whole(argument, 0, LAST_SIGNAL, error=6600)
+    return f"{sum(bool(signals.read(str(first + i))) << i for i in range(BITS)):04X}"
+
+
+def _set_outputs(session: CrSession, argument: str) -> str:
+    _set_word(session.state.board.outputs, argument)
+    return ""
+
+
+def _set_inputs(session: CrSession, argument: str) -> str:
+    if session.state.real_inputs is None:
+        raise CrRefusal(6630)
+    _set_word(session.state.board.inputs, argument)
+    return ""
+
+
+def _set_word(signals: Signals, argument: str) -> None:
+    number, value = parts(argument, 2)
+    first, word = whole(number, 0, LAST_SIGNAL, error=6600), hexadecimal(value, 4)
+    for bit in range(BITS):
+        signals.set(str(first + bit), float(word >> bit & 1))
+
+
+def _input_registers(session: CrSession, argument: str) -> str:
+    return _registers(session.state.board.inputs, argument)
+
+
+def _output_registers(session: CrSession, argument: str) -> str:
+    return _registers(session.state.board.outputs, argument)
+
+
+def _registers(signals: Signals, argument: str) -> str:
+    first = _register(argument)
+    return ";".join(str(int(signals.read(f"register{first + i}"))) for i in range(AT_ONCE))
+
+
+def _register(argument: str) -> int:
+    return whole(argument, REGISTERS.start, REGISTERS.stop - 1, error=7780)
+
+
+def _set_output_register(session: CrSession, argument: str) -> str:
+    _set_register(session.state.board.outputs, argument)
+    return ""
+
+
+def _set_input_register(session: CrSession, argument: str) -> str:
+    if session.state.real_inputs is None:
+        raise CrRefusal(6630)
+    _set_register(session.state.board.inputs, argument)
+    return ""
+
+
+def _set_register(signals: Signals, argument: str) -> None:
+    number, value = parts(argument, 2)
+    signals.set(f"register{_register(number)}", float(hexadecimal(value, 4)))
+
+
+def _pseudo(session: CrSession) -> str:
+    """From now on IN= writes the inputs."""
+    state = session.state
+    if state.real_inputs is None:
+        state.real_inputs = dict(state.board.inputs.values)
+    return ""
+
+
+def _real(session: CrSession) -> str:
+    """The inputs are again what they were before they became pseudo inputs."""
+    state = session.state
+    before, state.real_inputs = state.real_inputs, None
+    if before is not None:
+        for name in list(state.board.inputs.values):
+            state.board.inputs.set(name, before.get(name, 0.0))
+    return ""
+
+
+def _reset_outputs(session: CrSession) -> str:
+    """All general outputs are off."""
+    outputs = session.state.board.outputs
+    hands = range(FIRST_HAND, FIRST_HAND + 2 * HANDS)
+    for name in list(outputs.values):
+        if name.isdigit() and int(name) not in hands:
+            outputs.set(name, 0.0)
+    return ""
+
+
+# --------------------------------------------------------------------------------------- hands
+
+
+def _hand(*, opens: bool) -> Command:
+    def handler(session: CrSession, argument: str) -> str:
+        session.state.move_hand(whole(argument, 1, HANDS), opens)
+        return ""
+
+    return Command(handler)
+
+
+def _hands(session: CrSession) -> str:
+    """Eight times signal, 1 open or 2 closed, 1 for two valves; -1 for a hand that is not there."""
+    told = []
+    for hand in range(1, SHOWN_HANDS + 1):
+        if hand > HANDS:
+            told.append("-1;-1;-1")
+        else:
+            is_open = session.state.hands[hand]
+            told.append(f"{FIRST_HAND + 2 * (hand - 1)};{1 if is_open else 2};1")
+    return ";".join(told)
+
+
+COMMANDS: Final = {
+    "IOSIGNAL": Command(_both),
+    "IN": Command(_inputs),
+    "OUT": Command(_outputs),
+    "OUT=": Command(_set_outputs),
+    "IN=": Command(_set_inputs),
+    "DIN": Command(_input_registers),
+    "DOUT": Command(_output_registers),
+    "DIN=": Command(_set_input_register),
+    "DOUT=": Command(_set_output_register),
+    "INDMY": Command(bare(_pseudo)),
+    "INSET": Command(bare(_real)),
+    "RSTIO": Command(bare(_reset_outputs)),
+    "HNDON": _hand(opens=True),
+    "HNDOFF": _hand(opens=False),
+    "HNDSTS": Command(bare(_hands)),
+}
