@@ -9,7 +9,8 @@ from collections.abc import Callable
 from multiprocessing.connection import Connection
 from typing import Final
 
-from assistant.controllers.mitsubishi.link import Link
+from assistant.controllers.address import parse
+from assistant.controllers.mitsubishi.link import link_to
 from benchmarks.reading import Reading
 
 COMMANDS: Final = 5_000
@@ -46,7 +47,7 @@ def serve_echo(told: Connection) -> None:
 
 
 def link(commands: int) -> tuple[Ask, int]:
-    made = Link("127.0.0.1", served(serve_controller))
+    made = link_to(parse(f"melfa://127.0.0.1:{served(serve_controller)}"), timeout=10.0)
     made.open()
     return lambda: made.ask("1;1;JPOSF", doing="asking", state="nothing was changed"), commands
 
