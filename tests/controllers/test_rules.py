@@ -5,6 +5,7 @@ import string
 import pytest
 
 from assistant.controllers import rules as controllers
+from assistant.controllers.abb.exchange import rules as exchanging
 from assistant.deploy import rules as deploying
 from assistant.program.diagnostics import Rule
 from assistant.virtual.irc5 import controller as irc5
@@ -13,7 +14,7 @@ from assistant.virtual.irc5 import modules as irc5_modules
 RULES = sorted(
     {
         rule
-        for module in (controllers, deploying, irc5, irc5_modules)
+        for module in (controllers, exchanging, deploying, irc5, irc5_modules)
         for rule in vars(module).values()
         if isinstance(rule, Rule)
     },

@@ -25,6 +25,8 @@ TEMPORARY: Final = "~{name}"
 """Name of a file until it is whole; keeps the suffix, so that a server may look into it."""
 ASIDE: Final = "{name}~"
 """Where the old file waits while a server that never replaces gets the new one."""
+NOT_NOW: Final = ("550", "450")
+"""Replies for a file that is not there, or that somebody else has open (RFC 959, 5.4)."""
 RATE: Final = 50_000.0
 """Bytes a second that a server is granted for looking through a file before it answers."""
 
@@ -120,6 +122,45 @@ class Ftp:
         if self._has(name):
             with self._during(f"deleting `{name}`", f"`{name}` is still there"):
                 self._session.delete(name)
+
+    def hand_over(self, name: str, data: bytes) -> None:
+        """Puts a small file there that appears whole; unlike `write`, it is not read back.
+
+        Its reader has to tell by its text whether it is all there.
+        """
+        checked_name(name)
+        temporary, doing = TEMPORARY.format(name=name), f"storing `{name}`"
+        self._store(temporary, data, doing, f"`{name}` there is as it was")
+        try:
+            self._replace(temporary, name)
+        except rules.Lost:
+            raise
+        except Refused:
+            self._discard(temporary)
+            raise
+
+    def look(self, name: str) -> bytes | None:
+        """A file without asking first whether it is there; None if it cannot be read now."""
+        checked_name(name)
+        data = io.BytesIO()
+        with self._during(f"reading `{name}`", "nothing was changed by that"):
+            try:
+                self._session.retrbinary(f"RETR {name}", data.write)
+            except (ftplib.error_perm, ftplib.error_temp) as error:
+                if not str(error).startswith(NOT_NOW):
+                    raise
+                return None
+        return data.getvalue()
+
+    def take_away(self, name: str) -> None:
+        """Deletes a file without asking first whether it is there."""
+        checked_name(name)
+        with self._during(f"deleting `{name}`", f"`{name}` may still be there"):
+            try:
+                self._session.delete(name)
+            except (ftplib.error_perm, ftplib.error_temp) as error:
+                if not str(error).startswith(NOT_NOW):
+                    raise
 
     def name_for(self, file_name: str | FilePath) -> str:
         return checked_name(FilePath(file_name).name)

@@ -1,0 +1,8 @@
+"""Poses exchanged with a running RAPID program by files, over any client that keeps programs."""
+
+from assistant.controllers.abb.exchange.exchange import PoseExchange
+from assistant.controllers.abb.exchange.messages import Answer
+from assistant.controllers.abb.exchange.module import Module, Tool
+from assistant.controllers.abb.exchange.recording import Recording, Spent
+
+__all__ = ["Answer", "Module", "PoseExchange", "Recording", "Spent", "Tool"]

@@ -1,0 +1,329 @@
+"""The PC's side of an exchange of poses by files: a request, its answer, one after the other.
+
+with controllers.connect("ftp://engineer@192.168.125.1") as programs:
+    with PoseExchange(programs) as exchange:
+        start = exchange.current_pose()
+        exchange.move_to(start.pose.offset(z=-20.0))
+"""
+
+from __future__ import annotations
+
+import random
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from types import TracebackType
+from typing import Final, Protocol, Self, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from assistant.controllers import rules as common
+from assistant.controllers.abb.exchange import messages, rules
+from assistant.controllers.abb.exchange.messages import Answer, Configuration, Word
+from assistant.controllers.abb.exchange.module import file_names
+from assistant.controllers.abb.exchange.recording import Recording, Spent
+from assistant.controllers.controller import Programs
+from assistant.program import rotations
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Diagnostic, Refused
+from assistant.program.geometry import Pose
+from assistant.program.path import Kind, Path
+
+Check = Callable[[Floats, Floats], Mapping[int, str]]
+"""Tells of poses (n, 3) mm and (n, 4) which rows, from 0, must not be sent, and why."""
+Progress = Callable[[int, int, Answer], None]
+"""Is told how many poses of how many have been answered, and the last answer."""
+
+UNIT: Final = 1e-3
+"""How far the length of a quaternion may be from 1; it is made a unit one."""
+FARTHEST: Final = 100_000.0
+"""mm that a coordinate has at most: beyond, it is no place of a robot."""
+
+
+@runtime_checkable
+class HandsOver(Protocol):
+    """A client that has a shorter way for small files than `write` and `read`."""
+
+    def hand_over(self, name: str, data: bytes) -> None:
+        """Puts a file there that appears whole; it is not read back."""
+
+    def look(self, name: str) -> bytes | None:
+        """A file, None if there is none that can be read now."""
+
+    def take_away(self, name: str) -> None:
+        """Deletes a file; nothing happens if there is none."""
+
+
+class PoseExchange:
+    """An exchange with a program that `module.Module` printed and that runs on the controller.
+
+    A context manager: entering asks where the robot is, which the program must answer. Leaving it
+    because of an error, or of ^C, stops the robot and ends the program (`stop`); leaving it
+    otherwise lets the program wait for the next exchange.
+
+    programs: an open session. prefix: of the files, as the module has it. timeout: seconds for an
+    answer without a motion, and for one to a stop. longest: seconds for one motion. poll: seconds
+    after which an answer is looked for again. check: asked before poses are sent.
+    """
+
+    def __init__(
+        self,
+        programs: Programs,
+        *,
+        prefix: str = "exchange",
+        timeout: float = 10.0,
+        longest: float = 240.0,
+        poll: float = 0.01,
+        check: Check | None = None,
+    ) -> None:
+        self.programs = programs
+        self.recording: Final = Recording()
+        self.spent = Spent()
+        """Where the time of the last round trip went."""
+        self.stopped: Answer | None = None
+        """What the robot answered to a stop."""
+        self.ended = ""
+        """Why the exchange is over and in which state the robot is; "" while it goes on."""
+        self._names = file_names(prefix)
+        self._timeout, self._longest, self._poll = timeout, longest, poll
+        self._check = check
+        self._number = random.randrange(1, messages.LARGEST_NUMBER // 2)  # noqa: S311 - no secret
+        self._in_step = False
+        self._begin = time.monotonic()
+
+    def __enter__(self) -> Self:
+        self._begin = time.monotonic()
+        self.current_pose()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        if error is not None and not self.ended:
+            self._stop_after(error)
+
+    def current_pose(self) -> Answer:
+        """Where the robot is, once its program has come to look for a request."""
+        return self._ask("where", None, None, self._timeout)
+
+    def move_to(
+        self, pose: Pose, *, configuration: Configuration | None = None, through: bool = False
+    ) -> Answer:
+        """Goes to a pose in a line, stands still there and answers with where that is.
+
+        through: does not stand still, but answers as soon as the program goes on, so that a next
+        pose that comes in time is reached through the zone of the module. configuration: None to
+        let the controller take the nearest one. Raises Refused if the pose must not be sent, or
+        the robot does not go there; it stands where it was then.
+        """
+        positions, quaternions = self._checked([pose.position], [pose.quaternion])
+        return self._move(Pose.of(positions[0], quaternions[0]), configuration, through)
+
+    def follow(
+        self,
+        trajectory: Path | tuple[ArrayLike, ArrayLike],
+        *,
+        configurations: Sequence[Configuration] | None = None,
+        through: bool = False,
+        progress: Progress | None = None,
+    ) -> Recording:
+        """Goes to all poses in their order, each once the one before has been answered.
+
+        trajectory: a path of lines, or columns (n, 3) mm and (n, 4). All of them are checked
+        before the first is sent. Returns `recording`, which holds what came before an error too.
+        """
+        if isinstance(trajectory, Path):
+            arcs = np.flatnonzero(np.isin(trajectory.kinds, (Kind.VIA, Kind.END)))
+            if arcs.size:
+                raise Refused(
+                    _bad(int(arcs[0]), "it is a part of an arc", "divide arcs into lines")
+                )
+            trajectory = trajectory.positions, trajectory.quaternions
+        positions, quaternions = self._checked(*trajectory)
+        if configurations is not None and len(configurations) != len(positions):
+            raise Refused(
+                _bad(
+                    min(len(configurations), len(positions)),
+                    f"there are {len(positions)} poses and {len(configurations)} configurations",
+                    "state one for each pose, or none",
+                )
+            )
+        for row in range(len(positions)):
+            configuration = configurations[row] if configurations is not None else None
+            pose = Pose.of(positions[row], quaternions[row])
+            answer = self._move(pose, configuration, through)
+            if progress is not None:
+                progress(row + 1, len(positions), answer)
+        return self.recording
+
+    def stop(self) -> Answer | None:
+        """Stops the robot where it is and ends its program; None if nothing answered in time.
+
+        May be asked for at any time, also where a request is under way. `ended` says afterwards
+        what is known of the robot. Raises Refused if the controller could not be told.
+        """
+        self._number = _next(self._number)
+        number, names = self._number, self._names
+        self._put("stop", messages.stop_request(number))
+        end = time.monotonic() + self._timeout
+        while time.monotonic() < end:
+            data = self._look("stopped")
+            answer = None if data is None else messages.parse(data)
+            if answer is not None and answer.number == number:
+                self.stopped = answer
+                self._remove("stopped")
+                self.ended = "the robot stands still, and its program has ended"
+                return answer
+            self._pause()
+        for name in (names["request"], names["stop"]):
+            self._remove_named(name)
+        self.ended = (
+            f"nothing answered to the stop within {self._timeout:g} s: either no program of an "
+            "exchange runs on the controller, or the robot may still move"
+        )
+        return None
+
+    def _move(self, pose: Pose, configuration: Configuration | None, through: bool) -> Answer:
+        word: Word = "pass" if through else "move"
+        if not self._in_step or self._number == messages.LARGEST_NUMBER:
+            self.current_pose()  # the robot counts from the number of such a request
+        return self._ask(word, pose, configuration, self._longest)
+
+    def _ask(
+        self, word: Word, pose: Pose | None, configuration: Configuration | None, longest: float
+    ) -> Answer:
+        """Sends a request and waits for its own answer; others are left alone."""
+        if self.ended:
+            raise Refused(rules.ENDED(place=str(self.programs.address), reason=self.ended))
+        self._number = _next(self._number)
+        number, began, self._in_step = self._number, time.perf_counter(), False
+        self._put("request", messages.request(number, word, pose, configuration))
+        handed, looks = time.perf_counter(), 0
+        while True:
+            looking, looks = time.perf_counter(), looks + 1
+            data = self._look("answer")
+            answer = None if data is None else messages.parse(data)
+            if answer is not None and answer.number in (number, messages.UNREAD):
+                break
+            if time.perf_counter() - handed > longest:
+                self._unanswered(number, word, longest)
+            self._pause()
+        done = time.perf_counter()
+        self.spent = Spent(handed - began, looking - handed, done - looking, answer.motion, looks)
+        self._remove("answer")
+        if answer.word != "ok":
+            self._declined(answer, number, word)
+        self._in_step = True
+        self.recording.add(time.monotonic() - self._begin, answer, self.spent, pose)
+        return answer
+
+    def _unanswered(self, number: int, word: Word, seconds: float) -> None:
+        """Takes the request back, if it still lies there, so that nothing carries it out later."""
+        lay = self._look("request") is not None
+        if lay:
+            self._remove("request")
+            state = "it was not taken and has been removed; it moved nothing"
+        else:
+            state = "it was taken, so that the robot may still move"
+        raise Refused(
+            rules.NO_ANSWER(
+                place=str(self.programs.address),
+                number=number,
+                word=word,
+                seconds=seconds,
+                state=state,
+            )
+        )
+
+    def _declined(self, answer: Answer, number: int, word: Word) -> None:
+        unknown = f"it answered `{answer.word}`", "look at the event log of the controller"
+        reason, cure = rules.REASONS.get(answer.word, unknown)
+        x, y, z = answer.pose.position
+        still = "it stands" if answer.word != "failed" else "it was"
+        raise Refused(
+            rules.DECLINED(
+                place=str(self.programs.address),
+                number=number,
+                word=word,
+                reason=reason,
+                state=f"{still} at ({x:g}, {y:g}, {z:g}) mm",
+                cure=cure,
+            )
+        )
+
+    def _stop_after(self, error: BaseException) -> None:
+        """Stops; anew connected where the session was lost or left in the midst of a command."""
+        try:
+            if isinstance(error, common.Lost) or not isinstance(error, Exception):
+                self.programs.__exit__(None, None, None)
+                self.programs.__enter__()
+            self.stop()
+        except Refused as refused:
+            self.ended = f"the robot could not be told to stop and may still move: {refused}"
+        if isinstance(error, Refused):
+            error.add_note(self.ended)
+
+    def _checked(self, positions: ArrayLike, quaternions: ArrayLike) -> tuple[Floats, Floats]:
+        """Columns of poses that may be sent; raises Refused for the first that must not."""
+        place = np.asarray(positions, dtype=np.float64).reshape(-1, 3)
+        turn = np.asarray(quaternions, dtype=np.float64).reshape(-1, 4)
+        if len(place) != len(turn):
+            reason = f"there are {len(place)} positions and {len(turn)} quaternions"
+            raise Refused(_bad(min(len(place), len(turn)), reason, "state both for each pose"))
+        if not len(place):
+            return place, turn
+        finite = np.isfinite(place).all(axis=1) & np.isfinite(turn).all(axis=1)
+        near = (np.abs(place) <= FARTHEST).all(axis=1)
+        unit = np.abs(np.sqrt((turn * turn).sum(axis=1)) - 1.0) <= UNIT
+        for good, reason, cure in (
+            (finite, "it holds a number that is not finite", "correct the number"),
+            (near, f"it is farther than {FARTHEST:g} mm away", "state positions in mm"),
+            (unit, "its quaternion is not of unit length", "state unit quaternions (w, x, y, z)"),
+        ):
+            bad = np.flatnonzero(~good)
+            if bad.size:
+                raise Refused(_bad(int(bad[0]), reason, cure))
+        turn = rotations.canonical(turn)
+        refused = dict(self._check(place, turn)) if self._check is not None else {}
+        if refused:
+            row = min(refused)
+            more = f" ({len(refused)} poses are refused)" if len(refused) > 1 else ""
+            raise Refused(_bad(row, refused[row] + more, "choose a pose that may be sent"))
+        return place, turn
+
+    def _put(self, file: str, data: bytes) -> None:
+        name = self._names[file]
+        if isinstance(self.programs, HandsOver):
+            self.programs.hand_over(name, data)
+        else:
+            self.programs.write(name, data)
+
+    def _look(self, file: str) -> bytes | None:
+        name = self._names[file]
+        if isinstance(self.programs, HandsOver):
+            return self.programs.look(name)
+        return self.programs.read(name)
+
+    def _remove(self, file: str) -> None:
+        self._remove_named(self._names[file])
+
+    def _remove_named(self, name: str) -> None:
+        if isinstance(self.programs, HandsOver):
+            self.programs.take_away(name)
+        else:
+            self.programs.remove(name)
+
+    def _pause(self) -> None:
+        threading.Event().wait(self._poll)
+
+
+def _next(number: int) -> int:
+    return number % messages.LARGEST_NUMBER + 1
+
+
+def _bad(row: int, reason: str, cure: str) -> Diagnostic:
+    return rules.BAD_POSE(row=row + 1, reason=reason, cure=cure)

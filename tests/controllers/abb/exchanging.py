@@ -1,0 +1,81 @@
+"""A robot that exchanges poses: the printed module run by the interpreter, beside a file server."""
+
+import threading
+
+from assistant import languages, robots
+from assistant.controllers import connect
+from assistant.controllers.abb.exchange import Module, Tool
+from assistant.virtual.irc5 import VirtualIrc5
+from assistant.virtual.motion import Timed
+from assistant.virtual.rapid import TaskProgram, run_tasks
+from assistant.virtual.rapid.controller import Controller
+from assistant.virtual.rapid.disk import Disk
+
+ROBOT = "irb1200-7-0.7"
+TOOL = Tool((0.0, 0.0, 118.0), mass=0.9, centre=(0.0, 0.0, 52.0))
+MODULE = Module(tool="GRIPPER", tool_data=TOOL, longest=60.0)
+START = "MoveJ [[420,60,400],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v500,fine,{tool};"
+"""So that no axis is at the edge of its quadrant, as they are at home."""
+
+
+class RunningRobot:
+    """A context manager. pace: simulated seconds in a real one, None for as fast as it goes."""
+
+    def __init__(self, folder, module=MODULE, *, pace=None, begins=True):
+        self.controller = VirtualIrc5(folder)
+        text = module.text()
+        before, loop, behind = text.partition("        WHILE NOT bNobody DO\n")
+        start = f"        {START.format(tool=module.tool)}\n"
+        self.tree = languages.get("rapid").parse(before + start + loop + behind)
+        assert not self.tree.findings
+        self.pace, self.begins = pace, begins
+        self.run = None
+        self.thread = threading.Thread(target=self._runs, name="robot", daemon=True)
+
+    def __enter__(self):
+        self.controller.start()
+        if self.begins:
+            self.begin()
+        return self
+
+    def begin(self):
+        """Starts its program, and waits until that has cleared away what was left there."""
+        left = self.home / "exchange_stop.txt"
+        left.touch()
+        self.thread.start()
+        for _ in range(4000):
+            if not left.exists():
+                return
+            threading.Event().wait(0.005)
+        raise AssertionError("the program does not start")
+
+    def __exit__(self, *error):
+        if self.thread.is_alive():
+            (self.controller.folder / "exchange_stop.txt").write_text("1\nEND 1\n")
+            self.thread.join(20)
+        self.controller.stop()
+        assert not self.thread.is_alive()
+
+    @property
+    def home(self):
+        return self.controller.folder
+
+    def client(self, port=None, timeout=5.0):
+        address = f"ftp://{self.controller.user}@127.0.0.1:{port or self.controller.port}"
+        return connect(address, password=self.controller.password, timeout=timeout)
+
+    def ended(self):
+        """How its program ended."""
+        self.thread.join(20)
+        return self.run.ended, self.run.message
+
+    def _runs(self):
+        robot = robots.get(ROBOT)
+        self.run = run_tasks(
+            [TaskProgram(name="T_ROB1", modules=[self.tree])],
+            robot=robot,
+            motion=Timed(robot),
+            pace=self.pace,
+            most_time=600.0,
+            controller=Controller(disk=Disk(self.home, outside=True)),
+        )

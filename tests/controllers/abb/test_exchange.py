@@ -1,0 +1,396 @@
+"""Poses exchanged with the printed RAPID module, which the interpreter runs, over a file server."""
+
+import csv
+import io
+import socket
+import threading
+
+import numpy as np
+import pytest
+
+from assistant import languages
+from assistant.controllers.abb.exchange import Module, PoseExchange, Tool, messages
+from assistant.controllers.rules import Lost
+from assistant.languages.rapid import rules as rapid_rules
+from assistant.program import rotations
+from assistant.program.diagnostics import Refused
+from assistant.program.geometry import Pose
+from assistant.program.motion import Speed
+from assistant.program.path import Kind, Path
+from assistant.virtual.events import Moved
+from tests.controllers.abb.exchanging import MODULE, RunningRobot
+
+POSES = 35
+
+
+def codes(refused):
+    return [finding.code for finding in refused.value.findings]
+
+
+@pytest.fixture
+def robot(tmp_path):
+    with RunningRobot(tmp_path / "home") as robot:
+        yield robot
+
+
+@pytest.fixture
+def programs(robot):
+    with robot.client() as programs:
+        yield programs
+
+
+@pytest.fixture
+def exchange(programs):
+    with PoseExchange(programs) as exchange:
+        yield exchange
+
+
+def moves(robot):
+    """The lines that the robot has been told to go; the first motion is that to its start."""
+    return [event for event in robot.run.events if isinstance(event, Moved)][1:]
+
+
+def targets(start, number=POSES):
+    """Poses from where the robot is to 120 mm beside and 40 mm below, turned by 20 degrees."""
+    parts = np.arange(1, number + 1) / number
+    ends = rotations.multiply(start.quaternion, rotations.about([0.0, 0.0, 1.0], 20.0))
+    places = np.asarray(start.position) + parts[:, None] * np.array([0.0, 120.0, -40.0])
+    return places, rotations.between(np.asarray(start.quaternion), ends, parts)
+
+
+def test_35_poses_are_followed_and_each_is_answered_with_where_the_robot_stands(robot, programs):
+    told = []
+    with PoseExchange(programs) as exchange:
+        positions, quaternions = targets(exchange.current_pose().pose)
+        path = Path.of("way", positions, quaternions, speeds=[Speed(150.0)])
+        recording = exchange.follow(path, progress=lambda done, of, answer: told.append((done, of)))
+        exchange.stop()
+    assert told == [(i + 1, POSES) for i in range(POSES)]
+    assert np.abs(recording.positions[-POSES:] - positions).max() < 0.001
+    angles = rotations.angle_between(recording.quaternions[-POSES:], quaternions)
+    assert angles.max() < 0.001
+    assert robot.ended() == ("end", "")
+    assert [(m.kind, m.speed, m.blend) for m in moves(robot)] == [("linear", 150.0, 0.0)] * POSES
+    assert list(robot.home.iterdir()) == []
+
+
+def test_poses_on_the_way_go_through_the_zone(robot, programs):
+    with PoseExchange(programs) as exchange:
+        positions, quaternions = targets(exchange.current_pose().pose, 6)
+        exchange.follow((positions, quaternions), through=True)
+        exchange.move_to(Pose.of(positions[-1], quaternions[-1]))
+        exchange.stop()
+    robot.ended()
+    assert [move.blend for move in moves(robot)] == [100.0] * 6 + [0.0]
+
+
+def test_a_pose_is_answered_with_its_motion_and_where_the_time_went(exchange):
+    start = exchange.current_pose()
+    answer = exchange.move_to(start.pose.offset(z=15.0), configuration=start.configuration)
+    assert answer.pose.position == pytest.approx(start.pose.offset(z=15.0).position, abs=0.001)
+    assert answer.configuration == start.configuration
+    assert answer.motion > 0.1 and np.isnan(answer.external).all()
+    spent = exchange.spent
+    assert spent.looks >= 1 and spent.motion == answer.motion
+    assert spent.round_trip == spent.hand_over + spent.waiting + spent.fetching > 0.0
+
+
+@pytest.mark.parametrize(
+    ("offset", "configuration", "reason"),
+    [
+        ((5000.0, 0.0, 0.0), None, "outside of its reach"),
+        ((0.0, 20.0, 0.0), (3, 0, 0, 0), "limits"),
+    ],
+)
+def test_what_is_out_of_reach_is_answered_and_the_exchange_goes_on(
+    robot, programs, offset, configuration, reason
+):
+    with PoseExchange(programs) as exchange:
+        start = exchange.current_pose()
+        far = Pose.of(np.add(start.pose.position, offset), start.pose.quaternion)
+        with pytest.raises(Refused) as refused:
+            exchange.move_to(far, configuration=configuration)
+        assert codes(refused) == ["CN513"] and reason in str(refused.value)
+        assert exchange.move_to(start.pose).pose.position == pytest.approx(start.pose.position)
+        exchange.stop()
+    robot.ended()
+    assert len(moves(robot)) == 1
+
+
+@pytest.mark.parametrize(
+    ("position", "quaternion"),
+    [
+        ((np.nan, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)),
+        ((1.0, np.inf, 0.0), (1.0, 0.0, 0.0, 0.0)),
+        ((1.0, 2.0, 1e9), (1.0, 0.0, 0.0, 0.0)),
+        ((1.0, 2.0, 3.0), (0.0, 0.0, 0.0, 0.0)),
+        ((1.0, 2.0, 3.0), (0.9, 0.0, 0.0, 0.0)),
+        ((1.0, 2.0, 3.0), (np.nan, 0.0, 0.0, 0.0)),
+    ],
+)
+def test_poses_that_are_none_are_never_sent(robot, programs, position, quaternion):
+    with PoseExchange(programs) as exchange:
+        start = exchange.current_pose().pose
+        good = Pose.of(position, quaternion)
+        with pytest.raises(Refused) as refused:
+            exchange.move_to(good)
+        assert codes(refused) == ["CN511"]
+        both = ([start.position, position], [start.quaternion, quaternion])
+        with pytest.raises(Refused) as refused:
+            exchange.follow(both)
+        assert codes(refused) == ["CN511"] and "pose 2" in str(refused.value)
+        exchange.stop()
+    robot.ended()
+    assert moves(robot) == []
+
+
+def test_a_check_is_asked_before_anything_is_sent(robot, programs):
+    def check(positions, quaternions):
+        assert quaternions.shape == (len(positions), 4)
+        return {int(row): "it is too low" for row in np.flatnonzero(positions[:, 2] < 370.0)}
+
+    with PoseExchange(programs, check=check) as exchange:
+        ways = targets(exchange.current_pose().pose)
+        with pytest.raises(Refused) as refused:
+            exchange.follow(ways)
+        assert codes(refused) == ["CN511"] and "too low" in str(refused.value)
+        arc = Path.of("arc", *ways, kinds=[Kind.VIA, Kind.END] * 17 + [0], speeds=[Speed(1.0)])
+        with pytest.raises(Refused) as refused:
+            exchange.follow(arc)
+        assert "arc" in str(refused.value)
+        with pytest.raises(Refused) as refused:
+            exchange.follow(ways, configurations=[(0, 0, 0, 0)])
+        assert codes(refused) == ["CN511"]
+        exchange.stop()
+    robot.ended()
+    assert moves(robot) == []
+
+
+def ask(robot, text):
+    """Puts a request there by hand and gives the lines of the answer."""
+    arriving = robot.home / "arriving"
+    arriving.write_text(text)
+    arriving.rename(robot.home / "exchange_request.txt")
+    answer = robot.home / "exchange_answer.txt"
+    for _ in range(2000):
+        if answer.exists():
+            lines = answer.read_text().splitlines()
+            answer.unlink()
+            return lines
+        threading.Event().wait(0.005)
+    raise AssertionError("no answer")
+
+
+def test_what_the_robot_answers_to_requests_of_any_kind(robot):
+    here = ask(robot, "100\nwhere\n\n\n\nEND 100\n")
+    assert here[:2] == ["100", "ok"] and here[-1] == "END 100"
+    place, turn, configuration = here[2:5]
+    assert place == "[420,60,400]" and configuration == "[0,0,0,0]"
+
+    def move(number, place=place, turn=turn, configuration=configuration, word="move", end=None):
+        lines = [number, word, place, turn, configuration, end or f"END {number}"]
+        return ask(robot, "".join(f"{line}\n" for line in lines))[:2]
+
+    there = "[420,70,400]"
+    assert move("102", there) == ["102", "number"]
+    assert move("101", there) == ["101", "ok"]
+    assert move("101", there) == ["101", "ok"]
+    assert move("100", there) == ["100", "number"]
+    here = ask(robot, "200\nwhere\n\n\n\nEND 200\n")
+    assert here[2] == there
+    bad = (("[1,2]", turn), ("", turn), (there, "[0,0,0,0]"), (there, "[1,1,0,0]"))
+    for number, pose in enumerate(bad, 201):
+        assert move(str(number), *pose) == [str(number), "unreadable"]
+    assert move("205", there, turn, "[x]") == ["205", "unreadable"]
+    assert move("206", word="jump") == ["206", "unknown"]
+    assert move("207", end="END 20") == ["0", "incomplete"]
+    assert move("x") == ["0", "incomplete"]
+    assert ask(robot, "208\nmove\n")[:2] == ["0", "incomplete"]
+    assert ask(robot, "")[:2] == ["0", "incomplete"]
+    assert ask(robot, "9" * 300 + "\n")[:2] == ["0", "incomplete"]
+    (robot.home / "exchange_stop.txt").write_text("7\nEND 7\n")
+    assert robot.ended() == ("end", "")
+    assert len(moves(robot)) == 1
+    lines = (robot.home / "exchange_stopped.txt").read_text().splitlines()
+    assert lines[:2] == ["7", "stopped"] and lines[-1] == "END 7"
+
+
+def test_an_old_answer_is_not_taken_for_a_new_one(tmp_path):
+    with RunningRobot(tmp_path / "home", begins=False) as robot:
+        old = messages.request(5, "where")
+        (robot.home / "exchange_answer.txt").write_bytes(old)
+        with (
+            robot.client() as programs,
+            pytest.raises(Refused) as refused,
+            PoseExchange(programs, timeout=0.2),
+        ):
+            pass
+        assert codes(refused) == ["CN512"] and "removed" in str(refused.value)
+        assert [file.name for file in robot.home.iterdir()] == ["exchange_answer.txt"]
+
+
+def test_requests_that_were_left_are_not_carried_out_by_a_program_that_starts(tmp_path):
+    with RunningRobot(tmp_path / "home", begins=False) as robot:
+        pose = Pose((420.0, 90.0, 400.0), (0.0, 0.0, 1.0, 0.0))
+        (robot.home / "exchange_request.txt").write_bytes(messages.request(1, "move", pose))
+        robot.begin()
+        with robot.client() as programs, PoseExchange(programs) as exchange:
+            assert exchange.current_pose().pose.position == pytest.approx((420.0, 60.0, 400.0))
+            exchange.stop()
+        robot.ended()
+        assert moves(robot) == []
+
+
+def test_a_second_exchange_in_between_is_noticed(robot, programs):
+    with PoseExchange(programs) as first:
+        start = first.current_pose().pose
+        with robot.client() as others, PoseExchange(others) as second:
+            second.current_pose()
+        with pytest.raises(Refused) as refused:
+            first.move_to(start.offset(z=5.0))
+        assert codes(refused) == ["CN513"] and "another exchange" in str(refused.value)
+        first.move_to(start.offset(z=5.0))
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, RuntimeError])
+def test_an_interrupt_stops_the_robot_on_its_way(tmp_path, error):
+    with RunningRobot(tmp_path / "home", pace=1.0) as robot, robot.client() as programs:
+        exchange = PoseExchange(programs)
+        going = threading.Event()
+
+        def interrupt(positions, quaternions):
+            threading.Timer(0.4, going.set).start()
+            return {}
+
+        with pytest.raises(error), exchange:
+            start = exchange.current_pose().pose
+            look = exchange._look
+
+            def looked(file):
+                if going.is_set() and file == "answer":
+                    going.clear()
+                    raise error
+                return look(file)
+
+            exchange._check, exchange._look = interrupt, looked
+            exchange.move_to(start.offset(x=-200.0))
+        assert exchange.ended == "the robot stands still, and its program has ended"
+        way = np.linalg.norm(np.subtract(exchange.stopped.pose.position, start.position))
+        assert 1.0 < way < 190.0
+        with pytest.raises(Refused) as refused:
+            exchange.current_pose()
+        assert codes(refused) == ["CN514"]
+        assert robot.ended() == ("end", "")
+
+
+def test_a_stop_that_nobody_answers_says_so(tmp_path):
+    with RunningRobot(tmp_path / "home", begins=False) as robot, robot.client() as programs:
+        exchange = PoseExchange(programs, timeout=0.2)
+        assert exchange.stop() is None and "may still move" in exchange.ended
+        assert list(robot.home.iterdir()) == []
+
+
+def test_a_program_that_nobody_asks_ends(tmp_path):
+    with RunningRobot(tmp_path / "home", Module(longest=1.0, tool_data=None)) as robot:
+        pass
+    assert robot.ended()[0] == "end"
+
+
+def test_a_connection_that_is_lost_is_found_and_the_robot_stopped(robot, programs):
+    with pytest.raises(Lost) as lost, PoseExchange(programs) as exchange:
+        programs._ftp.sock.shutdown(socket.SHUT_RDWR)
+        exchange.current_pose()
+    assert codes(lost) == ["CN204"]
+    assert exchange.ended == "the robot stands still, and its program has ended"
+    assert lost.value.__notes__ == [exchange.ended]
+
+
+def test_recordings_are_tables_with_units(exchange):
+    start = exchange.current_pose().pose
+    exchange.move_to(start.offset(z=5.0))
+    rows = list(csv.DictReader(io.StringIO(exchange.recording.csv().decode())))
+    assert len(rows) == len(exchange.recording) == 3
+    assert rows[0]["asked_x"] == "" and float(rows[2]["asked_z"]) == pytest.approx(395.0)
+    assert float(rows[2]["z"]) == pytest.approx(395.0, abs=1e-3)
+    columns = np.load(io.BytesIO(exchange.recording.npz()))
+    assert set(columns) == set(rows[0])
+    assert np.isnan(columns["asked_x"][:2]).all() and (np.diff(columns["seconds"]) > 0.0).all()
+    assert exchange.recording.npz() == exchange.recording.npz()
+
+
+@pytest.mark.parametrize(
+    "module",
+    [
+        MODULE,
+        Module(),
+        Module(tool="tGrip2", work_object="wobjTable", speed="vSlow", zone="fine", prefix="px"),
+        Module(folder="HOME:/parts/", longest=0.5e4, poll=0.5, look=1.0),
+    ],
+)
+def test_the_module_is_rapid_without_a_finding(module):
+    rapid = languages.get("rapid")
+    tree = rapid.parse(module.text())
+    found = [*tree.findings, *rapid.check([tree])]
+    given = {"tGrip2", "wobjTable", "vSlow"} if module.tool == "tGrip2" else set()
+    assert not [f for f in found if not any(f"`{name}`" in f.message for name in given)]
+    assert rapid_rules and all(len(line) < 120 for line in module.text().splitlines())
+
+
+def test_the_module_moves_as_the_paper_does():
+    text = Module(tool="GRIPPER", tool_data=Tool((0.0, 0.0, 118.0))).text()
+    assert "MoveL Posenew,v150,z100,GRIPPER" in text
+    assert "WaitUntil IsFile(stRequest)\\MaxTime:=240" in text
+    assert (
+        "PERS tooldata GRIPPER:=[TRUE,[[0,0,118],[1,0,0,0]],[1,[0,0,50],[1,0,0,0],0,0,0]];" in text
+    )
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"tool": "GRIP;Stop"}, {"speed": "v150,fine,tool0;Stop;MoveL x"}, {"zone": ""},
+        {"module": "1st"}, {"work_object": "a" * 33}, {"tool": "endproc"}, {"tool": "Posenew"},
+        {"module": "größe"}, {"prefix": "../x"}, {"prefix": ""}, {"prefix": "a b"},
+        {"folder": "HOME:/../x"}, {"folder": 'HOME:"+x'}, {"folder": "HOME"}, {"tool": "tell\n"},
+        {"longest": 0.0}, {"poll": 0.01}, {"look": float("nan")}, {"longest": float("inf")},
+        {"tool_data": Tool((0.0, 0.0, float("nan")))},
+        {"tool_data": Tool((0.0, 0.0, 0.0), mass=0.0)},
+    ],
+    ids=str,
+)  # fmt: skip
+def test_what_is_no_name_or_figure_never_gets_into_the_module(given):
+    with pytest.raises(Refused) as refused:
+        Module(**given).text()
+    assert codes(refused)[0] in {"CN515", "CN516"}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "", "5\nok\n", "x\nok\n[1,2,3]\n[1,0,0,0]\n[0,0,0,0]\n[1,1,1,1,1,1]\n0\nEND x\n",
+        "5\nok\n[1,2,3]\n[1,0,0,0]\n[0,0,0,0]\n[1,1,1,1,1,1]\n0\nEND 6\n",
+        "5\nok\n[1,2]\n[1,0,0,0]\n[0,0,0,0]\n[1,1,1,1,1,1]\n0\nEND 5\n",
+        "5\nok\n[1,2,nan]\n[1,0,0,0]\n[0,0,0,0]\n[1,1,1,1,1,1]\n0\nEND 5\n",
+        "5\nok\n[1,2,3]\n[0,0,0,0]\n[0,0,0,0]\n[1,1,1,1,1,1]\n0\nEND 5\n",
+        "5\nok\n[1,2,3]\n[2,0,0,0]\n[0,0,0,0]\n[1,1,1,1,1,1]\n0\nEND 5\n",
+        "5\nok\n[1,2,3]\n[1,0,0,0]\n[0,0,0,0]\n[1,1,1,1,1,1]\nsoon\nEND 5\n",
+        "\xff" * 3000,
+    ],
+)  # fmt: skip
+def test_files_that_are_no_answer(text):
+    assert messages.parse(text.encode("latin-1")) is None
+
+
+def test_an_answer_is_read_as_the_controller_writes_it():
+    text = (
+        "5\nok\n[524.205,-0.5,691.1]\n[0.5,0,0.866025,-5.97135E-07]\n[0,-1,0,4]\n"
+        "[9E+09,12.5,9E+09,9E+09,9E+09,9E+09]\n0.068\nEND 5\n"
+    )
+    answer = messages.parse(text.encode())
+    assert answer == messages.parse(text.replace("\n", "\r\n").encode())
+    assert (answer.number, answer.word, answer.motion) == (5, "ok", 0.068)
+    assert answer.pose.position == (524.205, -0.5, 691.1) and answer.configuration == (0, -1, 0, 4)
+    assert np.linalg.norm(answer.pose.quaternion) == pytest.approx(1.0, abs=1e-12)
+    assert answer.external[1] == 12.5 and np.isnan(answer.external[0])
+    for end in range(len(text) - 1):
+        assert messages.parse(text[:end].encode()) is None
