@@ -236,6 +236,24 @@ def test_a_client_that_says_zero_again_stops_them_whatever_com_on_does() -> None
         stops(cell, moment + 1.0)
 
 
+def test_a_client_that_asks_to_be_watched_and_dies_leaves_no_arm_that_moves() -> None:
+    cell = Cell(HARDENED, motion=Timed(ROBOT, joints=ROBOT.own_joints(HOME)), seconds=20.0)
+    for moment in (0.2, 1.5, 3.0):
+        cell.send(moment, cell.com2, "2\r")
+    for number in range(8):
+        cell.send(2.0, cell.com1, JOINTS.format((-1) ** number * 150))
+    cell.run()
+    assert cell.stream[-1] == "END" and 4.9 < float(cell.stream[-2].split("|")[0]) / 1000 < 5.1
+    assert [slot.state for slot in cell.controller.slots[:3]] == ["waits", "reset", "reset"]
+
+
+def test_a_client_that_does_not_ask_for_it_is_not_watched() -> None:
+    cell = Cell(HARDENED, seconds=6.0)
+    cell.send(0.2, cell.com2, "1\r")
+    cell.run()
+    assert float(cell.stream[-1].split("|")[0]) > 5900
+
+
 def test_they_start_again_behind_a_stop() -> None:
     cell = Cell(HARDENED)
     cell.send(0.3, cell.com2, "0\r")

@@ -86,16 +86,23 @@ class DataLink:
 
         CR or CR LF ends it. After a failure the line is closed: half a line must not pass for one.
         """
-        end = time.monotonic() + (self.timeout if timeout is None else timeout)
+        line = self.wait(self.timeout if timeout is None else timeout)
+        if line is None:
+            self._lost(rules.LINE_LOST, doing="receiving", reason="no answer in time")
+        return line
+
+    def wait(self, timeout: float) -> str | None:
+        """The same, but None if no whole line has come in time; what came stays for the next."""
+        end = time.monotonic() + timeout
         while (line := self._whole()) is None:
             if len(self._come) > MOST_LINE:
-                shown = repr(self._come[:80])
-                self._lost(rules.LINE_GARBLED, answer=shown)
+                self._lost(rules.LINE_GARBLED, answer=repr(self._come[:80]))
             try:
                 self._come += self.stream.receive(max(0.0, end - time.monotonic()))
+            except TimeoutError:
+                return None
             except OSError as error:
-                reason = reason_of(error)
-                self._lost(rules.LINE_LOST, doing="receiving", reason=reason)
+                self._lost(rules.LINE_LOST, doing="receiving", reason=reason_of(error))
         return line
 
     def record(self, form: Form, timeout: float | None = None) -> tuple[Value, ...]:

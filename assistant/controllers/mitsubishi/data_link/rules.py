@@ -53,7 +53,7 @@ TOO_FAR: Final = error(
 )
 STALLED: Final = error(
     "CN624",
-    "the arm stood still for {seconds:g} s, {left} of {count} points were not reached; {state}",
+    "the arm stood still for {seconds:g} s, {left} of {count} points were not reached",
     "look at the controller's error, then begin anew",
 )
 SILENT: Final = error(

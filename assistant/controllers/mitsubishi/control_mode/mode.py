@@ -1,0 +1,232 @@
+"""Data link control mode (Kohrt et al., A robot manipulator communications and control framework).
+
+A program in slot 3 moves to each joint position that comes over one line, without stopping
+between those that are waiting (`Cnt`), while one in slot 2 sends the status over another.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+from functools import partial
+from types import TracebackType
+from typing import Final, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from assistant.controllers.controller import Controller
+from assistant.controllers.mitsubishi.control_mode import programs
+from assistant.controllers.mitsubishi.control_mode.points import checked, limits_of
+from assistant.controllers.mitsubishi.control_mode.status import Status, StatusStream
+from assistant.controllers.mitsubishi.data_link import DataLink, Joints, rules
+from assistant.controllers.recording import Recording
+from assistant.controllers.rules import Lost
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Refused
+
+AHEAD: Final = 8
+"""Points that are sent before the controller has taken them: what it moves to at most if the
+line dies.
+"""
+REACHED: Final = 0.02
+"""Degrees; positions are printed with two decimals."""
+STOPPING: Final = 5.0
+"""Seconds that the programs have to end."""
+LOOK: Final = 0.1
+"""Seconds between two looks whether they have."""
+
+
+class ControlMode:
+    """A context manager: entering starts the programs and the status stream, leaving stops them.
+
+    controller: is connected; the programs are installed and started through it. None: somebody
+    else starts them. control_line, status_line: what leads to COM1 and COM2 of the programs, a
+    target of `DataLink` or a link that is not open yet. limits: (k, 2) lowest and highest degrees
+    of each axis. most_step: degrees that an axis may turn between two points. ahead: points that
+    are sent before the controller takes them. silence: seconds without a status that stop it.
+    timeout: seconds in which an arm that is to move does. replace: other programs of the names of
+    ours on the controller.
+    """
+
+    def __init__(
+        self,
+        controller: Controller | None,
+        control_line: str | DataLink,
+        status_line: str | DataLink,
+        *,
+        limits: ArrayLike,
+        most_step: float | None = None,
+        ahead: int = AHEAD,
+        silence: float = 2.0,
+        timeout: float = 10.0,
+        replace: bool = False,
+    ) -> None:
+        self.controller = controller
+        self.limits = limits_of(limits)
+        self.most_step = most_step
+        self.ahead = ahead
+        self.timeout = timeout
+        self._replace = replace
+        self._control = _link(control_line, timeout)
+        self._stream = StatusStream(_link(status_line, timeout), silence)
+        self._sent = 0
+        self._started = self._stopped = False
+
+    @property
+    def recording(self) -> Recording:
+        """Every status that came, in columns; `seconds` are those of this computer."""
+        return self._stream.recording
+
+    @property
+    def status(self) -> Status:
+        """The latest one; raises Refused if there is none any more."""
+        return self._stream.first()
+
+    def __enter__(self) -> Self:
+        try:
+            self._begin()
+        except BaseException:
+            self._leave()
+            raise
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Raises Refused if the programs could not be stopped, unless there is an error already."""
+        try:
+            state = self.stop()
+        finally:
+            self._close()
+        if state != STOPPED and error is None:
+            raise Lost(rules.ENDED(place=self._stream.link.target, state=state))
+
+    def follow(
+        self, joints: ArrayLike, *, progress: Callable[[int, int], None] | None = None
+    ) -> None:
+        """Moves through the points, and comes back when the arm is at the last one.
+
+        joints: (n, k) degrees, NaN for an axis that the arm lacks. progress: is told of how many
+        of how many the controller has taken. Whatever fails, ^C too, stops the programs.
+        Raises Refused: limits are looked at before anything is sent.
+        """
+        points = checked(joints, self.limits, self.most_step)
+        try:
+            self._follow(points, progress or (lambda _done, _count: None))
+        except BaseException as error:
+            state = self.stop()
+            if isinstance(error, Refused):
+                raise self._with(error, state) from None
+            raise
+
+    def stop(self) -> str:
+        """Stops the arm and the programs; in words, what is known of them."""
+        if self._stopped:
+            return STOPPED
+        said = self._started and self._stream.stop(STOPPING)
+        stands = self.controller is None or self._stop_through(self.controller, said)
+        self._stopped = stands if self.controller is not None else said
+        if self._stopped or not self._started:
+            return STOPPED
+        return "the programs stop by themselves within 2 s if they still run: look at the arm"
+
+    # ------------------------------------------------------------------------------ inside
+
+    def _begin(self) -> None:
+        self._control.prepare()
+        self._stream.link.prepare()
+        if self.controller is not None:
+            programs.check_idle(self.controller)
+            programs.install(self.controller, replace=self._replace)
+            self.controller.load(programs.FIRST)
+            self._started = True
+            self.controller.start()
+        self._stream.link.open()
+        self._control.open()
+        self._started = True
+        self._stream.start()
+        self._sent = self.status.taken
+
+    def _leave(self) -> None:
+        with suppress(Refused):
+            self.stop()
+        self._close()
+
+    def _close(self) -> None:
+        self._stream.close()
+        self._control.close()
+
+    def _follow(self, points: Floats, progress: Callable[[int, int], None]) -> None:
+        before, count = self._sent, len(points)
+
+        def until(enough: Callable[[Status], bool]) -> None:
+            """Waits as long as the arm moves or points are taken; raises Refused."""
+            while not enough(then := self.status):
+                if not self._stream.wait(partial(_moved, then), self.timeout):
+                    raise self._stalled(count - (then.taken - before), count)
+                progress(self.status.taken - before, count)
+
+        for point in points:
+            until(lambda now: self._sent - now.taken < self.ahead)
+            self._control.send(Joints(tuple(point.tolist())))
+            self._sent += 1
+        until(lambda now: self._is_at(now, points[-1]))
+        progress(count, count)
+
+    def _is_at(self, now: Status, goal: Floats) -> bool:
+        there = np.array(now.commanded.values[: len(goal)])
+        away = np.nan_to_num(np.abs(there - goal))
+        return now.taken == self._sent and bool((away <= REACHED).all())
+
+    def _stalled(self, left: int, count: int) -> Refused:
+        place = self._control.target
+        return Refused(rules.STALLED(place=place, seconds=self.timeout, left=left, count=count))
+
+    def _stop_through(self, controller: Controller, said: bool) -> bool:
+        """Whether no program runs any more; they are stopped unless they end by themselves."""
+        end = time.monotonic() + (STOPPING if said else 0.0)
+        try:
+            while controller.state().running and time.monotonic() < end:
+                time.sleep(LOOK)
+            if controller.state().running:
+                controller.stop()
+            return not controller.state().running
+        except Refused:
+            return False
+
+    def _with(self, error: Refused, state: str) -> Refused:
+        """An error with what is known of the controller behind it."""
+        first, *more = error.findings
+        told = replace(first, message=f"{first.message}; {state}{self._why()}")
+        return type(error)(told, *more, exit_status=error.exit_status)
+
+    def _why(self) -> str:
+        """What the controller says that it stands still for."""
+        if self.controller is None:
+            return ""
+        try:
+            found = programs.troubles(self.controller.state())
+        except Refused:
+            return "; the controller does not answer"
+        return f"; the controller says: {', '.join(found)}" if found else ""
+
+
+STOPPED: Final = "the programs were stopped"
+
+
+def _moved(then: Status, now: Status | None) -> bool:
+    """Between two looks."""
+    return now is not None and (
+        now.taken != then.taken
+        or not np.array_equal(now.commanded.values, then.commanded.values, equal_nan=True)
+    )
+
+
+def _link(line: str | DataLink, timeout: float) -> DataLink:
+    return line if isinstance(line, DataLink) else DataLink(line, timeout=timeout)

@@ -1,0 +1,174 @@
+"""The status stream of data link control mode: a thread that hears it, and keeps it alive.
+
+The program DATALINK sends records from the first message on until a "0", and all programs stop
+when the "2" of a client that asked to be watched does not come for two seconds.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final, NoReturn
+
+from assistant.controllers.mitsubishi.data_link import DataLink, Form, Joints, Position, rules
+from assistant.controllers.rules import Lost
+from assistant.program.diagnostics import Refused, Rule
+
+FORM: Final = Form.parse("M_TIMER(1) | P_CURR | J_FBC | J_CURR | M_RSPD(3) | M_04")
+"""What the program DATALINK prints."""
+READY: Final = "READY"
+ENDED: Final = "END"
+STOP: Final = "0"
+WATCHED: Final = "2"
+BEAT: Final = 0.4
+"""Seconds between two messages of a client that is watched; two seconds stop the programs."""
+STATE: Final = "the programs stop within 2 s, as nobody asks for more"
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """A record of the stream.
+
+    seconds: on the controller since its program began. position: of the tool. feedback,
+    commanded: joints in degrees, as measured and as asked for. speed: of the tool, mm/s.
+    taken: joint positions that the program has read from its line.
+    """
+
+    seconds: float
+    position: Position
+    feedback: Joints
+    commanded: Joints
+    speed: float
+    taken: int
+
+
+class StatusStream:
+    """silence: seconds without a record after which the arm is not known any more."""
+
+    def __init__(self, link: DataLink, silence: float) -> None:
+        self.link = link
+        self.silence = silence
+        self.recording = FORM.recording("seconds")
+        self.latest: Status | None = None
+        self.ended = False
+        self.failure: Refused | None = None
+        self._news = threading.Condition()
+        self._stopping = threading.Event()
+        self._over = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="status", daemon=True)
+
+    def start(self) -> None:
+        """Asks for the stream; the link is open."""
+        self._thread.start()
+
+    def first(self) -> Status:
+        """The latest record, once there is one; raises Refused as `wait` does."""
+        if self._thread.ident is None:
+            doing, reason = "asking for the status", "there is no session"
+            target = self.link.target
+            told = rules.LINE_LOST(
+                place=target, target=target, doing=doing, reason=reason, state="nothing was sent"
+            )
+            raise Lost(told)
+        while not self.wait(lambda latest: latest is not None, self.link.timeout):
+            """The thread tells when that took too long."""
+        assert self.latest is not None
+        return self.latest
+
+    def wait(self, enough: Callable[[Status | None], bool], timeout: float) -> bool:
+        """Waits until a record is enough; False if none was in time.
+
+        Raises Refused once there is no stream any more.
+        """
+        with self._news:
+            self._news.wait_for(lambda: self._gone or enough(self.latest), timeout)
+            if self.failure is not None:
+                raise self.failure
+            if self.ended:
+                raise Lost(rules.ENDED(place=self.link.target, state="the arm stands"))
+            return enough(self.latest)
+
+    def stop(self, timeout: float) -> bool:
+        """Asks for the end of all programs; whether they said that they end."""
+        if self._thread.is_alive():
+            self._stopping.set()
+            with self._news:
+                self._news.wait_for(lambda: self._gone, timeout)
+        return self.ended
+
+    def close(self) -> None:
+        """Ends the thread and the line."""
+        self._over.set()
+        if self._thread.is_alive():
+            self._thread.join()
+        self.link.close()
+
+    @property
+    def _gone(self) -> bool:
+        return self.ended or self.failure is not None
+
+    def _run(self) -> None:
+        try:
+            self._hear()
+        except Refused as failure:
+            with self._news:
+                self.failure = failure
+                self._news.notify_all()
+
+    def _hear(self) -> None:
+        began = heard = time.monotonic()
+        said, word = -BEAT, ""
+        while not self._over.is_set():
+            now = time.monotonic()
+            asked = STOP if self._stopping.is_set() else WATCHED
+            if now - said >= BEAT or asked != word:
+                said, word = now, asked
+                self.link.send(word)
+            line = self.link.wait(SLICE)
+            now = time.monotonic()
+            if line == ENDED:
+                with self._news:
+                    self.ended = True
+                    self._news.notify_all()
+                return
+            if line is not None and self._take(line, now - began):
+                heard = now
+            allowed = self.silence if self.latest is not None else self.link.timeout
+            if now - heard > allowed:
+                self._fail(rules.SILENT, seconds=allowed)
+
+    def _take(self, line: str, seconds: float) -> bool:
+        """Whether the line is a record; raises Lost if it is nothing that the program says."""
+        if line == READY and self.latest is None:
+            return False
+        try:
+            values = FORM.read(line)
+        except ValueError:
+            self._fail(rules.LINE_GARBLED, answer=repr(line[:80]))
+        match values:
+            case (
+                float(timer),
+                Position() as position,
+                Joints() as feedback,
+                Joints() as commanded,
+                float(speed),
+                float(taken),
+            ):
+                status = Status(timer / 1000, position, feedback, commanded, speed, int(taken))
+            case _:
+                raise AssertionError(FORM)
+        with self._news:
+            self.latest = status
+            FORM.record(self.recording, values, seconds)
+            self._news.notify_all()
+        return True
+
+    def _fail(self, rule: Rule, *, seconds: float = 0.0, answer: str = "") -> NoReturn:
+        target = self.link.target
+        raise Lost(rule(place=target, target=target, seconds=seconds, answer=answer, state=STATE))
+
+
+SLICE: Final = 0.1
+"""Seconds that a record is waited for at a time."""
