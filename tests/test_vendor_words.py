@@ -41,7 +41,8 @@ COMMON: Final = frozenset(
 EXCEPTIONS: Final = {
     ("checks/arcs.py", "rapid"): "says whose limit it is",
     ("cli/app.py", "rapid"): "help: what the program is for",
-    ("cli/app.py", "melfa"): "help: what the program is for, and an address to type",
+    ("cli/app.py", "melfa"): "help: what the program is for",
+    ("cli/looking.py", "reset"): "the name of our own command",
     ("cli/options.py", "melfa"): "help: whose frames the option is about",
     ("languages/__init__.py", "melfa"): "the table of languages",
     ("languages/__init__.py", "rapid"): "the table of languages",

@@ -8,6 +8,7 @@ from typing import Annotated, Final
 import typer
 
 from assistant import __version__
+from assistant.cli import on_arms, on_controllers
 from assistant.cli.options import (
     EntryOption,
     FindingFormatOption,
@@ -291,7 +292,9 @@ app.command()(debug)
 @app.command()
 def deploy(
     files: Annotated[list[Path], typer.Argument(help="Robot programs to install.")],
-    to: Annotated[str, typer.Option(help="Controller: ftp://user@host or melfa://host:port.")],
+    to: Annotated[
+        str, typer.Option(help="Controller: its name in assistant.toml, or its address.")
+    ],
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Only show what would change.")
     ] = False,
@@ -305,6 +308,11 @@ def deploy(
     from assistant.cli.deploying import run_deploy
 
     raise typer.Exit(run_deploy(files, to, dry_run, backup, format))
+
+
+for command in (*on_controllers.COMMANDS, *on_arms.COMMANDS):
+    minus = {"ignore_unknown_options": True} if command.__name__ in on_arms.NUMBERS else None
+    app.command(context_settings=minus)(command)
 
 
 @robots.callback()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path as FilePath
-from typing import Final, Protocol, Self
+from typing import Final, Protocol, Self, runtime_checkable
 
 from assistant.controllers.address import SCHEMES, Address
 from assistant.controllers.credentials import Credentials, Question, find
@@ -52,6 +52,7 @@ class Programs(Protocol):
         """The form in which two versions of a program are compared."""
 
 
+@runtime_checkable
 class Controller(Programs, Protocol):
     """A controller that can be looked at and operated, beside the programs that it keeps.
 

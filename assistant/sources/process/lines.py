@@ -31,12 +31,20 @@ def key_spans(text: str) -> dict[KeyPath, Span]:
     return reader.spans
 
 
+def value_spans(text: str) -> dict[KeyPath, Span]:
+    """The span of each value, by the path of its key from the top; see `key_spans`."""
+    reader = _Keys(text)
+    reader.document()
+    return reader.values
+
+
 class _Keys:
     """Reads keys and skips values; the text is known to be valid."""
 
     def __init__(self, text: str) -> None:
         self.text, self.at = text, 0
         self.spans: dict[KeyPath, Span] = {}
+        self.values: dict[KeyPath, Span] = {}
         self.entries: dict[KeyPath, int] = {}
 
     def document(self) -> None:
@@ -69,7 +77,9 @@ class _Keys:
     def _pair(self, table: KeyPath) -> None:
         path = self._key(table)
         self.at = self.text.index("=", self.at) + 1
+        start = self._skip(SPACE)
         self._value(path)
+        self.values[path] = Span(start, self.at)
 
     def _key(self, table: KeyPath) -> KeyPath:
         """A dotted key; every part of it gets its place."""

@@ -1,0 +1,180 @@
+"""Controllers of the command line: found by name or address, connected to, and their answers."""
+
+from __future__ import annotations
+
+import dataclasses
+import getpass
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import PurePath
+from typing import TYPE_CHECKING, Final
+
+from assistant.program.diagnostics import Diagnostic, Refused, error
+
+if TYPE_CHECKING:
+    from assistant.controllers import Controller, Named, Programs
+    from assistant.controllers.states import Fault, Position, State
+    from assistant.robots import Robot
+
+NO_VALUE: Final = error("CL201", "`{given}` gives nothing a value", "write NAME=VALUE")
+NO_NUMBER: Final = error("CL202", "`{given}` is no number", "write NAME=NUMBER, as doGrip=1")
+
+
+def named_by(text: str) -> Named:
+    from assistant.controllers import named
+
+    return named(text)
+
+
+def client_of(one: Named, timeout: float | None = None) -> Programs:
+    """A client that is not connected yet; asks for a password where somebody can answer."""
+    from assistant.controllers import connect
+
+    return connect(one, ask=_ask if sys.stdin.isatty() else None, timeout=timeout)
+
+
+def _ask(prompt: str) -> str | None:
+    return getpass.getpass(prompt)
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """A controller that is connected to. command: that is carried out, for what it cannot do."""
+
+    one: Named
+    session: Programs
+    command: str
+
+    @property
+    def controller(self) -> Controller:
+        """The session, to look at the controller and to operate it; raises Refused."""
+        from assistant.controllers import Controller
+
+        if not isinstance(self.session, Controller):
+            raise Refused(_not_here(self.one, self.command), exit_status=2)
+        return self.session
+
+
+def _not_here(one: Named, command: str) -> Diagnostic:
+    from assistant.controllers import rules
+    from assistant.controllers.address import SCHEMES
+
+    title = SCHEMES[one.address.scheme].title
+    return rules.NOT_HERE(
+        place=str(one.address),
+        address=one.address,
+        what=f"do `{command}`",
+        reason=f"{title} keeps programs and no more",
+        cure="name an address by which the controller is operated, as docs/controllers lists them",
+    )
+
+
+@contextmanager
+def reached(text: str, command: str) -> Iterator[Cell]:
+    """A controller by its name or address, connected to. What it cannot do is wrong usage."""
+    from assistant.controllers import rules
+
+    one = named_by(text)
+    try:
+        with client_of(one) as session:
+            yield Cell(one, session, command)
+    except Refused as refused:
+        if any(finding.code == rules.NOT_HERE.code for finding in refused.findings):
+            raise Refused(*refused.findings, exit_status=2) from None
+        raise
+
+
+def robot_of_cell(one: Named) -> Robot | None:
+    """The arm that the project says a controller moves, None if it does not say."""
+    from assistant.compiler.arms import robot_of
+
+    return robot_of(one.robot)
+
+
+# ---------------------------------------------------------------------------------- arguments
+
+
+def assignments(given: Sequence[str]) -> tuple[list[str], dict[str, str]]:
+    """Names to read, and names with the values that they get; raises Refused."""
+    read, written = [], {}
+    for one in given:
+        name, is_set, value = one.partition("=")
+        name = name.strip()
+        if not name or (is_set and not value.strip()):
+            raise Refused(NO_VALUE(given=one), exit_status=2)
+        if is_set:
+            written[name] = value.strip()
+        else:
+            read.append(name)
+    return read, written
+
+
+def number(name: str, value: str) -> float:
+    """What an output is set to; `on` and `off` are numbers, too."""
+    words = {"on": 1.0, "off": 0.0}
+    try:
+        found = float(words.get(value.lower(), value))
+    except ValueError:
+        found = float("nan")
+    if not abs(found) < float("inf"):
+        raise Refused(NO_NUMBER(given=f"{name}={value}"), exit_status=2)
+    return found
+
+
+# ------------------------------------------------------------------------------------ answers
+
+
+def record(value: object) -> object:
+    """What a controller told, for JSON."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return {f.name: record(getattr(value, f.name)) for f in dataclasses.fields(value)}
+    if isinstance(value, Mapping):
+        return {str(key): record(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [record(one) for one in value]
+    if isinstance(value, datetime):
+        return value.isoformat()
+    return str(value) if isinstance(value, PurePath) else value
+
+
+def joints_line(position: Position) -> str:
+    """`J1 0.00  J2 10.00  …` of the axes that there are."""
+    there = ((i, j) for i, j in enumerate(position.joints, 1) if j is not None)
+    return "  ".join(f"J{i} {j:.2f}" for i, j in there)
+
+
+def pose_line(position: Position) -> str:
+    """Position in mm and quaternion of the tool."""
+    x, y, z = position.position
+    w, *turn = position.quaternion
+    q = ", ".join(f"{part:.5f}" for part in (w, *turn))
+    return f"x {x:.2f}  y {y:.2f}  z {z:.2f} mm  quaternion ({q})"
+
+
+def state_lines(state: State) -> Iterator[str]:
+    """What a controller is doing, a line a task and a fault."""
+    words = [
+        state.mode or "mode unknown",
+        "motors on" if state.motors else "motors off",
+        "running" if state.running else "standing",
+    ]
+    if state.override is not None:
+        words.append(f"override {state.override} %")
+    if state.emergency:
+        words.append("EMERGENCY STOP")
+    yield ", ".join(words)
+    for task in state.tasks:
+        line = "" if task.line is None else f" line {task.line}"
+        does = "running" if task.running else "stopped"
+        if task.program:
+            yield f"task {task.name}: {task.program}{line}, {does}"
+    for fault in state.faults:
+        yield fault_line(fault)
+
+
+def fault_line(fault: Fault) -> str:
+    when = f"{fault.time:%Y-%m-%d %H:%M:%S}  " if fault.time is not None else ""
+    return f"{when}{fault.level} {fault.number}: {fault.text}"

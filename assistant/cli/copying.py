@@ -1,0 +1,165 @@
+"""Commands that copy programs and whole systems between a controller and this computer."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from assistant.cli.cells import Cell, reached
+from assistant.cli.compiling import working
+from assistant.cli.confirming import confirmed
+from assistant.cli.presentation import Format, print_json, say
+from assistant.program.diagnostics import Refused, error
+
+if TYPE_CHECKING:
+    from assistant.controllers.controller import Restoring
+
+NO_PROGRAM: Final = error(
+    "CL210", "there is no program `{name}` on {address}", "`robot-assistant ls` lists them"
+)
+FILE_THERE: Final = error(
+    "CL211",
+    "`{name}` is there already and says something else; it was not touched",
+    "name another place with -o, or add --replace",
+)
+PROGRAM_THERE: Final = error(
+    "CL212",
+    "`{name}` is on {address} already and is something else; it was not touched",
+    "add --replace, or use `robot-assistant deploy`, which keeps what was there",
+)
+NO_PLAIN_NAME: Final = error(
+    "CL213", "`{name}` cannot be a file here", "name the file to write with -o"
+)
+FOLDER_THERE: Final = error(
+    "CL214",
+    "`{folder}` is there already: a backup gets a folder of its own",
+    "name one that is not there",
+)
+NO_BACKUP: Final = error(
+    "CL215", "there is no folder `{folder}`", "name a folder that `backup` has written"
+)
+ONE_FILE: Final = error("CL216", "several programs do not go into one file", "name a folder")
+
+
+def run_get(
+    cell: str, names: Sequence[str], output: str | None, replace: bool, format: Format
+) -> int:
+    """Programs into files named like them; -o: a folder that is there, a file, or - to print."""
+    from assistant.compiler.output import write_files
+
+    into = Path(output or ".")
+    if len(names) > 1 and (output == "-" or not into.is_dir()):
+        raise Refused(ONE_FILE(), exit_status=2)
+    with reached(cell, "get") as there:
+        found = {name: _read(there, name) for name in names}
+    if output == "-":
+        for data in found.values():
+            sys.stdout.buffer.write(data)
+        sys.stdout.flush()
+        return 0
+    folder = into if into.is_dir() else into.parent
+    files = {_file_name(name) if into.is_dir() else into.name: d for name, d in found.items()}
+    for name, data in files.items():
+        path = folder / name
+        if not replace and path.exists() and (path.is_dir() or path.read_bytes() != data):
+            raise Refused(FILE_THERE(path=str(path), name=path))
+    written = write_files(files, folder)
+    if format is Format.JSON:
+        print_json({"address": str(there.one.address), "written": [str(path) for path in written]})
+    else:
+        for path in written:
+            say(f"wrote {path}")
+    return 0
+
+
+def _read(there: Cell, name: str) -> bytes:
+    data = there.session.read(name)
+    if data is None:
+        raise Refused(NO_PROGRAM(name=name, address=there.one.address))
+    return data
+
+
+def _file_name(name: str) -> str:
+    """The name of a program as a file's; raises Refused for one that leads elsewhere."""
+    if Path(name).name != name or name in {"", ".", ".."} or os.sep in name or "\\" in name:
+        raise Refused(NO_PLAIN_NAME(name=name), exit_status=2)
+    return name
+
+
+def run_put(cell: str, files: Sequence[Path], replace: bool, format: Format) -> int:
+    """Files as programs; what is there is looked at before the first one is written."""
+    from assistant.program.text import read_bytes
+
+    data = {file: read_bytes(file) for file in files}
+    with reached(cell, "put") as there:
+        session = there.session
+        names = {file: session.name_for(file) for file in files}
+        for file, name in names.items():
+            before = session.read(name)
+            same = before is None or session.stored(before) == session.stored(data[file])
+            if not same and not replace:
+                address = there.one.address
+                raise Refused(PROGRAM_THERE(path=str(file), name=name, address=address))
+        for file, name in names.items():
+            session.write(name, data[file])
+    if format is Format.JSON:
+        print_json({"address": str(there.one.address), "programs": [*names.values()]})
+    else:
+        for file, name in names.items():
+            say(f"{file} is `{name}` on {there.one.name}")
+    return 0
+
+
+def run_backup(cell: str, folder: Path, format: Format) -> int:
+    if folder.exists():
+        raise Refused(FOLDER_THERE(path=str(folder), folder=folder), exit_status=2)
+    with reached(cell, "backup") as there, working(f"backing up {there.one.name}"):
+        files = there.controller.backup(folder)
+    if format is Format.JSON:
+        print_json({"address": str(there.one.address), "folder": str(folder), "files": [*files]})
+    else:
+        say(f"{len(files)} files of {there.one.name} are in {folder}")
+    return 0
+
+
+def run_restore(
+    cell: str, folder: Path, only: Sequence[str], dry_run: bool, yes: bool, format: Format
+) -> int:
+    """Shows what differs, asks, and brings it back."""
+    if not folder.is_dir():
+        raise Refused(NO_BACKUP(path=str(folder), folder=folder), exit_status=2)
+    with reached(cell, "restore") as there:
+        with working(f"comparing with {there.one.name}"):
+            restoring = there.controller.restore(folder, only=only)
+        if format is Format.TEXT:
+            _show(restoring)
+        wanted = bool(restoring.changes) and not dry_run
+        if wanted:
+            sys.stdout.flush()
+            confirmed(there.one, f"changes {len(restoring.changes)} parts of the controller", yes)
+            with working(f"restoring {there.one.name}"):
+                restoring.apply()
+    if format is Format.JSON:
+        answer = {
+            "address": str(there.one.address),
+            "restored": wanted,
+            "changes": dict(restoring.changes),
+            "left_out": dict(restoring.left_out),
+        }
+        print_json(answer)
+    elif not restoring.changes:
+        say(f"{there.one.name} is as the backup says: nothing to restore")
+    else:
+        say(f"{there.one.name}: {'restored' if wanted else 'nothing has been changed'}")
+    return 0
+
+
+def _show(restoring: Restoring) -> None:
+    for what, difference in restoring.changes.items():
+        say(what)
+        sys.stdout.write(difference if difference.endswith("\n") else difference + "\n")
+    for what, why in restoring.left_out.items():
+        say(f"left out: {what}: {why}")

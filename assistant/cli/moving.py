@@ -1,0 +1,220 @@
+"""Commands that may move an arm: asked for, looked at beforehand, and stopped by Ctrl-C."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from assistant.cli.cells import (
+    Cell,
+    client_of,
+    joints_line,
+    pose_line,
+    reached,
+    record,
+    robot_of_cell,
+    state_lines,
+)
+from assistant.cli.confirming import confirmed
+from assistant.cli.presentation import Format, print_findings, print_json, say
+from assistant.program.diagnostics import Diagnostic, Refused, error, warning
+
+if TYPE_CHECKING:
+    from assistant.controllers import Controller, Named
+    from assistant.controllers.states import Jog, State
+    from assistant.controllers.stopping import Rest
+
+BROKEN_OFF: Final = warning(
+    "CL240", "broken off: the arm was stopped and stands at {where}", "look before it goes on"
+)
+MAY_MOVE: Final = error(
+    "CL241",
+    "broken off, and it is not known whether the arm stands: {why}",
+    "press the emergency stop, and look at the arm before anything else",
+)
+NO_OVERRIDE: Final = error("CL242", "an override is 1 to 100 percent, not {value}", "write one")
+NO_SPEED: Final = error(
+    "CL243", "a speed is over 0 and up to 100 percent, not {value:g}", "write one"
+)
+NO_WAY: Final = error("CL244", "{axis} by {by:g} is no motion", "write a number other than 0")
+LOOKS: Final = 0.2
+"""Seconds between two looks at a program that runs."""
+BEGINNING: Final = 0.5
+"""Seconds in which a program that was started may not run yet."""
+
+
+@dataclass(slots=True)
+class Moving:
+    """A controller whose arm may move. began: whether anything was asked for that moves it."""
+
+    cell: Cell
+    began: bool = False
+    given_up: bool = False
+
+
+@contextmanager
+def moving(text: str, command: str) -> Iterator[Moving]:
+    """A controller that is connected to, for a motion that ends well or with the arm at rest.
+
+    Once it `began`, what breaks it off, Ctrl-C or an error, stops the arm and tells where it
+    is. A second Ctrl-C gives up. What a controller refuses to begin has moved nothing, but is
+    stopped all the same: a part of it may have begun before.
+    """
+    from assistant.controllers.stopping import PATIENCE, brought_to_rest
+
+    motion: Moving | None = None
+    try:
+        with reached(text, command) as there:
+            motion = Moving(there)
+            with _stopped(motion):
+                yield motion
+    except BaseException:
+        if motion is None or not motion.began:
+            raise
+        one = motion.cell.one
+        sys.stdout.flush()
+        try:
+            if motion.given_up:
+                raise KeyboardInterrupt
+            rest = brought_to_rest(lambda: client_of(one, timeout=PATIENCE))
+        except KeyboardInterrupt:
+            print_findings([MAY_MOVE(place=str(one.address), why="it was given up")])
+            raise
+        print_findings([_told(one, rest)])
+        raise
+
+
+@contextmanager
+def _stopped(motion: Moving) -> Iterator[None]:
+    """Sends the stop on the session of the motion, before that is closed."""
+    from assistant.controllers.stopping import stop_at_once
+
+    try:
+        yield
+    except BaseException:
+        if motion.began:
+            try:
+                stop_at_once(motion.cell.session)
+            except KeyboardInterrupt:
+                motion.given_up = True
+        raise
+
+
+def _told(one: Named, rest: Rest) -> Diagnostic:
+    place = str(one.address)
+    if rest.stands and rest.position is not None and rest.state is not None:
+        first = next(iter(state_lines(rest.state)))
+        return BROKEN_OFF(place=place, where=f"{joints_line(rest.position)} ({first})")
+    if rest.state is not None:
+        return MAY_MOVE(
+            place=place, why="it was stopped, but " + next(iter(state_lines(rest.state)))
+        )
+    return MAY_MOVE(place=place, why=rest.reason)
+
+
+def run_motors(cell: str, on: bool, yes: bool, format: Format) -> int:
+    with reached(cell, "motors") as there:
+        controller = there.controller
+        if on:
+            confirmed(there.one, "switches the motors on: the arm can move from then on", yes)
+        controller.motors(on)
+        state = controller.state()
+    return _tell_state(there, state, f"motors {'on' if on else 'off'}", format)
+
+
+def run_jog(cell: str, jog: Jog, yes: bool, format: Format) -> int:
+    """Moves one axis, if that stays within the limits of the arm, and tells where it is then."""
+    from assistant.compiler.jogging import check_jog
+
+    if not 0.0 < jog.speed <= 100.0:
+        raise Refused(NO_SPEED(value=jog.speed), exit_status=2)
+    if jog.by == 0.0 or not abs(jog.by) < float("inf"):
+        raise Refused(NO_WAY(axis=jog.axis, by=jog.by), exit_status=2)
+    with moving(cell, "jog") as motion:
+        there = motion.cell
+        controller, robot = there.controller, robot_of_cell(there.one)
+        print_findings(check_jog(jog, controller.position(), robot))
+        unit = "mm" if jog.axis in ("X", "Y", "Z") else "degrees (mm of an axis that slides)"
+        confirmed(there.one, f"moves the arm: {jog.axis} by {jog.by:g} {unit}", yes)
+        motion.began = True
+        controller.jog(jog)
+        position = controller.position()
+    if format is Format.JSON:
+        print_json({"address": str(there.one.address), "position": record(position)})
+    else:
+        say(joints_line(position))
+        say(pose_line(position))
+    return 0
+
+
+def run_hand(cell: str, open: bool, number: int, yes: bool, format: Format) -> int:
+    with reached(cell, "hand") as there:
+        controller = there.controller
+        does = "opens" if open else "closes"
+        confirmed(there.one, f"{does} hand {number}: what it holds may fall", yes)
+        controller.hand(number, open=open)
+    done = f"hand {number} {'open' if open else 'closed'}"
+    if format is Format.JSON:
+        print_json({"address": str(there.one.address), "hand": number, "open": open})
+    else:
+        say(f"{there.one.name}: {done}")
+    return 0
+
+
+def run_start(
+    cell: str,
+    program: str | None,
+    task: str,
+    *,
+    forever: bool,
+    wait: bool,
+    override: int | None,
+    yes: bool,
+    format: Format,
+) -> int:
+    """Starts what is loaded, or a program, and waits for its end; 1 if it came to a fault."""
+    from assistant.compiler.jogging import check_place
+
+    if override is not None and not 1 <= override <= 100:
+        raise Refused(NO_OVERRIDE(value=override), exit_status=2)
+    with moving(cell, "start") as motion:
+        there = motion.cell
+        controller = there.controller
+        print_findings(check_place(controller.position(), robot_of_cell(there.one)))
+        what = f"starts `{program}`" if program else "starts what is loaded"
+        lasts = " again and again" if forever else ""
+        confirmed(there.one, f"{what}{lasts}: the arm moves as the program says", yes)
+        if override is not None:
+            controller.set_override(override)
+        if program:
+            controller.load(program, task)
+        motion.began = True
+        controller.start(task, forever=forever)
+        state = _until_it_stands(controller, there, format) if wait else controller.state()
+    _tell_state(there, state, "the program has ended" if wait else "started", format)
+    return 1 if state.faults or state.emergency else 0
+
+
+def _until_it_stands(controller: Controller, there: Cell, format: Format) -> State:
+    shown = format is Format.TEXT
+    if shown:
+        say(f"{there.one.name}: started; Ctrl-C stops it")
+        sys.stdout.flush()
+    began = time.monotonic()
+    while (state := controller.state()).running or time.monotonic() < began + BEGINNING:
+        time.sleep(LOOKS)
+    return state
+
+
+def _tell_state(there: Cell, state: State, done: str, format: Format) -> int:
+    if format is Format.JSON:
+        print_json({"address": str(there.one.address), "state": record(state)})
+        return 0
+    say(f"{there.one.name}: {done}")
+    for line in state_lines(state):
+        say(line)
+    return 0

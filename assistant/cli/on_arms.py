@@ -1,0 +1,105 @@
+"""The commands that may move an arm: each asks before, and Ctrl-C stops it."""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Callable
+from typing import Annotated, Final
+
+import typer
+
+from assistant.cli.on_controllers import CellArgument, YesOption
+from assistant.cli.options import FormatOption
+from assistant.cli.presentation import Format
+
+
+class Switch(enum.StrEnum):
+    ON = "on"
+    OFF = "off"
+
+
+class Hand(enum.StrEnum):
+    OPEN = "open"
+    CLOSE = "close"
+
+
+class JogFrame(enum.StrEnum):
+    BASE = "base"
+    TOOL = "tool"
+
+
+def motors(
+    cell: CellArgument,
+    state: Annotated[Switch, typer.Argument(help="What they shall be.")],
+    yes: YesOption = False,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Switch the motors of an arm on or off."""
+    from assistant.cli.moving import run_motors
+
+    raise typer.Exit(run_motors(cell, state is Switch.ON, yes, format))
+
+
+def jog(
+    cell: CellArgument,
+    axis: Annotated[str, typer.Argument(help="J1 … J8, or X Y Z A B C of the frame.")],
+    by: Annotated[float, typer.Argument(help="Degrees, or mm.")],
+    frame: Annotated[JogFrame, typer.Option(help="Of X … C.")] = JogFrame.BASE,
+    speed: Annotated[float, typer.Option(help="Percent.")] = 10.0,
+    yes: YesOption = False,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Move one axis of an arm by hand. Asks before; Ctrl-C stops the arm."""
+    from assistant.cli.moving import run_jog
+    from assistant.controllers.states import Jog
+
+    wanted = Jog(axis.upper(), by, "tool" if frame is JogFrame.TOOL else "base", speed)
+    raise typer.Exit(run_jog(cell, wanted, yes, format))
+
+
+def start(
+    cell: CellArgument,
+    program: Annotated[
+        str | None, typer.Argument(help="Program to load before; default what is loaded.")
+    ] = None,
+    task: Annotated[str, typer.Option(help="Task or slot; default the first.")] = "",
+    forever: Annotated[bool, typer.Option("--forever", help="Again and again.")] = False,
+    wait: Annotated[
+        bool, typer.Option("--wait/--no-wait", help="Stay until it ends; Ctrl-C stops it then.")
+    ] = True,
+    override: Annotated[int | None, typer.Option(help="Percent of the speed.")] = None,
+    yes: YesOption = False,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Start a program on a controller. Asks before; Ctrl-C stops it."""
+    from assistant.cli.moving import run_start
+
+    status = run_start(
+        cell,
+        program,
+        task,
+        forever=forever,
+        wait=wait,
+        override=override,
+        yes=yes,
+        format=format,
+    )
+    raise typer.Exit(status)
+
+
+def hand(
+    cell: CellArgument,
+    state: Annotated[Hand, typer.Argument(help="What it shall do.")],
+    number: Annotated[int, typer.Option(min=1, help="Which one.")] = 1,
+    yes: YesOption = False,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Open or close a hand. Asks before."""
+    from assistant.cli.moving import run_hand
+
+    raise typer.Exit(run_hand(cell, state is Hand.OPEN, number, yes, format))
+
+
+COMMANDS: Final[tuple[Callable[..., None], ...]] = (motors, jog, start, hand)
+NUMBERS: Final = frozenset({"jog"})
+"""Commands with an argument that may begin with a minus."""

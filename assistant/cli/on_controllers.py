@@ -1,0 +1,227 @@
+"""The commands that speak with a controller; each is carried out in a file of its subject."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Final
+
+import typer
+
+from assistant.cli.options import FormatOption
+from assistant.cli.presentation import Format
+
+
+def complete_controller(incomplete: str) -> list[str]:
+    from assistant.controllers import controllers_of
+
+    return [name for name in controllers_of(Path.cwd()) if name.startswith(incomplete)]
+
+
+CellArgument = Annotated[
+    str,
+    typer.Argument(
+        metavar="CONTROLLER",
+        help="Its name in [controllers] of assistant.toml, or its address.",
+        autocompletion=complete_controller,
+    ),
+]
+YesOption = Annotated[
+    bool, typer.Option("--yes", help="Do it without asking. Look that nobody is near.")
+]
+ReplaceOption = Annotated[bool, typer.Option("--replace", help="Also what is there already.")]
+
+
+def ls(cell: CellArgument, format: FormatOption = Format.TEXT) -> None:
+    """List the programs on a controller."""
+    from assistant.cli.looking import run_ls
+
+    raise typer.Exit(run_ls(cell, format))
+
+
+def get(
+    cell: CellArgument,
+    names: Annotated[list[str], typer.Argument(help="Programs, as `ls` lists them.")],
+    output: Annotated[
+        str | None, typer.Option("--output", "-o", help="File, folder, or - to print.")
+    ] = None,
+    replace: ReplaceOption = False,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Copy programs from a controller."""
+    from assistant.cli.copying import run_get
+
+    raise typer.Exit(run_get(cell, names, output, replace, format))
+
+
+def put(
+    cell: CellArgument,
+    files: Annotated[list[Path], typer.Argument(help="Programs.")],
+    replace: ReplaceOption = False,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Copy programs to a controller as they are; `deploy` also checks, keeps and compares."""
+    from assistant.cli.copying import run_put
+
+    raise typer.Exit(run_put(cell, files, replace, format))
+
+
+def backup(
+    cell: CellArgument,
+    folder: Annotated[Path, typer.Argument(help="A folder that is not there yet.")],
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Write programs, parameters and variables of a controller into a folder."""
+    from assistant.cli.copying import run_backup
+
+    raise typer.Exit(run_backup(cell, folder, format))
+
+
+def restore(
+    cell: CellArgument,
+    folder: Annotated[Path, typer.Argument(help="A folder that `backup` has written.")],
+    only: Annotated[
+        list[str] | None,
+        typer.Option(help="Only this file or parameter, also of those left out; repeatable."),
+    ] = None,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Only show what would change.")
+    ] = False,
+    yes: YesOption = False,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Show what differs from a backup, and bring it back; origin, safety, network only by name."""
+    from assistant.cli.copying import run_restore
+
+    raise typer.Exit(run_restore(cell, folder, only or (), dry_run, yes, format))
+
+
+def monitor(
+    cell: CellArgument,
+    log: Annotated[
+        Path | None, typer.Option("--log", help="Write a row each.", metavar="FILE.csv")
+    ] = None,
+    signals: Annotated[
+        list[str] | None, typer.Option("--signals", help="A signal to show; repeatable.")
+    ] = None,
+    interval: Annotated[float, typer.Option(help="Seconds between two looks.")] = 0.5,
+    seconds: Annotated[float | None, typer.Option(help="How long; default until Ctrl-C.")] = None,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Show again and again what a controller does and where its arm is. Changes nothing."""
+    from assistant.cli.monitoring import Options, run_monitor
+
+    names = [name for given in signals or () for name in given.split(",") if name]
+    raise typer.Exit(run_monitor(cell, Options(names, interval, seconds, log, format)))
+
+
+def log(
+    cell: CellArgument,
+    most: Annotated[int, typer.Option(min=1, help="How many.")] = 50,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Print the latest errors and events of a controller, the newest first."""
+    from assistant.cli.looking import run_log
+
+    raise typer.Exit(run_log(cell, most, format))
+
+
+def inputs(
+    cell: CellArgument,
+    names: Annotated[list[str], typer.Argument(help="Names or numbers of inputs.")],
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Print what inputs read."""
+    from assistant.cli.looking import run_inputs
+
+    raise typer.Exit(run_inputs(cell, names, format))
+
+
+def outputs(
+    cell: CellArgument,
+    names: Annotated[list[str], typer.Argument(metavar="NAME[=VALUE]...", help="Outputs.")],
+    yes: YesOption = False,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Print outputs, or set them; what hangs on them may move, so setting is asked for."""
+    from assistant.cli.looking import run_outputs
+
+    raise typer.Exit(run_outputs(cell, names, yes, format))
+
+
+def parameters(
+    cell: CellArgument,
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[NAME[=VALUE]]...", help="Default: those that were changed."),
+    ] = None,
+    yes: YesOption = False,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Print parameters, or set them."""
+    from assistant.cli.looking import run_parameters
+
+    raise typer.Exit(run_parameters(cell, names or (), yes, format))
+
+
+def variables(
+    cell: CellArgument,
+    names: Annotated[list[str], typer.Argument(metavar="NAME[=VALUE]...", help="Variables.")],
+    program: Annotated[str, typer.Option(help="Program or module that they are in.")] = "",
+    task: Annotated[str, typer.Option(help="Task or slot; default the first.")] = "",
+    yes: YesOption = False,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Print variables of programs, or set them, as the controller's language writes values."""
+    from assistant.cli.looking import run_variables
+
+    raise typer.Exit(run_variables(cell, names, program, task, yes, format))
+
+
+def reset(cell: CellArgument, format: FormatOption = Format.TEXT) -> None:
+    """Acknowledge the errors of a controller. Nothing moves."""
+    from assistant.cli.looking import run_reset
+
+    raise typer.Exit(run_reset(cell, format))
+
+
+def stop(cell: CellArgument, format: FormatOption = Format.TEXT) -> None:
+    """Stop all programs where they are. Never asks; no emergency stop."""
+    from assistant.cli.looking import run_stop
+
+    raise typer.Exit(run_stop(cell, format))
+
+
+def teach(
+    cell: CellArgument,
+    names: Annotated[
+        list[str] | None, typer.Argument(help="Targets, in this order; default p1, p2 …")
+    ] = None,
+    into: Annotated[
+        Path, typer.Option(help="File of taught targets, which keeps all else.", metavar="FILE")
+    ] = Path("taught.toml"),
+    on: Annotated[
+        str | None, typer.Option(help="Store when this input comes, not at a key.", metavar="INPUT")
+    ] = None,
+    now: Annotated[bool, typer.Option("--now", help="Store one target at once.")] = False,
+    joints: Annotated[bool, typer.Option("--joints", help="As joint angles.")] = False,
+    tool: Annotated[
+        str | None, typer.Option(help="Tool of the file that the controller shows the pose of.")
+    ] = None,
+    frame: Annotated[str | None, typer.Option(help="Frame that it shows it in.")] = None,
+    replace: ReplaceOption = False,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Store where the arm is, under names, at a key press or when an input comes. Nothing moves."""
+    from assistant.cli.teaching import Options, run_teach
+    from assistant.compiler.teaching import Wanted
+
+    wanted = Wanted(joints, tool, frame, replace)
+    raise typer.Exit(run_teach(cell, names or (), Options(into, on, now, wanted, format)))
+
+
+COMMANDS: Final[tuple[Callable[..., None], ...]] = (
+    *(ls, get, put, backup, restore, monitor, log),
+    *(inputs, outputs, parameters, variables, reset, stop, teach),
+)
+"""In the order of the help; those that move an arm are in `on_arms.py`."""

@@ -1,0 +1,175 @@
+"""`teach`: where the arm is, under a name into a file, at a key press or when a signal comes."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import select
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from assistant.cli.cells import joints_line, pose_line, reached, record, robot_of_cell
+from assistant.cli.presentation import Format, print_findings, print_json, say
+from assistant.program.diagnostics import Refused, error
+
+if TYPE_CHECKING:
+    from assistant.compiler.teaching import Wanted
+    from assistant.controllers import Controller
+
+ONE_WAY: Final = error(
+    "CL230", "a key, a signal or at once: targets are stored at one of them", "keep --on or --now"
+)
+NO_NAME: Final = error("CL231", "--now stores one target", "name it")
+NO_SIGNAL: Final = error(
+    "CL232", "there is no input `{name}` on {address}", "write its name or number as there"
+)
+LOOKS: Final = 0.1
+"""Seconds between two looks at the signal."""
+STORES: Final = b"\r\n "
+ENDS: Final = b"q\x1b\x04"
+"""Keys: q, Escape, and the end of the input."""
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """into: the file of targets. on: an input whose rise stores. now: without any key."""
+
+    into: Path
+    on: str | None
+    now: bool
+    wanted: Wanted
+    format: Format
+
+
+def run_teach(cell: str, names: Sequence[str], options: Options) -> int:
+    """Names in their order; without any, p1, p2 … until somebody ends it."""
+    from assistant.compiler.teaching import teach
+
+    if options.now and options.on is not None:
+        raise Refused(ONE_WAY(), exit_status=2)
+    if options.now and len(names) != 1:
+        raise Refused(NO_NAME(), exit_status=2)
+    stored: list[dict[str, object]] = []
+    with reached(cell, "teach") as there:
+        controller, robot = there.controller, robot_of_cell(there.one)
+        with _moments(controller, str(there.one.address), options) as comes:
+            for name in names or _free_names(options.into):
+                if options.format is Format.TEXT and not options.now:
+                    keys = f"`{options.on}`" if options.on is not None else "Enter"
+                    say(f"{name}: {keys} stores it, q ends")
+                    sys.stdout.flush()
+                if not comes():
+                    break
+                position = controller.position()
+                reading = teach(options.into, name, position, robot, options.wanted)
+                stored.append({"name": name, "position": record(position)})
+                if options.format is Format.TEXT:
+                    print_findings(reading.findings)
+                    shown = joints_line if options.wanted.joints else pose_line
+                    say(f"{name}: {shown(position)}, stored in {options.into}")
+                    sys.stdout.flush()
+    if options.format is Format.JSON:
+        answer = {"address": str(there.one.address), "file": str(options.into), "stored": stored}
+        print_json(answer)
+    return 0
+
+
+def _free_names(file: Path) -> Iterator[str]:
+    """p1, p2 … as far as the file has no target of that name."""
+    from assistant.sources import read
+
+    taken: set[str] = set()
+    if file.exists() and file.stat().st_size:
+        program = read(file).program
+        taken = {name.lower() for name in (*program.targets, *program.joint_targets)}
+    return (name for i in itertools.count(1) if (name := f"p{i}") not in taken)
+
+
+@contextmanager
+def _moments(
+    controller: Controller, address: str, options: Options
+) -> Iterator[Callable[[], bool]]:
+    """What waits for the moment to store: False when there is none any more."""
+    if options.now:
+        yield lambda: True
+        return
+    with _keys() as pressed:
+        if options.on is None:
+            yield lambda: _key(pressed, None) is True
+            return
+        yield _rises(controller, address, options.on, pressed)
+
+
+def _rises(
+    controller: Controller, address: str, signal: str, pressed: Callable[[float | None], bytes]
+) -> Callable[[], bool]:
+    """Waits until an input that was off is on; q ends it, where there are keys."""
+
+    def is_on() -> bool:
+        found = controller.inputs([signal])
+        if signal not in found:
+            raise Refused(NO_SIGNAL(name=signal, address=address), exit_status=2)
+        return found[signal] != 0.0
+
+    def comes() -> bool:
+        was = is_on()
+        while True:
+            if sys.stdin.isatty():
+                if _key(pressed, LOOKS) is False:
+                    return False
+            else:
+                time.sleep(LOOKS)
+            now = is_on()
+            if now and not was:
+                return True
+            was = now
+
+    return comes
+
+
+def _key(pressed: Callable[[float | None], bytes], seconds: float | None) -> bool | None:
+    """True for a key that stores, False for one that ends, None if the time is over."""
+    end = None if seconds is None else time.monotonic() + seconds
+    while True:
+        rest = None if end is None else max(0.0, end - time.monotonic())
+        key = pressed(rest)
+        if key == b"":
+            return None
+        if key in ENDS:
+            return False
+        if key in STORES:
+            return True
+
+
+@contextmanager
+def _keys() -> Iterator[Callable[[float | None], bytes]]:
+    """Single keys of the terminal, or characters of an input that is none; Ctrl-C stays Ctrl-C.
+
+    They are waited for so many seconds, b"" if none came. The end of the input is a key, too.
+    """
+    try:
+        import termios
+        import tty
+    except ImportError:  # another system: a line is what it gives
+        yield lambda _: b"\n" if sys.stdin.readline() else ENDS[-1:]
+        return
+    source = sys.stdin.fileno()
+
+    def pressed(seconds: float | None) -> bytes:
+        ready, _, _ = select.select([source], [], [], seconds)
+        return (os.read(source, 1) or ENDS[-1:]) if ready else b""
+
+    if not os.isatty(source):
+        yield pressed
+        return
+    before = termios.tcgetattr(source)
+    tty.setcbreak(source)
+    try:
+        yield pressed
+    finally:
+        termios.tcsetattr(source, termios.TCSADRAIN, before)

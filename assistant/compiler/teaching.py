@@ -1,0 +1,197 @@
+"""Teaching: where a controller says that its arm is, as a target of a file."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from assistant.compiler.output import write_files
+from assistant.controllers.states import Position
+from assistant.program import rotations
+from assistant.program.diagnostics import Refused, error
+from assistant.program.expressions import Name
+from assistant.program.geometry import Pose
+from assistant.program.program import Program
+from assistant.program.statements import Motion, Move, MoveCircular
+from assistant.program.text import SourceText, decode, encode, read_bytes
+from assistant.sources import process_of
+from assistant.sources.process.file import ENCODINGS
+from assistant.sources.reading import Reading
+from assistant.sources.tables.teaching import TaughtTarget, begun, is_kept, with_target
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
+
+OTHER_TOOL: Final = error(
+    "CO701",
+    "the controller shows a pose that is {distance:.2f} mm and {angle:.2f} degrees off where its "
+    "joints put tool `{tool}` in frame `{frame}`",
+    "declare in {file} the tool and the frame that the controller uses, and name them, or store "
+    "joints",
+)
+OTHER_ARM: Final = error(
+    "CO702",
+    "the controller tells joints {told}, and `{robot}` has {axes}",
+    "correct `robot` of the controller in the project's file",
+)
+NOT_KEPT: Final = error(
+    "CO703",
+    "`{name}` cannot be written into {file} without changing the rest of it; it was not touched",
+    "name another file",
+)
+NO_NUMBERS: Final = error(
+    "CO704", "the controller tells no whole pose", "store joints, or ask it again"
+)
+MOST_OFF: Final = 2.0
+"""mm that a shown pose may be off: a hundredth of a degree in each joint, and the lengths of
+the catalogue, which are not those of one calibrated arm."""
+MOST_TURNED: Final = 0.5
+"""degrees, as well."""
+
+OF_THE_ARM: Final = 6
+"""Joints that no external axis has; those behind may be of the arm or not."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """How targets are stored.
+
+    joints: as joint angles, not as a pose. tool, frame: that the controller shows the pose of
+    and in, by their names in the file; None for what the file's [motion] says. again: a target
+    of the same name is taught anew.
+    """
+
+    joints: bool = False
+    tool: str | None = None
+    frame: str | None = None
+    again: bool = False
+
+
+def teach(
+    file: FilePath, name: str, position: Position, robot: Robot | None, wanted: Wanted
+) -> Reading:
+    """Stores a position under a name into a file of taught targets, a new one if it is not there.
+
+    robot: the arm, which tells the branch of a pose, and whether the pose is of the tool that
+    the file says. The file is written whole or not at all, and read back before.
+    Raises Refused and Unreadable.
+    """
+    own = own_joints(position, robot) if robot is not None else None
+    arm = None if robot is None else robot.name
+    source = _source(file, arm)
+    target = TaughtTarget(name, _values(position, robot, own, wanted), _more(wanted), arm)
+    process = process_of(file)
+    changed, reading = with_target(source, file.stem, target, process, again=wanted.again)
+    if not is_kept(source.text, changed.text, name):
+        raise Refused(NOT_KEPT(path=str(file), name=name, file=file))
+    if robot is not None and own is not None and not wanted.joints:
+        _check_pose(file, position, robot, own, reading, name)
+    write_files({file.name: encode(changed)}, file.parent)
+    return reading
+
+
+def own_joints(position: Position, robot: Robot) -> tuple[float, ...]:
+    """(a,) joints of the arm's axes as a controller tells them; raises Refused for another arm."""
+    told = {f"J{i}": joint for i, joint in enumerate(position.joints, 1) if joint is not None}
+    others = {f"J{i}" for i in range(1, OF_THE_ARM + 1)} & told.keys() - {*robot.axes}
+    if others or not told.keys() >= {*robot.axes}:
+        there, axes = " ".join(told) or "none", " ".join(robot.axes)
+        raise Refused(OTHER_ARM(told=there, robot=robot.name, axes=axes), exit_status=2)
+    return tuple(told[axis] for axis in robot.axes)
+
+
+def _source(file: FilePath, robot: str | None) -> SourceText:
+    if file.exists():
+        return decode(read_bytes(file, allow_empty=True), str(file), ENCODINGS)
+    return SourceText(begun(robot), str(file), "utf-8", "\n")
+
+
+def _values(
+    position: Position, robot: Robot | None, own: tuple[float, ...] | None, wanted: Wanted
+) -> dict[str, str]:
+    if wanted.joints:
+        joints = (math.nan if joint is None else joint for joint in position.joints)
+        return {"joints": _numbers(joints_without_end(list(joints)), 4)}
+    numbers = (*position.position, *position.quaternion)
+    if not all(map(math.isfinite, numbers)):
+        raise Refused(NO_NUMBERS())
+    found = {
+        "position": _numbers(position.position, 4),
+        "quaternion": _numbers(rotations.canonical(position.quaternion).tolist(), 9),
+    }
+    if robot is not None and own is not None:
+        back, down, flip, *quadrants = (int(v) for v in robot.configuration(np.array([own]))[0])
+        words = {"back": back, "down": down, "flip": flip}
+        branch = ", ".join(f"{word} = {'true' if on else 'false'}" for word, on in words.items())
+        found["configuration"] = f"{{{branch}, quadrants = {quadrants}}}"
+    return found
+
+
+def joints_without_end(joints: list[float]) -> list[float]:
+    """Joints without those behind the last axis of the arm."""
+    while joints and math.isnan(joints[-1]):
+        joints.pop()
+    return joints
+
+
+def _more(wanted: Wanted) -> dict[str, str]:
+    given = {"tool": wanted.tool, "frame": wanted.frame}
+    return {key: f'"{name}"' for key, name in given.items() if name is not None}
+
+
+def _numbers(values: list[float] | tuple[float, ...], digits: int) -> str:
+    return "[" + ", ".join(_number(value, digits) for value in values) + "]"
+
+
+def _number(value: float, digits: int) -> str:
+    """With as many digits as a controller tells, at least one behind the point; `nan` for none."""
+    if math.isnan(value):
+        return "nan"
+    whole, _, part = f"{round(value, digits) + 0.0:.{digits}f}".partition(".")
+    return f"{whole}.{part.rstrip('0') or '0'}"
+
+
+def _check_pose(
+    file: FilePath,
+    position: Position,
+    robot: Robot,
+    own: tuple[float, ...],
+    reading: Reading,
+    name: str,
+) -> None:
+    """Raises Refused if the pose is not of the tool and frame that the file says it is of."""
+    program = reading.program
+    motion = _motion_to(program, name)
+    tool_name, frame_name = str(motion.tool), str(motion.frame)
+    tool, frame = program.tools.get(tool_name), program.frames.get(frame_name)
+    if (tool is not None and not tool.held) or (frame is not None and frame.held):
+        return
+    positions, quaternions = robot.fk(np.array([own]))
+    tip = Pose.of(positions[0], quaternions[0]) @ (Pose() if tool is None else tool.tip)
+    expected = tip if frame is None else frame.pose.inverse() @ tip
+    distance = math.dist(expected.position, position.position)
+    angle = float(rotations.angle_between(expected.quaternion, position.quaternion))
+    if distance > MOST_OFF or angle > MOST_TURNED:
+        finding = OTHER_TOOL(
+            path=str(file),
+            distance=distance,
+            angle=angle,
+            tool=tool_name,
+            frame=frame_name,
+            file=file,
+        )
+        raise Refused(finding)
+
+
+def _motion_to(program: Program, name: str) -> Motion:
+    """The motion of the one move that a file of targets makes to each of them."""
+    moves = (s for s in program.procedures[0].body if isinstance(s, Move | MoveCircular))
+    for move in moves:
+        named = (move.target,) if isinstance(move, Move) else (move.via, move.target)
+        if any(isinstance(one, Name) and one.name.lower() == name.lower() for one in named):
+            return move.motion
+    raise LookupError(name)
