@@ -23,6 +23,7 @@ class Measured:
     values: where the arm is, in the columns of the trajectory. counter: of the packet, to know one
     that comes twice or late; None if it has none. missed: cycles in a row that the controller says
     it was left without a command. stopped: why it does not follow (any more), "" while it does.
+    ready: False while a controller that speaks first does not take commands yet.
     extra: what else is recorded, as `Link.recorded` names it.
     """
 
@@ -30,6 +31,7 @@ class Measured:
     counter: int | None = None
     missed: int = 0
     stopped: str = ""
+    ready: bool = True
     extra: tuple[float, ...] = ()
 
 

@@ -120,8 +120,11 @@ class Loop:
 
     def _opening(self, address: str) -> Measured:
         """Where the arm is, once the controller speaks; raises Failed if it does not."""
-        each, left = self._settings.lapse * self._link.cycle, self._settings.timeout
+        each, left = self._settings.lapse * self._link.cycle, self._settings.first
+        reason = f"nothing came within {left:g} s"
         while left > 0.0:
+            if self._stop.asked:
+                raise Failed(rules.INTERRUPTED, done=0, rows=len(self._job.rows))
             if not self._link.speaks_first:
                 self._send(self._link.hello(self._count))
             got = self._wire.receive(min(each, left))
@@ -132,11 +135,14 @@ class Loop:
             if measured is None:
                 left -= self._link.cycle
                 self.result.garbled += 1
+            elif not measured.ready:
+                left -= self._link.cycle
+                reason = measured.stopped or "it does not take commands yet"
+                self._send(self._link.command(measured.values, self._count))
             elif measured.stopped:
                 raise Failed(rules.NO_ANSWER, **_unanswered(address, measured.stopped))
             else:
                 return measured
-        reason = f"nothing came within {self._settings.timeout:g} s"
         if self._wire.refused:
             reason = "nothing listens on that port"
         if self.result.garbled:

@@ -87,7 +87,7 @@ def follow(
         folder = FilePath(name)
         np.save(folder / "rows.npy", rows)
         (folder / "job.json").write_text(json.dumps(described), encoding="utf-8")
-        patience = 3.0 * len(rows) * link.cycle + settings.timeout + PATIENCE
+        patience = 3.0 * len(rows) * link.cycle + settings.timeout + settings.first + PATIENCE
         said, why = _run(folder, patience, watch, stop, len(rows))
         if "done" not in said:
             rule = rules.ERRORS.get(str(said.get("code")), rules.BROKEN)

@@ -14,7 +14,8 @@ PRIORITY: Final = 80
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """timeout: seconds without a packet after which it gives up. lapse: cycles without one after
+    """timeout: seconds without a packet after which it gives up. opening: the same for the first
+    one, None for as many: a controller that speaks first may begin later. lapse: cycles without one after
     which the arm is taken to stand, so that it starts softly again, and a controller that only
     answers is asked again. garbled: packets without sense in a row that end it.
     approach: what the soft start may go at most, degrees of a joint or mm (degrees) of a pose.
@@ -26,6 +27,7 @@ class Settings:
     """
 
     timeout: float = 0.5
+    opening: float | None = None
     lapse: int = 4
     garbled: int = 20
     approach: float = 10.0
@@ -37,9 +39,15 @@ class Settings:
     real_time: bool = True
     end: bool = True
 
+    @property
+    def first(self) -> float:
+        """Seconds to wait for the first packet."""
+        return self.timeout if self.opening is None else self.opening
+
     def __post_init__(self) -> None:
         ranges = {
             "timeout": (0.005, 60.0),
+            "opening": (0.005, 3600.0),
             "lapse": (1, 1000),
             "garbled": (1, 1_000_000),
             "approach": (0.0, float("inf")),
@@ -50,6 +58,8 @@ class Settings:
         }
         for name, (least, most) in ranges.items():
             value = getattr(self, name)
+            if value is None:
+                continue
             if not least <= value <= most:
                 reason = f"it is a number from {least:g} to {most:g}"
                 raise Refused(BAD_SETTING(name=name, value=value, reason=reason), exit_status=2)
