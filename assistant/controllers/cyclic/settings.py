@@ -17,7 +17,8 @@ class Settings:
     """timeout: seconds without a packet after which it gives up. opening: the same for the first
     one, None for as many: a controller that speaks first may begin later.
     lapse: cycles without one after which the arm is taken to stand, so that it starts softly
-    again, and a controller that only answers is asked again. garbled: packets without sense in a row that end it.
+    again, and a controller that only answers is asked again.
+    garbled: packets without sense in a row that end it.
     approach: what the soft start may go at most, degrees of a joint or mm (degrees) of a pose.
     softness: part of the limits that it uses. lag: seconds that the arm may be behind its command,
     at the speeds of the limits; inf to follow whatever it says. slack: degrees or mm beside that.
