@@ -1,0 +1,6 @@
+"""Real-time external control (`Mxt`) and the real-time monitor of CR controllers, over UDP."""
+
+from assistant.controllers.mitsubishi.mxt.client import CYCLES, Mxt
+from assistant.controllers.mitsubishi.mxt.program import program
+
+__all__ = ["CYCLES", "Mxt", "program"]
