@@ -81,7 +81,7 @@ class MxtLink:
         extra: list[float] = [fields[_MISSED], fields[_COUNTER], fields[_WORD]]
         for i, asked in enumerate(self.also):
             extra.extend(self._more(asked, fields[_MORE[i] - 2], fields[_MORE[i]]))
-        return Measured(values, fields[_COUNTER], fields[_MISSED], "", tuple(extra))
+        return Measured(values, fields[_COUNTER], fields[_MISSED], extra=tuple(extra))
 
     def _packed(self, command: int, kind: int, asked: int, data: bytes, count: int) -> bytes:
         more = [*self.also, 0, 0, 0]
