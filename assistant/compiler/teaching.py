@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import dataclass
 from pathlib import Path as FilePath
@@ -140,7 +141,7 @@ def joints_without_end(joints: list[float]) -> list[float]:
 
 def _more(wanted: Wanted) -> dict[str, str]:
     given = {"tool": wanted.tool, "frame": wanted.frame}
-    return {key: f'"{name}"' for key, name in given.items() if name is not None}
+    return {key: json.dumps(name) for key, name in given.items() if name is not None}
 
 
 def _numbers(values: list[float] | tuple[float, ...], digits: int) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -63,7 +64,7 @@ class TaughtTarget:
 
 def begun(robot: str | None) -> str:
     """The text of a file before its first target."""
-    return "" if robot is None else f'robot = "{robot}"\n'
+    return "" if robot is None else f"robot = {json.dumps(robot)}\n"
 
 
 def with_target(
@@ -144,19 +145,22 @@ class _Again:
             span = self.keys[*self.path, "external"]
             raise Refused(self.source.finding(EXTERNAL, span, name=name))
         # In its place among the others: a new value behind an old one of the same meaning.
-        olds = [key for key in (*POSE, *ORIENTATIONS, *JOINTS) if key in self.entry]
+        olds = {key for key in (*POSE, *ORIENTATIONS, *JOINTS) if key in self.entry}
         rest = dict(self.target.values)
         edits: list[tuple[Span, str]] = []
-        for key in sorted(set(olds), key=lambda one: self.keys[*self.path, one].start):
-            pair = Span(self.keys[*self.path, key].start, self.values[*self.path, key].end)
+        at = self._line(Span(self.keys[*self.path, "name"].start, self._end("name"))).end
+        for key in sorted(olds, key=lambda one: self.keys[*self.path, one].start):
+            pair = Span(self.keys[*self.path, key].start, self._end(key))
+            line = self._line(pair)
             taken = self._successor(key, rest)
             if taken is None:
-                edits.append((self._line(pair), ""))
-            else:
-                edits.append((pair, f"{taken} = {rest.pop(taken)}"))
+                edits.append((line, ""))
+                continue
+            # A comment behind the value tells of it, and may be wrong for another kind of value.
+            kept = pair if taken == key else Span(pair.start, self._without_end(line))
+            edits.append((kept, f"{taken} = {rest.pop(taken)}"))
+            at = line.end
         if rest:
-            # What had no predecessor goes behind the name, which every entry has.
-            at = self._line(Span(self.keys[*self.path, "name"].start, self._end("name"))).end
             newline = self.source.newline
             lines = "".join(f"{key} = {value}{newline}" for key, value in rest.items())
             edits.append((Span(at, at), lines if self._ends(at) else newline + lines))
@@ -170,6 +174,10 @@ class _Again:
 
     def _ends(self, at: int) -> bool:
         return self.source.text[:at].endswith("\n")
+
+    def _without_end(self, line: Span) -> int:
+        text = self.source.text[line.start : line.end]
+        return line.start + len(text.rstrip("\r\n"))
 
     def _successor(self, key: str, rest: Mapping[str, str]) -> str | None:
         """What takes the place of a key: the same, or what says the same in other words."""

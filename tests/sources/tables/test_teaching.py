@@ -1,0 +1,119 @@
+"""A target more in a file, or one taught anew: what else the file says stays to the letter."""
+
+from __future__ import annotations
+
+import difflib
+from pathlib import Path
+
+import pytest
+
+from assistant.program.diagnostics import Refused
+from assistant.program.text import SourceText
+from assistant.sources.tables.teaching import TaughtTarget, begun, is_kept, with_target
+
+SAMPLE = Path(__file__).parents[3] / "samples" / "taught.toml"
+POSE = {"position": "[1.0, 2.0, 3.0]", "quaternion": "[0.0, 1.0, 0.0, 0.0]"}
+BRANCH = {"configuration": "{back = false, down = true, flip = false, quadrants = [0, 0, 0]}"}
+JOINTS = {"joints": "[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]"}
+
+
+def target(name: str, values: dict[str, str], robot: str | None = None, **more: str):
+    return TaughtTarget(name, values, {k: f'"{v}"' for k, v in more.items()}, robot)
+
+
+def changes(before: str, after: str) -> list[str]:
+    lines = difflib.ndiff(before.splitlines(), after.splitlines())
+    return sorted(line for line in lines if line[0] in "+-")
+
+
+def test_a_new_file():
+    source = SourceText(begun("rv-2aj"), "x.toml", "utf-8", "\n")
+    text, reading = with_target(source, "x", target("above", POSE, "rv-2aj"))
+    assert text.text == (
+        'robot = "rv-2aj"\n\n[[targets]]\nname = "above"\nposition = [1.0, 2.0, 3.0]\n'
+        "quaternion = [0.0, 1.0, 0.0, 0.0]\n"
+    )
+    assert list(reading.program.targets) == ["above"] and reading.program.robot == "rv-2aj"
+
+
+@pytest.mark.parametrize("newline", ["\n", "\r\n"])
+@pytest.mark.parametrize("end", ["", "\n", "\n\n# the end"])
+def test_a_target_behind_all_others(newline, end):
+    before = (SAMPLE.read_text("utf-8").rstrip() + end).replace("\n", newline)
+    source = SourceText(before, str(SAMPLE), "utf-8", newline)
+    text, reading = with_target(source, "taught", target("last", POSE, tool="gripper"))
+    assert text.text.startswith(before) and text.text.count("\n") == text.text.count(newline)
+    assert list(reading.program.targets)[-1] == "last"
+    assert is_kept(before, text.text, "last")
+    assert reading.program.targets["last"].pose.position == (1.0, 2.0, 3.0)
+
+
+def test_taught_anew_only_its_place_changes():
+    before = SAMPLE.read_text("utf-8")
+    source = SourceText(before, str(SAMPLE), "utf-8", "\n")
+    text, reading = with_target(source, "taught", target("Above", {**POSE, **BRANCH}), again=True)
+    assert changes(before, text.text) == [
+        "+ configuration = {back = false, down = true, flip = false, quadrants = [0, 0, 0]}",
+        "+ position = [1.0, 2.0, 3.0]  # mm",
+        "+ quaternion = [0.0, 1.0, 0.0, 0.0]",
+        "- euler_zyx = [0, 0, 180]     # degrees: the tool points down",
+        "- position = [420, -60, 360]  # mm",
+    ]
+    assert is_kept(before, text.text, "above")
+    program = reading.program
+    assert program.targets["above"].configuration.down and len(program.targets) == 5
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "wanted"),
+    [
+        ("home", JOINTS, ["+ joints = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]  # degrees",
+                          "- joints = [0, 0, 0, 0, 30, 0]  # degrees"]),
+        ("home", POSE, ["+ position = [1.0, 2.0, 3.0]",
+                        "+ quaternion = [0.0, 1.0, 0.0, 0.0]",
+                        "- joints = [0, 0, 0, 0, 30, 0]  # degrees"]),
+        ("down", JOINTS, ["+ joints = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]",
+                          "- euler_zyx = [0, 0, 180]",
+                          "- position = [420, -60, 300]"]),
+    ],
+)  # fmt: skip
+def test_joints_for_a_pose_and_a_pose_for_joints(name, values, wanted):
+    before = SAMPLE.read_text("utf-8")
+    source = SourceText(before, str(SAMPLE), "utf-8", "\n")
+    text, reading = with_target(source, "taught", target(name, values), again=True)
+    assert changes(before, text.text) == wanted
+    assert name in (
+        reading.program.joint_targets if "joints" in values else reading.program.targets
+    )
+    assert is_kept(before, text.text, name)
+
+
+def test_an_old_branch_goes_with_its_place():
+    with_branch = "\n".join(f"{k} = {v}" for k, v in {**POSE, **BRANCH}.items())
+    source = SourceText(f'[[targets]]\nname = "a"\n{with_branch}\nspeed = 5\n', "x.toml")
+    other = {**POSE, "position": "[9.0, 9.0, 9.0]"}
+    text, reading = with_target(source, "x", target("a", other), again=True)
+    assert "configuration" not in text.text and "speed = 5" in text.text
+    assert reading.program.targets["a"].configuration is None
+
+
+@pytest.mark.parametrize(
+    ("text", "one", "again", "code"),
+    [
+        ('[[targets]]\nname = "A"\njoints = [1]\n', target("a", POSE), False, "TB509"),
+        ("", target("1a", POSE), False, "TB507"),
+        ("", target('a"\nb', POSE), False, "TB507"),
+        ('targets = [{name = "a", joints = [1]}]', target("b", POSE), False, "TB508"),
+        ('targets = [{name = "a", joints = [1]}]', target("a", POSE), True, "TB508"),
+        ('robot = "rv-2aj"\n', target("a", POSE, "irb1200-7-0.7"), False, "TB510"),
+        ('[[targets]]\nname = "a"\njoints = [1]\nexternal = [5]\n', target("a", POSE), True, "TB511"),
+        ("", target("a", JOINTS, "rv-2aj"), False, "TB512"),
+        ("", target("a", POSE, tool="none"), False, "TB301"),
+        ("[[targets]\n", target("a", POSE), False, "CT301"),
+        ("[motion]\nspeed = -1\n", target("a", POSE), False, "CT303"),
+    ],
+)  # fmt: skip
+def test_what_is_refused(text, one, again, code):
+    with pytest.raises(Refused) as refused:
+        with_target(SourceText(text, "x.toml", "utf-8", "\n"), "x", one, again=again)
+    assert [finding.code for finding in refused.value.findings] == [code]
