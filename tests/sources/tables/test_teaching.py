@@ -106,7 +106,7 @@ def test_an_old_branch_goes_with_its_place():
         ('targets = [{name = "a", joints = [1]}]', target("b", POSE), False, "TB508"),
         ('targets = [{name = "a", joints = [1]}]', target("a", POSE), True, "TB508"),
         ('robot = "rv-2aj"\n', target("a", POSE, "irb1200-7-0.7"), False, "TB510"),
-        ('[[targets]]\nname = "a"\njoints = [1]\nexternal = [5]\n', target("a", POSE), True, "TB511"),
+        ('[[targets]]\nname = "a"\njoints = [1]\nexternal = [5]', target("a", POSE), True, "TB511"),
         ("", target("a", JOINTS, "rv-2aj"), False, "TB512"),
         ("", target("a", POSE, tool="none"), False, "TB301"),
         ("[[targets]\n", target("a", POSE), False, "CT301"),
