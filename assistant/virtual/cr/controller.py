@@ -10,22 +10,30 @@ import contextlib
 import socket
 import socketserver
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from datetime import datetime
 from pathlib import Path as FilePath
-from typing import Final, Self
+from typing import Final, Literal, Self
 
 from assistant.virtual.cr.commands import execute
 from assistant.virtual.cr.error_log import level_of
-from assistant.virtual.cr.framing import MOST_BYTES, Framing
+from assistant.virtual.cr.faults import Faults
+from assistant.virtual.cr.framing import MOST_BYTES
+from assistant.virtual.cr.ports import SerialPort, SocketPort
 from assistant.virtual.cr.state import SUFFIXES, CrSession, CrState
 from assistant.virtual.cr.store import CAPACITY, CrRefusal, CrStore
+from assistant.virtual.cr.talking import Plain, Procedural
+from assistant.virtual.melfa.lines import Rate
 
+PARITIES: Final[Mapping[str, Literal["even", "odd", "none"]]] = {
+    "0": "none",
+    "1": "odd",
+    "2": "even",
+}
+"""Of the parameter CPRTY232."""
 MOST_CONNECTIONS: Final = 9
 """Lines OPT11 to OPT19 of a controller, one client each."""
 ENCODING: Final = "latin-1"
-PATIENCE: Final = 10.0
-"""Seconds that a client may take to receive an answer."""
 
 
 class VirtualCr:
@@ -34,7 +42,9 @@ class VirtualCr:
     robot: name in the catalogue. language: version of MELFA-BASIC, None for the robot's first.
     port: 0 for any free one. folder: where programs are kept, None for memory.
     terminator: what ends an answer (CR, CR LF or nothing). quiet: seconds of silence that end
-    a command without end code. report: is told each command and its answer.
+    a command without end code. report: is told each command and its answer. serial: True for a
+    pseudo terminal, whose path `serial_path` tells, or the path of a serial port. framing: of the
+    serial line (CPRC232). faults: what goes wrong on purpose.
     """
 
     def __init__(
@@ -50,6 +60,9 @@ class VirtualCr:
         quiet: float = 0.05,
         clock: Callable[[], datetime] = datetime.now,
         report: Callable[[str], None] | None = None,
+        serial: bool | str = False,
+        framing: Literal["plain", "procedural"] = "plain",
+        faults: Faults | None = None,
     ) -> None:
         from assistant import robots
 
@@ -64,6 +77,12 @@ class VirtualCr:
         self._terminator = terminator
         self._quiet = quiet
         self._report = report
+        self.faults = faults or Faults()
+        self._serial_wanted = serial
+        self._serial: SerialPort | None = None
+        self._serial_thread: threading.Thread | None = None
+        if framing == "procedural":
+            self.state.parameters.write("CPRC232", "1", all_levels=True)
         self._server: _Server | None = None
         self._thread: threading.Thread | None = None
 
@@ -83,23 +102,56 @@ class VirtualCr:
     def address(self) -> str:
         return f"melfa://{self._place[0]}:{self.port}"
 
+    @property
+    def serial_path(self) -> str:
+        """The serial port, or the pseudo terminal that clients open."""
+        assert self._serial is not None, "the controller has no serial line, or is not started"
+        return self._serial.path
+
+    @property
+    def serial_address(self) -> str:
+        framing = "?framing=procedural" if self.state.parameters["CPRC232"] == ("1",) else ""
+        return f"melfa-serial://{self.serial_path}{framing}"
+
     def start(self) -> None:
-        """Listens; raises OSError if the port is taken."""
+        """Listens; raises OSError if the port is taken, or the serial port is not there."""
         self._server = _Server(self._place, self._converse)
+        try:
+            self._start_serial()
+        except OSError:
+            self._server.server_close()
+            self._server = None
+            raise
         self._thread = threading.Thread(
             target=self._server.serve_forever, args=(0.02,), name="virtual-cr", daemon=True
         )
         self._thread.start()
 
+    def _start_serial(self) -> None:
+        if not self._serial_wanted:
+            return
+        path = self._serial_wanted if isinstance(self._serial_wanted, str) else None
+        self._serial = SerialPort(path, _rate(self.state))
+        self._serial_thread = threading.Thread(
+            target=self._converse_serially, args=(self._serial,), name="virtual-cr", daemon=True
+        )
+        self._serial_thread.start()
+
     def stop(self) -> None:
         """Hangs up on every client and frees the port."""
-        if self._server is None or self._thread is None:
+        server, self._server = self._server, None
+        if server is None or self._thread is None:
             return
-        self._server.shutdown()
-        self._server.hang_up()
-        self._server.server_close()
+        if self._serial is not None and self._serial_thread is not None:
+            self._serial.hang_up()
+            self._serial_thread.join()
+            self._serial.close()
+            self._serial = self._serial_thread = None
+        server.shutdown()
+        server.hang_up()
+        server.server_close()
         self._thread.join()
-        self._server = self._thread = None
+        self._thread = None
 
     def alarm(self, number: int, level: int | None = None) -> None:
         """Brings the controller into an error state; RSTALRM ends it.
@@ -125,6 +177,8 @@ class VirtualCr:
             try:
                 if len(command) > MOST_BYTES:
                     raise CrRefusal(6080)
+                if (number := self.faults.error(text)) is not None:
+                    raise CrRefusal(number)
                 head, body = "Qo", execute(session, text)
             except CrRefusal as error:
                 head = "Qe"
@@ -137,27 +191,48 @@ class VirtualCr:
 
     def _converse(self, connection: socket.socket) -> None:
         """Serves one client until it or the controller hangs up."""
-        framing, session = Framing(), CrSession(self.state)
+        session = CrSession(self.state)
+        talk = Plain(self._terminator, self._quiet, self.faults)
         try:
-            while True:
-                connection.settimeout(self._quiet if framing.ends_by_silence else None)
-                try:
-                    data = connection.recv(65536)
-                except TimeoutError:
-                    commands = framing.silence()
-                else:
-                    if not data:
-                        return
-                    commands = framing.feed(data)
-                connection.settimeout(PATIENCE)
-                for command in commands:
-                    answer = self.answer(session, command)
-                    connection.sendall(answer.encode(ENCODING) + self._terminator)
+            talk.converse(SocketPort(connection), lambda command: self._encoded(session, command))
         except OSError:
             return  # the client is gone; what it held is given back below
         finally:
             with self.state.lock:
                 session.hang_up()
+
+    def _converse_serially(self, port: SerialPort) -> None:
+        """Serves the serial line, whose one session lasts as long as the controller does."""
+        session = CrSession(self.state)
+        while self._server is not None:
+            talk = self._serial_talk()
+            try:
+                talk.converse(port, lambda command: self._encoded(session, command))
+            except OSError:
+                continue  # a fault cut the conversation; the line is still there
+            if self._server is not None:
+                return
+        with self.state.lock:
+            session.hang_up()
+
+    def _serial_talk(self) -> Plain | Procedural:
+        """As the parameters CPRC232 and CTERM232 say."""
+        parameters = self.state.parameters
+        if parameters["CPRC232"] == ("1",):
+            return Procedural(self.faults)
+        end = b"\r\n" if parameters["CTERM232"] == ("1",) else b"\r"
+        return Plain(end, self._quiet, self.faults)
+
+    def _encoded(self, session: CrSession, command: bytes) -> bytes:
+        return self.answer(session, command).encode(ENCODING)
+
+
+def _rate(state: CrState) -> Rate:
+    """Of the serial line, as the parameters say."""
+    parameters = state.parameters
+    parity = PARITIES.get(parameters["CPRTY232"][0], "even")
+    stops: Literal[1, 2] = 1 if parameters["CSTOP232"] == ("1",) else 2
+    return Rate(int(parameters["CBAU232"][0]), parity, stops)
 
 
 class _Server(socketserver.ThreadingTCPServer):

@@ -266,7 +266,7 @@ class Serial(_Stream):
     def open(self) -> None:
         port = os.open(self._path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
         try:
-            _set_rate(port, self._rate)
+            set_rate(port, self._rate)
         except OSError:
             os.close(port)
             raise
@@ -317,7 +317,7 @@ def line_to(target: str) -> tuple[Line, Callable[[], None]]:
     return serial, serial.close
 
 
-def _set_rate(port: int, rate: Rate) -> None:
+def set_rate(port: int, rate: Rate) -> None:
     """Bytes as they are, at a rate; raises OSError for what is no terminal."""
     import termios
     import tty
