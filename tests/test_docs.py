@@ -15,6 +15,7 @@ import pytest
 from assistant import languages, robots
 from assistant.compiler.project import configured
 from assistant.compiler.script_file import read_script
+from assistant.controllers import controllers_of
 from assistant.findings import rulebook
 from assistant.findings.severity import severities_for
 from assistant.program import pseudo
@@ -25,7 +26,8 @@ from assistant.virtual.melfa.choosing import choose
 from docs import findings, house
 
 PROJECT = Path(__file__).parent.parent
-PAGES = [PROJECT / "README.md", *sorted((PROJECT / "docs").glob("*.md"))]
+PAGES = [PROJECT / "README.md", *sorted((PROJECT / "docs").rglob("*.md"))]
+NAMES = {page: str(page.relative_to(PROJECT)) for page in PAGES}
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.M | re.S)
 CHANGES = re.compile(r"^```python\n([^`]*)^```\n\n```diff\n(.*?)^```", re.M | re.S)
 """Python that changes a program, and the lines that it changes."""
@@ -39,7 +41,7 @@ def blocks(page: Path, kind: str) -> list[str]:
 
 def examples(kind: str) -> list[tuple[str, str]]:
     """Page and text of each block of that kind in all pages."""
-    return [(page.name, text) for page in PAGES for text in blocks(page, kind)]
+    return [(NAMES[page], text) for page in PAGES for text in blocks(page, kind)]
 
 
 def commands(page: Path) -> list[str]:
@@ -52,7 +54,7 @@ def test_there_are_commands_in_the_readme():
     assert commands(PROJECT / "README.md")
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@pytest.mark.parametrize("page", PAGES, ids=NAMES.get)
 def test_the_commands_of_a_page_work(page, tmp_path):
     shutil.copytree(PROJECT / "samples", tmp_path / "samples")
     environment = {
@@ -100,7 +102,7 @@ def test_the_python_of_a_page_runs(page, text, tmp_path):
     assert output(text, tmp_path)
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@pytest.mark.parametrize("page", PAGES, ids=NAMES.get)
 def test_what_the_python_of_a_page_changes_is_shown(page, tmp_path):
     for text, shown in CHANGES.findall(page.read_text("utf-8")):
         changed = [x for x in output(text, tmp_path).splitlines() if re.match(r"[-+] ", x)]
@@ -117,6 +119,23 @@ def output(text: str, folder: Path) -> str:
     return done.stdout
 
 
+LINK = re.compile(r"\]\((?!https?:)([^)#\s]*)(?:#([^)\s]*))?\)")
+
+
+def anchors(page: Path) -> set[str]:
+    """What the headings of a page can be linked by."""
+    heads = re.findall(r"^#+ +(.*)$", page.read_text("utf-8"), re.M)
+    return {re.sub(r"[^\w -]", "", head.lower()).replace(" ", "-") for head in heads}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=NAMES.get)
+def test_the_links_of_a_page_lead_somewhere(page):
+    for path, anchor in LINK.findall(page.read_text("utf-8")):
+        there = (page.parent / path).resolve() if path else page
+        assert there.exists(), path
+        assert not anchor or anchor in anchors(there), f"{path}#{anchor}"
+
+
 @pytest.mark.parametrize(("page", "text"), examples("pseudo"))
 def test_the_pseudo_programs_of_a_page_are_exact(page, text):
     assert pseudo.print_program(pseudo.parse(text)).text == text
@@ -124,6 +143,7 @@ def test_the_pseudo_programs_of_a_page_are_exact(page, text):
 
 LIMITS = "[melfa-basic]"
 SETTINGS = dict.fromkeys(("[severity]", "[rapid]", LIMITS), "assistant.toml")
+SETTINGS["[controllers"] = "assistant.toml"
 SETTINGS["[tool."] = "pyproject.toml"
 """How the settings of a project begin, and the file that they are in."""
 
@@ -154,6 +174,9 @@ def test_the_files_of_a_page_are_read(page, text, tmp_path):
     elif name in SETTINGS.values():
         settings = severities_for(tmp_path)
         assert not settings.findings
+        if text.startswith("[controllers"):
+            assert controllers_of(tmp_path)
+            return
         language = languages.get("melfa-basic-5")
         said = configured(language, tmp_path) is not language
         assert said if LIMITS in text else settings.levels
