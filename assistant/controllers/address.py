@@ -46,6 +46,8 @@ DEVICE: Final = re.compile(r"/(?:[\w.+:-]+/)*[\w.+:-]+|COM[1-9]\d{0,2}", re.ASCI
 SCHEMES: Final = {
     "ftp": Scheme("ABB IRC5 by FTP", 21, "HOME:", login=True),
     "ftps": Scheme("ABB IRC5 by FTP over TLS", 21, "HOME:", login=True),
+    "rws": Scheme("ABB IRC5 by Robot Web Services 1.0", 80, "HOME:", login=True),
+    "rwss": Scheme("ABB OmniCore by Robot Web Services 2.0", 443, "HOME:", login=True),
     "melfa": Scheme("Mitsubishi CR controller by controller link", 10001, options=END),
     "melfa-serial": Scheme(
         "Mitsubishi CR controller by controller link on a serial line",

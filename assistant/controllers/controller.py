@@ -142,6 +142,8 @@ class Restoring(Protocol):
 CLIENTS: Final = {
     "ftp": ("assistant.controllers.abb.ftp", "Ftp"),
     "ftps": ("assistant.controllers.abb.ftp", "Ftp"),
+    "rws": ("assistant.controllers.abb.rws.client", "Rws"),
+    "rwss": ("assistant.controllers.abb.rws.client", "Rws"),
     "melfa": ("assistant.controllers.mitsubishi.cr", "Cr"),
     "melfa-serial": ("assistant.controllers.mitsubishi.cr", "Cr"),
 }

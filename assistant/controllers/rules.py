@@ -157,6 +157,21 @@ RESTORED_PARTLY = error(
     "restoring stopped at `{name}`; restored by then: {done}",
     "put right what the other finding says and restore again; what was there before is in `{kept}`",
 )
+NEEDS_RWS = error(
+    "CN220",
+    "Robot Web Services need httpx and websockets, which are not installed",
+    "install them with `pip install 'robot-assistant[rws]'`",
+)
+MAY_BE_HELD = error(
+    "CN221",
+    "the {right} of {address} may still be held by the session whose line was cut",
+    "wait five minutes until that session has ended, or release it on the FlexPendant",
+)
+GARBLED_WEB = error(
+    "CN222",
+    "the answer to {doing} makes no sense: {answer}; {state}",
+    "check the port, and that it is `rws://` up to RobotWare 6 and `rwss://` from 7 on",
+)
 NOT_HERE = error(
     "CN209",
     "{address} cannot {what}: {reason}; nothing was changed by that",
