@@ -40,12 +40,14 @@ SERIAL: Final = {
     "stop": "1|2",
     "framing": "plain|procedural",
 }
+FTP: Final = {"mode": "passive|active"}
+"""Who connects for a transfer: the client, or the controller."""
 DEVICE: Final = re.compile(r"/(?:[\w.+:-]+/)*[\w.+:-]+|COM[1-9]\d{0,2}", re.ASCII)
 """A file of a serial line, or its name in Windows."""
 
 SCHEMES: Final = {
-    "ftp": Scheme("ABB IRC5 by FTP", 21, "HOME:", login=True),
-    "ftps": Scheme("ABB IRC5 by FTP over TLS", 21, "HOME:", login=True),
+    "ftp": Scheme("ABB IRC5 by FTP", 21, "HOME:", login=True, options=FTP),
+    "ftps": Scheme("ABB IRC5 by FTP over TLS", 21, "HOME:", login=True, options=FTP),
     "rws": Scheme("ABB IRC5 by Robot Web Services 1.0", 80, "HOME:", login=True),
     "rwss": Scheme("ABB OmniCore by Robot Web Services 2.0", 443, "HOME:", login=True),
     "melfa": Scheme("Mitsubishi CR controller by controller link", 10001, options=END),

@@ -94,6 +94,11 @@ CERTIFICATE = error(
     "{address} showed no certificate that can be trusted: {reason}; nothing was changed by that",
     "name the file that holds its certificate",
 )
+NOT_KEPT = error(
+    "CN210",
+    "`{name}` cannot be kept on this computer: {reason}; nothing was changed by that",
+    "free space or name another file",
+)
 ALARM = error(
     "CN301", "the controller answered error {number} ({text}) to {doing}; {state}", "{cure}"
 )

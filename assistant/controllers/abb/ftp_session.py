@@ -1,0 +1,220 @@
+"""A session with an FTP server: connecting, transfers, and what goes wrong with them."""
+
+from __future__ import annotations
+
+import ftplib
+import io
+import ssl
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path as FilePath
+from typing import Final, NoReturn, Self
+
+from assistant.controllers import rules
+from assistant.controllers.address import Address
+from assistant.controllers.credentials import Credentials
+from assistant.controllers.os_errors_in_words import reason_of
+from assistant.program.diagnostics import Refused
+
+RATE: Final = 50_000.0
+"""Bytes a second that a server is granted for looking through a file before it answers."""
+FAILURES: Final = (OSError, EOFError, ftplib.Error, OverflowError, UnicodeDecodeError)
+"""What ftplib raises where there is no connection any more, or the answer makes no sense: no port
+is that large, no text has those bytes."""
+
+
+class FtpSession:
+    """A session with the file server of a controller; a context manager.
+
+    timeout: seconds for an answer; more is granted after a long file.
+    certificate: file with the certificate to trust (`ftps`), None for the system's own.
+    """
+
+    def __init__(
+        self,
+        address: Address,
+        credentials: Credentials,
+        *,
+        timeout: float = 30.0,
+        certificate: str | FilePath | None = None,
+    ) -> None:
+        self.address = address
+        self._credentials = credentials
+        self._timeout = timeout
+        self._certificate = certificate
+        self._ftp: ftplib.FTP | None = None
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({str(self.address)!r})"
+
+    def __enter__(self) -> Self:
+        """Connects, logs in and goes to the folder of the address."""
+        try:
+            self._ftp = self._connected()
+            self._login(self._ftp)
+            self._enter_folder(self._ftp)
+        except BaseException:
+            self._hang_up()
+            raise
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        if self._ftp is not None:
+            with suppress(*FAILURES):
+                self._ftp.quit()
+        self._hang_up()
+
+    @property
+    def session(self) -> ftplib.FTP:
+        if self._ftp is None:
+            raise rules.Lost(
+                rules.LOST(
+                    place=str(self.address),
+                    doing="waiting",
+                    reason="there is no session",
+                    state="nothing was changed by that",
+                )
+            )
+        return self._ftp
+
+    def _connected(self) -> ftplib.FTP:
+        ftp: ftplib.FTP = ftplib.FTP()  # noqa: S321 - what the controller speaks
+        if self.address.scheme == "ftps":
+            ftp = ftplib.FTP_TLS(context=self._trust())  # noqa: S321 - the same, encrypted
+        ftp.set_pasv(self.address.option("mode", "passive") == "passive")
+        try:
+            ftp.connect(self.address.host, self.address.port, timeout=self._timeout)
+        except FAILURES as error:
+            ftp.close()
+            self._unreachable(error)
+        return ftp
+
+    def _trust(self) -> ssl.SSLContext:
+        try:
+            return ssl.create_default_context(
+                cafile=str(self._certificate) if self._certificate else None
+            )
+        except (OSError, ssl.SSLError) as error:
+            self._untrusted(f"`{self._certificate}`: {reason_of(error)}")
+
+    def _login(self, ftp: ftplib.FTP) -> None:
+        name = self._credentials.user
+        try:
+            ftp.login(name, self._credentials.password)
+            if isinstance(ftp, ftplib.FTP_TLS):
+                ftp.prot_p()
+        except ssl.SSLError as error:
+            self._untrusted(reason_of(error))
+        except UnicodeDecodeError as error:
+            self._unreachable(error)
+        except ftplib.error_perm as error:
+            reply = self._credentials.hidden(str(error))
+            raise Refused(
+                rules.LOGIN(place=str(self.address), address=self.address, user=name, reply=reply),
+                exit_status=2,
+            ) from None
+        except ValueError:
+            # ftplib: a line end in the user or the password would be a second command.
+            raise Refused(
+                rules.LOGIN(
+                    place=str(self.address),
+                    address=self.address,
+                    user=name,
+                    reply="a line end in the user or the password",
+                ),
+                exit_status=2,
+            ) from None
+        except FAILURES as error:
+            self._unreachable(error)
+
+    def _enter_folder(self, ftp: ftplib.FTP) -> None:
+        try:
+            ftp.cwd(self.address.folder)
+        except ftplib.error_perm as error:
+            raise Refused(
+                rules.NO_FOLDER(
+                    place=str(self.address),
+                    address=self.address,
+                    folder=self.address.folder,
+                    reply=self._said(error),
+                ),
+                exit_status=2,
+            ) from None
+        except FAILURES as error:
+            self._unreachable(error)
+
+    def _unreachable(self, error: Exception) -> NoReturn:
+        reason = self._said(error)
+        raise rules.Lost(
+            rules.UNREACHABLE(place=str(self.address), address=self.address, reason=reason)
+        ) from None
+
+    def _untrusted(self, reason: str) -> NoReturn:
+        raise Refused(
+            rules.CERTIFICATE(place=str(self.address), address=self.address, reason=reason),
+            exit_status=2,
+        ) from None
+
+    def store(self, name: str, data: bytes, doing: str, state: str, command: str = "STOR") -> None:
+        """Sends a file. command: `APPE` to send what follows on what is there."""
+        with self.during(doing, state):
+            ftp = self.session
+            assert ftp.sock is not None
+            ftp.voidcmd("TYPE I")
+            with ftp.transfercmd(f"{command} {name}") as channel:
+                channel.sendall(data)
+                if isinstance(channel, ssl.SSLSocket):
+                    channel.unwrap()
+            ftp.sock.settimeout(self._timeout + len(data) / RATE)
+            try:
+                ftp.voidresp()
+            finally:
+                ftp.sock.settimeout(self._timeout)
+
+    def retrieve(self, name: str, state: str, start: int = 0) -> bytes:
+        """The bytes of a file from `start` on."""
+        data = io.BytesIO()
+        self.retrieve_into(name, state, data.write, start)
+        return data.getvalue()
+
+    def retrieve_into(
+        self, name: str, state: str, sink: Callable[[bytes], object], start: int = 0
+    ) -> None:
+        with self.during(f"reading `{name}`", state):
+            self.session.retrbinary(f"RETR {name}", sink, rest=start or None)
+
+    def discard(self, name: str) -> None:
+        """Deletes what is left of a transfer; a rest that stays is overwritten by the next."""
+        with suppress(*FAILURES):
+            if self._ftp is not None:
+                self._ftp.delete(name)
+
+    @contextmanager
+    def during(self, doing: str, state: str) -> Iterator[None]:
+        """Turns what goes wrong inside into a finding with the state of the controller."""
+        place = str(self.address)
+        try:
+            yield
+        except (ftplib.error_perm, ftplib.error_temp) as error:
+            reply = self._said(error)
+            if reply.startswith("421"):  # the server says good-bye
+                self._hang_up()
+                raise rules.Lost(
+                    rules.LOST(place=place, doing=doing, reason=reply, state=state)
+                ) from None
+            raise Refused(
+                rules.REFUSED(place=place, doing=doing, reply=reply, state=state)
+            ) from None
+        except FAILURES as error:
+            self._hang_up()
+            raise rules.Lost(
+                rules.LOST(place=place, doing=doing, reason=self._said(error), state=state)
+            ) from None
+
+    def _said(self, error: Exception) -> str:
+        return self._credentials.hidden(reason_of(error))
+
+    def _hang_up(self) -> None:
+        if self._ftp is not None:
+            self._ftp.close()
+            self._ftp = None
