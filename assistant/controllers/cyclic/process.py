@@ -152,6 +152,7 @@ def _run(
         finally:
             _close(worker)
             reader.join(GRACE)
+            worker.stdout.close()
         errors.seek(0)
         why = errors.read().strip().splitlines()
     return last, why[-1] if why else "its process ended without a word"

@@ -1,0 +1,195 @@
+"""Packets of EGM as a controller writes and reads them, field by field with their raw numbers.
+
+`egm.proto` of RobotWare, sensor interface V1.1, as ros-industrial/abb_libegm publishes it. Nothing
+here is shared with the client, so that a mistake of either shows.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, Literal
+
+Kind = Literal["joints", "poses"]
+MSGTYPE_DATA, MSGTYPE_CORRECTION = 2, 3
+MOTORS_ON, MOTORS_OFF = 1, 2
+MCI_ERROR, MCI_STOPPED, MCI_RUNNING = 1, 2, 3
+RAPID_STOPPED, RAPID_RUNNING = 1, 2
+ROBOT_AXES: Final = 6
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """What a packet of a robot says. tm: ms. measured, planned: joints in degrees, or x y z in mm
+    with the quaternion.
+    """
+
+    seqno: int
+    tm: int
+    measured: Sequence[float]
+    planned: Sequence[float]
+    motors: int = MOTORS_ON
+    mci: int = MCI_RUNNING
+    rapid: int = RAPID_RUNNING
+    converged: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """What a sensor asks for."""
+
+    seqno: int
+    values: tuple[float, ...]
+
+
+def robot(told: Told, kind: Kind) -> bytes:
+    """EgmRobot."""
+    header = _number(1, told.seqno) + _number(2, told.tm) + _number(3, MSGTYPE_DATA)
+    clock = _number(1, told.tm // 1000) + _number(2, told.tm % 1000 * 1000)
+    parts = [
+        _bytes(1, header),
+        _bytes(2, _place(told.measured, kind) + _bytes(4, clock)),
+        _bytes(3, _place(told.planned, kind) + _bytes(4, clock)),
+        _bytes(4, _number(1, told.motors)),
+        _bytes(5, _number(1, told.mci)),
+        _number(6, int(told.converged)),
+        _bytes(7, b"".join(_double(1, 0.0) for _ in range(2))),
+        _bytes(8, _number(1, told.rapid)),
+        _double(10, 0.0),
+    ]
+    return b"".join(parts)
+
+
+def _place(values: Sequence[float], kind: Kind) -> bytes:
+    """EgmFeedBack and EgmPlanned without their time."""
+    if kind == "joints":
+        own = b"".join(_double(1, value) for value in values[:ROBOT_AXES])
+        more = b"".join(_double(1, value) for value in values[ROBOT_AXES:])
+        return _bytes(1, own) + (_bytes(3, more) if more else b"")
+    place = b"".join(_double(i, value) for i, value in enumerate(values[:3], 1))
+    turn = b"".join(_double(i, value) for i, value in enumerate(values[3:], 1))
+    return _bytes(2, _bytes(1, place) + _bytes(2, turn))
+
+
+def sensor(packet: bytes, kind: Kind, count: int) -> Heard | None:
+    """What an EgmSensor asks for; None for what is none, or asks for something else."""
+    try:
+        top = _read(packet)
+        header = _read(_only(top, 1))
+        planned = _read(_only(top, 2))
+        if _whole(header, 3) != MSGTYPE_CORRECTION:
+            return None
+        values = _joints(planned) if kind == "joints" else _pose(planned)
+        seqno = _whole(header, 1)
+    except (Damaged, struct.error):
+        return None
+    if len(values) != count or not all(map(math.isfinite, values)):
+        return None
+    return Heard(seqno, values)
+
+
+def _joints(planned: Fields) -> tuple[float, ...]:
+    found: list[float] = []
+    for number in (1, 3):
+        for inside in planned.get(number, []):
+            if not isinstance(inside, bytes):
+                raise Damaged("joints are no message")
+            found += (_float(value) for value in _read(inside).get(1, []))
+    return tuple(found)
+
+
+def _pose(planned: Fields) -> tuple[float, ...]:
+    pose = _read(_only(planned, 2))
+    place, turn = _read(_only(pose, 1)), _read(_only(pose, 2))
+    return tuple(
+        _float(part[number][-1])
+        for part, numbers in ((place, range(1, 4)), (turn, range(1, 5)))
+        for number in numbers
+        if number in part
+    )
+
+
+# ------------------------------------------------------------------------------------- bytes
+
+Fields = dict[int, list[int | bytes]]
+
+
+class Damaged(ValueError):
+    """Bytes that are no message."""
+
+
+def _only(fields: Fields, number: int) -> bytes:
+    found = fields.get(number, [0])[-1]
+    if not isinstance(found, bytes):
+        raise Damaged(f"the field {number} is missing")
+    return found
+
+
+def _whole(fields: Fields, number: int) -> int:
+    found = fields.get(number, [0])[-1]
+    if not isinstance(found, int):
+        raise Damaged(f"the field {number} is no whole number")
+    return found
+
+
+def _float(value: int | bytes) -> float:
+    if not isinstance(value, bytes):
+        raise Damaged("a whole number instead of a double")
+    (number,) = struct.unpack("<d", value)
+    return float(number)
+
+
+def _read(data: bytes) -> Fields:
+    fields: Fields = {}
+    while data:
+        tag, data = _varint(data)
+        match tag & 7:
+            case 0:
+                value, data = _varint(data)
+                fields.setdefault(tag >> 3, []).append(value)
+                continue
+            case 1:
+                size = 8
+            case 2:
+                size, data = _varint(data)
+            case 5:
+                size = 4
+            case other:
+                raise Damaged(f"wire type {other}")
+        if len(data) < size:
+            raise Damaged("a field without its end")
+        fields.setdefault(tag >> 3, []).append(data[:size])
+        data = data[size:]
+    return fields
+
+
+def _varint(data: bytes) -> tuple[int, bytes]:
+    value = 0
+    for i, byte in enumerate(data[:10]):
+        value += (byte & 127) << (7 * i)
+        if byte < 128:
+            return value, data[i + 1 :]
+    raise Damaged("a number without its end")
+
+
+def _head(number: int, wire: int) -> bytes:
+    return bytes([number * 8 + wire])  # all numbers are below 16
+
+
+def _number(number: int, value: int) -> bytes:
+    made = bytearray(_head(number, 0))
+    while value >= 128:
+        made.append(value % 128 + 128)
+        value //= 128
+    made.append(value)
+    return bytes(made)
+
+
+def _double(number: int, value: float) -> bytes:
+    return _head(number, 1) + struct.pack("<d", value)
+
+
+def _bytes(number: int, inside: bytes) -> bytes:
+    return _head(number, 2) + _number(0, len(inside))[1:] + inside
