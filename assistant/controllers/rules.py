@@ -143,6 +143,15 @@ NOT_TAKEN = error(
     "{what} was accepted, but the controller has `{back}` for it and not `{sent}`",
     "check what values it may have, and whether another client changes it",
 )
+NOT_STOPPED = error(
+    "CN311",
+    "{address} could not be told to stop: {reason}; the arm may still move",
+    "press the emergency stop",
+)
+NO_PARAMETERS = error(
+    "CN312", "`{file}` is no parameter file: {reason}", "take a .PRM file of RT ToolBox"
+)
+STANDS = error("CN313", "{what} is not possible: {reason}; nothing was started", "{cure}")
 BACKUP_EXISTS = error("CN401", "`{folder}` is there already; nothing was written", "name a new one")
 BACKUP_WRITE = error(
     "CN402",

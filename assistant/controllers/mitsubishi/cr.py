@@ -2,14 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path as FilePath
 from typing import Final, Self
 
 from assistant.controllers.address import Address
-from assistant.controllers.mitsubishi import listing, programs
-from assistant.controllers.mitsubishi.programs import LANGUAGES
-from assistant.controllers.mitsubishi.session import About, Session
+from assistant.controllers.mitsubishi import (
+    backup,
+    error_log,
+    jogging,
+    listing,
+    operating,
+    parameter_files,
+    parameters,
+    position,
+    programs,
+    restore,
+    signals,
+    state,
+    variables,
+    watching,
+)
+from assistant.controllers.mitsubishi.jogging import Check
+from assistant.controllers.mitsubishi.programs import LANGUAGES, Entry
+from assistant.controllers.mitsubishi.restore import Restoring
+from assistant.controllers.mitsubishi.session import PACE, About, Session
 from assistant.controllers.mitsubishi.session import about as identity
+from assistant.controllers.states import Fault, Identity, Jog, Position, Sample, State
 
 __all__ = ["Cr", "identity"]
 
@@ -17,20 +36,28 @@ EVERY_LANGUAGE: Final = tuple(name for names in LANGUAGES.values() for name in n
 
 
 class Cr:
-    """A session with a CR controller; see `Controller`.
+    """A session with a CR controller; see `Controller`. Tasks are slots, by their numbers.
 
     timeout: seconds for an answer. terminator: what ends a command, None for what the address
-    says.
+    says. pace: seconds between commands while a program runs. check: is asked before a jog.
     """
 
     lists: tuple[str, ...] = ()
 
     def __init__(
-        self, address: Address, *, timeout: float = 10.0, terminator: bytes | None = None
+        self,
+        address: Address,
+        *,
+        timeout: float = 10.0,
+        terminator: bytes | None = None,
+        pace: float = PACE,
+        check: Check | None = None,
     ) -> None:
         self.address = address
         self.languages: tuple[str, ...] = EVERY_LANGUAGE
-        self.session = Session(address, timeout=timeout, terminator=terminator)
+        self.session = Session(address, timeout=timeout, terminator=terminator, pace=pace)
+        self.check = check
+        self._kinds: dict[str, parameter_files.Kind] = {}
 
     def __repr__(self) -> str:
         return f"Cr({str(self.address)!r})"
@@ -71,3 +98,103 @@ class Cr:
     def stored(self, data: bytes) -> bytes:
         """As a controller lists it: steps in order, variables by name with two decimals."""
         return listing.listed(data)
+
+    def entries(self) -> tuple[Entry, ...]:
+        """The programs with size, time and protection."""
+        return programs.entries(self.session)
+
+    def copy(self, name: str, new: str) -> None:
+        programs.copy(self.session, name, new)
+
+    def rename(self, name: str, new: str) -> None:
+        programs.rename(self.session, name, new)
+
+    def protect(
+        self, name: str, *, lines: bool | None = None, variables: bool | None = None
+    ) -> None:
+        """Protects a program against changes, or allows them; None leaves it as it is."""
+        programs.protect(self.session, name, lines=lines, variables=variables)
+
+    def identify(self) -> Identity:
+        return state.identify(self.session)
+
+    def state(self) -> State:
+        return state.state(self.session)
+
+    def position(self) -> Position:
+        return position.position(self.session)
+
+    def log(self, most: int = 50) -> tuple[Fault, ...]:
+        """The latest errors, the newest first."""
+        return error_log.log(self.session, most)
+
+    def reset(self) -> None:
+        """Acknowledges the error; raises Refused if it is still there then."""
+        state.reset(self.session)
+
+    def inputs(self, names: Sequence[str]) -> dict[str, float]:
+        """By their numbers as text."""
+        return signals.inputs(self.session, names)
+
+    def outputs(self, names: Sequence[str]) -> dict[str, float]:
+        return signals.outputs(self.session, names)
+
+    def set_output(self, name: str, value: float) -> None:
+        signals.set_output(self.session, name, value)
+
+    def parameters(self, names: Sequence[str] = ()) -> dict[str, str]:
+        return parameters.parameters(self.session, names)
+
+    def set_parameter(self, name: str, value: str) -> None:
+        """Most take effect when the power comes on again."""
+        parameters.write(self.session, name, value, self._kinds)
+
+    def learn_kinds(self, files: Iterable[str | FilePath]) -> None:
+        """Has `set_parameter` look at values as parameter files of RT ToolBox tell their kinds."""
+        self._kinds |= parameter_files.kinds(files)
+
+    def variable(self, name: str, program: str = "", task: str = "") -> str:
+        slot = operating.slot_of(self.session, task)
+        return variables.read(self.session, name, program, slot)
+
+    def set_variable(self, name: str, value: str, program: str = "", task: str = "") -> None:
+        """While its program runs, numbers only."""
+        slot = operating.slot_of(self.session, task)
+        variables.write(self.session, name, value, program, slot)
+
+    def load(self, name: str, task: str = "") -> None:
+        operating.load(self.session, name, operating.slot_of(self.session, task))
+
+    def motors(self, on: bool) -> None:
+        """Switches the servos, and comes back when they are on or off."""
+        operating.motors(self.session, on=on)
+
+    def start(self, task: str = "", *, forever: bool = False) -> None:
+        operating.start(self.session, operating.slot_of(self.session, task), forever=forever)
+
+    def stop(self) -> None:
+        operating.stop(self.session)
+
+    def set_override(self, percent: int) -> None:
+        operating.override(self.session, percent)
+
+    def jog(self, jog: Jog) -> None:
+        jogging.jog(self.session, jog, self.check)
+
+    def hand(self, number: int, *, open: bool) -> None:
+        signals.hand(self.session, number, is_open=open)
+
+    def execute(self, statement: str, *, wait: bool = False, task: str = "") -> None:
+        """Has the controller execute one statement, which may move the arm."""
+        slot = operating.slot_of(self.session, task)
+        operating.execute(self.session, statement, wait_for_end=wait, slot=slot)
+
+    def backup(self, folder: FilePath) -> tuple[str, ...]:
+        return backup.backup(self.session, folder)
+
+    def restore(self, folder: FilePath, *, only: Sequence[str] = ()) -> Restoring:
+        return restore.restoring(self.session, folder, only, self._kinds)
+
+    def watch(self, interval: float, signals: Sequence[str] = ()) -> Iterator[Sample]:
+        """signals: `in:5`, `out:900`, or a number alone for an input."""
+        return watching.watch(self.session, interval, signals)

@@ -61,7 +61,7 @@ def listed(data: bytes) -> bytes:
         else:
             others.append(code(line.text))
     body = [f"{n} {steps[n]}".rstrip(BLANKS) for n in sorted(steps)]
-    body += [variables[name] for name in sorted(variables, key=_in_order)] + others
+    body += [variables[name] for name in sorted(variables, key=in_order)] + others
     return "".join(f"{text}\r\n" for text in body).encode(ENCODING)
 
 
@@ -93,6 +93,6 @@ def _capitals(text: str) -> str:
     return re.sub(r"[ \t]+", " ", text).encode(ENCODING).upper().decode(ENCODING)  # A to Z only
 
 
-def _in_order(name: str) -> list[str | int]:
+def in_order(name: str) -> list[str | int]:
     """P2 before P10."""
     return [int(p) if p.isdigit() else p for p in re.split(r"(\d+)", name)]

@@ -90,7 +90,12 @@ def read(session: Session, name: str) -> bytes | None:
     """The listing: steps, then variables, each line with CR LF."""
     if checked_name(name) not in names(session):
         return None  # LOAD= would create it
-    doing = f"reading `{name}`"
+    return listed(session, name)
+
+
+def listed(session: Session, name: str) -> bytes:
+    """The same of a program that is there."""
+    doing = f"reading `{checked_name(name)}`"
     with editing(session, name, doing, UNCHANGED):
         lines = [*_steps(session, doing), *_positions(session, doing)]
     return "".join(f"{line}\r\n" for line in lines).encode(listing.ENCODING)

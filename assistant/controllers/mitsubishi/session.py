@@ -13,7 +13,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NoReturn
 
 from assistant.controllers import rules
 from assistant.controllers.address import Address
@@ -201,7 +201,7 @@ class Session:
             state=state,
         )
 
-    def garbled(self, doing: str, text: str, state: str = UNCHANGED) -> None:
+    def garbled(self, doing: str, text: str, state: str = UNCHANGED) -> NoReturn:
         """What an answer says makes no sense: ends the connection; raises rules.Lost."""
         self._link.garbled(doing, text, state)
 

@@ -1,0 +1,77 @@
+"""A whole CR controller in a folder: programs, parameters and variables as plain text.
+
+identity.json             what the controller is
+parameters.txt            the changed ones, `NAME=value` each, sorted
+programs/NAME.prg         as the controller lists it: steps, then positions
+variables/NAME.txt        the other variables of that program, where it has any
+variables/externals.txt   variables that belong to no program
+backup.json               hashes of the other files
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict
+from pathlib import Path as FilePath
+from typing import Final
+
+from assistant.controllers import folders
+from assistant.controllers.mitsubishi import listing, parameters, programs, state, variables
+from assistant.controllers.mitsubishi.kept_back import SECRET
+from assistant.controllers.mitsubishi.session import Session
+
+KIND: Final = "melfa"
+IDENTITY: Final = "identity.json"
+PARAMETERS: Final = "parameters.txt"
+EXTERNALS: Final = "variables/externals.txt"
+
+
+def backup(session: Session, folder: str | FilePath) -> tuple[str, ...]:
+    """Writes the folder, which appears whole or not at all; its files, relative to it."""
+    with folders.appearing(folder, KIND) as place, session.scope():
+        identity = asdict(state.identify(session))
+        folders.put(place, IDENTITY, (json.dumps(identity, indent=2) + "\n").encode())
+        for name in programs.names(session):
+            folders.put(place, program_file(name), programs.listed(session, name))
+            _put_lines(place, variable_file(name), variables.of_program(session, name))
+        _put_lines(place, EXTERNALS, variables.externals(session))
+        told = parameters.parameters(session, without_secrets(parameters.changed(session)))
+        folders.put(place, PARAMETERS, parameter_text(told))
+    return (folders.INDEX, *folders.files(FilePath(folder)))
+
+
+def program_file(name: str) -> str:
+    return f"programs/{name}.prg"
+
+
+def variable_file(name: str) -> str:
+    return f"variables/{name}.txt"
+
+
+def without_secrets(names: Iterable[str]) -> list[str]:
+    return [name for name in names if not SECRET.fullmatch(name)]
+
+
+def parameter_text(values: Mapping[str, str]) -> bytes:
+    """`NAME=value` each, sorted."""
+    lines = (f"{name}={values[name]}\n" for name in sorted(values))
+    return "".join(lines).encode(listing.ENCODING)
+
+
+def assignments(data: bytes) -> dict[str, str]:
+    """Name → value of the lines of a file."""
+    lines = data.decode(listing.ENCODING).splitlines()
+    pairs = (line.partition("=") for line in lines if line.strip())
+    return {name.strip(): value.strip() for name, _, value in pairs}
+
+
+def variable_text(lines: Iterable[str]) -> bytes:
+    """The lines sorted by name, P2 before P10."""
+    ordered = sorted(lines, key=lambda line: listing.in_order(line.partition("=")[0].upper()))
+    return "".join(f"{line}\n" for line in ordered).encode(listing.ENCODING)
+
+
+def _put_lines(place: FilePath, name: str, lines: list[str]) -> None:
+    if lines:
+        folders.put(place, name, variable_text(lines))

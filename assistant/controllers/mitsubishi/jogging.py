@@ -1,0 +1,223 @@
+"""Moving one axis of a CR controller by hand: to a place worked out here, and no further.
+
+JOG of the link moves for as long as it is repeated. Here the target is worked out from where the
+arm stands, put into a variable and moved to by Mov, as other clients do (`PCOSIROP`, `JCOSIROP`):
+whatever becomes of the line, the arm goes there at most. The way is one of the joints (Mov).
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Final
+
+from assistant.controllers import rules
+from assistant.controllers.mitsubishi import operating, position, values
+from assistant.controllers.mitsubishi.answers import BARE
+from assistant.controllers.mitsubishi.position import Shown
+from assistant.controllers.mitsubishi.session import Session
+from assistant.controllers.mitsubishi.state import SERVO, faults, run_bits, slot_state
+from assistant.controllers.states import Jog
+from assistant.program import rotations
+from assistant.program.diagnostics import Refused
+
+LIMITS: Final = "MEJAR"
+"""Parameter of the least and the most of each joint, degrees (mm of a linear axis)."""
+MOST_STEP: Final = 100.0
+"""Degrees or mm of one jog."""
+STILL: Final = 20
+"""Looks at an arm that does not move, after which it does not arrive any more."""
+NEAR: Final = 0.06
+"""mm and degrees that the arm may be off: places are shown with two decimals."""
+MOST_SECONDS: Final = 120.0
+SERVOS_OFF, DURING_RUN = 2000, 5640
+JOINT, POSE = "JCOSIROP", "PCOSIROP"
+ABOUT: Final = {"A": "X", "B": "Y", "C": "Z"}
+
+
+@dataclass(frozen=True, slots=True)
+class Goal:
+    """Where a jog is to lead: joints by their names, or values of the pose by theirs.
+
+    All in degrees, mm of X, Y, Z and of linear axes.
+    """
+
+    joints: Mapping[str, float] | None = None
+    pose: Mapping[str, float] | None = None
+
+
+Check = Callable[[Goal], None]
+"""Raises Refused for a goal that the arm must not be sent to."""
+
+
+def jog(session: Session, asked: Jog, check: Check | None) -> None:
+    """Moves, and comes back when the arm stands there; stops it for whatever else happens.
+
+    check: is asked before anything moves; the joint limits of the controller are looked at, too.
+    """
+    axis = asked.axis.upper()
+    _sensible(asked, axis)
+    doing = f"jogging {axis} by {asked.by:g}"
+    with session.right(doing):
+        _may_move(session, doing)
+        axes = position.joints(session)
+        if axis.startswith("J"):
+            goal = Goal(joints=_joints(session, asked, axis, axes))
+            name, value = JOINT, _joint_text(axes, goal)
+        else:
+            place = position.pose(session)
+            goal = Goal(pose=_pose(session, asked, axis, axes, place))
+            name, value = POSE, position.text(place, goal.pose)
+        if check is not None:
+            check(goal)
+        session.ask(f"EXECJOVRD {asked.speed:g}", doing=doing, shape=BARE)
+        session.ask(f"EXEC{name}={value}", doing=doing, shape=BARE)
+        with _stopping(session):
+            state = "the arm may have begun to move"
+            session.ask(f"EXECMOV {name}", doing=doing, state=state, shape=BARE)
+            _arrive(session, goal, doing)
+
+
+def _sensible(asked: Jog, axis: str) -> None:
+    if not re.fullmatch(r"J[1-8]|[XYZABC]", axis):
+        raise values.bad(asked.axis, "an axis", "there is none of that name", "J1 … J8, X … C")
+    if not math.isfinite(asked.by) or not 0 < abs(asked.by) <= MOST_STEP:
+        reason = f"one jog goes up to {MOST_STEP:g} mm or degrees"
+        raise values.bad(asked.by, "a step", reason, "a smaller one that is not 0")
+    if not 0 < asked.speed <= operating.MOST_PERCENT:
+        raise values.bad(asked.speed, "a speed", "it is a percentage", "1 to 100")
+
+
+def _may_move(session: Session, doing: str) -> None:
+    """Raises Refused while a program runs, during an error, and with servos that are off."""
+    numbers = [fault.number for fault in faults(session) if fault.level == "error"]
+    slots = range(1, session.about.slots + 1)
+    if not numbers and any(slot_state(session, slot).running for slot in slots):
+        numbers = [DURING_RUN]
+    if not numbers and not run_bits(session)[0] & SERVO:
+        numbers = [SERVOS_OFF]
+    if numbers:
+        raise Refused(session.alarm(numbers[0], doing))
+
+
+def _joints(session: Session, asked: Jog, axis: str, axes: Shown) -> dict[str, float]:
+    """All joints that there are, one of them further; raises Refused beyond its limits."""
+    there = {name: value for name, value in axes.values.items() if value is not None}
+    if axis not in there:
+        raise values.bad(axis, "an axis", "the arm lacks it", ", ".join(there))
+    target = there | {axis: there[axis] + asked.by}
+    least, most = _limits(session, axis, list(there))
+    if not least <= target[axis] <= most:
+        value = target[axis]
+        raise Refused(
+            rules.OUT_OF_LIMITS(place=axis, axis=axis, value=value, least=least, most=most)
+        )
+    return target
+
+
+def _limits(session: Session, axis: str, there: list[str]) -> tuple[float, float]:
+    """The least and the most of a joint, infinite where the controller does not tell them.
+
+    It tells pairs, of the axes that there are or of J1 to J8.
+    """
+    told = session.attempt(f"PNR{LIMITS}", doing="asking for the limits of the joints")
+    fields = told.text.split(";")
+    numbers = re.findall(values.NUMBER, fields[1]) if told.ok and len(fields) > 1 else []
+    pairs = list(zip(*[iter(map(float, numbers))] * 2, strict=False))
+    names = there if len(pairs) == len(there) else [f"J{n}" for n in range(1, len(pairs) + 1)]
+    known = dict(zip(names, pairs, strict=True)) if len(pairs) >= len(there) else {}
+    least, most = known.get(axis, (0.0, 0.0))
+    return (least, most) if least < most else (-math.inf, math.inf)
+
+
+def _joint_text(axes: Shown, goal: Goal) -> str:
+    """As MELFA-BASIC writes joints: six, 0 for one that the arm lacks, and additional axes."""
+    target = goal.joints or {}
+    names = [f"J{n}" for n in range(1, 9) if n <= 6 or f"J{n}" in axes.values]
+    return f"({','.join(f'{target.get(name, 0.0):.2f}' for name in names)})"
+
+
+def _pose(session: Session, asked: Jog, axis: str, axes: Shown, place: Shown) -> dict[str, float]:
+    """The values of the pose that the arm shows, further along or about an axis."""
+    here = {name: value for name, value in place.values.items() if value is not None}
+    in_tool = asked.frame == "tool"
+    turn = position.orientation(axes, place)
+    if axis in rotations.AXES:
+        step = [asked.by * part for part in rotations.AXES[axis]]
+        moved = rotations.rotate(turn, step) if in_tool else step
+        return here | {n: here[n] + float(by) for n, by in zip("XYZ", moved, strict=True)}
+    if axis not in here:
+        raise values.bad(axis, "an axis", "the arm cannot turn about it", ", ".join(here))
+    if len({"A", "B", "C"} & set(here)) < 3:
+        if in_tool:
+            raise Refused(
+                rules.NOT_HERE(
+                    place=str(session.address),
+                    address=session.address,
+                    what="turn about an axis of the tool",
+                    reason="the arm has fewer than six axes",
+                    cure="jog its joints",
+                )
+            )
+        return here | {axis: here[axis] + asked.by}
+    by = rotations.about(rotations.AXES[ABOUT[axis]], asked.by)
+    new = rotations.multiply(turn, by) if in_tool else rotations.multiply(by, turn)
+    c, b, a = (float(angle) for angle in rotations.to_euler(new))
+    return here | {"A": a, "B": b, "C": c}
+
+
+@contextmanager
+def _stopping(session: Session) -> Iterator[None]:
+    """A motion that is stopped if it does not come to its own end."""
+    try:
+        yield
+    except BaseException as caught:
+        operating.halt(session, caught)
+        raise
+
+
+def _arrive(session: Session, goal: Goal, doing: str) -> None:
+    """Comes back when the arm stands at the goal; raises Refused for errors and if it does not."""
+    end = time.monotonic() + MOST_SECONDS
+    began = time.monotonic()
+    before: list[float] = []
+    still = 0
+    while True:
+        off = _off(session, goal)
+        if off == before and max(off) <= NEAR:
+            return
+        for fault in faults(session):
+            if fault.level == "error":
+                raise Refused(session.alarm(fault.number, doing, "the arm has been stopped"))
+        still = still + 1 if off == before else 0
+        before = off
+        if still >= STILL or time.monotonic() > end:
+            place, seconds = str(session.address), round(time.monotonic() - began, 1)
+            state = "the arm does not get to its goal and has been stopped"
+            raise Refused(rules.NOT_DONE(place=place, doing=doing, seconds=seconds, state=state))
+        time.sleep(operating.LOOK)
+
+
+def _off(session: Session, goal: Goal) -> list[float]:
+    """How far each axis is from the goal; angles the short way round where they are of a pose."""
+    if goal.joints is not None:
+        now = position.joints(session)
+        return [abs(now.value(name) - value) for name, value in goal.joints.items()]
+    here, target = position.pose(session), goal.pose or {}
+    lengths = [abs(here.value(n) - v) for n, v in target.items() if n not in ABOUT]
+    angles = {name: value for name, value in target.items() if name in ABOUT}
+    if len(angles) == 3:
+        turns = [rotations.from_euler([m["C"], m["B"], m["A"]]) for m in (_angles(here), angles)]
+        return [*lengths, float(rotations.angle_between(*turns))]
+    return [
+        *lengths,
+        *(abs((here.value(n) - v + 180.0) % 360.0 - 180.0) for n, v in angles.items()),
+    ]
+
+
+def _angles(place: Shown) -> dict[str, float]:
+    return {name: place.value(name) for name in ABOUT}

@@ -1,0 +1,165 @@
+"""Operating a CR controller: programs in slots, servos, start and stop, single statements."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Final
+
+from assistant.controllers import rules
+from assistant.controllers.mitsubishi import values
+from assistant.controllers.mitsubishi.answers import BARE, ENCODING
+from assistant.controllers.mitsubishi.programs import checked_name
+from assistant.controllers.mitsubishi.session import Session
+from assistant.controllers.mitsubishi.state import SERVO, WAITING, faults, run_bits, slot_state
+from assistant.controllers.mitsubishi.variables import selected
+from assistant.program.diagnostics import Refused
+
+LOOK: Final = 0.1
+"""Seconds between two looks whether something has come to its end."""
+SERVO_TIME: Final = 10.0
+"""Seconds that servos may take to come on; they need about two."""
+MOST_PERCENT: Final = 100
+
+
+def slot_of(session: Session, task: str) -> int:
+    """The slot of a task's name, 1 for ""; raises Refused."""
+    if not task:
+        return 1
+    if task.isascii() and task.isdigit() and 1 <= int(task) <= session.about.slots:
+        return int(task)
+    raise values.bad(task, "a task", "tasks of this controller are slots", "the number of a slot")
+
+
+def load(session: Session, name: str, slot: int) -> None:
+    """Puts a program into a slot; one that stands in the middle there is reset first."""
+    checked_name(name)
+    doing = f"loading `{name}` into slot {slot}"
+    with session.right(doing):
+        before = slot_state(session, slot)
+        if before.stop & WAITING and not before.running:
+            session.ask("RSTPRG", doing=f"resetting slot {slot}", slot=slot, shape=BARE)
+        session.ask(f"PRGLOAD={name}", doing=doing, slot=slot, shape=BARE)
+    back = selected(session, slot)
+    if back != name:
+        raise Refused(rules.NOT_TAKEN(place=name, what=f"slot {slot}", sent=name, back=back))
+
+
+def motors(session: Session, *, on: bool) -> None:
+    """Switches the servos on or off, and comes back when they are."""
+    doing = f"switching the servos {'on' if on else 'off'}"
+    with session.right(doing):
+        session.ask(f"SRV{'ON' if on else 'OFF'}", doing=doing, shape=BARE)
+
+        def done() -> bool:
+            return bool(run_bits(session)[0] & SERVO) == on
+
+        wait(session, done, doing, "look at the state before anything moves", SERVO_TIME)
+
+
+def start(session: Session, slot: int, *, forever: bool) -> None:
+    """Starts the program of a slot, once or again and again."""
+    name = selected(session, slot)
+    doing = f"starting slot {slot}"
+    if not name:
+        raise Refused(session.alarm(5100, doing))
+    checked_name(name)
+    with session.right(doing):
+        command = f"RUN{name};{0 if forever else 1}"
+        state = "the program may or may not run now"
+        session.ask(command, doing=doing, state=state, slot=slot, shape=BARE)
+        session.running = slot_state(session, slot).running
+        stopping = next((fault for fault in faults(session) if fault.level == "error"), None)
+    if stopping is not None:
+        raise Refused(session.alarm(stopping.number, doing, "the program stands"))
+
+
+def stop(session: Session) -> None:
+    """Stops all programs and motions, over a new connection if there is none; needs no right.
+
+    STOP in slot 1 is what other clients send; slots that run on are told on their own.
+    """
+    with session.anew():
+        session.ask("STOP", doing="stopping", shape=BARE)
+        _stop_others(session, "stopping")
+
+
+def halt(session: Session, caught: BaseException) -> None:
+    """Stops what moves when something went wrong; raises Lost if that cannot be done."""
+    try:
+        with session.anew():
+            session.ask("STOP", doing="stopping", shape=BARE)
+    except Refused as error:
+        earlier = caught.findings if isinstance(caught, Refused) else ()
+        place, reason = str(session.address), error.findings[0].message
+        raise rules.Lost(
+            *earlier, rules.NOT_STOPPED(place=place, address=place, reason=reason)
+        ) from caught
+
+
+def _stop_others(session: Session, doing: str) -> None:
+    slots = range(1, session.about.slots + 1)
+    for slot in slots:
+        if slot_state(session, slot).running:
+            session.ask("STOP", doing=doing, slot=slot, shape=BARE)
+
+    def done() -> bool:
+        return not any(slot_state(session, slot).running for slot in slots)
+
+    wait(session, done, doing, "programs still run", SERVO_TIME)
+    session.running = False
+
+
+def override(session: Session, percent: int) -> None:
+    if not 1 <= percent <= MOST_PERCENT:
+        raise values.bad(percent, "an override", "it is a percentage", f"1 to {MOST_PERCENT}")
+    doing = f"setting the override to {percent} %"
+    with session.right(doing):
+        back = session.ask(f"OVRD={percent}", doing=doing).text.strip()
+    if back and back != str(percent):
+        raise Refused(
+            rules.NOT_TAKEN(place="override", what="the override", sent=str(percent), back=back)
+        )
+
+
+def execute(session: Session, statement: str, *, wait_for_end: bool, slot: int = 1) -> None:
+    """Has the controller execute one statement, with what is open in the slot.
+
+    wait_for_end: come back when it is done (EXEC2), else as soon as it is accepted (EXEC). It
+    may move the arm: the controller is the one that looks at it.
+    """
+    command = f"EXEC2={statement}" if wait_for_end else f"EXEC{statement}"
+    if not statement.strip() or not statement.isprintable():
+        raise values.bad(statement, "a statement", "it holds control characters", "one statement")
+    if not _carried(session, f"1;{slot};{command}"):
+        reason = f"the controller link carries {session.most} bytes of {ENCODING}"
+        raise values.bad(statement[:40], "a statement", reason, "a shorter one")
+    doing = f"executing `{statement[:40]}`"
+    state = "it may or may not have been executed"
+    with session.right(doing):
+        session.ask(command, doing=doing, state=state, slot=slot, shape=BARE)
+
+
+def _carried(session: Session, command: str) -> bool:
+    return len(command.encode(ENCODING, "replace")) <= session.most and (
+        command.encode(ENCODING, "ignore").decode(ENCODING) == command
+    )
+
+
+def wait(
+    session: Session, done: Callable[[], bool], doing: str, state: str, seconds: float
+) -> None:
+    """Looks until something is done; raises Refused for an error of the controller or if it lasts.
+
+    seconds: at most, and not less than an answer may take.
+    """
+    most = max(seconds, session.timeout)
+    end = time.monotonic() + most
+    while not done():
+        for fault in faults(session):
+            if fault.level == "error":
+                raise Refused(session.alarm(fault.number, doing, state))
+        if time.monotonic() > end:
+            place = str(session.address)
+            raise Refused(rules.NOT_DONE(place=place, doing=doing, seconds=most, state=state))
+        time.sleep(LOOK)

@@ -1,0 +1,244 @@
+"""Bringing a backup of a CR controller back: first shown as differences, then carried out.
+
+Programs, variables and parameters that only the controller has stay as they are. Parameters of
+the origin, of safety and of the network stay, too, unless they are named. What is replaced is
+kept beside the backup, in a folder that can be restored itself.
+"""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path as FilePath
+from typing import Final
+
+from assistant.controllers import folders, rules
+from assistant.controllers.mitsubishi import listing, parameters, programs, values, variables
+from assistant.controllers.mitsubishi.backup import (
+    EXTERNALS,
+    KIND,
+    PARAMETERS,
+    assignments,
+    parameter_text,
+    program_file,
+    variable_file,
+    variable_text,
+)
+from assistant.controllers.mitsubishi.kept_back import why_left_out
+from assistant.controllers.mitsubishi.parameter_files import Kind
+from assistant.controllers.mitsubishi.session import Session
+from assistant.program.diagnostics import Refused
+
+FILE: Final = re.compile(r"(programs|variables)/([A-Z0-9]{1,12}|externals)\.(?:prg|txt)")
+BEFORE: Final = "before"
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """Something that differs. before: as the controller has it, None for what it lacks.
+
+    file: where it stands in a backup. restore: writes it and looks whether it is there.
+    """
+
+    name: str
+    file: str
+    before: bytes | None
+    after: bytes
+    restore: Callable[[], None]
+
+
+@dataclass
+class Restoring:
+    """A restore that has not happened yet; see `Restoring` of all controllers.
+
+    kept: the folder with what was replaced, once `apply` has begun.
+    """
+
+    items: Sequence[Item]
+    left_out: Mapping[str, str]
+    folder: FilePath
+    kept: FilePath | None = field(default=None, init=False)
+
+    @property
+    def changes(self) -> dict[str, str]:
+        """Unified differences by what they are of."""
+        return {item.name: _difference(item) for item in self.items}
+
+    def apply(self) -> None:
+        """Restores one after the other; raises Refused with what has been restored by then."""
+        if not self.items:
+            return
+        self.kept = self._keep()
+        done: list[str] = []
+        for item in self.items:
+            try:
+                item.restore()
+            except Refused as error:
+                partly = rules.RESTORED_PARTLY(
+                    place=item.name,
+                    name=item.name,
+                    done=", ".join(done) or "nothing",
+                    kept=self.kept,
+                )
+                raise type(error)(*error.findings, partly) from error
+            done.append(item.name)
+
+    def _keep(self) -> FilePath:
+        """Writes what is there now into a new folder beside the backup."""
+        number = 1
+        while (kept := self.folder.with_name(f"{self.folder.name}.{BEFORE}-{number}")).exists():
+            number += 1
+        with folders.appearing(kept, KIND) as place:
+            together: dict[str, list[bytes]] = {}
+            for item in self.items:
+                if item.before is not None:
+                    together.setdefault(item.file, []).append(item.before)
+            for name, parts in together.items():
+                folders.put(place, name, b"".join(parts))
+        return kept
+
+
+def restoring(
+    session: Session, folder: str | FilePath, only: Sequence[str], kinds: Mapping[str, Kind]
+) -> Restoring:
+    """What of a backup differs from the controller; raises Refused.
+
+    only: names of files, or of parameters; these are restored and nothing else.
+    """
+    place = FilePath(folder)
+    saved = folders.contents(place, KIND)
+    wanted = assignments(saved.get(PARAMETERS, b""))
+    files = {name: data for name, data in saved.items() if FILE.fullmatch(name)}
+    _all_there(only, [*files, *wanted, *([PARAMETERS] if PARAMETERS in saved else [])])
+    left_out: dict[str, str] = {}
+    with session.scope():
+        items = [
+            *_programs(session, files, only),
+            *_variables(session, files, only),
+            *_parameters(session, wanted, only, kinds, left_out),
+        ]
+    return Restoring(items, left_out, place)
+
+
+def _all_there(only: Sequence[str], names: Sequence[str]) -> None:
+    missing = [name for name in only if name not in names]
+    if missing:
+        known = ", ".join(sorted(names)[:20])
+        raise Refused(
+            *(rules.NOT_IN_BACKUP(place=name, name=name, known=known) for name in missing),
+            exit_status=2,
+        )
+
+
+def _chosen(name: str, only: Sequence[str]) -> bool:
+    return not only or name in only
+
+
+def _programs(session: Session, files: Mapping[str, bytes], only: Sequence[str]) -> Iterator[Item]:
+    there = programs.names(session)
+    for file, data in files.items():
+        name = FilePath(file).stem
+        if file != program_file(name) or not _chosen(file, only):
+            continue
+        before = programs.listed(session, name) if name in there else None
+        if before is None or listing.listed(before) != listing.listed(data):
+            yield Item(file, file, before, data, _program_writer(session, name, data))
+
+
+def _program_writer(session: Session, name: str, data: bytes) -> Callable[[], None]:
+    def restore() -> None:
+        programs.write(session, name, data)
+        sent, back = listing.listed(data), listing.listed(programs.listed(session, name))
+        if sent != back:
+            pairs = enumerate(zip(sent, back, strict=False), start=1)
+            at = next((at for at, (one, two) in pairs if one != two), min(len(sent), len(back)) + 1)
+            state = "it stays as it is there now"
+            raise Refused(
+                rules.ALTERED(
+                    place=name, name=name, sent=len(sent), back=len(back), at=at, state=state
+                )
+            )
+
+    return restore
+
+
+def _variables(session: Session, files: Mapping[str, bytes], only: Sequence[str]) -> Iterator[Item]:
+    there = programs.names(session)
+    for file, data in files.items():
+        name = FilePath(file).stem
+        shared = file == EXTERNALS
+        if not _chosen(file, only) or not (shared or file == variable_file(name)):
+            continue
+        lines = (
+            variables.externals(session)
+            if shared
+            else variables.of_program(session, name)
+            if name in there
+            else []
+        )
+        now, saved = assignments(variable_text(lines)), assignments(data)
+        changed = {n: v for n, v in saved.items() if n not in now or not values.same(now[n], v)}
+        if changed:
+            before = variable_text(f"{n}={now[n]}" for n in changed if n in now)
+            after = variable_text(f"{n}={v}" for n, v in changed.items())
+            writer = _variable_writer(session, "" if shared else name, changed)
+            yield Item(file, file, before or None, after, writer)
+
+
+def _variable_writer(
+    session: Session, program: str, changed: Mapping[str, str]
+) -> Callable[[], None]:
+    def restore() -> None:
+        if program:
+            variables.write_saved(session, program, changed)
+            return
+        with session.scope():
+            for name, value in changed.items():
+                variables.write(session, name, value)
+
+    return restore
+
+
+def _parameters(
+    session: Session,
+    wanted: Mapping[str, str],
+    only: Sequence[str],
+    kinds: Mapping[str, Kind],
+    left_out: dict[str, str],
+) -> Iterator[Item]:
+    for name, value in sorted(wanted.items()):
+        if not _chosen(name, only) and PARAMETERS not in only:
+            continue
+        parameters.checked_name(name)
+        told = session.attempt(f"PNR{name}", doing=f"reading parameter {name}")
+        now = parameters.read(session, name) if told.ok else None
+        if now is not None and values.same(now, value):
+            continue
+        reason = None if name in only else why_left_out(name)
+        if reason is not None:
+            left_out[name] = reason
+            continue
+        before = None if now is None else parameter_text({name: now})
+        writer = _parameter_writer(session, name, value, kinds)
+        yield Item(name, PARAMETERS, before, parameter_text({name: value}), writer)
+
+
+def _parameter_writer(
+    session: Session, name: str, value: str, kinds: Mapping[str, Kind]
+) -> Callable[[], None]:
+    return lambda: parameters.write(session, name, value, kinds)
+
+
+def _difference(item: Item) -> str:
+    """A unified difference, without control characters."""
+    left, right = _shown(item.before or b""), _shown(item.after)
+    origin = f"{item.name} (on the controller)" if item.before is not None else "/dev/null"
+    lines = difflib.unified_diff(left, right, origin, f"{item.name} (restored)", lineterm="")
+    return "".join(f"{line}\n" for line in lines)
+
+
+def _shown(data: bytes) -> list[str]:
+    lines = data.decode(listing.ENCODING).splitlines()
+    return [re.sub(r"[\x00-\x1f\x7f-\x9f]", "?", line) for line in lines]

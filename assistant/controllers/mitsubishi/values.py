@@ -1,0 +1,74 @@
+"""Values as MELFA-BASIC writes them: what may be sent, and whether two are the same."""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+from assistant.controllers import rules
+from assistant.program.diagnostics import Refused
+
+NUMBER: Final = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[Ee][+-]?\d+)?"
+LITERAL: Final = re.compile(
+    rf"{NUMBER}|[+-]?&[HhBb][0-9A-Fa-f]+"
+    r'|"[^"\x00-\x1f\x7f]*"'
+    r"|\([-+0-9.,Ee ]*\)(?:\([-+0-9,&HhA-Fa-f ]*\))?",
+    re.ASCII,
+)
+"""A number, a text, or a position or joints: what a value may be, and no expression."""
+NAME: Final = re.compile(r"[A-Za-z]\w{0,39}[$%&!#]?(?:\(\d{1,4}(?:, ?\d{1,4}){0,2}\))?", re.ASCII)
+PRINTABLE: Final = re.compile(r"[^\x00-\x1f\x7f;]*")
+NEAR: Final = 0.00501
+"""Half of the last of two decimals, which is what a controller shows."""
+
+
+def bad(value: object, what: str, reason: str, form: str) -> Refused:
+    """Something that was asked for cannot be; it is shown without control characters."""
+    shown = str(value) if str(value).isprintable() else ascii(value)
+    return Refused(rules.BAD_VALUE(place=what, value=shown, what=what, reason=reason, form=form))
+
+
+def checked_variable(name: str) -> str:
+    """The name of a variable or of an element; raises Refused."""
+    if NAME.fullmatch(name):
+        return name.upper().replace(" ", "")
+    raise bad(name, "a variable", "it is no name of the language", "`M1`, `P_00` or `M1(2)`")
+
+
+def checked_value(value: str) -> str:
+    """A value that is no expression; raises Refused."""
+    if LITERAL.fullmatch(value.strip()):
+        return value.strip()
+    raise bad(
+        value,
+        "a value",
+        "it is no number, text or position",
+        '`2.5`, `"text"` or `(x,y,z,a,b,c)(f1,f2)`',
+    )
+
+
+def checked_text(text: str, what: str, form: str) -> str:
+    """Printable text without `;`, which would end an argument; raises Refused."""
+    if PRINTABLE.fullmatch(text):
+        return text
+    reason = "it holds a control character or a semicolon"
+    raise bad(text, what, reason, form)
+
+
+def same(one: str, two: str) -> bool:
+    """Whether two values are the same, numbers within what a controller shows of them."""
+    if '"' in one or '"' in two:
+        return one.strip(' "') == two.strip(' "')
+    left, right = _parts(one), _parts(two)
+    return len(left) == len(right) and all(map(_near, left, right))
+
+
+def _parts(text: str) -> list[str]:
+    return [part.strip(" ()") for part in re.split(r",|\)\s*\(", text.strip())]
+
+
+def _near(one: str, two: str) -> bool:
+    if re.fullmatch(NUMBER, one) and re.fullmatch(NUMBER, two):
+        size = max(abs(float(one)), abs(float(two)))
+        return abs(float(one) - float(two)) <= max(NEAR, 1e-6 * size)
+    return one.upper() == two.upper()
