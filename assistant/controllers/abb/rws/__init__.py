@@ -1,0 +1,1 @@
+"""Robot Web Services of ABB controllers; `client.Rws` is what they are used through."""

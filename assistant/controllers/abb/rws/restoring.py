@@ -1,0 +1,218 @@
+"""Restoring a backup: what differs is shown, and brought back piece by piece.
+
+The controller's own restore would replace all of it, the settings for safety and network
+among it, and restart. So files are written, modules loaded and parameters loaded instead.
+"""
+
+from __future__ import annotations
+
+import difflib
+import re
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from pathlib import Path as FilePath
+from typing import Final
+
+from assistant.controllers import folders, rules
+from assistant.controllers.abb.rws.backup import KIND, back_up
+from assistant.controllers.abb.rws.files import Files
+from assistant.controllers.abb.rws.mastership import Mastership
+from assistant.controllers.abb.rws.panel import Panel
+from assistant.controllers.abb.rws.rapid import Rapid
+from assistant.controllers.abb.rws.session import NotThere, Session
+from assistant.program.diagnostics import Diagnostic, Refused
+
+LEFT_OUT: Final = {
+    "SYSPAR/MOC.cfg": "calibration offsets and other data of this very arm",
+    "SYSPAR/*calib*": "calibration of this very arm",
+    "SYSPAR/SIO.cfg": "addresses of the network",
+    "*safety*": "safety settings, which are to be validated after a change",
+    "*.sxml": "safety settings, which are to be validated after a change",
+    "*psc_*": "safety settings, which are to be validated after a change",
+    "RAPID/TASK0/*": "modules that all tasks share, which the system installs",
+}
+"""Files that are restored only if they are named, with why; patterns ignore case."""
+ABOUT: Final = ("BACKINFO/*", "backinfo.txt", "system.xml", "*/version.xml")
+"""Files that tell of the backup itself."""
+TASK: Final = re.compile(r"^>>(TASK\d+):\s*\(([A-Za-z]\w*)", re.MULTILINE)
+"""Which folder is of which task, in `BACKINFO/backinfo.txt`: `>>TASK1: (T_ROB1,,)`."""
+MODULE: Final = re.compile(r"RAPID/(TASK\d+)/(?:PROGMOD|SYSMOD)/([^/]+\.(?:mod|sys)x?)", re.I)
+SETTINGS: Final = re.compile(r"SYSPAR/([A-Za-z0-9_]+\.cfg)", re.I)
+PLACE: Final = "TEMP:"
+"""Volume that modules and parameters are loaded from."""
+
+
+@dataclass(frozen=True, slots=True)
+class Parts:
+    """What of a controller a restore works with."""
+
+    session: Session
+    mastership: Mastership
+    files: Files
+    panel: Panel
+    rapid: Rapid
+    home: str = "HOME:"
+
+
+class Restore:
+    """See `Restoring`. now: files as the controller has them; then: as the backup has them."""
+
+    def __init__(
+        self,
+        parts: Parts,
+        now: Mapping[str, bytes],
+        then: Mapping[str, bytes],
+        wanted: Sequence[str],
+    ) -> None:
+        self._parts = parts
+        self._now = now
+        self._then = then
+        self._tasks = dict(TASK.findall(_backinfo(then)))
+        differing = [n for n in sorted(then) if now.get(n) != then[n] and not _matches(n, ABOUT)]
+        self.left_out: Mapping[str, str] = {
+            name: why for name in differing if (why := self._why_not(name, wanted)) is not None
+        }
+        taken = [name for name in differing if name not in self.left_out]
+        self.changes: Mapping[str, str] = {name: self._difference(name) for name in taken}
+
+    @property
+    def needs_restart(self) -> bool:
+        """Whether the controller takes some of it over only after a restart."""
+        return any(SETTINGS.fullmatch(name) for name in self.changes)
+
+    def apply(self) -> None:
+        """Restores all changes, or brings back what was there before."""
+        if self.changes and self._parts.panel.running():
+            raise self._parts.session.refusal(
+                "restore", "programs run on it", "stop the programs first"
+            )
+        done: list[str] = []
+        try:
+            for name in self.changes:
+                self._put(name, self._then[name])
+                done.append(name)
+        except rules.Lost as error:
+            raise rules.Lost(*error.findings, self._partly(name, done)) from None
+        except Refused as error:
+            kept = list(self._not_taken_back(done))
+            raise Refused(*error.findings, *([self._partly(name, kept)] if kept else [])) from None
+
+    def _not_taken_back(self, done: Sequence[str]) -> Iterator[str]:
+        """Brings back what was there before; the names of what stays restored."""
+        for name in reversed(done):
+            before = self._now.get(name)
+            try:
+                if before is not None:
+                    self._put(name, before)
+                elif name.startswith("HOME/"):
+                    self._parts.files.remove(self._home(name))
+                else:
+                    yield name  # a module or parameters that were not there
+            except Refused:
+                yield name
+
+    def _partly(self, name: str, done: Sequence[str]) -> Diagnostic:
+        said = ", ".join(f"`{one}`" for one in done) or "nothing"
+        return rules.RESTORED_PARTLY(
+            place=str(self._parts.session.address),
+            name=name,
+            done=said,
+            kept="a backup made before",
+        )
+
+    def _why_not(self, name: str, wanted: Sequence[str]) -> str | None:
+        if any(_named(name, one) for one in wanted):
+            return None if self._known(name) else "nothing that could be restored"
+        if wanted:
+            return "it was not named"
+        why = next((why for one, why in LEFT_OUT.items() if _matches(name, (one,))), None)
+        return why or (None if self._known(name) else "nothing that could be restored")
+
+    def _known(self, name: str) -> bool:
+        module = MODULE.fullmatch(name)
+        task = module is not None and module[1].upper() in self._tasks
+        return name.startswith("HOME/") or task or SETTINGS.fullmatch(name) is not None
+
+    def _difference(self, name: str) -> str:
+        before, after = self._now.get(name, b""), self._then[name]
+        if b"\0" in before + after:
+            return f"{name}: {len(before)} bytes there, {len(after)} in the backup\n"
+        left, right = (data.decode("latin-1").splitlines() for data in (before, after))
+        lines = difflib.unified_diff(
+            left, right, f"{name} (there)", f"{name} (backup)", lineterm=""
+        )
+        return "".join(f"{line}\n" for line in lines) or f"{name}: other line ends\n"
+
+    def _put(self, name: str, data: bytes) -> None:
+        """Brings one file to where it belongs."""
+        module, settings = MODULE.fullmatch(name), SETTINGS.fullmatch(name)
+        if name.startswith("HOME/"):
+            folder, _, last = self._home(name).rpartition("/")
+            self._parts.files.make_folder(folder)
+            self._parts.files.write(folder, last, data)
+        elif module is not None:
+            with _laid_down(self._parts.files, module[2], data) as path:
+                self._parts.rapid.load_module(path, self._tasks[module[1].upper()])
+        elif settings is not None:
+            with _laid_down(self._parts.files, settings[1], data) as path:
+                self._load_settings(name, path)
+
+    def _home(self, name: str) -> str:
+        return f"{self._parts.home}/{name.removeprefix('HOME/')}"
+
+    def _load_settings(self, name: str, path: str) -> None:
+        """Puts all parameters of a domain into the place of those that are there."""
+        session = self._parts.session
+        form = {"filepath": self._parts.files.path(path), "action-type": "replace"}
+        if "check settings" in session.dialect.operations:
+            with suppress(NotThere):  # an older system looks when it loads
+                session.ask("check settings", doing=f"checking `{name}`", form=form)
+        doing, state = f"loading the parameters of `{name}`", f"those of `{name}` are as they were"
+        self._parts.mastership.ask("load settings", doing=doing, state=state, form=form)
+
+
+def restore(parts: Parts, folder: str | FilePath, only: Sequence[str]) -> Restore:
+    """What of a backup differs from the controller, of which a backup is made to compare."""
+    then = folders.contents(folder, KIND)
+    for one in only:
+        if not any(_named(name, one) for name in then):
+            known = ", ".join(f"`{name}`" for name in sorted(then)[:10])
+            raise Refused(rules.NOT_IN_BACKUP(name=one, known=known, place=str(folder)))
+    with tempfile.TemporaryDirectory(prefix="robot-assistant-") as place:
+        current = FilePath(place) / "now"
+        back_up(parts.session, parts.files, current)
+        return Restore(parts, folders.contents(current, KIND), then, only)
+
+
+@contextmanager
+def _laid_down(files: Files, name: str, data: bytes) -> Iterator[str]:
+    """The path of a file on the controller, for as long as something is loaded from it."""
+    path = f"{PLACE}/{name}"
+    try:
+        files.put(path, data, "nothing of it is loaded")
+        yield path
+    except rules.Lost:
+        raise
+    except BaseException:
+        files.discard(path)
+        raise
+    else:
+        files.discard(path)
+
+
+def _backinfo(files: Mapping[str, bytes]) -> str:
+    found = next((d for n, d in files.items() if n.lower() == "backinfo/backinfo.txt"), b"")
+    return found.decode("latin-1").replace("\r", "")
+
+
+def _matches(name: str, patterns: Sequence[str]) -> bool:
+    return any(fnmatchcase(name.lower(), pattern.lower()) for pattern in patterns)
+
+
+def _named(name: str, wanted: str) -> bool:
+    """Whether a file is meant: by its whole name, by a folder above it, or by its last part."""
+    lower, asked = name.lower(), wanted.replace("\\", "/").strip("/").lower()
+    return lower == asked or lower.startswith(f"{asked}/") or lower.rpartition("/")[2] == asked

@@ -1,0 +1,174 @@
+"""Events of a controller, by a subscription: a WebSocket that it sends through.
+
+Nothing is ever sent into it: RWS 2.0 hangs up on a client that does, pings among it (source:
+`src/rws2/core.ts` of ichbinmeraj/abb-rws-client).
+"""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
+from urllib.parse import urlsplit
+
+from assistant.controllers import rules
+from assistant.controllers.abb.rws.answers import Answer, Row, parse
+from assistant.controllers.abb.rws.session import Session
+from assistant.controllers.abb.rws.signals import Signals
+from assistant.program.diagnostics import Refused
+
+if TYPE_CHECKING:
+    from websockets.sync.client import ClientConnection
+
+LARGEST: Final = 1 << 24
+"""Bytes of one event after which it is taken for garbage."""
+FAREWELL: Final = 1.0
+"""Seconds to wait for the other side's good-bye."""
+GROUP: Final = re.compile(r"/(?:poll|subscription)/([\w-]+)")
+PLACE: Final = re.compile(r"[\w/.;$:-]+")
+PRIORITY: Final = {"log": "1", "signal": "2", "variable": "2"}
+"""Highest priorities that the kinds of resources may have; the others have 1 at most."""
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """resource: address of what has changed. values: what is told of it, by name."""
+
+    resource: str
+    kind: str
+    values: Mapping[str, str] = field(default_factory=dict)
+
+
+class Events:
+    """Events as they come; made by `subscribed`."""
+
+    def __init__(
+        self, session: Session, channel: ClientConnection, initial: Sequence[Event]
+    ) -> None:
+        self._session = session
+        self._channel = channel
+        self._waiting = list(initial)
+
+    def next(self, timeout: float | None = None) -> Event | None:
+        """The next event, None if there was none in these seconds (None: the session's own)."""
+        until = time.monotonic() + (self._session.timeout if timeout is None else timeout)
+        while not self._waiting:
+            left = until - time.monotonic()
+            message = self._received(max(left, 0.0))
+            if message is None:
+                return None
+            self._waiting.extend(_events(self._session, message))
+        return self._waiting.pop(0)
+
+    def _received(self, timeout: float) -> bytes | None:
+        from websockets.exceptions import WebSocketException
+
+        doing, state = "waiting for events", "nothing was changed by that"
+        try:
+            message = self._channel.recv(timeout)
+        except TimeoutError:
+            return None
+        except (WebSocketException, OSError, EOFError) as error:
+            self._session.lost(doing, str(error) or type(error).__name__, state)
+        return message if isinstance(message, bytes) else message.encode()
+
+
+@contextmanager
+def subscribed(
+    session: Session, signals: Signals, names: Sequence[str], *, most: int = 1000
+) -> Iterator[Events]:
+    """Events of resources: `motors`, `mode`, `override`, `execution`, `log`, `signal:NAME`,
+
+    `variable:TASK/MODULE/NAME`, or a resource's own address. Raises Refused if the controller
+    does not tell of one of them.
+    """
+    form: list[str] = []
+    for number, name in enumerate(names[:most], start=1):
+        place, priority = _resource(session, signals, name)
+        form.append(f"resources={number}&{number}={place}&{number}-p={priority}")
+    doing = f"subscribing to {', '.join(names)}"
+    answer = session.ask("subscribe", doing=doing, body="&".join(form).encode())
+    where = answer.location or _link(answer)
+    group = GROUP.search(where)
+    if group is None:
+        raise session.garbled(doing, f"the place of the events is `{where}`")
+    try:
+        channel = _channel(session, urlsplit(where).path)
+        try:
+            yield Events(session, channel, _of_rows(answer.rows))
+        finally:
+            channel.close()
+    finally:
+        if session.connected:
+            with suppress(Refused):  # the group ends with the session at the latest
+                session.ask("unsubscribe", doing="ending the subscription", at={"path": group[1]})
+
+
+def _resource(session: Session, signals: Signals, name: str) -> tuple[str, str]:
+    kind, _, about = name.partition(":")
+    if name.startswith("/"):
+        place = name
+    elif kind == "signal":
+        place = session.dialect.events[kind].format(signals.place(about))
+    elif kind in session.dialect.events:
+        place = session.dialect.events[kind].format(about)
+    else:
+        place = ""
+    if not PLACE.fullmatch(place):
+        known = ", ".join(f"`{known}`" for known in sorted(session.dialect.events))
+        raise Refused(
+            rules.BAD_VALUE(
+                place=name, value=name, what="subscribed to", reason="it is no resource", form=known
+            )
+        )
+    return place, PRIORITY.get(kind, "1")
+
+
+def _channel(session: Session, path: str) -> ClientConnection:
+    """The WebSocket of a group, at the controller's address as this computer knows it."""
+    from websockets.exceptions import WebSocketException
+    from websockets.sync.client import connect
+
+    scheme = "wss" if session.dialect.secure else "ws"
+    try:
+        return connect(
+            f"{scheme}://{session.authority}{path}",
+            ssl=session.trust,
+            subprotocols=[session.dialect.subprotocol],  # type: ignore[list-item]
+            additional_headers={"Cookie": session.cookie},
+            compression=None,
+            user_agent_header=None,
+            proxy=None,
+            open_timeout=session.timeout,
+            close_timeout=FAREWELL,
+            ping_interval=None,
+            max_size=LARGEST,
+        )
+    except (WebSocketException, OSError, EOFError) as error:
+        reason = str(error) or type(error).__name__
+        raise session.refusal(
+            "tell of events", reason, "look at the state again and again instead"
+        ) from None
+
+
+def _link(answer: Answer) -> str:
+    """Some versions have the place in the answer instead of a header."""
+    found = re.search(rb'href="(wss?://[^"]+)"', answer.data)
+    return found[1].decode("ascii", "replace") if found else ""
+
+
+def _events(session: Session, message: bytes) -> list[Event]:
+    if message.strip() in (b"", b"PONG"):
+        return []
+    try:
+        rows, _, _, _ = parse(message)
+    except ValueError as error:
+        raise session.garbled("waiting for events", str(error)) from None
+    return _of_rows(rows)
+
+
+def _of_rows(rows: Sequence[Row]) -> list[Event]:
+    return [Event(row.href, row.kind, row.values) for row in rows if row.kind.endswith("-ev")]

@@ -1,0 +1,70 @@
+"""Looking at a controller again and again, without any right."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
+
+from assistant.controllers import rules
+from assistant.controllers.abb.rws.panel import Panel
+from assistant.controllers.abb.rws.rapid import Rapid
+from assistant.controllers.abb.rws.session import Session
+from assistant.controllers.abb.rws.signals import Signals
+from assistant.controllers.abb.rws.subscriptions import Event, Events, subscribed
+from assistant.controllers.states import Sample, State
+from assistant.program.diagnostics import Refused
+
+CHANGES = ("motors", "mode", "override", "execution")
+"""What is told of by events instead of being asked for at each look."""
+
+
+def watch(
+    session: Session,
+    panel: Panel,
+    rapid: Rapid,
+    signals: Signals,
+    interval: float,
+    names: Sequence[str],
+) -> Iterator[Sample]:
+    """Samples, each `interval` seconds: late ones are not made up for.
+
+    Controllers take 20 requests a second. So the state is only asked for when an event has
+    told that it is another one, or while programs run; the pose, of which none tells, always.
+    """
+    with ExitStack() as stack:
+        events = _events(session, signals, names, stack)
+        began = due = time.monotonic()
+        state: State | None = None
+        values: dict[str, float] = {}
+        while True:
+            told = list(_told(events))
+            if state is None or events is None or state.running or told:
+                state = panel.state(rapid.tasks())
+            if names and (events is None or not values or any(_of_signal(e) for e in told)):
+                values = signals.values(names, frozenset())
+            yield Sample(time.monotonic() - began, state, panel.position(), dict(values))
+            due = max(due + interval, time.monotonic())
+            time.sleep(max(0.0, due - time.monotonic()))
+
+
+def _events(
+    session: Session, signals: Signals, names: Sequence[str], stack: ExitStack
+) -> Events | None:
+    """A subscription; None where the controller has none to give, so that all is asked for."""
+    wanted = [*CHANGES, *(f"signal:{signals.known(name)}" for name in names)]
+    try:
+        return stack.enter_context(subscribed(session, signals, wanted))
+    except rules.Lost:
+        raise
+    except Refused:
+        return None
+
+
+def _told(events: Events | None) -> Iterator[Event]:
+    while events is not None and (event := events.next(0.0)) is not None:
+        yield event
+
+
+def _of_signal(event: Event) -> bool:
+    return event.kind.startswith("ios-signal")

@@ -1,0 +1,199 @@
+"""Logging in, whose certificate is trusted, sessions, and what becomes of the mastership."""
+
+import logging
+import socket
+import ssl
+import threading
+
+import pytest
+import trustme
+
+from assistant.controllers import Credentials, connect
+from assistant.controllers.rules import Lost
+from assistant.program.diagnostics import Refused
+from tests.controllers.abb.rws.literal import ONE, TWO
+from tests.controllers.abb.rws.peer import Rws1, Rws2, refusal
+from tests.controllers.cutting import Cutting
+
+FILES = {f"{home}/seam.mod": b"MODULE seam\nENDMODULE\n" for home in ("$HOME", "HOME")}
+PEERS = {"1.0": (Rws1, ONE), "2.0": (Rws2, TWO)}
+
+
+def codes(refused):
+    return [finding.code for finding in refused.value.findings]
+
+
+@pytest.fixture(params=PEERS)
+def peer(request):
+    kind, answers = PEERS[request.param]
+    with kind(answers, FILES) as peer:
+        yield peer
+
+
+def test_a_session_is_logged_out(peer):
+    with peer.connect() as client:
+        assert client.names() == ("seam.mod",) and len(peer.sessions) == 1
+    assert peer.sessions == set() and peer.log[-1][1] == "/logout"
+
+
+def test_a_session_is_logged_out_after_an_error(peer):
+    with pytest.raises(Refused), peer.connect() as client:
+        client.load("seam.mod", "T_NONE")
+    assert peer.sessions == set()
+
+
+def test_a_wrong_password_is_a_finding_without_it(peer, caplog):
+    caplog.set_level(logging.DEBUG)
+    with pytest.raises(Refused) as refused, peer.connect(password="hunter2"):
+        pass
+    assert codes(refused) == ["CN202"] and refused.value.exit_status == 2
+    assert "hunter2" not in str(refused.value) + caplog.text and peer.sessions == set()
+
+
+@pytest.mark.parametrize("user", ["a\r\nX: y", 'a"b', "a\\b"])
+def test_a_user_that_would_become_something_else(peer, user):
+    address = f"{peer.scheme}://127.0.0.1:{peer.port}"
+    client = connect(address, credentials=Credentials(user, "p"), certificate=peer.certificate)
+    with pytest.raises(Refused) as refused, client:
+        pass
+    assert codes(refused) == ["CN202"] and peer.log == []
+
+
+def test_a_folder_that_is_not_there(peer):
+    address = f"{peer.scheme}://u@127.0.0.1:{peer.port}/HOME:/nowhere"
+    credentials = Credentials("Default User", peer.password)
+    client = connect(address, credentials=credentials, certificate=peer.certificate)
+    with pytest.raises(Refused) as refused, client:
+        pass
+    assert codes(refused) == ["CN203"] and peer.sessions == set()
+
+
+@pytest.mark.parametrize("scheme", ["rws", "rwss"])
+def test_nobody_there(scheme):
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        port = listener.getsockname()[1]
+    with pytest.raises(Lost) as refused, connect(f"{scheme}://u@127.0.0.1:{port}", password="p"):
+        pass
+    assert codes(refused) == ["CN201"] and refused.value.exit_status == 2
+
+
+@pytest.mark.parametrize("scheme", ["rws", "rwss"])
+def test_nobody_who_answers(scheme):
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        address = f"{scheme}://u@127.0.0.1:{listener.getsockname()[1]}"
+        with pytest.raises(Lost) as refused, connect(address, password="p", timeout=0.2):
+            pass
+    assert codes(refused) == ["CN201"] and "time" in refused.value.findings[0].message
+
+
+@pytest.mark.parametrize("said", [b"220 ready\r\n", b"HTTP/1.1 200 OK\r\n\r\n<html>", b"\0" * 99])
+def test_somebody_else_who_answers(said):
+    def answer(listener):
+        for _ in range(2):
+            connection, _ = listener.accept()
+            with connection:
+                connection.recv(4096)
+                connection.sendall(said)
+
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        thread = threading.Thread(target=answer, args=(listener,), daemon=True)
+        thread.start()
+        address = f"rws://u@127.0.0.1:{listener.getsockname()[1]}"
+        with pytest.raises(Refused) as refused, connect(address, password="p", timeout=2):
+            pass
+    assert codes(refused)[0] in ("CN201", "CN222")
+
+
+def test_only_certificates_that_are_known_are_trusted(tmp_path):
+    with Rws2(TWO, FILES) as peer:
+        for certificate in (None, "nowhere.pem"):
+            with pytest.raises(Refused) as refused, peer.connect(certificate=certificate):
+                pass
+            assert codes(refused) == ["CN208"] and refused.value.exit_status == 2
+        assert peer.log == []
+
+
+def test_the_controllers_own_certificate_is_trusted_whatever_its_name(tmp_path):
+    other = trustme.CA()
+    mine = other.issue_cert("robot.cell.example")
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    mine.configure_cert(context)
+    leaf, authority = tmp_path / "leaf.pem", tmp_path / "authority.pem"
+    mine.cert_chain_pems[0].write_to_path(leaf)
+    other.cert_pem.write_to_path(authority)
+    with Rws2(TWO, FILES, context=context) as peer:
+        with peer.connect(certificate=leaf) as client:
+            assert client.names() == ("seam.mod",)
+        with pytest.raises(Refused) as refused, peer.connect(certificate=authority):
+            pass
+        assert codes(refused) == ["CN208"]
+
+
+def test_a_busy_controller_is_asked_again(peer):
+    busy = iter([(503, ""), (503, ""), (204, "")])
+    one = peer.scheme == "rws"
+    path = "ctrlstate?action=setctrlstate" if one else "ctrl-state"
+    peer.answers[f"POST /rw/panel/{path}"] = lambda body: next(busy)
+    with peer.connect() as client:
+        client.motors(True)
+    assert len(peer.asked("POST")) == 3
+
+
+def test_a_session_that_was_never_opened_is_a_finding():
+    client = connect("rws://u@127.0.0.1", credentials=Credentials("u", "p"))
+    with pytest.raises(Lost):
+        client.names()
+
+
+def test_mastership_is_given_back_after_an_error(peer):
+    load = "?action=loadmod" if peer.scheme == "rws" else "/loadmod"
+    peer.answers[f"POST /rw/rapid/tasks/T_ROB1{load}"] = (400, refusal(-1073438708, "x.cpp[1]"))
+    with peer.connect() as client:
+        with pytest.raises(Refused) as refused:
+            client.load("seam.mod")
+        assert codes(refused) == ["CN301"] and peer.held == {}
+        assert not client.state().right
+
+
+def test_mastership_that_somebody_else_holds(peer):
+    domain = "rapid" if peer.scheme == "rws" else "edit"
+    peer.held[domain] = "another session"
+    with peer.connect() as client, pytest.raises(Refused) as refused:
+        client.load("seam.mod")
+    assert codes(refused) == ["CN301"] and "held by someone else" in str(refused.value)
+    assert peer.held == {domain: "another session"}
+
+
+def test_mastership_is_held_for_several_acts(peer):
+    with peer.connect() as client:
+        with client.mastership():
+            client.load("seam.mod")
+            assert client.state().right and len(peer.held) == 1
+            client.load("seam.mod")
+        assert peer.held == {}
+    taken = [path for _, path, _ in peer.asked("POST") if "request" in path]
+    assert len(taken) == 1
+
+
+def test_a_new_session_gives_back_what_a_cut_line_left(peer):
+    load = "?action=loadmod" if peer.scheme == "rws" else "/loadmod"
+    arrived = []
+
+    def answer(body):
+        arrived.append((proxy.passed, dict(peer.held)))
+        return 204, ""
+
+    peer.answers[f"POST /rw/rapid/tasks/T_ROB1{load}"] = answer
+    with Cutting(peer.port) as proxy, peer.connect(port=proxy.port) as client:
+        client.load("seam.mod")
+    for again, findings in ((True, ["CN204"]), (False, ["CN204", "CN221"])):
+        cut = arrived[0][0] + 20  # in the midst of the answer
+        with (
+            Cutting(peer.port, cut=cut, again=again) as proxy,
+            pytest.raises(Lost) as refused,
+            peer.connect(port=proxy.port) as client,
+        ):
+            client.load("seam.mod")
+        assert codes(refused) == findings and len(arrived[-1][1]) == 1
+        assert (peer.held == {}) is again
+    assert len(peer.sessions) == 1
