@@ -42,12 +42,15 @@ SERIAL: Final = {
 }
 FTP: Final = {"mode": "passive|active"}
 """Who connects for a transfer: the client, or the controller."""
+SFTP: Final = {"fingerprint": "SHA256:[A-Za-z0-9+/ ]{43}"}
+"""Of the host's key; a `+` that was not quoted is read as a blank."""
 DEVICE: Final = re.compile(r"/(?:[\w.+:-]+/)*[\w.+:-]+|COM[1-9]\d{0,2}", re.ASCII)
 """A file of a serial line, or its name in Windows."""
 
 SCHEMES: Final = {
     "ftp": Scheme("ABB IRC5 by FTP", 21, "HOME:", login=True, options=FTP),
     "ftps": Scheme("ABB IRC5 by FTP over TLS", 21, "HOME:", login=True, options=FTP),
+    "sftp": Scheme("ABB OmniCore by SFTP", 22, login=True, options=SFTP),
     "rws": Scheme("ABB IRC5 by Robot Web Services 1.0", 80, "HOME:", login=True),
     "rwss": Scheme("ABB OmniCore by Robot Web Services 2.0", 443, "HOME:", login=True),
     "melfa": Scheme("Mitsubishi CR controller by controller link", 10001, options=END),

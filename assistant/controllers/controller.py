@@ -142,6 +142,7 @@ class Restoring(Protocol):
 CLIENTS: Final = {
     "ftp": ("assistant.controllers.abb.ftp", "Ftp"),
     "ftps": ("assistant.controllers.abb.ftp", "Ftp"),
+    "sftp": ("assistant.controllers.abb.sftp", "Sftp"),
     "rws": ("assistant.controllers.abb.rws.client", "Rws"),
     "rwss": ("assistant.controllers.abb.rws.client", "Rws"),
     "melfa": ("assistant.controllers.mitsubishi.cr", "Cr"),

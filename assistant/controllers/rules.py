@@ -99,6 +99,17 @@ NOT_KEPT = error(
     "`{name}` cannot be kept on this computer: {reason}; nothing was changed by that",
     "free space or name another file",
 )
+HOST_KEY = error(
+    "CN211",
+    "{address} cannot be trusted: {reason}; no password was sent",
+    "compare the key with that of the controller, then add it to the known hosts, or write its "
+    "fingerprint into the address: `sftp://user@host?fingerprint=SHA256:…`",
+)
+NEEDS_SFTP = error(
+    "CN212",
+    "SFTP needs paramiko, which is not installed",
+    "install it with `pip install 'robot-assistant[sftp]'`",
+)
 ALARM = error(
     "CN301", "the controller answered error {number} ({text}) to {doing}; {state}", "{cure}"
 )

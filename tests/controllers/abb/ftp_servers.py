@@ -97,7 +97,8 @@ def proftpd(root):
     root.parent.chmod(0o755)
     config.write_text(
         f"ServerType standalone\nDefaultAddress 127.0.0.1\nPort {port}\nUseIPv6 off\n"
-        f"User {name}\nGroup {grp.getgrgid(os.getgid()).gr_name}\nAuthUserFile {users}\nAuthOrder mod_auth_file.c\n"
+        f"User {name}\nGroup {grp.getgrgid(os.getgid()).gr_name}\n"
+        f"AuthUserFile {users}\nAuthOrder mod_auth_file.c\n"
         f"RequireValidShell off\nRootLogin on\nDefaultRoot {root}\nAllowOverwrite on\n"
         f"AllowStoreRestart on\nScoreboardFile {root.parent}/scores\nPidFile {root.parent}/pid\n"
         f"WtmpLog off\nTransferLog none\nSystemLog {root.parent}/log\nUseReverseDNS off\n"

@@ -19,6 +19,7 @@ from assistant.program.motion import Speed
 from assistant.program.path import Kind, Path
 from assistant.virtual.events import Moved
 from tests.controllers.abb.exchanging import MODULE, RunningRobot
+from tests.controllers.abb.sftp_server import SftpServer
 
 POSES = 35
 
@@ -281,6 +282,28 @@ def test_an_interrupt_stops_the_robot_on_its_way(tmp_path, error):
             exchange.current_pose()
         assert codes(refused) == ["CN514"]
         assert robot.ended() == ("end", "")
+
+
+class OnlyPrograms:
+    """A client with no more than a session that keeps programs has."""
+
+    def __init__(self, client):
+        self._client, self.address = client, client.address
+        self.names, self.read, self.write = client.names, client.read, client.write
+        self.remove = client.remove
+
+
+@pytest.mark.parametrize("way", ["ftp, programs only", "sftp"])
+def test_poses_are_exchanged_over_any_client_that_keeps_programs(tmp_path, way):
+    with RunningRobot(tmp_path / "home") as robot, SftpServer(robot.home) as server:
+        with server.client() if way == "sftp" else robot.client() as client:
+            programs = client if way == "sftp" else OnlyPrograms(client)
+            with PoseExchange(programs) as exchange:
+                start = exchange.current_pose().pose
+                there = exchange.move_to(start.offset(z=5.0)).pose
+                assert there.position == pytest.approx(start.offset(z=5.0).position, abs=1e-3)
+                exchange.stop()
+        assert robot.ended() == ("end", "") and list(robot.home.iterdir()) == []
 
 
 def test_a_stop_that_nobody_answers_says_so(tmp_path):

@@ -1,0 +1,374 @@
+"""Client of an ABB OmniCore: its files by SFTP, which needs the `sftp` extra.
+
+Files are stored as `ftp.py` stores them: under a temporary name, read back, renamed. The host's key
+must be in a file of known hosts or be that of `?fingerprint=SHA256:…` in the address; another
+one, or an unknown one, ends the connection before a password is sent.
+"""
+
+from __future__ import annotations
+
+import errno
+import logging
+import stat
+import struct
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Final, NoReturn, Self
+
+from assistant.controllers import folders, rules
+from assistant.controllers.abb.files import (
+    MOST_FOLDERS,
+    TEMPORARY,
+    checked_name,
+    checked_path,
+    first_difference,
+    told_name,
+)
+from assistant.controllers.address import Address
+from assistant.controllers.credentials import Credentials
+from assistant.controllers.os_errors_in_words import reason_of
+from assistant.program.diagnostics import Refused
+
+if TYPE_CHECKING:
+    from paramiko import PKey, SFTPClient, SSHClient
+
+KIND: Final = "abb"
+UNTOUCHED: Final = "nothing was changed by that"
+
+
+class Sftp:
+    """Programs on an OmniCore by SFTP; see `Programs`.
+
+    timeout: seconds for an answer. certificate: file of known hosts, None for those of the user.
+    """
+
+    languages = ("rapid",)
+    lists = (".pgf",)
+
+    def __init__(
+        self,
+        address: Address,
+        credentials: Credentials,
+        *,
+        timeout: float = 30.0,
+        certificate: str | FilePath | None = None,
+    ) -> None:
+        self.address = address
+        self._credentials = credentials
+        self._timeout = timeout
+        self._known_hosts = certificate
+        self._ssh: SSHClient | None = None
+        self._files: SFTPClient | None = None
+
+    def __repr__(self) -> str:
+        return f"Sftp({str(self.address)!r})"
+
+    def __enter__(self) -> Self:
+        """Connects, checks the host's key, logs in and goes to the folder of the address."""
+        try:
+            import paramiko
+        except ImportError:
+            raise Refused(rules.NEEDS_SFTP(place=str(self.address)), exit_status=2) from None
+        _keep_quiet()
+        self._ssh = ssh = paramiko.SSHClient()
+        # paramiko waits without end for the answer to some messages of the beginning.
+        watchdog = threading.Timer(2.0 * self._timeout, ssh.close)
+        watchdog.daemon = True
+        watchdog.start()
+        try:
+            self._trust(ssh)
+            self._connect(ssh)
+            self._enter_folder()
+        except BaseException:
+            self._hang_up()
+            raise
+        finally:
+            watchdog.cancel()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._hang_up()
+
+    def names(self) -> tuple[str, ...]:
+        with self._during("listing the folder", UNTOUCHED) as files:
+            return tuple(sorted(files.listdir(".")))
+
+    def read(self, name: str) -> bytes | None:
+        checked_name(name)
+        if name.lower() not in {other.lower() for other in self.names()}:
+            return None
+        return self._retrieve(name, UNTOUCHED)
+
+    def write(self, name: str, data: bytes) -> None:
+        checked_name(name)
+        temporary, state = TEMPORARY.format(name=name), f"`{name}` there is as it was"
+        try:
+            self._store(temporary, data, f"storing `{name}`", state)
+            back = self._retrieve(temporary, state)
+            if back != data:
+                raise Refused(
+                    rules.ALTERED(
+                        place=name,
+                        name=name,
+                        sent=len(data),
+                        back=len(back),
+                        at=first_difference(data, back),
+                        state=state,
+                    )
+                )
+            self._replace(temporary, name)
+        except rules.Lost:
+            raise
+        except Refused:
+            self._discard(temporary)
+            raise
+
+    def hand_over(self, name: str, data: bytes) -> None:
+        """Puts a small file there that appears whole; unlike `write`, it is not read back."""
+        checked_name(name)
+        temporary = TEMPORARY.format(name=name)
+        try:
+            state = f"`{name}` there is as it was"
+            self._store(temporary, data, f"storing `{name}`", state)
+            self._replace(temporary, name)
+        except rules.Lost:
+            raise
+        except Refused:
+            self._discard(temporary)
+            raise
+
+    def look(self, name: str) -> bytes | None:
+        """A file without asking first whether it is there; None if there is none."""
+        checked_name(name)
+        with self._during(f"reading `{name}`", UNTOUCHED) as files:
+            try:
+                return _bytes(files, name)
+            except FileNotFoundError:
+                return None
+
+    def take_away(self, name: str) -> None:
+        """Deletes a file; nothing happens if there is none."""
+        checked_name(name)
+        doing, state = f"deleting `{name}`", f"`{name}` may still be there"
+        with self._during(doing, state) as files, suppress(FileNotFoundError):
+            files.remove(name)
+
+    remove = take_away
+
+    def name_for(self, file_name: str | FilePath) -> str:
+        return checked_name(FilePath(file_name).name)
+
+    def stored(self, data: bytes) -> bytes:
+        """Files are kept byte for byte."""
+        return data
+
+    def fetch_folder(self, folder: str, into: str | FilePath) -> tuple[str, ...]:
+        """Fetches a whole folder into a new one, which appears when all is there; its files.
+
+        folder: below that of the address, "" for itself. Links are left out.
+        """
+        start = f"{checked_path(folder)}/" if folder else ""
+        found: list[str] = []
+        with self._during("listing the folder", UNTOUCHED) as files:
+            _walk(files, start, "", 0, found)
+        with folders.appearing(into, KIND) as new:
+            for path in sorted(found):
+                folders.put(new, path, self._retrieve(start + path, UNTOUCHED))
+        return tuple(sorted(found))
+
+    def _trust(self, ssh: SSHClient) -> None:
+        """What the host's key is compared with."""
+        from paramiko import SSHException
+
+        fingerprint = self.address.option("fingerprint", "").replace(" ", "+")
+        try:
+            if fingerprint:
+                ssh.set_missing_host_key_policy(_Pinned(fingerprint))
+            elif self._known_hosts:
+                ssh.load_host_keys(str(self._known_hosts))
+            else:
+                ssh.load_system_host_keys()
+        except (OSError, SSHException, ValueError) as error:
+            where = self._known_hosts or "the known hosts"
+            self._untrusted(f"`{where}` cannot be read: {reason_of(error)}")
+
+    def _connect(self, ssh: SSHClient) -> None:
+        import paramiko
+
+        name = self._credentials.user
+        try:
+            ssh.connect(
+                self.address.host,
+                self.address.port,
+                username=name,
+                password=self._credentials.password,
+                timeout=self._timeout,
+                banner_timeout=self._timeout,
+                auth_timeout=self._timeout,
+                channel_timeout=self._timeout,
+                allow_agent=False,
+                look_for_keys=False,
+            )
+            self._files = ssh.open_sftp()
+            channel = self._files.get_channel()
+            assert channel is not None
+            channel.settimeout(self._timeout)
+        except _Unknown as error:
+            self._untrusted(f"its key is {error}")
+        except paramiko.BadHostKeyException as error:
+            self._untrusted(f"its key is {error.key.fingerprint}, another one is known")
+        except paramiko.AuthenticationException as error:
+            reply = self._credentials.hidden(reason_of(error))
+            raise Refused(
+                rules.LOGIN(place=str(self.address), address=self.address, user=name, reply=reply),
+                exit_status=2,
+            ) from None
+        except _failures() as error:
+            if "not found in known_hosts" in str(error):
+                self._untrusted("its key is not among the known hosts")
+            reason = self._said(error)
+            raise rules.Lost(
+                rules.UNREACHABLE(place=str(self.address), address=self.address, reason=reason)
+            ) from None
+
+    def _enter_folder(self) -> None:
+        folder = self.address.folder
+        with self._during("going to the folder", UNTOUCHED) as files:
+            try:
+                files.chdir(folder or ".")
+            except OSError as error:
+                if not self._alive():
+                    raise
+                raise Refused(
+                    rules.NO_FOLDER(
+                        place=str(self.address),
+                        address=self.address,
+                        folder=folder,
+                        reply=self._said(error),
+                    ),
+                    exit_status=2,
+                ) from None
+
+    def _untrusted(self, reason: str) -> NoReturn:
+        raise Refused(
+            rules.HOST_KEY(place=str(self.address), address=self.address, reason=reason),
+            exit_status=2,
+        ) from None
+
+    def _store(self, name: str, data: bytes, doing: str, state: str) -> None:
+        with self._during(doing, state) as files, files.open(name, "wb") as file:
+            file.write(data)
+
+    def _retrieve(self, name: str, state: str) -> bytes:
+        with self._during(f"reading `{name}`", state) as files:
+            return _bytes(files, name)
+
+    def _replace(self, temporary: str, name: str) -> None:
+        """Renames over the old file; where the server never replaces, that is deleted first."""
+        doing = f"renaming `{temporary}` to `{name}`"
+        unknown = f"`{name}` there is either the old file or the new one, whole"
+        with self._during(doing, unknown) as files:
+            try:
+                files.posix_rename(temporary, name)
+            except OSError:
+                if not self._alive():
+                    raise
+            else:
+                return
+        gone = f"the new file is whole as `{temporary}`, of `{name}` nothing may be left"
+        with self._during(doing, gone) as files:
+            with suppress(FileNotFoundError):
+                files.remove(name)
+            files.rename(temporary, name)
+
+    def _discard(self, name: str) -> None:
+        """Deletes what is left of a transfer; a rest that stays is overwritten by the next."""
+        if self._files is not None:
+            with suppress(*_failures()):
+                self._files.remove(name)
+
+    @contextmanager
+    def _during(self, doing: str, state: str) -> Iterator[SFTPClient]:
+        """Turns what goes wrong inside into a finding with the state of the controller."""
+        place = str(self.address)
+        if self._files is None:
+            reason = "there is no session"
+            raise rules.Lost(rules.LOST(place=place, doing=doing, reason=reason, state=state))
+        try:
+            yield self._files
+        except _failures() as error:
+            refused = isinstance(error, OSError) and not isinstance(error, TimeoutError)
+            if refused and self._alive():
+                reply = self._said(error)
+                raise Refused(
+                    rules.REFUSED(place=place, doing=doing, reply=reply, state=state)
+                ) from None
+            self._hang_up()
+            reason = self._said(error)
+            raise rules.Lost(
+                rules.LOST(place=place, doing=doing, reason=reason, state=state)
+            ) from None
+
+    def _alive(self) -> bool:
+        """Whether the server said something, rather than nothing any more."""
+        channel = None if self._files is None else self._files.get_channel()
+        transport = None if channel is None else channel.get_transport()
+        return bool(channel and not channel.closed and transport and transport.is_active())
+
+    def _said(self, error: Exception) -> str:
+        return self._credentials.hidden(reason_of(error))
+
+    def _hang_up(self) -> None:
+        ssh, self._ssh, self._files = self._ssh, None, None
+        if ssh is not None:
+            ssh.close()
+
+
+class _Unknown(Exception):
+    """A host's key that is not the one that is expected."""
+
+
+class _Pinned:
+    """A policy of paramiko that lets only one key through, whatever the known hosts are."""
+
+    def __init__(self, fingerprint: str) -> None:
+        self._fingerprint = fingerprint
+
+    def missing_host_key(self, _client: SSHClient, _hostname: str, key: PKey) -> None:
+        if key.fingerprint != self._fingerprint:
+            raise _Unknown(f"{key.fingerprint} and not {self._fingerprint}")
+
+
+def _failures() -> tuple[type[Exception], ...]:
+    """What paramiko raises where the server refuses, is gone, or makes no sense."""
+    from paramiko import SSHException
+    from paramiko.sftp import SFTPError
+
+    return (OSError, EOFError, SSHException, SFTPError, struct.error, UnicodeDecodeError)
+
+
+def _bytes(files: SFTPClient, name: str) -> bytes:
+    with files.open(name, "rb") as file:
+        data: bytes = file.read()
+    return data
+
+
+def _walk(files: SFTPClient, start: str, below: str, depth: int, found: list[str]) -> None:
+    """Gathers the files in a folder and in those inside of it."""
+    if depth > MOST_FOLDERS:
+        raise OSError(errno.ELOOP, f"folders are more than {MOST_FOLDERS} deep")
+    for entry in files.listdir_attr(start + below or "."):
+        path, mode = f"{below}{told_name(entry.filename)}", entry.st_mode or 0
+        if stat.S_ISDIR(mode):
+            _walk(files, start, f"{path}/", depth + 1, found)
+        elif stat.S_ISREG(mode):
+            found.append(path)
+
+
+def _keep_quiet() -> None:
+    """Paramiko writes tracebacks to standard error where nobody has set up logging."""
+    logger = logging.getLogger("paramiko")
+    if not logger.handlers:
+        logger.addHandler(logging.NullHandler())
