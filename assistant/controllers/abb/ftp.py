@@ -23,6 +23,8 @@ from assistant.controllers.abb.files import (
 from assistant.controllers.abb.ftp_session import FtpSession
 from assistant.program.diagnostics import Refused
 
+__all__ = ["Ftp", "checked_name", "first_difference"]
+
 ASIDE: Final = "{name}~"
 """Where the old file waits while a server that never replaces gets the new one."""
 NOT_NOW: Final = ("550", "450")
