@@ -29,6 +29,11 @@ TOLD_EACH: Final = 0.1
 ENDINGS: Final = 2
 """Packets that end the control, if the first one is not answered."""
 WRAP: Final = 1 << 32
+ONE: Final = 0
+FIRST: Final = 1
+SECOND: Final = 2
+"""What is under way: one packet; or, once it was asked again, perhaps two, of which the first, or
+the second is waited for. Two that were both answered for good would double the speed."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -96,7 +101,7 @@ class Loop:
         self._last: int | None = None
         self._counts = False
         self._sent = 0.0
-        self._extra = False
+        self._extra = ONE
 
     def run(self, address: str) -> Done:
         """All of it; never raises but for what no one foresaw, and then it has ended first."""
@@ -260,15 +265,17 @@ class Loop:
                 return True
             self._counts = self._counts or ahead not in (0, None)
             self._last = counter
-        if self._extra and arrival - self._sent < self._link.cycle / 2.0:
-            self._extra = False  # two packets under way would double the speed
-            return True
+        if self._extra == FIRST:
+            self._extra = SECOND
+        elif self._extra == SECOND:
+            self._extra = ONE
+            return arrival - self._sent < self._link.cycle / 2.0
         return False
 
     def _ask_again(self) -> None:
         self.result.asked_again += 1
         if not self._link.speaks_first:
-            self._extra = True
+            self._extra = FIRST
             self._send(self._link.command(self._told, self._count))
 
     def _astray(self, values: Sequence[float], most: Sequence[float]) -> Failed | None:

@@ -66,7 +66,8 @@ def main(folder: FilePath) -> None:
 
 
 def _watch(stop: Stop) -> None:
-    sys.stdin.buffer.read()
+    while os.read(0, 4096):  # `sys.stdin` would be locked when the process ends
+        pass
     stop.asked = True
 
 

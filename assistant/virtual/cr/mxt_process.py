@@ -1,0 +1,122 @@
+"""A controller in `Mxt`, in a process of its own: `python -m assistant.virtual.cr.mxt_process`.
+
+    with MxtProcess("rv-4frl", cycle=0.0035) as controller:
+        Mxt("127.0.0.1", port=controller.port, ...)
+    controller.result["answers"]
+
+The process prints its port, then, when `Mxt` or its input ends, what it saw, as JSON.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import threading
+from collections.abc import Mapping
+from typing import Any, Final, Self, get_args
+
+from assistant.virtual.cr.mxt import CYCLE, Fault, MxtControl
+from assistant.virtual.cr.mxt_arm import MxtArm
+
+PATIENCE: Final = 10.0
+"""Seconds for it to begin, and to end once it is asked to."""
+
+
+class MxtProcess:
+    """See `MxtControl` for what is given; a context manager. result: what it saw, once ended."""
+
+    def __init__(
+        self,
+        robot: str = "rv-4frl",
+        *,
+        cycle: float = CYCLE,
+        kind: int = 1,
+        filter_ms: float = 0.0,
+        timeout: int = -1,
+        faults: Mapping[int, Fault] | None = None,
+        short: bool = False,
+        answers_end: bool = True,
+        record: bool = True,
+    ) -> None:
+        settings = {"robot": robot, "cycle": cycle, "kind": kind, "filter_ms": filter_ms}
+        settings |= {"timeout": timeout, "short": int(short), "answers_end": int(answers_end)}
+        self._arguments = [f"--{name}={value}" for name, value in settings.items()]
+        self._arguments += [f"--fault={number}:{what}" for number, what in (faults or {}).items()]
+        self._arguments += ["--record=1"] if record else []
+        self.port = 0
+        self.result: dict[str, Any] = {}
+
+    def __enter__(self) -> Self:
+        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, sys.path))}
+        self._process = subprocess.Popen(  # noqa: S603
+            [sys.executable, "-m", "assistant.virtual.cr.mxt_process", *self._arguments],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+            env=environment,
+        )
+        assert self._process.stdout is not None
+        words = self._process.stdout.readline().split()
+        if not words:
+            raise RuntimeError("the virtual controller did not begin")
+        self.port = int(words[-1])
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        try:
+            said, _ = self._process.communicate("", timeout=PATIENCE)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            said, _ = self._process.communicate()
+        self.result = json.loads(said) if said.strip() else {}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="a CR controller in real-time external control")
+    parser.add_argument("--robot", default="rv-4frl")
+    parser.add_argument("--port", type=int, default=0)
+    parser.add_argument("--cycle", type=float, default=CYCLE)
+    parser.add_argument("--kind", type=int, choices=[0, 1, 2], default=1)
+    parser.add_argument("--filter_ms", type=float, default=0.0)
+    parser.add_argument("--timeout", type=int, default=-1, help="MXTTOUT")
+    parser.add_argument("--short", type=int, default=0, help="1 for packets of 64 bytes")
+    parser.add_argument("--answers_end", type=int, default=1)
+    parser.add_argument("--fault", action="append", default=[], metavar="REPLY:WHAT")
+    parser.add_argument("--record", type=int, default=0, help="1 to keep what is commanded")
+    given = parser.parse_args()
+    from assistant import robots
+
+    faults: dict[int, Fault] = {}
+    for fault in given.fault:
+        number, _, what = fault.partition(":")
+        if what not in get_args(Fault):
+            parser.error(f"{what} is none of {', '.join(get_args(Fault))}")
+        faults[int(number)] = what
+    robot = robots.get(given.robot)
+    control = MxtControl(
+        MxtArm(robot, robot.home, given.cycle, given.filter_ms),
+        given.kind,
+        port=given.port,
+        timeout=given.timeout,
+        faults=faults,
+        short=bool(given.short),
+        answers_end=bool(given.answers_end),
+        record=bool(given.record),
+    )
+    stop = threading.Event()
+    threading.Thread(target=_until_over, args=(stop,), daemon=True).start()
+    print(f"listening on {control.port}", flush=True)  # noqa: T201
+    print(control.run(stop).told(), flush=True)  # noqa: T201
+
+
+def _until_over(stop: threading.Event) -> None:
+    while os.read(0, 4096):  # `sys.stdin` would be locked when the process ends
+        pass
+    stop.set()
+
+
+if __name__ == "__main__":
+    main()
