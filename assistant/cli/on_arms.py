@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Callable
+from pathlib import Path
 from typing import Annotated, Final
 
 import typer
@@ -100,6 +101,48 @@ def hand(
     raise typer.Exit(run_hand(cell, state is Hand.OPEN, number, yes, format))
 
 
-COMMANDS: Final[tuple[Callable[..., None], ...]] = (motors, jog, start, hand)
+def complete_mode(incomplete: str) -> list[str]:
+    from assistant.controllers.following import MODES
+
+    return [name for name in MODES if name.startswith(incomplete)]
+
+
+def follow(
+    cell: CellArgument,
+    trajectory: Annotated[
+        str, typer.Argument(help="A table, an array, or a program that only moves.")
+    ],
+    by: Annotated[
+        str, typer.Option(help="Way to lead it: see the docs.", autocompletion=complete_mode)
+    ],
+    speed: Annotated[float, typer.Option(help="Percent of what the trajectory says.")] = 100.0,
+    interval: Annotated[
+        float | None, typer.Option(help="Seconds between points; default what suits the way.")
+    ] = None,
+    log: Annotated[
+        Path | None, typer.Option(help="Write what was recorded.", metavar="FILE.csv|.npz")
+    ] = None,
+    port: Annotated[int | None, typer.Option(help="UDP port; default the usual one.")] = None,
+    lines: Annotated[
+        list[str] | None,
+        typer.Option("--line", help="HOST:PORT or serial port of a line; repeatable, in order."),
+    ] = None,
+    cycle: Annotated[float | None, typer.Option(help="Seconds of a cycle.")] = None,
+    replace: Annotated[
+        bool, typer.Option("--replace", help="Our programs replace others of their names.")
+    ] = False,
+    yes: YesOption = False,
+    format: FormatOption = Format.TEXT,
+) -> None:
+    """Lead an arm along a trajectory. Checks all of it and asks before; Ctrl-C stops the arm."""
+    from assistant.cli.following import Options, run_follow
+    from assistant.controllers.following import Wishes
+
+    wishes = Wishes(port, tuple(lines or ()), cycle, replace)
+    options = Options(by, speed, interval, log, wishes, yes, format)
+    raise typer.Exit(run_follow(cell, trajectory, options))
+
+
+COMMANDS: Final[tuple[Callable[..., None], ...]] = (motors, jog, start, hand, follow)
 NUMBERS: Final = frozenset({"jog"})
 """Commands with an argument that may begin with a minus."""

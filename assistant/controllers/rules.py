@@ -95,7 +95,7 @@ CERTIFICATE = error(
     "name the file that holds its certificate",
 )
 NOT_KEPT = error(
-    "CN210",
+    "CN219",
     "`{name}` cannot be kept on this computer: {reason}; nothing was changed by that",
     "free space or name another file",
 )
@@ -201,6 +201,12 @@ NOT_HERE = error(
     "CN209",
     "{address} cannot {what}: {reason}; nothing was changed by that",
     "{cure}",
+)
+
+OTHER_PROGRAM = error(
+    "CN230",
+    "another program is called `{name}` on the controller; nothing was changed",
+    "back it up and delete it, or allow to replace it",
 )
 
 

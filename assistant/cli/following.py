@@ -1,0 +1,108 @@
+"""`follow`: an arm led along a trajectory, from where it stands to where that ends."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from assistant.cli.cells import record, robot_of_cell
+from assistant.cli.confirming import confirmed
+from assistant.cli.moving import NO_SPEED, moving
+from assistant.cli.presentation import Format, console, print_findings, print_json, say
+from assistant.program.diagnostics import Refused, error
+
+if TYPE_CHECKING:
+    from assistant.controllers.following import Mode, Progress, Wishes
+
+NO_WAY: Final = error("CL250", "no arm is led by `{by}`", "choose one of {known}")
+NO_ROBOT: Final = error(
+    "CL251",
+    "no project says which robot `{name}` moves, so a trajectory cannot be checked",
+    "write robot = NAME into its table in assistant.toml",
+)
+NO_RECORDING: Final = error(
+    "CL252", "a recording is not written as `{name}`", "end its name in .csv or .npz"
+)
+NO_PERIOD: Final = error("CL253", "--interval is {value:g}", "write seconds above 0")
+WRITERS: Final = (".csv", ".npz")
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """by: name of a mode. speed: percent of what the trajectory says. interval: seconds between
+    points, None for what suits the mode. log: file of what was recorded.
+    """
+
+    by: str
+    speed: float
+    interval: float | None
+    log: Path | None
+    wishes: Wishes
+    yes: bool
+    format: Format
+
+
+def run_follow(cell: str, trajectory: str, options: Options) -> int:
+    """Checks the whole way, asks, and leads the arm along it."""
+    from assistant.compiler.following import led_along
+    from assistant.controllers import Controller
+
+    mode = _mode(options)
+    with moving(cell, "follow") as motion:
+        there = motion.cell
+        robot = robot_of_cell(there.one)
+        if robot is None:
+            raise Refused(NO_ROBOT(name=there.one.name), exit_status=2)
+        session = there.controller if mode.operates else there.session
+        position = session.position() if isinstance(session, Controller) else None
+        period = options.interval or mode.period
+        led = led_along(trajectory, robot, position, period, options.speed)
+        print_findings(led.findings)
+        way = f"{len(led.seconds)} points in {led.seconds[-1]:.1f} s, {mode.title}"
+        confirmed(there.one, f"leads the arm along {trajectory}: {way}", options.yes)
+        motion.began = True
+        with _shown(f"following {trajectory}", options.format) as progress:
+            done = mode.run(session, led, options.wishes, progress)
+    print_findings(done.findings)
+    if options.log is not None:
+        done.save(options.log)
+    if options.format is Format.JSON:
+        columns = {name: len(column) for name, column in done.columns.items()}
+        answer = {"address": str(there.one.address), "followed": done.said, "recorded": columns}
+        print_json(record(answer))
+    else:
+        say(f"{there.one.name}: followed {trajectory}: {done.said}")
+        if options.log is not None:
+            say(f"wrote {options.log}")
+    return 0
+
+
+def _mode(options: Options) -> Mode:
+    from assistant.controllers.following import MODES
+
+    if options.by not in MODES:
+        raise Refused(NO_WAY(by=options.by, known=", ".join(MODES)), exit_status=2)
+    if not 0.0 < options.speed <= 100.0:
+        raise Refused(NO_SPEED(value=options.speed), exit_status=2)
+    if options.interval is not None and not options.interval > 0.0:
+        raise Refused(NO_PERIOD(value=options.interval), exit_status=2)
+    if options.log is not None and options.log.suffix.lower() not in WRITERS:
+        raise Refused(NO_RECORDING(name=options.log), exit_status=2)
+    return MODES[options.by]
+
+
+@contextmanager
+def _shown(what: str, format: Format) -> Iterator[Progress]:
+    """A bar on the terminal, nothing elsewhere."""
+    if format is Format.JSON or not sys.stderr.isatty():
+        yield lambda _: None
+        return
+    from rich.progress import Progress as Bar
+
+    with Bar(console=console(), transient=True) as bar:
+        task = bar.add_task(what, total=1.0)
+        yield lambda part: bar.update(task, completed=part)

@@ -1,0 +1,226 @@
+"""Leading an arm along a motion, by each of the ways that controllers know.
+
+MODES lists them. Each takes a session with the controller and brings the arm to rest itself on
+every way out.
+"""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Callable, Mapping
+from contextlib import closing
+from dataclasses import dataclass, field
+from pathlib import Path as FilePath
+from typing import Final
+
+import numpy as np
+
+from assistant.controllers import rules
+from assistant.controllers.controller import Controller, Programs
+from assistant.program.arrays import Floats
+from assistant.program.diagnostics import Diagnostic, Refused
+
+Progress = Callable[[float], None]
+"""Is told what part of the way is done, 0 to 1."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Led:
+    """k moments of a motion from where the arm is now.
+
+    axes: J1, J2 … of the arm, sliding: (a,) which of them slide. seconds: (k,) from 0. joints:
+    (k, a) degrees or mm. positions: (k, 3) mm and quaternions: (k, 4) of the tool in the base.
+    speeds, accelerations: (a,) a second (squared) that no axis may exceed, None if not known.
+    limits: (a, 2).
+    """
+
+    axes: tuple[str, ...]
+    sliding: tuple[bool, ...]
+    seconds: Floats
+    joints: Floats
+    positions: Floats
+    quaternions: Floats
+    speeds: Floats
+    accelerations: Floats | None
+    limits: Floats
+    findings: tuple[Diagnostic, ...] = ()
+
+    @property
+    def places(self) -> list[int]:
+        """Columns of the axes where J1 is the first, whichever the arm lacks."""
+        return [int(axis[1:]) - 1 for axis in self.axes]
+
+    def numbered(self, values: Floats, missing: float) -> Floats:
+        """Values of axes (…, a) with a column for each number; missing: of the others."""
+        width = max(6, max(self.places) + 1)
+        found = np.full((*values.shape[:-1], width), missing)
+        found[..., self.places] = values
+        return found
+
+
+@dataclass(frozen=True, slots=True)
+class Wishes:
+    """port: where the other side listens, or this one; None for the usual. lines: targets of the
+    lines of data, one a purpose; () for the usual. cycle: seconds, None for the usual.
+    replace: programs of ours on the controller take the place of others of their names.
+    """
+
+    port: int | None = None
+    lines: tuple[str, ...] = ()
+    cycle: float | None = None
+    replace: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Done:
+    """What is said of it, and what was recorded as (n,) columns by name."""
+
+    said: str
+    columns: Mapping[str, Floats] = field(default_factory=dict)
+    findings: tuple[Diagnostic, ...] = ()
+
+    def save(self, path: FilePath) -> None:
+        """Writes the columns as .csv or .npz; raises Refused and OSError."""
+        from assistant.controllers.cyclic.report import write_csv, write_npz
+
+        writers = {".csv": write_csv, ".npz": write_npz}
+        writers[path.suffix.lower()](path, self.columns)
+
+
+Run = Callable[[Programs, Led, Wishes, Progress], Done]
+
+
+@dataclass(frozen=True, slots=True)
+class Mode:
+    """A way to lead an arm.
+
+    period: seconds between the moments that it is given. operates: whether the session must be
+    one that operates the controller.
+    """
+
+    title: str
+    run: Run
+    period: float
+    operates: bool = True
+
+
+# ------------------------------------------------------------------------------------- ABB
+
+
+def _exchange(session: Programs, led: Led, wishes: Wishes, progress: Progress) -> Done:  # noqa: ARG001
+    """Poses by files, one after the other; the program of the exchange runs already."""
+    from assistant.controllers.abb.exchange import PoseExchange
+
+    with PoseExchange(session) as exchange:
+        recording = exchange.follow(
+            (led.positions, led.quaternions),
+            through=True,
+            progress=lambda done, count, _: progress(done / count),
+        )
+    return Done(f"{len(recording)} poses were answered", recording.columns())
+
+
+# ------------------------------------------------------------------------------ Mitsubishi
+
+CONTROL_PORT, STATUS_PORT = 10003, 10004
+"""Where COM1 and COM2 of the programs listen, if nothing else is said."""
+
+
+def _data_link(session: Programs, led: Led, wishes: Wishes, progress: Progress) -> Done:
+    """Joint positions on one line, the status on another; the programs are installed."""
+    from assistant.controllers.mitsubishi.control_mode import ControlMode
+
+    controller, host = _operated(session), session.address.host
+    usual = (f"{host}:{CONTROL_PORT}", f"{host}:{STATUS_PORT}")
+    control, status = (*wishes.lines, *usual[len(wishes.lines) :])
+    limits = led.numbered(led.limits.T, np.nan).T
+    limits[np.isnan(limits[:, 0])] = (-1.0, 1.0)
+    mode = ControlMode(controller, control, status, limits=limits, replace=wishes.replace)
+    with mode:
+        points = led.numbered(led.joints, np.nan)
+        mode.follow(points, progress=lambda done, count: progress(done / count))
+    recording = mode.recording
+    columns = dict(zip(recording.labels, recording.rows().T, strict=True))
+    return Done(f"{len(points)} points, {len(recording)} statuses", columns)
+
+
+MXT_PROGRAM: Final = "FOLLOW"
+"""Name of the program that waits for the packets."""
+OPENING: Final = 10.0
+"""Seconds in which a program that was started must answer the first packet."""
+
+
+def _mxt(session: Programs, led: Led, wishes: Wishes, progress: Progress) -> Done:
+    """Joints cycle by cycle; the program that waits for them is installed and started."""
+    from assistant.controllers.cyclic import Limits, Settings, Trajectory
+    from assistant.controllers.mitsubishi.mxt import client
+    from assistant.controllers.mitsubishi.mxt.program import program
+
+    controller, host = _operated(session), session.address.host
+    text = program(_own_address(host)).encode("ascii")
+    _install(controller, MXT_PROGRAM, text, wishes.replace)
+    joints = led.numbered(led.joints, 0.0)
+    sliding = tuple(
+        place + 1 for place, slides in zip(led.places, led.sliding, strict=True) if slides
+    )
+    rises = led.accelerations
+    limits = Limits(
+        tuple(led.numbered(led.speeds, 1.0)),
+        None if rises is None else tuple(led.numbered(rises, 1.0)),
+        tuple(led.numbered(led.limits[:, 0], -1.0)),
+        tuple(led.numbered(led.limits[:, 1], 1.0)),
+    )
+    mxt = client.Mxt(
+        host,
+        port=wishes.port or client.PORT,
+        limits=limits,
+        cycle=wishes.cycle or client.CYCLES["CR750"],
+        axes=joints.shape[1],
+        sliding=sliding,
+        settings=Settings(opening=OPENING),
+    )
+    controller.load(MXT_PROGRAM)
+    controller.start()
+    try:
+        with mxt:
+            report = mxt.follow(
+                Trajectory.of_joints(joints, led.seconds),
+                end=True,
+                watch=lambda now: progress(max(0.0, now.row) / max(1, now.rows)),
+            )
+    except BaseException:
+        controller.stop()
+        raise
+    return Done(str(report), report.columns, report.findings)
+
+
+def _install(controller: Controller, name: str, text: bytes, replace: bool) -> None:
+    there = controller.read(name)
+    if there is not None and controller.stored(there) == controller.stored(text):
+        return
+    if there is not None and not replace:
+        raise Refused(rules.OTHER_PROGRAM(place=str(controller.address), name=name))
+    controller.write(name, text)
+
+
+def _own_address(host: str) -> str:
+    """The address of this computer as the host sees it; nothing is sent."""
+    with closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as probe:
+        try:
+            probe.connect((host, 9))
+        except OSError as error:
+            reason = error.strerror or str(error)
+            raise rules.Lost(rules.UNREACHABLE(place=host, address=host, reason=reason)) from None
+        return str(probe.getsockname()[0])
+
+
+def _operated(session: Programs) -> Controller:
+    assert isinstance(session, Controller)
+    return session
+
+
+MODES: Final[Mapping[str, Mode]] = {
+    "exchange": Mode("poses by files, one after the other", _exchange, 0.5, operates=False),
+    "data-link": Mode("joint positions on a line of data", _data_link, 0.1),
+    "mxt": Mode("joints cycle by cycle", _mxt, 0.01),
+}
