@@ -356,11 +356,26 @@ def virtual_irc5(
     folder: Annotated[Path, typer.Option(help="Folder that is its HOME:.")] = Path("home"),
     port: Annotated[int, typer.Option(help="FTP port here; 0 takes a free one.")] = 2121,
     user: Annotated[str, typer.Option(help="Its user.")] = "robot",
+    robot: Annotated[
+        str, typer.Option("--robot", "-r", help="Its arm.", autocompletion=complete_robot)
+    ] = "irb1200-7-0.7",
+    rws_port: Annotated[
+        int, typer.Option(help="Port of Robot Web Services 1.0; 0 takes a free one.")
+    ] = 0,
+    rwss_port: Annotated[
+        int, typer.Option(help="Port of Robot Web Services 2.0; 0 takes a free one.")
+    ] = 0,
+    signal: Annotated[
+        list[str] | None,
+        typer.Option(help="A signal of its I/O configuration, as do_grip=DO; repeatable."),
+    ] = None,
+    manual: Annotated[bool, typer.Option("--manual", help="Begin in manual mode.")] = False,
 ) -> None:
-    """A virtual IRC5: FTP over a folder, refusing modules that a controller would not load."""
+    """A virtual IRC5: FTP and Robot Web Services over a folder, programs that run in real time."""
     from assistant.cli.virtual import run_irc5
 
-    run_irc5(folder, port, user)
+    ports = (port, rws_port, rwss_port)
+    run_irc5(folder, user, robot, ports, signal or [], "MANR" if manual else "AUTO")
 
 
 @virtual.command("cr")

@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 import sys
 import threading
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, TypeVar
 
 from assistant.cli.presentation import say
 from assistant.controllers.credentials import PASSWORD
@@ -14,7 +15,7 @@ from assistant.program.diagnostics import Refused, error
 
 if TYPE_CHECKING:
     from assistant.virtual.cr import VirtualCr
-    from assistant.virtual.irc5 import VirtualIrc5
+    from assistant.virtual.irc5 import Signal, VirtualIrc5
 
 NOT_STARTED = error(
     "CL101",
@@ -23,12 +24,58 @@ NOT_STARTED = error(
 )
 
 
-def run_irc5(folder: Path, port: int, user: str) -> None:
+NO_SIGNAL = error(
+    "CL102",
+    "`{text}` is no signal",
+    "write its name and type, as do_grip=DO; types are DI, DO, GI, GO, AI, AO",
+)
+
+
+def run_irc5(
+    folder: Path,
+    user: str,
+    robot: str,
+    ports: tuple[int, int, int],
+    signals: Sequence[str],
+    mode: Literal["AUTO", "MANR"],
+) -> None:
+    """ports: of FTP, and of Robot Web Services 1.0 and 2.0."""
+    from assistant.compiler.arms import robot_of
     from assistant.virtual.irc5 import VirtualIrc5
 
-    given = os.environ.get(PASSWORD)
-    controller = VirtualIrc5(folder, port=port, user=user, password=given, report=_report)
-    _run(controller, f"HOME: is {controller.folder}", None if given else controller.password)
+    arm, given = robot_of(robot), os.environ.get(PASSWORD)
+    assert arm is not None
+    controller = VirtualIrc5(
+        folder,
+        port=ports[0],
+        user=user,
+        password=given,
+        report=_report,
+        robot=arm.name,
+        rws=ports[1],
+        rwss=ports[2],
+        signals=[_signal(text) for text in signals],
+        mode=mode,
+    )
+    about = f"HOME: is {controller.folder}"
+    _run(controller, about, None if given else controller.password, _services)
+
+
+def _signal(text: str) -> Signal:
+    from assistant.virtual.irc5 import Signal
+    from assistant.virtual.irc5.cabinet import TYPES
+
+    name, _, type = text.partition("=")
+    found = TYPES.get(type.strip().upper())
+    if found is None or not name.strip().isidentifier():
+        raise Refused(NO_SIGNAL(text=text), exit_status=2)
+    return Signal(name.strip(), found)
+
+
+def _services(controller: VirtualIrc5) -> None:
+    say(f"Robot Web Services 1.0 at {controller.rws_address}")
+    say(f"Robot Web Services 2.0 at {controller.rwss_address}")
+    say(f"its certificate: {controller.certificate}")
 
 
 def run_cr(robot: str, port: int, log: bool) -> None:
@@ -45,8 +92,16 @@ def run_cr(robot: str, port: int, log: bool) -> None:
     _run(controller, f"{arm.title}, {get(controller.state.language).title}", None)
 
 
-def _run(controller: VirtualIrc5 | VirtualCr, about: str, password: str | None) -> None:
-    """Runs until Ctrl-C. A password that was made up is told, as nobody else knows it."""
+C = TypeVar("C", "VirtualIrc5", "VirtualCr")
+
+
+def _run(
+    controller: C, about: str, password: str | None, tell: Callable[[C], None] | None = None
+) -> None:
+    """Runs until Ctrl-C. A password that was made up is told, as nobody else knows it.
+
+    tell: says more about it when it runs.
+    """
     try:
         controller.start()
     except OSError as error:
@@ -54,6 +109,8 @@ def _run(controller: VirtualIrc5 | VirtualCr, about: str, password: str | None) 
         raise Refused(NOT_STARTED(reason=reason), exit_status=2) from None
     try:
         say(f"listening at {controller.address} ({about}); Ctrl-C ends it")
+        if tell is not None:
+            tell(controller)
         if password is not None:
             say(f"password: {password} (set {PASSWORD} to choose one)")
         sys.stdout.flush()

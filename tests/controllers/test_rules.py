@@ -8,13 +8,14 @@ from assistant.controllers import rules as controllers
 from assistant.controllers.abb.exchange import rules as exchanging
 from assistant.deploy import rules as deploying
 from assistant.program.diagnostics import Rule
-from assistant.virtual.irc5 import controller as irc5
+from assistant.virtual.irc5 import file_server as irc5
 from assistant.virtual.irc5 import modules as irc5_modules
+from assistant.virtual.irc5.rws import certificate as irc5_certificate
 
 RULES = sorted(
     {
         rule
-        for module in (controllers, exchanging, deploying, irc5, irc5_modules)
+        for module in (controllers, exchanging, deploying, irc5, irc5_modules, irc5_certificate)
         for rule in vars(module).values()
         if isinstance(rule, Rule)
     },

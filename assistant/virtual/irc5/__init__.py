@@ -4,6 +4,7 @@ with VirtualIrc5("home") as controller:
     connect(controller.address, password=controller.password)
 """
 
+from assistant.virtual.irc5.cabinet import Signal
 from assistant.virtual.irc5.controller import VirtualIrc5
 
-__all__ = ["VirtualIrc5"]
+__all__ = ["Signal", "VirtualIrc5"]

@@ -1,37 +1,49 @@
-"""An embedded virtual IRC5: a file server over its `HOME:` that refuses modules with errors.
+"""A virtual IRC5: its file server, Robot Web Services of both dialects, and its programs.
 
-with VirtualIrc5("home") as controller:
+with VirtualIrc5("home", robot="irb1200-7-0.7") as controller:
 connect(controller.address, password=controller.password)
 """
 
 from __future__ import annotations
 
-import logging
+import contextlib
 import secrets
-import threading
-from collections.abc import Callable
+import shutil
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path as FilePath
-from typing import Any, Final, Self
+from typing import TYPE_CHECKING, Final, Self
+from urllib.parse import quote
 
-from assistant.program.diagnostics import Refused, error
+from assistant.program.diagnostics import Refused
+from assistant.virtual.irc5.cabinet import Cabinet, Signal
+from assistant.virtual.irc5.file_server import FileServer
 from assistant.virtual.irc5.modules import MODULE_SUFFIXES, TWICE, LoadedModule, load
+from assistant.virtual.irc5.panel import Mode
+from assistant.virtual.irc5.programs import Cycle, Programs, read_module
+from assistant.virtual.irc5.rws.certificate import NEEDS_PACKAGE
+
+if TYPE_CHECKING:
+    from assistant.virtual.irc5.rws.faults import Faults
+    from assistant.virtual.irc5.rws.http import Server
+    from assistant.virtual.irc5.rws.service import Service
+    from assistant.virtual.irc5.rws.sessions import Sessions
 
 USER: Final = "engineer"
-NEEDS_PYFTPDLIB = error(
-    "VC001",
-    "the virtual IRC5 needs pyftpdlib, which is not installed",
-    "install it with `pip install 'robot-assistant[virtual]'`",
-)
-POLL: Final = 0.05
-"""Seconds after which the server looks whether it shall stop."""
+SOMEBODY: Final = "somebody"
+"""Who holds what no client does."""
 
 
 class VirtualIrc5:
     """A controller on 127.0.0.1; a context manager, or `start` and `stop`.
 
-    folder: its HOME:, made if it is missing. port: 0 for any free one. password: None for a
-    random one; it is never logged. quota: bytes that HOME: takes, None for no limit.
-    report: is told what arrives and what is refused.
+    folder: its HOME:, made if it is missing. port: of FTP, 0 for any free one. password: None for a
+    random one; it is never logged. quota: bytes that HOME: takes by FTP, None for no limit. report:
+    is told what arrives and what is refused. robot: of the catalogue, whose arm programs move;
+    None for a controller without one. rws, rwss: ports of Robot Web Services 1.0 and 2.0, 0 for any
+    free ones, None for none of it. signals: of the I/O configuration; what programs use is added
+    to them. mode: of operation. grants: whether the pendant confirms every request for the
+    privilege to modify. rate: simulated seconds for each real one.
     """
 
     def __init__(
@@ -44,16 +56,28 @@ class VirtualIrc5:
         password: str | None = None,
         quota: int | None = None,
         report: Callable[[str], None] | None = None,
+        robot: str | None = "irb1200-7-0.7",
+        rws: int | None = 0,
+        rwss: int | None = 0,
+        signals: Sequence[Signal] = (),
+        mode: Mode = "AUTO",
+        grants: bool = False,
+        rate: float = 1.0,
     ) -> None:
         self.folder = FilePath(folder).resolve()
-        self.user = user
+        self.host, self.user = host, user
         self.password = password if password is not None else secrets.token_urlsafe(12)
-        self._place = (host, port)
-        self._quota = quota
-        self._report = report or (lambda _: None)
-        self._server: Any = None
-        self._thread: threading.Thread | None = None
-        self._stopping = threading.Event()
+        self._quota, self._report = quota, report or (lambda _: None)
+        self._ports = {1: rws, 2: rwss}
+        self._given: Mapping[str, Signal] = {one.name: one for one in signals}
+        self._robot, self._rate, self._port = robot, rate, port
+        self._mode, self._grants = mode, grants
+        self._own: FilePath | None = None
+        self._files: FileServer | None = None
+        self._servers: dict[int, Server] = {}
+        self._service: Service | None = None
+        self._cabinet: Cabinet | None = None
+        self._faults: Faults | None = None
 
     def __repr__(self) -> str:
         return f"VirtualIrc5({str(self.folder)!r})"
@@ -65,30 +89,165 @@ class VirtualIrc5:
     def __exit__(self, *error: object) -> None:
         self.stop()
 
+    # ------------------------------------------------------------------------- addresses
+
     @property
     def port(self) -> int:
-        assert self._server is not None, "the controller is not started"
-        return int(self._server.address[1])
+        """Of FTP."""
+        assert self._files is not None, "the controller is not started"
+        return self._files.port
 
     @property
     def address(self) -> str:
-        return f"ftp://{self.user}@{self._place[0]}:{self.port}"
+        """Of FTP."""
+        return f"ftp://{self.user}@{self.host}:{self.port}"
+
+    @property
+    def rws_port(self) -> int:
+        return self._servers[1].port
+
+    @property
+    def rwss_port(self) -> int:
+        return self._servers[2].port
+
+    @property
+    def rws_address(self) -> str:
+        return f"rws://{quote(self.user)}@{self.host}:{self.rws_port}"
+
+    @property
+    def rwss_address(self) -> str:
+        return f"rwss://{quote(self.user)}@{self.host}:{self.rwss_port}"
+
+    @property
+    def certificate(self) -> FilePath:
+        """The file that clients of RWS 2.0 have to trust."""
+        assert self._own is not None, "the controller is not started"
+        return self._own / "virtual-irc5.pem"
+
+    @property
+    def cabinet(self) -> Cabinet:
+        """What is inside: programs, panel, signals, event log."""
+        assert self._cabinet is not None, "the controller is not started"
+        return self._cabinet
+
+    @property
+    def faults(self) -> Faults:
+        """What goes wrong on purpose with the answers of Robot Web Services."""
+        assert self._faults is not None, "the controller is not started"
+        return self._faults
+
+    @property
+    def sessions(self) -> Sessions:
+        assert self._service is not None, "the controller is not started"
+        return self._service.sessions
+
+    # -------------------------------------------------------------------- start and stop
 
     def start(self) -> None:
-        """Listens; raises OSError for port and folder, Refused if pyftpdlib is missing."""
+        """Listens; raises OSError for port and folder, Refused if a package is missing."""
         self.folder.mkdir(parents=True, exist_ok=True)
-        self._server = self._listening()
-        self._stopping.clear()
-        self._thread = threading.Thread(target=self._serve, name="virtual-irc5", daemon=True)
-        self._thread.start()
+        try:
+            self._start()
+        except (OSError, Refused, RuntimeError):
+            self.stop()
+            raise
+
+    def _start(self) -> None:
+        files = FileServer(
+            self.folder,
+            (self.host, self._port),
+            self.user,
+            self.password,
+            self._quota,
+            self._report,
+        )
+        files.start()
+        self._files = files
+        if self._ports == {1: None, 2: None}:
+            return
+        from assistant import robots
+
+        try:
+            from assistant.virtual.irc5.rws import serving
+        except ImportError as missing:
+            raise Refused(NEEDS_PACKAGE(package=missing.name)) from None
+
+        robot = None if self._robot is None else robots.get(self._robot)
+        self._own = FilePath(tempfile.mkdtemp(prefix="virtual-irc5-"))
+        cabinet = Cabinet(self.folder, robot=robot, given=self._given, rate=self._rate)
+        cabinet.panel.mode, cabinet.grants = self._mode, self._grants
+        cabinet.start()
+        self._cabinet = cabinet
+        self._service, self._faults = serving.service(cabinet, self.user, self.password)
+        for dialect, port in self._ports.items():
+            if port is not None:
+                secure = self.certificate if dialect == 2 else None
+                place = self.host, port
+                server = serving.server(dialect, place, self._service, self._faults, secure)
+                server.start()
+                self._servers[dialect] = server
 
     def stop(self) -> None:
-        """Hangs up on every client, drops what was arriving, and frees the port."""
-        if self._thread is None:
-            return
-        self._stopping.set()
-        self._thread.join()
-        self._server = self._thread = None
+        """Hangs up on every client, drops what was arriving, and frees the ports."""
+        if self._service is not None:
+            self._service.subscriptions.close()
+        for server in self._servers.values():
+            server.close()
+        if self._cabinet is not None:
+            self._cabinet.stop()
+        if self._files is not None:
+            self._files.stop()
+        if self._own is not None:
+            shutil.rmtree(self._own, ignore_errors=True)
+        self._servers, self._service, self._cabinet = {}, None, None
+        self._files = self._own = self._faults = None
+
+    # ---------------------------------------------------------------------------- person
+
+    def run_modules(self, *files: str, cycle: Cycle = "once") -> None:
+        """Loads modules of HOME: instead of all that there are, switches the motors on and starts.
+
+        Raises OSError for a file, `programs.NotPossible` for what does not load or has no main.
+        """
+        found = [
+            module
+            for file in files
+            for module in read_module(file, (self.folder / file).read_bytes())
+        ]
+
+        def start(programs: Programs) -> None:
+            programs.stop()
+            programs.restore(found)
+            programs.reset()
+            self.cabinet.panel.set_motors(True)
+            programs.start(cycle)
+
+        self.cabinet.do(start)
+
+    def press_emergency_stop(self) -> None:
+        self.cabinet.press_emergency_stop()
+
+    def release_emergency_stop(self) -> None:
+        self.cabinet.release_emergency_stop()
+
+    def grant(self, allowed: bool = True) -> None:
+        """The pendant answers who asks for the privilege to modify in manual mode."""
+        self.sessions.answer_requests("modify" if allowed else "denied")
+
+    def hold_mastership(self, *domains: str) -> None:
+        """Somebody else holds these domains, or all, until `free_mastership`."""
+        self.cabinet.mastership.holders.update(
+            dict.fromkeys(domains or ("cfg", "motion", "rapid"), SOMEBODY)
+        )
+
+    def free_mastership(self) -> None:
+        self.cabinet.mastership.give_back(("cfg", "motion", "rapid"), SOMEBODY)
+
+    def hang_up(self) -> None:
+        """Cuts every connection of Robot Web Services that there is."""
+        for server in self._servers.values():
+            with contextlib.suppress(OSError):
+                server.hang_up()
 
     def modules(self) -> tuple[LoadedModule, ...]:
         """The modules in HOME:, by file, each with its findings."""
@@ -104,35 +263,3 @@ class VirtualIrc5:
             twice = () if other == name else (TWICE(path=name, name=module.name, first=other),)
             found.append(LoadedModule(module.name, name, (*module.findings, *twice)))
         return tuple(found)
-
-    def _listening(self) -> Any:
-        try:
-            from pyftpdlib.authorizers import DummyAuthorizer
-            from pyftpdlib.ioloop import IOLoop
-            from pyftpdlib.servers import FTPServer
-        except ImportError:
-            raise Refused(NEEDS_PYFTPDLIB()) from None
-
-        from assistant.virtual.irc5.files import Home, Session
-
-        _keep_quiet()
-        authorizer = DummyAuthorizer()
-        authorizer.add_user(self.user, self.password, str(self.folder), perm="elrdfmw")
-        home = type("Home", (Home,), {"quota": self._quota, "report": staticmethod(self._report)})
-        session = type("Session", (Session,), {"authorizer": authorizer, "abstracted_fs": home})
-        return FTPServer(self._place, session, ioloop=IOLoop())
-
-    def _serve(self) -> None:
-        server = self._server
-        try:
-            while not self._stopping.is_set():
-                server.ioloop.loop(timeout=POLL, blocking=False)
-        finally:
-            server.close_all()
-
-
-def _keep_quiet() -> None:
-    """Pyftpdlib writes to standard error where nobody has set up logging."""
-    logger = logging.getLogger("pyftpdlib")
-    if not logger.handlers:
-        logger.addHandler(logging.NullHandler())

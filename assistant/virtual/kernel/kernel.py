@@ -93,8 +93,11 @@ class Kernel:
         return made
 
     def _share(self) -> None:
-        """One that goes on only as long as others do has to let the kernel see that they ended."""
-        self.shared = len(self.tasks) > 1 or not all(task.essential for task in self.tasks)
+        """One that goes on only as long as others do has to let the kernel see that they ended,
+        and one of a kernel that lives on has to let commands through.
+        """
+        alone = len(self.tasks) < 2 and all(task.essential for task in self.tasks)
+        self.shared = self.live is not None or not alone
 
     def drop(self, task: Task) -> None:
         """Ends a task where it is, on behalf of another one."""

@@ -82,11 +82,15 @@ def start_task(
     kind: Kind = "normal",
     moves: bool | None = True,
     abilities: Mapping[str, Ability] | None = None,
+    made: Callable[[Machine], None] | None = None,
+    cycles: Cycles | None = None,
 ) -> Task:
     """A task of a controller that runs one cycle of a program; see `run`.
 
     kind: of others than `normal` ones the program runs again and again, until those have ended.
     moves: whether the task has a robot. All tasks are to be there before the kernel runs.
+    made: is given the machine at once, whose data has not got its first values yet. cycles: is
+    asked for the routine of each cycle, in the task, where it may wait; None ends the task.
     """
     shared = controller or Controller()
     task = kernel.task(name, lambda _: ending(), essential=kind == "normal")
@@ -118,10 +122,13 @@ def start_task(
         shared.programs.append((loaded, machine.types))
 
     wrong = _how_it_ends(machine, prepare)
+    if made is not None:
+        made(machine)
+    turns, once = cycles or _usual(entry, kind), cycles is None and kind == "normal"
 
     def ending() -> Ending:
         try:
-            ended = wrong or _how_it_ends(machine, lambda: _begin(machine, cells, entry, kind))
+            ended = wrong or _how_it_ends(machine, lambda: _begin(machine, cells, turns, once))
         finally:
             for end in machine.at_end:
                 end()
@@ -129,6 +136,25 @@ def start_task(
         return ended or Ending()
 
     return task
+
+
+Cycles = Callable[[Machine], str | None]
+
+
+def _usual(entry: str, kind: Kind) -> Cycles:
+    """One cycle of a normal task, cycles without end of another."""
+    ran = False
+
+    def cycles(machine: Machine) -> str | None:
+        nonlocal ran
+        if ran and kind == "normal":
+            return None
+        if ran:
+            machine.task.step()
+        ran = True
+        return entry
+
+    return cycles
 
 
 def _with(own: Mapping[str, Ability]) -> Abilities:
@@ -160,28 +186,26 @@ def _standing(kernel: Kernel) -> Pose | None:
     return None if standing is None else standing[0]
 
 
-def _begin(machine: Machine, cells: Sequence[Cell], entry: str, kind: Kind) -> None:
+def _begin(machine: Machine, cells: Sequence[Cell], cycles: Cycles, once: bool) -> None:
     """Every datum of a module has its value before the first statement.
 
-    One of what is not simulated ends the run only when something asks for it.
+    One of what is not simulated ends the run only when something asks for it. once: whether
+    ExitCycle ends the task.
     """
     unit = Unit(None)
     machine.frames.append(Frame(unit, None))
     for cell in cells:
         with suppress(NotSimulated):
             settled(machine, cell)
-    first = machine.meaning(entry)
-    if not isinstance(first, Known):
-        raise Fault(f"there is no routine `{entry}` to begin with")
-    while True:
+    while (entry := cycles(machine)) is not None:
+        first = machine.meaning(entry)
+        if not isinstance(first, Known):
+            raise Fault(f"there is no routine `{entry}` to begin with")
         try:
             machine.abilities.call(machine, first, ())
         except Cycled:
-            if kind == "normal":
+            if once:
                 raise
-        if kind == "normal":
-            return
-        machine.task.step()
 
 
 def _told(machine: Machine, message: str) -> str:

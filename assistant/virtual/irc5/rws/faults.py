@@ -1,0 +1,67 @@
+"""What goes wrong on purpose, for tests of clients."""
+
+from __future__ import annotations
+
+import re
+import threading
+from dataclasses import dataclass, field
+from typing import Literal
+
+Kind = Literal["delay", "cut", "garbage", "twice"]
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """Something that happens to answers.
+
+    kind: `delay` sends them late, `cut` hangs up after some bytes, `garbage` sends what is no
+    answer, `twice` sends them two times over. path: pattern of the paths whose answers it happens
+    to. seconds: of a delay. after: bytes that are sent before the line is cut. times: how often
+    it happens, None for ever.
+    """
+
+    kind: Kind
+    path: str = ""
+    seconds: float = 0.0
+    after: int = 0
+    times: int | None = None
+
+
+@dataclass(eq=False)
+class Faults:
+    """Those that wait to happen, in their order."""
+
+    waiting: list[Fault] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self._lock = threading.Lock()
+        self._left: dict[int, int] = {}
+
+    def add(self, fault: Fault) -> None:
+        with self._lock:
+            self.waiting.append(fault)
+            if fault.times is not None:
+                self._left[id(fault)] = fault.times
+
+    def clear(self) -> None:
+        with self._lock:
+            self.waiting.clear()
+            self._left.clear()
+
+    def next(self, path: str) -> Fault | None:
+        """The fault of the answer to a request, which is then one less."""
+        with self._lock:
+            for fault in self.waiting:
+                if not re.search(fault.path, path):
+                    continue
+                if id(fault) in self._left:
+                    self._left[id(fault)] -= 1
+                    if self._left[id(fault)] <= 0:
+                        self.waiting.remove(fault)
+                        del self._left[id(fault)]
+                return fault
+        return None
+
+
+NOISE = b"\x00\xff\x7f not a protocol \r\n\x16\x03"
+"""What is sent instead of an answer."""

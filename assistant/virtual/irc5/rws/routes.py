@@ -1,0 +1,173 @@
+"""Which request is answered by what: one row an operation, for both dialects.
+
+Paths as of the reference, 4.3, and of the path tables of the public client
+ichbinmeraj/abb-rws-client (src/paths), which were tried on RobotWare 6.16 and 7.21. What follows a
+`?` is the `action` (or `resource`) that the query names. `{name}` is one part of a path,
+`{name...}` any number of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Final, NamedTuple
+
+from assistant.virtual.irc5.cabinet import Cabinet
+from assistant.virtual.irc5.rws.answers import Answer, Rejected
+from assistant.virtual.irc5.rws.paths import find, route
+from assistant.virtual.irc5.rws.request import Request
+from assistant.virtual.irc5.rws.resources import (
+    files,
+    log,
+    mastership,
+    motion,
+    panel,
+    rapid,
+    signals,
+    symbols,
+    system,
+)
+
+Handler = Callable[[Cabinet, Request], Answer]
+
+
+class Row(NamedTuple):
+    """one, two: the path of each dialect, empty where it has none.
+
+    needs: the domain whose mastership it takes, with `?` behind it if it is enough that nobody else
+    holds that.
+    """
+
+    method: str
+    one: str
+    two: str
+    handler: Handler
+    needs: str = ""
+
+
+E: Final = "/rw/rapid/execution"
+D: Final = "/rw/rapid/symbol"
+S: Final = "/rw/iosystem/signals"
+H: Final = "/rw/mastership"
+F: Final = "/fileservice"
+P: Final = "/rw/panel"
+T: Final = "/rw/rapid/tasks/{task}"
+U: Final = "/rw/motionsystem/mechunits/{unit}"
+M2: Final = f"{T}/modules/{{module}}"
+
+ROWS: Final = (
+    Row("GET", f"{P}/ctrlstate", f"{P}/ctrl-state", panel.state),
+    Row("POST", f"{P}/ctrlstate?setctrlstate", f"{P}/ctrl-state", panel.set_state, "motion?"),
+    Row("GET", f"{P}/opmode", f"{P}/opmode", panel.mode),
+    Row("POST", f"{P}/opmode", f"{P}/opmode", panel.set_mode),
+    Row("GET", f"{P}/speedratio", f"{P}/speedratio", panel.speed),
+    Row("POST", *((f"{P}/speedratio?setspeedratio",) * 2), panel.set_speed, "rapid"),
+    Row("GET", f"{P}/coldetstate", f"{P}/coldetstate", panel.collision),
+    Row("POST", "", f"{P}/emergency-stop", panel.emergency_stop),
+    Row("GET", E, E, rapid.execution),
+    Row("POST", f"{E}?start", f"{E}/start", rapid.start, "rapid?"),
+    Row("POST", f"{E}?stop", f"{E}/stop", rapid.stop),
+    Row("POST", f"{E}?resetpp", f"{E}/resetpp", rapid.reset, "rapid"),
+    Row("POST", f"{E}?setcycle", f"{E}/cycle", rapid.set_cycle, "rapid?"),
+    Row("POST", f"{E}?startprodentry", f"{E}/startprodentry",
+        rapid.start_production, "rapid"),
+    Row("GET", "/rw/rapid/tasks", "/rw/rapid/tasks", rapid.tasks),
+    Row("GET", T, T, rapid.task),
+    Row("POST", f"{T}?activate", "/rw/rapid/tasks/activate", rapid.activate, "rapid"),
+    Row("POST", f"{T}?deactivate", "/rw/rapid/tasks/deactivate", rapid.deactivate, "rapid"),
+    Row("GET", "/rw/rapid/modules", f"{T}/modules", rapid.modules),
+    Row("GET", "/rw/rapid/modules/{module}", M2, rapid.module),
+    Row("GET", f"{T}/modules/{{module}}", "", rapid.module),
+    Row("GET", "/rw/rapid/modules/{module}?module-text", f"{M2}/text", rapid.text),
+    Row("POST", "", f"{M2}/text", rapid.set_text, "rapid"),
+    Row("POST", "/rw/rapid/modules/{module}?save", f"{M2}/save", rapid.save_module),
+    Row("POST", f"{T}?loadmod", f"{T}/loadmod", rapid.load_module, "rapid"),
+    Row("POST", f"{T}?unloadmod", f"{T}/unloadmod", rapid.unload_module, "rapid"),
+    Row("GET", f"{T}/program", f"{T}/program", rapid.program),
+    Row("POST", f"{T}/program?loadprog", f"{T}/program/load", rapid.load_program, "rapid"),
+    Row("GET", f"{T}/pcp", f"{T}/pcp", rapid.pointer),
+    Row("POST", f"{T}/pcp?set-pp-routine", f"{T}/pcp/routine", rapid.set_pointer, "rapid"),
+    Row("POST", "", f"{T}/pcp/reset", rapid.reset, "rapid"),
+    Row("POST", f"{D}/data?validate", f"{D}/RAPID/{{task}}?validate", symbols.validate),
+    Row("GET", f"{D}/data/RAPID/{{symbol...}}", f"{D}/RAPID/{{symbol...}}/data", symbols.read),
+    Row("POST", f"{D}/data/RAPID/{{symbol...}}?set", f"{D}/RAPID/{{symbol...}}/data",
+        symbols.write, "rapid"),
+    Row("GET", f"{D}/properties/RAPID/{{symbol...}}", f"{D}/RAPID/{{symbol...}}/properties",
+        symbols.properties),
+    Row("POST", "/rw/rapid/symbols?search-symbols", "/rw/rapid/symbols/search", symbols.search),
+    Row("POST", "/rw/rapid/symbols?search-symbol", "", symbols.search),
+    Row("GET", S, S, signals.listed),
+    Row("POST", f"{S}?signal-search", f"{S}/signal-search", signals.search),
+    Row("GET", *((f"{S}/{{signal...}}",) * 2), signals.read),
+    Row("POST", f"{S}/{{signal...}}?set", f"{S}/{{signal...}}/set-value", signals.write),
+    Row("GET", "/rw/iosystem/networks", "/rw/iosystem/networks", signals.networks),
+    Row("GET", "/rw/iosystem/devices", "/rw/iosystem/devices", signals.devices),
+    Row("GET", "/rw/motionsystem", "/rw/motionsystem", motion.system),
+    Row("GET", "/rw/motionsystem?change-count", "/rw/motionsystem?change-count", motion.system),
+    Row("GET", "/rw/motionsystem/mechunits", "/rw/motionsystem/mechunits", motion.units),
+    Row("GET", U, U, motion.unit),
+    Row("GET", f"{U}?static", "", motion.unit),
+    Row("GET", f"{U}?dynamic", "", motion.unit),
+    Row("GET", f"{U}/jointtarget", f"{U}/jointtarget", motion.joints),
+    Row("GET", f"{U}/robtarget", f"{U}/robtarget", motion.target),
+    Row("GET", f"{U}/cartesian", f"{U}/cartesian", motion.cartesian),
+    Row("GET", H, H, mastership.listed),
+    Row("GET", f"{H}/{{domain}}", f"{H}/{{domain}}", mastership.holder),
+    Row("POST", f"{H}?request", f"{H}/request", mastership.take),
+    Row("POST", f"{H}?release", f"{H}/release", mastership.give_back),
+    Row("POST", f"{H}/{{domain}}?request", f"{H}/{{domain}}/request", mastership.take),
+    Row("POST", f"{H}/{{domain}}?release", f"{H}/{{domain}}/release", mastership.give_back),
+    Row("GET", "/rw/elog", "/rw/elog", log.domains),
+    Row("POST", "/rw/elog?clearall", "/rw/elog/clearall", log.clear),
+    Row("GET", "/rw/elog/{domain}", "/rw/elog/{domain}", log.messages),
+    Row("POST", "/rw/elog/{domain}?clear", "/rw/elog/{domain}/clear", log.clear),
+    Row("GET", "/rw/elog/{domain}/{number}", "/rw/elog/{domain}/{number}", log.message),
+    Row("GET", "/rw/system", "/rw/system", system.system),
+    Row("GET", "/rw/system/options", "/rw/system/options", system.options),
+    Row("GET", "/rw/system/robottype", "/rw/system/robottype", system.robot_type),
+    Row("GET", "/ctrl", "/ctrl", system.identity),
+    Row("GET", "/ctrl/identity", "/ctrl/identity", system.identity),
+    Row("GET", "/ctrl/clock", "/ctrl/clock", system.clock),
+    Row("PUT", "/ctrl/clock", "/ctrl/clock", system.set_clock),
+    Row("GET", "/ctrl/backup", "/ctrl/backup", system.backup_state),
+    Row("GET", "", "/ctrl/backup/state", system.backup_state),
+    Row("POST", "/ctrl/backup?backup", "/ctrl/backup/create", system.backup),
+    Row("POST", "/ctrl/backup?restore", "/ctrl/backup/restore", system.restore_backup, "rapid"),
+    Row("POST", "", "/ctrl/backup/check-restore", system.check_backup),
+    Row("GET", "/ctrl/${volume}", "", system.environment),
+    Row("GET", F, F, files.volumes),
+    Row("GET", *((f"{F}/{{path...}}",) * 2), files.read),
+    Row("PUT", *((f"{F}/{{path...}}",) * 2), files.store),
+    Row("DELETE", *((f"{F}/{{path...}}",) * 2), files.delete),
+    Row("POST", f"{F}/{{path...}}", "", files.act),
+    Row("POST", "", f"{F}/{{path...}}/create", files.create),
+    Row("POST", "", f"{F}/{{path...}}/copy", files.copy),
+    Row("POST", "", f"{F}/{{path...}}/rename", files.rename),
+    Row("GET", "/users/rmmp", "/users/rmmp", mastership.privilege),
+    Row("POST", "/users/rmmp", "/users/rmmp", mastership.ask_privilege),
+    Row("GET", "/users/rmmp/poll", "/users/rmmp/poll", mastership.poll_privilege),
+    Row("POST", "/users/rmmp?cancel", "/users/rmmp/cancel", mastership.drop_privilege),
+    Row("POST", "/users", "/users/register", mastership.register),
+    Row("GET", "", "/users/login-info", mastership.login_info),
+)  # fmt: skip
+
+
+ROUTES: Final = {
+    dialect: tuple(
+        route(row.method, path, row.handler, row.needs)
+        for row in ROWS
+        if (path := row.one if dialect == 1 else row.two)
+    )
+    for dialect in (1, 2)
+}
+
+
+def serve(cabinet: Cabinet, request: Request) -> Answer:
+    """Finds the handler of a request and has it answer; raises Rejected."""
+    found = find(ROUTES[request.dialect], request)
+    if isinstance(found, Rejected):
+        raise found
+    row, captures = found
+    if row.needs:
+        mastership.check(cabinet, request, row.needs)
+    return row.handler(cabinet, replace(request, captures=captures))
