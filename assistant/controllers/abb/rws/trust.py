@@ -7,6 +7,8 @@ import ssl
 from pathlib import Path as FilePath
 from typing import Final
 
+from assistant.controllers.os_errors_in_words import reason_of
+
 PEM: Final = re.compile(r"-----BEGIN CERTIFICATE-----.+?-----END CERTIFICATE-----", re.DOTALL)
 
 
@@ -24,9 +26,16 @@ def context(
     trusted = ssl.create_default_context(cafile=str(certificate))
     text = FilePath(certificate).read_text("ascii", errors="replace")
     known = {ssl.PEM_cert_to_DER_cert(found) for found in PEM.findall(text)}
-    shown = ssl.PEM_cert_to_DER_cert(ssl.get_server_certificate((host, port), timeout=timeout))
-    if shown in known:
+    if _shown(host, port, timeout) in known:
         trusted.check_hostname = False
         trusted.verify_flags &= ~ssl.VERIFY_X509_STRICT  # what controllers make is not strict
         trusted.verify_flags |= ssl.VERIFY_X509_PARTIAL_CHAIN
     return trusted
+
+
+def _shown(host: str, port: int, timeout: float) -> bytes:
+    """The certificate that a controller shows, unchecked; raises OSError but no ssl.SSLError."""
+    try:
+        return ssl.PEM_cert_to_DER_cert(ssl.get_server_certificate((host, port), timeout=timeout))
+    except ssl.SSLError as error:  # of a line that is cut, or a server without TLS
+        raise OSError(reason_of(error)) from None

@@ -1,0 +1,137 @@
+"""The client on a line that is cut, late, spoilt or repeats itself.
+
+Whatever happens: a typed finding within the time-out, files whole or not at all, and the
+mastership given back, after one new connection where the line was cut.
+"""
+
+import time
+
+import pytest
+
+from assistant.controllers.rules import Lost
+from assistant.program.diagnostics import Refused
+from tests.controllers.abb.rws.literal import ONE, TWO
+from tests.controllers.abb.rws.peer import Rws1, Rws2
+from tests.controllers.cutting import Cutting, cuts, garbage, late, twice
+
+PEERS = {"1.0": (Rws1, ONE), "2.0": (Rws2, TWO)}
+OLD = b"MODULE seam\nENDMODULE\n"
+NEW = OLD.replace(b"seam", b"SEAM") * 20
+TIMEOUT = 2.0
+SLACK = 3.0
+"""Seconds beside the time-outs of a request and of the farewell, for a busy computer."""
+
+
+def conversation(client):
+    """What a client does in a day."""
+    client.identify()
+    client.state()
+    client.position()
+    client.write("seam.mod", NEW)
+    client.load("seam.mod")
+    client.set_variable("reg1", "42", "user")
+    client.set_output("doGripper", 1)
+    client.log(5)
+
+
+def speak(peer, **options):
+    """The conversation through a proxy; the finding's codes, and the bytes that passed."""
+    with Cutting(peer.port, **options) as proxy:
+        began = time.monotonic()
+        try:
+            with peer.connect(port=proxy.port, timeout=TIMEOUT) as client:
+                conversation(client)
+        except Refused as error:
+            assert isinstance(error, Lost) or error.findings[0].code != "CN204"
+            codes = [finding.code for finding in error.findings]
+        else:
+            codes = []
+        took = time.monotonic() - began
+        assert took < 3 * TIMEOUT + SLACK
+        return codes, proxy.passed, proxy.pieces
+
+
+@pytest.fixture(params=PEERS)
+def peer(request):
+    kind, answers = PEERS[request.param]
+    with kind(answers) as peer:
+        peer.files = {f"{peer.home}/seam.mod": OLD}
+        yield peer
+
+
+def check(peer, codes):
+    """What holds after any of these faults; files are those that the controller has left."""
+    home = peer.home
+    data = peer.files.get(f"{home}/seam.mod", peer.files.get(f"{home}/seam.mod~"))
+    assert data in (OLD, NEW)
+    assert peer.held == {} or "CN221" in codes
+    peer.files = {f"{home}/seam.mod": OLD}
+    peer.held.clear()
+    peer.sessions.clear()
+
+
+def cut_at(peer, places, **options):
+    seen = set()
+    for place in places:
+        codes, _, _ = speak(peer, cut=place, **options)
+        check(peer, codes)
+        seen.update(codes)
+        assert set(codes) <= {"CN201", "CN204", "CN221"}, (place, codes)
+    return seen
+
+
+def test_a_line_that_is_cut(peer):
+    codes, length, _ = speak(peer)
+    assert codes == [] and length > 10_000
+    check(peer, codes)
+    places = cuts(length, first=3, then=3331)
+    assert len(places) >= 8
+    assert cut_at(peer, places) == {"CN201", "CN204"}
+
+
+def test_a_line_that_stays_cut(peer):
+    """The mastership may then still be held, which is said."""
+    _, length, _ = speak(peer)
+    check(peer, [])
+    assert cut_at(peer, range(length // 2, length, 4100), again=False) >= {"CN204"}
+
+
+@pytest.mark.slow
+def test_a_line_that_is_cut_anywhere(peer, capsys):
+    _, length, _ = speak(peer)
+    check(peer, [])
+    places = cuts(length)
+    cut_at(peer, places)
+    cut_at(peer, places[::5], again=False, reset=True)
+    with capsys.disabled():
+        print(f"\n{len(places)} cuts of {length} bytes, and {len(places[::5])} for good")
+    assert len(places) > 450
+
+
+def test_an_answer_that_is_late(peer, monkeypatch):
+    monkeypatch.setitem(globals(), "TIMEOUT", 0.3)
+    for which in (0, 9, 33):
+        codes, _, _ = speak(peer, answers=late(which, 5.0))
+        assert codes and set(codes) <= {"CN201", "CN204", "CN221"}, which
+        check(peer, codes)
+
+
+@pytest.mark.parametrize("spoilt", [garbage, twice])
+def test_an_answer_that_is_garbage_or_comes_twice(peer, spoilt):
+    _, _, pieces = speak(peer)
+    check(peer, [])
+    for which in range(0, pieces, 11):
+        codes, _, _ = speak(peer, answers=spoilt(which))
+        check(peer, codes)
+        assert set(codes) <= {"CN201", "CN204", "CN221", "CN222"}, which
+
+
+def test_an_answer_twice_is_never_taken_for_the_next_one():
+    """Without TLS it could be: each request has a connection of its own."""
+    with Rws1(ONE) as peer:
+        for which in range(3, 9):
+            with Cutting(peer.port, answers=twice(which)) as proxy:
+                with peer.connect(port=proxy.port, timeout=TIMEOUT) as client:
+                    assert client.variable("reg1", "user") == "42.5"
+                    assert client.outputs(["doGripper"]) == {"doGripper": 1.0}
+                    assert client.modules() == ("BASE", "Seam")
