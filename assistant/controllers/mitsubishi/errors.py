@@ -1,6 +1,7 @@
-"""Error numbers of Mitsubishi CR controllers: the commonest, in our own words.
+"""Error numbers of Mitsubishi CR controllers: their levels, and the commonest in our own words.
 
-The table is `errors.tsv`; numbers and levels are those of the controllers' error lists.
+The table is `errors.tsv`; numbers and levels are those of the controllers' error lists (BFP-A8871,
+BFP-A5993). A number that ends in `n` stands for those of all axes or units.
 """
 
 from __future__ import annotations
@@ -45,18 +46,16 @@ class CrError:
 
 def error(number: int) -> CrError:
     """What an error number means; never fails."""
-    known = _table().get(number)
-    family = FAMILIES.get(number // 1000, "an error")
-    return known or CrError(number, "", family, LOOK_IT_UP)
+    digits = f"{number:04}"
+    rows = (_table().get(digits), _table().get(f"{digits[:-1]}n"))
+    level, text, cure = next((row for row in rows if row is not None), ("", "", ""))
+    words = text.replace("{n}", digits[-1]) or FAMILIES.get(number // 1000, "an error")
+    return CrError(number, level, words, cure or LOOK_IT_UP)
 
 
 @cache
-def _table() -> Mapping[int, CrError]:
+def _table() -> Mapping[str, tuple[str, str, str]]:
+    """Number → level, text and cure; a text is empty where there is none of our own."""
     text = files(__package__).joinpath("errors.tsv").read_text(encoding="ascii")
     rows = csv.DictReader(io.StringIO(text), delimiter="\t", quoting=csv.QUOTE_NONE)
-    return {
-        int(row["number"]): CrError(
-            int(row["number"]), row["level"], row["text"], row["cure"] or LOOK_IT_UP
-        )
-        for row in rows
-    }
+    return {row["number"]: (row["level"], row["text"], row["cure"]) for row in rows}
