@@ -24,6 +24,8 @@ from assistant.program.diagnostics import Diagnostic, Refused
 
 OPEN_NAME: Final = "USERTOOL"
 """Name under which a session is opened; controllers know NARCUSR, USERTOOL and TOOLBOX."""
+HELLOS: Final = 3
+"""Times that a session is opened on a serial line until the answer is one to that."""
 NO_RIGHT: Final = 6020
 UNCHANGED: Final = "nothing was changed by that"
 RUN_BITS: Final = re.compile(r"([0-9A-F]{2})([0-9A-F]{2})(\d*)(?:;.*)?", re.IGNORECASE | re.DOTALL)
@@ -217,12 +219,23 @@ class Session:
                 self._asked = time.monotonic()
 
     def _hello(self, timeout: float) -> Answer:
-        """OPEN=, once more if half a command of an earlier connection stood before it."""
-        for _ in range(2):
-            answer = self._link.ask(
-                f"1;1;OPEN={OPEN_NAME}", doing="opening a session", state=UNCHANGED, timeout=timeout
-            )
-            if answer.ok or self.address.port:
+        """OPEN=; on a serial line again if what comes is not for it.
+
+        There half a command of an earlier connection may stand before it, or a late answer.
+        """
+        doing = "opening a session"
+        serial = self.address.port == 0
+        for left in reversed(range(HELLOS if serial else 1)):
+            try:
+                answer = self._link.ask(
+                    f"1;1;OPEN={OPEN_NAME}", doing=doing, state=UNCHANGED, timeout=timeout
+                )
+            except rules.Lost as error:
+                if not left or error.findings[0].code != rules.GARBLED.code:
+                    raise
+                self._link.open(timeout)  # which forgets what has come
+                continue
+            if about(answer.text).robot:
                 break
         return answer
 

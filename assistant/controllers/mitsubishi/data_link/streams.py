@@ -28,6 +28,9 @@ RETRY: Final = 0.1
 """Seconds between two trials to connect to a program that may not have opened its line yet."""
 
 
+PSEUDO: Final = re.compile("/dev/pts/")
+"""A pseudo terminal has no parity, and refuses to be set to one where nothing else changes."""
+LETTERS: Final = {"none": "N", "odd": "O", "even": "E"}
 SLICE: Final = 0.05
 """Seconds that a serial port is waited for at a time."""
 
@@ -185,7 +188,7 @@ class Serial:
                 self.target,
                 self._rate.baud,
                 bytesize=self._rate.bits,
-                parity={"none": "N", "odd": "O", "even": "E"}[self._rate.parity],
+                parity="N" if PSEUDO.match(self.target) else LETTERS[self._rate.parity],
                 stopbits=self._rate.stops,
                 timeout=SLICE,  # and not changed later: that would set the port anew each time
                 write_timeout=timeout,
