@@ -6,33 +6,10 @@ import json
 
 import pytest
 
-from assistant.virtual.cr import VirtualCr
-from assistant.virtual.irc5 import VirtualIrc5
 from tests.cli.test_commands import run
 
 MODULE = "MODULE {0}\n  PROC {0}_main()\n    WaitTime {1};\n  ENDPROC\nENDMODULE\n"
 PROGRAM = "10 OVRD 50\n20 DLY {}\n30 END\n"
-
-
-@pytest.fixture
-def irc5(tmp_path, monkeypatch):
-    (tmp_path / "here").mkdir()
-    monkeypatch.chdir(tmp_path / "here")
-    with VirtualIrc5(tmp_path / "home", password="secret") as controller:
-        monkeypatch.setenv("ROBOT_ASSISTANT_CELL1_PASSWORD", "secret")
-        table = f'[controllers]\ncell1 = "{controller.address}"\n'
-        (tmp_path / "assistant.toml").write_text(table, encoding="utf-8")
-        yield controller
-
-
-@pytest.fixture
-def cr(tmp_path, monkeypatch):
-    (tmp_path / "here").mkdir()
-    monkeypatch.chdir(tmp_path / "here")
-    with VirtualCr() as controller:
-        table = f'[controllers.cell1]\naddress = "{controller.address}"\nrobot = "rv-2aj"\n'
-        (tmp_path / "assistant.toml").write_text(table, encoding="utf-8")
-        yield controller
 
 
 def test_programs_of_an_irc5_by_name(capsys, irc5, tmp_path):
