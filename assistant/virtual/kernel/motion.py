@@ -69,6 +69,9 @@ class Motion(Protocol):
     def cut(self, task: Task) -> Standing | None:
         """Ends all motions where the arm is, and tells where that is."""
 
+    def lead(self, kernel: Kernel, joints: Sequence[float]) -> None:
+        """The arm, which stood, is at these joints in degrees, where no motion led it."""
+
     def hold(self, kernel: Kernel) -> None:
         """Stops the arm on its way."""
 
@@ -116,6 +119,9 @@ class Instant:
 
     def cut(self, task: Task) -> None:
         """The latest motion has come to its end."""
+
+    def lead(self, kernel: Kernel, joints: Sequence[float]) -> None:
+        """Who leads it knows."""
 
     def hold(self, kernel: Kernel) -> None:
         """The arm stands."""

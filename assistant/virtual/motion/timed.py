@@ -345,6 +345,13 @@ class Timed:
         self._flight, self._held = Flight(self.model, self._flight.start), False
         return self.where()
 
+    def lead(self, kernel: Kernel, joints: Sequence[float]) -> None:
+        self.kernel = kernel
+        self.catch_up(kernel)
+        start = Start(np.array(self.robot.own_joints(joints), dtype=np.float64), kernel.clock)
+        self._flight, self._held = Flight(self.model, start), False
+        self._flying = self._braking = None
+
     def hold(self, kernel: Kernel) -> None:
         """The arm stops at once, where it is."""
         self.catch_up(kernel)
