@@ -9,6 +9,7 @@ import typer
 
 from assistant import __version__
 from assistant.cli import on_arms, on_controllers
+from assistant.cli.exchanges import exchange
 from assistant.cli.options import (
     EntryOption,
     FindingFormatOption,
@@ -48,6 +49,7 @@ robots: Final = typer.Typer(
     rich_markup_mode=None,
 )
 app.add_typer(robots, name="robots")
+app.add_typer(exchange, name="exchange")
 
 
 def _version(wanted: bool) -> None:

@@ -1,7 +1,6 @@
 """Poses exchanged with the printed RAPID module, which the interpreter runs, over a file server."""
 
 import csv
-import io
 import socket
 import threading
 
@@ -67,8 +66,8 @@ def test_35_poses_are_followed_and_each_is_answered_with_where_the_robot_stands(
         recording = exchange.follow(path, progress=lambda done, of, answer: told.append((done, of)))
         exchange.stop()
     assert told == [(i + 1, POSES) for i in range(POSES)]
-    assert np.abs(recording.positions[-POSES:] - positions).max() < 0.001
-    angles = rotations.angle_between(recording.quaternions[-POSES:], quaternions)
+    assert np.abs(recording.column("position")[-POSES:] - positions).max() < 0.001
+    angles = rotations.angle_between(recording.column("quaternion")[-POSES:], quaternions)
     assert angles.max() < 0.001
     assert robot.ended() == ("end", "")
     assert [(m.kind, m.speed, m.blend) for m in moves(robot)] == [("linear", 150.0, 0.0)] * POSES
@@ -328,17 +327,20 @@ def test_a_connection_that_is_lost_is_found_and_the_robot_stopped(robot, program
     assert lost.value.__notes__ == [exchange.ended]
 
 
-def test_recordings_are_tables_with_units(exchange):
+def test_recordings_are_tables_with_units(exchange, tmp_path):
     start = exchange.current_pose().pose
     exchange.move_to(start.offset(z=5.0))
-    rows = list(csv.DictReader(io.StringIO(exchange.recording.csv().decode())))
+    table, arrays = tmp_path / "poses.csv", tmp_path / "poses.npz"
+    exchange.recording.save(table)
+    exchange.recording.save(arrays)
+    rows = list(csv.DictReader(table.read_text().splitlines()))
     assert len(rows) == len(exchange.recording) == 3
-    assert rows[0]["asked_x"] == "" and float(rows[2]["asked_z"]) == pytest.approx(395.0)
-    assert float(rows[2]["z"]) == pytest.approx(395.0, abs=1e-3)
-    columns = np.load(io.BytesIO(exchange.recording.npz()))
-    assert set(columns) == set(rows[0])
-    assert np.isnan(columns["asked_x"][:2]).all() and (np.diff(columns["seconds"]) > 0.0).all()
-    assert exchange.recording.npz() == exchange.recording.npz()
+    assert rows[0]["asked_position.x"] == ""
+    assert float(rows[2]["asked_position.z"]) == pytest.approx(395.0)
+    assert float(rows[2]["position.z"]) == pytest.approx(395.0, abs=1e-3)
+    columns = np.load(arrays)
+    assert np.isnan(columns["asked_quaternion"][:2]).all()
+    assert (np.diff(columns["seconds"]) > 0.0).all() and (columns["motion"][2] > 0.0)
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 from assistant.controllers.abb.exchange.exchange import PoseExchange
 from assistant.controllers.abb.exchange.messages import Answer
-from assistant.controllers.abb.exchange.module import Module, Tool
-from assistant.controllers.abb.exchange.recording import Recording, Spent
+from assistant.controllers.abb.exchange.module import LANGUAGE, Module, Tool
+from assistant.controllers.abb.exchange.recording import Spent
 
-__all__ = ["Answer", "Module", "PoseExchange", "Recording", "Spent", "Tool"]
+__all__ = ["LANGUAGE", "Answer", "Module", "PoseExchange", "Spent", "Tool"]

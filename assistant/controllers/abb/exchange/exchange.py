@@ -22,8 +22,9 @@ from assistant.controllers import rules as common
 from assistant.controllers.abb.exchange import messages, rules
 from assistant.controllers.abb.exchange.messages import Answer, Configuration, Word
 from assistant.controllers.abb.exchange.module import file_names
-from assistant.controllers.abb.exchange.recording import Recording, Spent
+from assistant.controllers.abb.exchange.recording import FIELDS, Spent, add
 from assistant.controllers.controller import Programs
+from assistant.controllers.recording import Recording
 from assistant.program import rotations
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Diagnostic, Refused
@@ -78,7 +79,7 @@ class PoseExchange:
         check: Check | None = None,
     ) -> None:
         self.programs = programs
-        self.recording: Final = Recording()
+        self.recording: Final = Recording(FIELDS)
         self.spent = Spent()
         """Where the time of the last round trip went."""
         self.stopped: Answer | None = None
@@ -218,7 +219,7 @@ class PoseExchange:
         if answer.word != "ok":
             self._declined(answer, number, word)
         self._in_step = True
-        self.recording.add(time.monotonic() - self._begin, answer, self.spent, pose)
+        add(self.recording, time.monotonic() - self._begin, answer, self.spent, pose)
         return answer
 
     def _unanswered(self, number: int, word: Word, seconds: float) -> None:

@@ -17,6 +17,7 @@ from assistant.controllers.abb.exchange import rules
 from assistant.program.diagnostics import Diagnostic, Refused
 from assistant.resources import resource
 
+LANGUAGE: Final = "rapid"
 TEMPLATE: Final = "pose_exchange.mod"
 FILES: Final = ("request", "answer", "stop", "stopped")
 LONGEST_NAME: Final = 32

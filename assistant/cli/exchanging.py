@@ -1,0 +1,279 @@
+"""What the commands of `exchange` do: the module, one pose, a trajectory, a stop."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from assistant.cli.cells import reached
+from assistant.cli.confirming import confirmed
+from assistant.cli.presentation import Format, console, print_findings, print_json, say
+from assistant.program.diagnostics import Refused, Severity, error, warning
+
+if TYPE_CHECKING:
+    from assistant.controllers.abb.exchange import Answer, PoseExchange
+    from assistant.program.path import Path as Poses
+
+BAD_LIST: Final = error("CL261", "`{given}` is not {wanted}", "write numbers with commas between")
+NO_POSES: Final = error(
+    "CL262",
+    "`{name}` holds {found} paths of poses, and an exchange follows one",
+    "name a table of poses, one in each row",
+)
+BROKEN_OFF: Final = warning(
+    "CL263", "broken off: {ended}", "look at the robot before anything else"
+)
+NOT_STOPPED: Final = error(
+    "CL264", "{ended}", "press the emergency stop if the arm moves, and look at it"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """Of `exchange follow`."""
+
+    prefix: str
+    timeout: float
+    longest: float
+    through: bool
+    record: Path | None
+    plot: Path | None
+    yes: bool
+    format: Format
+
+
+def run_module(
+    output: str,
+    named: Mapping[str, str],
+    prefix: str,
+    longest: float,
+    tip: str | None,
+    mass: float,
+    centre: str,
+) -> int:
+    """Prints the module, looks through it as `check` does, and writes it."""
+    from assistant import languages
+    from assistant.compiler.output import write_files
+    from assistant.controllers.abb.exchange import LANGUAGE, Module, Tool
+
+    tool = None
+    if tip is not None:
+        place, turn = _place(tip)
+        middle = _numbers(centre, (3,), "x,y,z")
+        tool = Tool(place, turn, mass, (middle[0], middle[1], middle[2]))
+    usual = Module()
+    text = Module(
+        module=named.get("module", usual.module),
+        tool=named.get("tool", usual.tool),
+        work_object=named.get("work_object", usual.work_object),
+        speed=named.get("speed", usual.speed),
+        zone=named.get("zone", usual.zone),
+        folder=named.get("folder", usual.folder),
+        prefix=prefix,
+        longest=longest,
+        tool_data=tool,
+    ).text()
+    language = languages.get(LANGUAGE)
+    tree = language.parse(text)
+    found = [*tree.findings, *language.check([tree])]
+    wrong = [finding for finding in found if finding.severity is Severity.ERROR]
+    if wrong:
+        raise Refused(*wrong)
+    print_findings(found)
+    if output == "-":
+        sys.stdout.write(text)
+        return 0
+    target = Path(output)
+    write_files({target.name: text.encode("ascii")}, target.parent)
+    say(f"{target}: copy it to the controller, load it, and start it from its first line")
+    return 0
+
+
+def run_pose(cell: str, prefix: str, timeout: float, format: Format) -> int:
+    from assistant.controllers.abb.exchange import PoseExchange
+
+    with reached(cell, "exchange pose") as there:
+        answer = PoseExchange(there.session, prefix=prefix, timeout=timeout).current_pose()
+    if format is Format.JSON:
+        print_json({"address": str(there.one.address), **_record(answer)})
+    else:
+        say(_line(answer))
+    return 0
+
+
+def run_stop(cell: str, prefix: str, timeout: float, format: Format) -> int:
+    from assistant.controllers.abb.exchange import PoseExchange
+
+    with reached(cell, "exchange stop") as there:
+        exchange = PoseExchange(there.session, prefix=prefix, timeout=timeout)
+        answer = exchange.stop()
+    if answer is None:
+        raise Refused(NOT_STOPPED(place=str(there.one.address), ended=exchange.ended))
+    if format is Format.JSON:
+        print_json({"address": str(there.one.address), **_record(answer)})
+    else:
+        say(f"{there.one.name}: {exchange.ended}")
+        say(_line(answer))
+    return 0
+
+
+def run_follow(cell: str, trajectory: Path, options: Options) -> int:
+    from assistant.controllers.abb.exchange import PoseExchange
+    from assistant.report import figures
+
+    if options.plot is not None:
+        figures.format_of(options.plot.name)
+        figures.figure(1.0, 1.0)  # before the arm moves, whether a picture can be drawn
+    path = _poses(trajectory)
+    with reached(cell, "exchange follow") as there:
+        how = "through" if options.through else "to"
+        confirmed(
+            there.one, f"moves the arm {how} {len(path)} poses of `{trajectory}`", options.yes
+        )
+        exchange = PoseExchange(
+            there.session,
+            prefix=options.prefix,
+            timeout=options.timeout,
+            longest=options.longest,
+        )
+        try:
+            with _told(str(there.one.address), exchange), exchange, _bar(len(path)) as advance:
+                exchange.follow(
+                    path,
+                    configurations=_configurations(path),
+                    through=options.through,
+                    progress=lambda *_: advance(),
+                )
+        finally:
+            _keep(exchange, options, trajectory.name)
+    _tell(exchange, str(there.one.address), options)
+    return 0
+
+
+@contextmanager
+def _told(place: str, exchange: PoseExchange) -> Iterator[None]:
+    """Says in which state the robot is if the exchange ends otherwise than it should."""
+    try:
+        yield
+    except BaseException:
+        if exchange.ended:
+            rule = NOT_STOPPED if exchange.stopped is None else BROKEN_OFF
+            print_findings([rule(place=place, ended=exchange.ended)])
+        raise
+
+
+@contextmanager
+def _bar(total: int) -> Iterator[Callable[[], None]]:
+    """A progress bar on a terminal; nothing elsewhere."""
+    if not sys.stderr.isatty():
+        yield lambda: None
+        return
+    from rich.progress import Progress
+
+    with Progress(console=console(), transient=True) as progress:
+        task = progress.add_task("poses", total=total)
+        yield lambda: progress.advance(task)
+
+
+def _poses(source: Path) -> Poses:
+    """The one path of a table; raises Refused if there is not one."""
+    from assistant import sources
+    from assistant.program.statements import Follow
+
+    reading = sources.read(source)
+    print_findings(reading.findings)
+    found = [
+        statement.path
+        for procedure in reading.program.procedures
+        for statement in procedure.body
+        if isinstance(statement, Follow)
+    ]
+    if len(found) != 1 or not len(found[0]):
+        raise Refused(NO_POSES(path=str(source), name=source.name, found=len(found)))
+    return found[0]
+
+
+def _configurations(path: Poses) -> list[tuple[int, int, int, int]] | None:
+    """As the controller writes them, if every pose states one."""
+    from assistant.program.path import UNSTATED
+    from assistant.robots.configurations import to_confdata
+
+    if (path.configurations[:, 0] == UNSTATED).any():
+        return None
+    rows = to_confdata(path.configurations).tolist()
+    return [(one, four, six, x) for one, four, six, x in rows]
+
+
+def _keep(exchange: PoseExchange, options: Options, name: str) -> None:
+    """Writes what was answered, also of an exchange that was broken off."""
+    if not len(exchange.recording):
+        return
+    if options.record is not None:
+        exchange.recording.save(options.record)
+        say(f"wrote {options.record}")
+    if options.plot is not None:
+        from assistant.compiler.output import write_files
+        from assistant.report import figures, plots
+
+        column = exchange.recording.column
+        picture = plots.exchange_plot(
+            column("seconds"),
+            column("position"),
+            column("quaternion"),
+            f"{name}: the TCP over the time",
+            figures.format_of(options.plot.name),
+        )
+        write_files({options.plot.name: picture}, options.plot.parent)
+        say(f"wrote {options.plot}")
+
+
+def _tell(exchange: PoseExchange, place: str, options: Options) -> None:
+    """How long the round trips took, and what of them was whose."""
+    parts = ("round_trip", "hand_over", "waiting", "fetching", "motion")
+    taken = {part: float(exchange.recording.column(part)[1:].mean()) for part in parts}
+    count = len(exchange.recording) - 1
+    if options.format is Format.JSON:
+        print_json({"address": place, "poses": count, "seconds": taken})
+        return
+    say(f"{count} poses; each took {taken['round_trip']:.3f} s on average:")
+    say(f"  {taken['hand_over']:.3f} s until the request was there")
+    say(f"  {taken['motion']:.3f} s for the motion, as the controller measured")
+    looking = max(0.0, taken["waiting"] - taken["motion"])
+    say(f"  {looking:.3f} s until both sides had looked for a file")
+    say(f"  {taken['fetching']:.3f} s to fetch the answer")
+
+
+def _record(answer: Answer) -> dict[str, object]:
+    return {
+        "position": list(answer.pose.position),
+        "quaternion": list(answer.pose.quaternion),
+        "configuration": list(answer.configuration),
+    }
+
+
+def _line(answer: Answer) -> str:
+    x, y, z = answer.pose.position
+    turn = ", ".join(f"{part:.6f}" for part in answer.pose.quaternion)
+    return f"x {x:.2f}  y {y:.2f}  z {z:.2f} mm  quaternion ({turn})  {answer.configuration}"
+
+
+def _place(
+    tip: str,
+) -> tuple[tuple[float, float, float], tuple[float, float, float, float]]:
+    x, y, z, *turn = _numbers(tip, (3, 7), "x,y,z or x,y,z,w,x,y,z")
+    a, b, c, d = turn or (1.0, 0.0, 0.0, 0.0)
+    return (x, y, z), (a, b, c, d)
+
+
+def _numbers(given: str, counts: tuple[int, ...], wanted: str) -> list[float]:
+    try:
+        found = [float(part) for part in given.split(",")]
+    except ValueError:
+        found = []
+    if len(found) not in counts:
+        raise Refused(BAD_LIST(given=given, wanted=wanted), exit_status=2)
+    return found

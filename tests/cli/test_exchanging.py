@@ -1,0 +1,152 @@
+"""`exchange`: the module, and poses exchanged with a robot that runs it."""
+
+import csv
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import threading
+
+import numpy as np
+import pytest
+
+from assistant import languages
+from assistant.cli import main
+from tests.controllers.abb.exchanging import RunningRobot
+
+
+def run(capsys, *arguments):
+    with pytest.raises(SystemExit) as exit_:
+        main([str(argument) for argument in arguments])
+    shown = capsys.readouterr()
+    return exit_.value.code, shown.out, shown.err
+
+
+@pytest.fixture
+def robot(tmp_path, monkeypatch):
+    with RunningRobot(tmp_path / "home") as robot:
+        monkeypatch.setenv("ROBOT_ASSISTANT_PASSWORD", robot.controller.password)
+        yield robot
+
+
+def poses(file, rows=4):
+    """A table of poses down from where the robot begins."""
+    table = [[420.0, 60.0, 400.0 - 5.0 * i, 0.0, 0.0, 1.0, 0.0] for i in range(1, rows + 1)]
+    np.save(file, np.array(table))
+    return file
+
+
+def test_the_module_is_written_whole(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    given = ["--tool", "GRIPPER", "--tip", "0,0,118", "--mass", "0.9", "--speed", "v50"]
+    status, out, _ = run(capsys, "exchange", "module", "-o", "px.mod", *given)
+    assert status == 0 and "px.mod" in out
+    text = (tmp_path / "px.mod").read_text("ascii")
+    assert "MoveL Posenew,v50,z100,GRIPPER;" in text
+    assert not languages.get("rapid").parse(text).findings
+    status, out, _ = run(capsys, "exchange", "module", "-o", "-", *given)
+    assert status == 0 and out == text
+
+
+def test_names_that_the_controller_must_have_are_told(capsys, tmp_path):
+    file = tmp_path / "px.mod"
+    status, _, err = run(capsys, "exchange", "module", "-o", file, "--speed", "v151")
+    assert status == 0 and "`v151`" in err and "v151,fine" in file.read_text("ascii")
+
+
+@pytest.mark.parametrize(
+    ("given", "code", "status"),
+    [
+        (["--tool", "a;b"], "CN515", 1),
+        (["--tool", "robtarget"], "CN515", 1),
+        (["--tip", "1,2"], "CL261", 2),
+        (["--tip", "1,2,x"], "CL261", 2),
+        (["--tip", "1,2,3", "--centre", "0"], "CL261", 2),
+        (["--longest", "0"], "CN516", 1),
+    ],
+)
+def test_what_the_module_cannot_hold_is_a_finding(capsys, tmp_path, given, code, status):
+    file = tmp_path / "px.mod"
+    found, _, err = run(capsys, "exchange", "module", "-o", file, *given)
+    assert found == status and code in err and "Traceback" not in err
+    assert not file.exists()
+
+
+def test_the_robot_says_where_it_is_and_stops(capsys, robot):
+    address = robot.controller.address
+    status, out, _ = run(capsys, "exchange", "pose", address)
+    assert status == 0 and out.startswith("x 420.00  y 60.00  z 400.00 mm")
+    status, out, _ = run(capsys, "exchange", "pose", address, "--format", "json")
+    assert json.loads(out)["position"] == pytest.approx([420.0, 60.0, 400.0])
+    status, out, _ = run(capsys, "exchange", "stop", address)
+    assert status == 0 and "its program has ended" in out
+    status, _, err = run(capsys, "exchange", "stop", address, "--timeout", "0.2")
+    assert status == 1 and "CL264" in err
+    status, _, err = run(capsys, "exchange", "pose", address, "--timeout", "0.2")
+    assert status == 1 and "CN512" in err
+
+
+def test_poses_are_followed_recorded_and_drawn(capsys, robot, tmp_path):
+    table, record, plot = poses(tmp_path / "way.npy"), tmp_path / "way.csv", tmp_path / "way.png"
+    more = ["--record", record, "--plot", plot, "--yes"]
+    status, out, err = run(capsys, "exchange", "follow", robot.controller.address, table, *more)
+    assert status == 0, err
+    assert re.search(r"4 poses; each took [0-9.]+ s on average", out)
+    with record.open() as file:
+        rows = list(csv.DictReader(file))
+    assert [round(float(row["position.z"]), 2) for row in rows] == [
+        400.0,
+        395.0,
+        390.0,
+        385.0,
+        380.0,
+    ]
+    assert plot.read_bytes().startswith(b"\x89PNG")
+    more = ["--through", "--yes", "--format", "json"]
+    status, out, err = run(capsys, "exchange", "follow", robot.controller.address, table, *more)
+    assert status == 0 and json.loads(out)["poses"] == 4
+
+
+def test_nothing_moves_that_nobody_confirmed(capsys, robot, tmp_path):
+    table = poses(tmp_path / "way.npy")
+    status, _, err = run(capsys, "exchange", "follow", robot.controller.address, table)
+    assert status == 2 and "CL203" in err
+    empty = tmp_path / "none.npy"
+    np.save(empty, np.zeros((0, 7)))
+    status, _, err = run(capsys, "exchange", "follow", robot.controller.address, empty, "--yes")
+    assert status in (1, 2) and "Traceback" not in err
+    bad = ["--plot", "way.gif", "--yes"]
+    status, _, err = run(capsys, "exchange", "follow", robot.controller.address, table, *bad)
+    assert status == 2 and "CL009" in err
+    status, out, _ = run(capsys, "exchange", "pose", robot.controller.address)
+    assert status == 0 and "z 400.00" in out
+
+
+def test_an_interrupt_stops_the_robot_and_says_so(tmp_path):
+    with RunningRobot(tmp_path / "home", pace=1.0) as robot:
+        table, record = tmp_path / "far.npy", tmp_path / "far.csv"
+        np.save(table, np.array([[420.0 - 40.0 * i, 60, 400, 0, 0, 1, 0] for i in range(1, 6)]))
+        process = subprocess.Popen(
+            [
+                *(sys.executable, "-m", "assistant", "exchange", "follow"),
+                *(robot.controller.address, str(table), "--yes", "--record", str(record)),
+            ],
+            env={**os.environ, "ROBOT_ASSISTANT_PASSWORD": robot.controller.password},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        seen = robot.home / "exchange_answer.txt"
+        for _ in range(4000):
+            if seen.exists() or process.poll() is not None:
+                break
+            threading.Event().wait(0.005)
+        threading.Event().wait(0.3)
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=20)
+        assert process.returncode == 130, err
+        assert "CL263" in err and "stands still" in err and "Traceback" not in err
+        assert robot.ended() == ("end", "")
+        assert record.exists()
