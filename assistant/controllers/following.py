@@ -117,7 +117,8 @@ def _exchange(session: Programs, led: Led, wishes: Wishes, progress: Progress) -
             through=True,
             progress=lambda done, count, _: progress(done / count),
         )
-    return Done(f"{len(recording)} poses were answered", recording.columns())
+    columns = dict(zip(recording.labels, recording.rows().T, strict=True))
+    return Done(f"{len(recording)} poses were answered", columns)
 
 
 # ------------------------------------------------------------------------------ Mitsubishi
