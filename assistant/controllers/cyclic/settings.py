@@ -23,7 +23,8 @@ class Settings:
     softness: part of the limits that it uses. lag: seconds that the arm may be behind its command,
     at the speeds of the limits; inf to follow whatever it says. slack: degrees or mm beside that.
     settle: seconds for which the last point is held. wait: `block` in the kernel for a packet, or
-    `spin`, which takes a whole core. real_time: whether to ask for real-time priority.
+    `spin`, which takes a whole core at ordinary priority: the kernel takes it from a real-time loop
+    for 50 ms of each second. real_time: whether to ask for real-time priority.
     end: whether to end the control behind the last point; else the controller waits for more.
     """
 

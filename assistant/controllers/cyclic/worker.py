@@ -44,7 +44,7 @@ def main(folder: FilePath) -> None:
         print(json.dumps(said), flush=True)  # noqa: T201
         return
     os.set_blocking(1, False)
-    with wire, real_time(settings.real_time) as (priority, refused):
+    with wire, real_time(settings.real_time and settings.wait == "block") as (priority, refused):
         loop = Loop(link, wire, job, stop, _tell)
         result = loop.run(str(endpoint))
         measured = "kernel" if wire.stamped else "program"

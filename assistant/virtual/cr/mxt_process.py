@@ -10,6 +10,7 @@ The process prints its port, then, when `Mxt` or its input ends, what it saw, as
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import os
 import subprocess
@@ -26,7 +27,10 @@ PATIENCE: Final = 10.0
 
 
 class MxtProcess:
-    """See `MxtControl` for what is given; a context manager. result: what it saw, once ended."""
+    """See `MxtControl` for what is given; a context manager. result: what it saw, once ended.
+
+    priority: of SCHED_FIFO for a cycle that is kept well, where that is permitted; 0 for none.
+    """
 
     def __init__(
         self,
@@ -40,9 +44,15 @@ class MxtProcess:
         short: bool = False,
         answers_end: bool = True,
         record: bool = True,
+        priority: int = 0,
     ) -> None:
         settings = {"robot": robot, "cycle": cycle, "kind": kind, "filter_ms": filter_ms}
-        settings |= {"timeout": timeout, "short": int(short), "answers_end": int(answers_end)}
+        settings |= {
+            "priority": priority,
+            "timeout": timeout,
+            "short": int(short),
+            "answers_end": int(answers_end),
+        }
         self._arguments = [f"--{name}={value}" for name, value in settings.items()]
         self._arguments += [f"--fault={number}:{what}" for number, what in (faults or {}).items()]
         self._arguments += ["--record=1"] if record else []
@@ -86,6 +96,7 @@ def main() -> None:
     parser.add_argument("--answers_end", type=int, default=1)
     parser.add_argument("--fault", action="append", default=[], metavar="REPLY:WHAT")
     parser.add_argument("--record", type=int, default=0, help="1 to keep what is commanded")
+    parser.add_argument("--priority", type=int, default=0, help="of SCHED_FIFO, 0 for none")
     given = parser.parse_args()
     from assistant import robots
 
@@ -106,6 +117,9 @@ def main() -> None:
         answers_end=bool(given.answers_end),
         record=bool(given.record),
     )
+    if given.priority and hasattr(os, "sched_setscheduler"):
+        with contextlib.suppress(OSError):
+            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(given.priority))
     stop = threading.Event()
     threading.Thread(target=_until_over, args=(stop,), daemon=True).start()
     print(f"listening on {control.port}", flush=True)  # noqa: T201
