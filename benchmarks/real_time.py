@@ -132,8 +132,8 @@ def measured(loop: str, cycle: float, seconds: float, load: bool) -> dict[str, f
 def report(seconds: float) -> None:
     """A line a loop, cycle and load."""
     print(
-        f"\nReal-time control: {seconds:g} s of each cycle, a {PART}th of it for the others; from a "
-        "packet\nof the controller to the arrival of the answer there\n"
+        f"\nReal-time control: {seconds:g} s of each cycle, a {PART}th of it for the others; from "
+        "a packet\nof the controller to the arrival of the answer there\n"
     )
     head = f"{'answers':>9}{'late':>7}{'median':>9}{'99 %':>9}{'longest':>9}"
     print(f"{'loop':<54}{head}  ms")
