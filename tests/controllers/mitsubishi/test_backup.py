@@ -1,0 +1,209 @@
+"""Backup and restore of a whole controller: what they hold, leave out, and do when things fail."""
+
+import json
+import subprocess
+
+import pytest
+
+from assistant.controllers import connect, folders
+from assistant.controllers.mitsubishi.kept_back import SECRET, why_left_out
+from assistant.controllers.rules import Lost
+from assistant.program.diagnostics import Refused
+from assistant.virtual.cr import VirtualCr
+from tests.controllers.cutting import Cutting
+from tests.wire import Wire
+
+SEAM = b"10 M1=M1+1\r\n20 MVS P1\r\n30 END\r\nP1=(+1.00,+2.00,+3.00,+0.00,+180.00,+0.00)(6,0)\r\n"
+HAND = b"10 HOPEN 1\r\n20 END\r\n"
+
+
+def codes(refused):
+    return [finding.code for finding in refused.value.findings]
+
+
+@pytest.fixture
+def cell():
+    """A controller with two programs, variables and changed parameters, and its client."""
+    with VirtualCr() as controller, connect(controller.address, timeout=5) as client:
+        client.write("SEAM", SEAM)
+        client.write("HAND", HAND)
+        client.set_variable("M1", "4", "SEAM")
+        client.set_parameter("MEXTL", "0, 0, 100, 0, 0, 0")
+        client.set_parameter("NETIP", "192.168.0.77")
+        with Wire(controller.port) as wire:
+            assert wire.ask("1;9;VAL=M_01=7") == "QoK"
+        yield controller, client
+
+
+def test_a_backup_is_plain_text(cell, tmp_path):
+    _, client = cell
+    folder = tmp_path / "cell"
+    assert client.backup(folder) == (
+        "backup.json",
+        "identity.json",
+        "parameters.txt",
+        "programs/HAND.prg",
+        "programs/SEAM.prg",
+        "variables/SEAM.txt",
+        "variables/externals.txt",
+    )
+    assert (folder / "programs/SEAM.prg").read_bytes() == SEAM
+    assert (folder / "variables/SEAM.txt").read_text() == "M1=+4\n"
+    assert (folder / "variables/externals.txt").read_text() == "M_01=+7\n"
+    lines = (folder / "parameters.txt").read_text().splitlines()
+    assert lines == ["MEXTL=0, 0, 100, 0, 0, 0", "NETIP=192.168.0.77"]
+    assert json.loads((folder / "identity.json").read_text())["robot"] == "RV-2AJ"
+
+
+def test_two_backups_of_the_same_do_not_differ(cell, tmp_path):
+    _, client = cell
+    for name in ("one", "two"):
+        client.backup(tmp_path / name)
+    difference = subprocess.run(["diff", "-r", "one", "two"], cwd=tmp_path, capture_output=True)
+    assert (difference.returncode, difference.stdout) == (0, b"")
+
+
+def test_nothing_differs_right_after_a_backup(cell, tmp_path):
+    _, client = cell
+    client.backup(tmp_path / "cell")
+    restoring = client.restore(tmp_path / "cell")
+    assert restoring.changes == {} and restoring.left_out == {}
+    restoring.apply()
+    assert [path.name for path in tmp_path.iterdir()] == ["cell"]
+
+
+def change(client):
+    """Makes the controller another one."""
+    client.write("SEAM", b"10 END\r\n")
+    client.remove("HAND")
+    client.write("NEW", b"10 END\r\n")
+    client.set_parameter("MEXTL", "0, 0, 50, 0, 0, 0")
+    client.set_parameter("NETIP", "192.168.0.78")
+
+
+def test_what_was_changed_comes_back(cell, tmp_path):
+    controller, client = cell
+    folder = tmp_path / "cell"
+    client.backup(folder)
+    change(client)
+    restoring = client.restore(folder)
+    assert set(restoring.changes) == {
+        *("programs/SEAM.prg", "programs/HAND.prg", "variables/SEAM.txt", "MEXTL"),
+    }
+    assert "-10 END\n+10 M1=M1+1\n" in restoring.changes["programs/SEAM.prg"]
+    assert "-MEXTL=0, 0, 50, 0, 0, 0\n+MEXTL=0, 0, 100, 0, 0, 0\n" in restoring.changes["MEXTL"]
+    assert restoring.changes["programs/HAND.prg"].startswith("--- /dev/null")
+    assert set(restoring.left_out) == {"NETIP"} and "lines" in restoring.left_out["NETIP"]
+    assert controller.text("SEAM") == "10 END\r\n", "nothing is changed before apply"
+    restoring.apply()
+    assert controller.text("SEAM").encode() == SEAM and controller.text("HAND").encode() == HAND
+    assert client.variable("M1", "SEAM") == "+4"
+    told = client.parameters(["MEXTL", "NETIP"])
+    assert told == {"MEXTL": "0, 0, 100, 0, 0, 0", "NETIP": "192.168.0.78"}
+    assert controller.text("NEW") == "10 END\r\n", "what no backup has stays"
+    kept = restoring.kept
+    assert kept == tmp_path / "cell.before-1"
+    assert folders.contents(kept, "melfa") == {
+        "programs/SEAM.prg": b"10 END\r\n",
+        "parameters.txt": b"MEXTL=0, 0, 50, 0, 0, 0\n",
+    }
+    assert client.restore(folder).changes == {}
+    back = client.restore(kept)  # what was there before can be brought back itself
+    back.apply()
+    assert controller.text("SEAM") == "10 END\r\n"
+    assert client.parameters(["MEXTL"]) == {"MEXTL": "0, 0, 50, 0, 0, 0"}
+
+
+def test_only_what_is_named(cell, tmp_path):
+    controller, client = cell
+    folder = tmp_path / "cell"
+    client.backup(folder)
+    change(client)
+    restoring = client.restore(folder, only=["NETIP", "programs/HAND.prg"])
+    assert set(restoring.changes) == {"NETIP", "programs/HAND.prg"} and not restoring.left_out
+    restoring.apply()
+    assert client.parameters(["NETIP"]) == {"NETIP": "192.168.0.77"}
+    assert controller.text("SEAM") == "10 END\r\n"
+    whole = client.restore(folder, only=["parameters.txt"])
+    assert set(whole.changes) == {"MEXTL"}
+    with pytest.raises(Refused) as refused:
+        client.restore(folder, only=["programs/OTHER.prg"])
+    assert codes(refused) == ["CN404"] and refused.value.exit_status == 2
+
+
+@pytest.mark.parametrize(
+    ("name", "word"),
+    [
+        *((name, "origin") for name in ("DATINST1", "JRCORG", "HOMEPOS", "USRORG", "MEORGNO")),
+        *((name, "limits") for name in ("MEJAR", "MEPAR", "AREA1P1", "SFC1P", "COLLVL", "SLSDLY")),
+        *((name, "lines") for name in ("NETIP", "NETPORT", "CPRCE11", "CBAU232", "COMDEV")),
+    ],
+)
+def test_origin_safety_and_network_are_left_out(name, word):
+    assert word in (why_left_out(name) or "")
+
+
+@pytest.mark.parametrize("name", ["MEXTL", "MEXBS", "TASKMAX", "HANDINIT", "SLT1", "JOGJSP"])
+def test_other_parameters_are_not(name):
+    assert why_left_out(name) is None
+
+
+def test_passwords_are_in_no_backup():
+    assert SECRET.fullmatch("NETPSSWD") and not SECRET.fullmatch("NETIP")
+
+
+def test_a_program_that_is_open_elsewhere_leaves_no_backup(cell, tmp_path):
+    controller, client = cell
+    with Wire(controller.port) as other:
+        other.ask("1;1;LOAD=SEAM")
+        with pytest.raises(Refused) as refused:
+            client.backup(tmp_path / "cell")
+        assert codes(refused) == ["CN301"]
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_is_there(cell, tmp_path):
+    _, client = cell
+    client.backup(tmp_path / "cell")
+    with pytest.raises(Refused) as refused:
+        client.backup(tmp_path / "cell")
+    assert codes(refused) == ["CN401"]
+
+
+def test_a_restore_that_stops_in_the_middle_says_how_far_it_came(cell, tmp_path):
+    controller, client = cell
+    folder = tmp_path / "cell"
+    client.backup(folder)
+    change(client)
+    restoring = client.restore(folder)
+    with Wire(controller.port) as other:
+        other.ask("1;1;LOAD=SEAM")
+        with pytest.raises(Refused) as refused:
+            restoring.apply()
+    assert codes(refused) == ["CN301", "CN405"]
+    last = refused.value.findings[-1]
+    assert "`programs/SEAM.prg`" in last.message and "HAND" in last.message
+    assert str(restoring.kept) in last.cure
+    assert controller.text("SEAM") == "10 END\r\n"
+
+
+def test_a_backup_that_was_edited_is_refused(cell, tmp_path):
+    _, client = cell
+    folder = tmp_path / "cell"
+    client.backup(folder)
+    (folder / "programs/SEAM.prg").write_bytes(b"10 END\r\n")
+    with pytest.raises(Refused) as refused:
+        client.restore(folder)
+    assert codes(refused) == ["CN403"]
+
+
+@pytest.mark.parametrize("cut", [20, 200, 800])
+def test_a_line_that_is_cut_leaves_no_backup(cell, tmp_path, cut):
+    controller, _ = cell
+    with (
+        Cutting(controller.port, cut=cut) as proxy,
+        pytest.raises(Lost),
+        connect(f"melfa://127.0.0.1:{proxy.port}", timeout=5) as client,
+    ):
+        client.backup(tmp_path / "cell")
+    assert list(tmp_path.iterdir()) == []
