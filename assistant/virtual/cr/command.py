@@ -14,7 +14,6 @@ VT: Final = "\v"
 """Between the parts of an argument or an answer that may hold semicolons."""
 MOST_LISTED: Final = 230
 """Bytes of lines in one answer that lists several."""
-ON: Final = "ON"
 
 Handler = Callable[[CrSession, str], str]
 

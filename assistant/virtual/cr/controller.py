@@ -11,20 +11,26 @@ import socket
 import socketserver
 import threading
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path as FilePath
 from typing import Final, Literal, Self
 
 from assistant.virtual.cr.commands import execute
+from assistant.virtual.cr.data_lines import DATA_LINK, DataLines, Descriptor
 from assistant.virtual.cr.error_log import level_of
 from assistant.virtual.cr.faults import Faults
 from assistant.virtual.cr.framing import MOST_BYTES
 from assistant.virtual.cr.ports import SerialPort, SocketPort
+from assistant.virtual.cr.powered import Equipment
 from assistant.virtual.cr.state import SUFFIXES, CrSession, CrState
 from assistant.virtual.cr.store import CAPACITY, CrRefusal, CrStore
 from assistant.virtual.cr.talking import Plain, Procedural
-from assistant.virtual.melfa.lines import Rate
+from assistant.virtual.melfa.lines import Line, Rate
+from assistant.virtual.melfa.plugins import Commands
 
+FRAMINGS: Final = {"plain": "0", "procedural": "1", "data link": "2"}
+"""Of the serial line → the parameter CPRC232."""
 PARITIES: Final[Mapping[str, Literal["even", "odd", "none"]]] = {
     "0": "none",
     "1": "odd",
@@ -44,7 +50,10 @@ class VirtualCr:
     terminator: what ends an answer (CR, CR LF or nothing). quiet: seconds of silence that end
     a command without end code. report: is told each command and its answer. serial: True for a
     pseudo terminal, whose path `serial_path` tells, or the path of a serial port. framing: of the
-    serial line (CPRC232). faults: what goes wrong on purpose.
+    serial line (CPRC232). faults: what goes wrong on purpose. pace: simulated seconds for each real
+    one. servo_time: seconds until the servos are on. data_port: of the line OPT11, those behind it
+    are those of OPT12 and so on; 0 for any that are free (`data_ports`). lines: what programs open
+    beside the lines of the data link. commands: plug-ins of the interpreter.
     """
 
     def __init__(
@@ -61,8 +70,13 @@ class VirtualCr:
         clock: Callable[[], datetime] = datetime.now,
         report: Callable[[str], None] | None = None,
         serial: bool | str = False,
-        framing: Literal["plain", "procedural"] = "plain",
+        framing: Literal["plain", "procedural", "data link"] = "plain",
         faults: Faults | None = None,
+        pace: float = 1.0,
+        servo_time: float = 0.1,
+        data_port: int = 0,
+        lines: Mapping[str, Line] | None = None,
+        commands: Commands | None = None,
     ) -> None:
         from assistant import robots
 
@@ -71,8 +85,10 @@ class VirtualCr:
         if spoken not in SUFFIXES:
             raise ValueError(f"a CR controller speaks {', '.join(SUFFIXES)}, not {spoken}")
         store = CrStore(FilePath(folder) if folder else None, capacity=capacity)
-        home = tuple(float(angle) for angle in arm.home)
-        self.state = CrState(arm, spoken, store, clock, joints=home)
+        self.state = CrState(arm, spoken, store, clock, servo_time=servo_time, report=report)
+        self._equipment = Equipment(pace, dict(lines or {}), commands)
+        self._first_port = data_port
+        self._data: DataLines | None = None
         self._place = (host, port)
         self._terminator = terminator
         self._quiet = quiet
@@ -81,8 +97,7 @@ class VirtualCr:
         self._serial_wanted = serial
         self._serial: SerialPort | None = None
         self._serial_thread: threading.Thread | None = None
-        if framing == "procedural":
-            self.state.parameters.write("CPRC232", "1", all_levels=True)
+        self.state.parameters.write("CPRC232", FRAMINGS[framing], all_levels=True)
         self._server: _Server | None = None
         self._thread: threading.Thread | None = None
 
@@ -118,10 +133,14 @@ class VirtualCr:
         self._server = _Server(self._place, self._converse)
         try:
             self._start_serial()
-        except OSError:
+            self._start_machinery()
+        except BaseException:
             self._server.server_close()
             self._server = None
+            self._close_serial()
             raise
+        if self._serial_thread is not None:
+            self._serial_thread.start()
         self._thread = threading.Thread(
             target=self._server.serve_forever, args=(0.02,), name="virtual-cr", daemon=True
         )
@@ -135,20 +154,39 @@ class VirtualCr:
         self._serial_thread = threading.Thread(
             target=self._converse_serially, args=(self._serial,), name="virtual-cr", daemon=True
         )
-        self._serial_thread.start()
+
+    def _start_machinery(self) -> None:
+        serial = None
+        if self._serial is not None and self.state.parameters["CPRC232"] == (DATA_LINK,):
+            serial, self._serial_thread = Descriptor(self._serial.descriptor), None
+        self._data = DataLines(self.state.parameters, self._place[0], self._first_port, serial)
+        lines = {**self._data.lines, **self._equipment.lines}
+        try:
+            self.state.start(replace(self._equipment, lines=lines))
+        except BaseException:
+            self._data.shut()
+            raise
+
+    def _close_serial(self) -> None:
+        if self._serial is not None:
+            self._serial.close()
+        self._serial = self._serial_thread = None
 
     def stop(self) -> None:
         """Hangs up on every client and frees the port."""
         server, self._server = self._server, None
         if server is None or self._thread is None:
             return
-        if self._serial is not None and self._serial_thread is not None:
-            self._serial.hang_up()
-            self._serial_thread.join()
-            self._serial.close()
-            self._serial = self._serial_thread = None
         server.shutdown()
         server.hang_up()
+        if self._serial is not None and self._serial_thread is not None:
+            self._serial.hang_up()
+        self.state.stop()
+        if self._serial_thread is not None:
+            self._serial_thread.join()
+        self._close_serial()
+        if self._data is not None:
+            self._data.shut()
         server.server_close()
         self._thread.join()
         self._thread = None
@@ -160,6 +198,16 @@ class VirtualCr:
         """
         with self.state.lock:
             self.state.alert(number, level or level_of(number))
+
+    def emergency_stop(self, pressed: bool = True) -> None:
+        """Presses or releases the emergency stop of the operating panel."""
+        with self.state.lock:
+            self.state.press_emergency(pressed)
+
+    @property
+    def data_ports(self) -> dict[str, tuple[str, int]]:
+        """Where clients of the data link connect, by what programs open: `COM2:`."""
+        return {} if self._data is None else dict(self._data.ports)
 
     def text(self, name: str) -> str | None:
         """The text of a stored program, None if there is none of that name."""

@@ -6,18 +6,20 @@ import re
 from datetime import datetime
 from typing import Final
 
+from assistant.virtual.cr import positions
 from assistant.virtual.cr.command import Command, bare
 from assistant.virtual.cr.sessions import axes_there
 from assistant.virtual.cr.state import CrSession
 from assistant.virtual.cr.store import CrRefusal
 
 FULL: Final = "F"
+NO_FLAGS: Final = "****,****"
 CLOCK: Final = "%y-%m-%d%H:%M:%S"
 
 
 def _state(session: CrSession) -> str:
     state = session.state
-    slot = state.slot_now(session.slot)
+    slot = state.machinery.slot_now(session.slot)
     program = f"{slot.program}.{state.suffix}" if slot.program else ""
     edits = session.name is not None
     edit = edits | slot.runs << 1 | (edits and session.changed) << 2
@@ -29,7 +31,7 @@ def _state(session: CrSession) -> str:
 
 
 def _short_state(session: CrSession) -> str:
-    slot = session.state.slot_now(session.slot)
+    slot = session.state.machinery.slot_now(session.slot)
     return f"{_bits(session)};{slot.step};{int(slot.moves)}"
 
 
@@ -40,7 +42,7 @@ def _bits(session: CrSession) -> str:
     Stop: 01 emergency stop, 02 stopped, 04 waits, 10 a program can be selected, 40 pseudo input.
     """
     state = session.state
-    slot = state.slot_now(session.slot)
+    slot = state.machinery.slot_now(session.slot)
     run = (
         (slot.mode == "REP") * 0x01
         | (not slot.ends_cycle) * 0x02
@@ -60,27 +62,39 @@ def _bits(session: CrSession) -> str:
 
 
 def _joints(session: CrSession, axis: str) -> str:
-    return _position(session, session.state.shown_joints(), "****,****", axis)
+    state = session.state
+    return _position(session, positions.joints(state.robot, state.joints), NO_FLAGS, axis)
 
 
 def _pose(session: CrSession, axis: str) -> str:
-    return _position(session, session.state.shown_pose(), session.state.flags(), axis)
+    state = session.state
+    angles = state.joints
+    shown = positions.pose(state.robot, angles, *state.machinery.frames())
+    return _position(session, shown, positions.flags(state.robot, angles), axis)
 
 
 def _cylinder(session: CrSession, axis: str) -> str:
-    """Radius, angle about the base, and height take the places of X, Y and Z."""
-    return _position(session, session.state.shown_cylinder(), session.state.flags(), axis)
+    state = session.state
+    angles = state.joints
+    shown = positions.pose(state.robot, angles, *state.machinery.frames())
+    flags = positions.flags(state.robot, angles)
+    return _position(session, positions.cylinder(shown), flags, axis)
 
 
 def _goal_joints(session: CrSession, axis: str) -> str:
-    return _position(session, session.state.shown_joints(goal=True), "****,****", axis)
+    state = session.state
+    shown = positions.joints(state.robot, state.machinery.goal())
+    return _position(session, shown, NO_FLAGS, axis)
 
 
 def _goal_pose(session: CrSession, axis: str) -> str:
-    return _position(session, session.state.shown_pose(goal=True), session.state.flags(), axis)
+    state = session.state
+    angles = state.machinery.goal()
+    shown = positions.pose(state.robot, angles, *state.machinery.frames())
+    return _position(session, shown, positions.flags(state.robot, angles), axis)
 
 
-def _position(session: CrSession, shown: list[tuple[str, str]], flags: str, axis: str) -> str:
+def _position(session: CrSession, shown: positions.Shown, flags: str, axis: str) -> str:
     """`name;value;…;;flags;override;speed;limits`; an axis (1 to 8) chooses one of them."""
     axis = axis.removeprefix(FULL)
     if axis and not re.fullmatch(r"[1-8]", axis):
@@ -88,7 +102,8 @@ def _position(session: CrSession, shown: list[tuple[str, str]], flags: str, axis
     state = session.state
     chosen = shown[int(axis) - 1 : int(axis)] if axis else shown
     values = "".join(f"{name};{value};" for name, value in chosen)
-    return f"{values};{flags};{state.override};{state.speed():.2f};{state.limits_reached()}"
+    limits = positions.limits(state.robot, state.joints)
+    return f"{values};{flags};{state.override};{state.machinery.speed():.2f};{limits}"
 
 
 def _calibration(session: CrSession) -> str:

@@ -1,13 +1,196 @@
-"""Commands that switch and set what programs run with: servos, override, stops, tools."""
+"""Commands that run programs and single commands, move the arm, and what those run with."""
 
 from __future__ import annotations
 
-from typing import Final
+from concurrent.futures import Future
+from typing import Final, Literal
 
-from assistant.virtual.cr.command import Command, bare, whole
-from assistant.virtual.cr.state import CrSession
+import numpy as np
+
+from assistant.virtual.cr.command import Command, bare, hexadecimal, parts, whole
+from assistant.virtual.cr.state import HIGH, TASKMAX, CrSession, CrState
+from assistant.virtual.cr.store import LAST_LINE, CrRefusal, checked_name
 
 TOOLS: Final = 16
+MODES: Final[dict[str, Literal["REP", "CYC"]]] = {"0": "REP", "1": "CYC"}
+LONGEST: Final = 3600.0
+"""Seconds that EXEC2= waits for its command at most."""
+STEP_FORWARD, STEP_ON, STEP_BACK, STEP_STOP = "1", "R", "B", "S"
+
+# ------------------------------------------------------------------------------- programs
+
+
+def _run(session: CrSession, argument: str) -> str:
+    """The program that is named, or that is selected; 0 repeats it, 1 runs one cycle."""
+    state = session.state
+    slot = _task(session)
+    _may_start(state)
+    name, _, number = argument.partition(";")
+    if number and number not in MODES:
+        raise CrRefusal(5410)
+    if name:
+        program = checked_name(name)
+        if program not in state.store:
+            raise CrRefusal(4140)
+        now = state.machinery.slot_now(slot)
+        if now.runs:
+            raise CrRefusal(5640)
+        if not now.waits:
+            state.machinery.select(slot, program)
+        elif now.program != program:
+            raise CrRefusal(5120)
+    if state.machinery.slot_now(slot).program in state.edited:
+        raise CrRefusal(4170)
+    state.machinery.run(slot, MODES.get(number, "REP"))
+    return ""
+
+
+def _may_start(state: CrState) -> None:
+    if state.alarm is not None and state.alarm[1] <= LOW:
+        raise CrRefusal(5600)
+    if state.stop_on:
+        raise CrRefusal(5610)
+    if not state.may_start:
+        raise CrRefusal(5010)
+
+
+LOW: Final = HIGH + 1
+"""Level of an error behind which nothing can be started, as behind a high one."""
+
+
+def _task(session: CrSession) -> int:
+    if not 0 <= session.slot <= TASKMAX:
+        raise CrRefusal(5420)
+    return max(session.slot, 1)
+
+
+def _stop(session: CrSession) -> str:
+    session.state.machinery.stop_all()
+    return ""
+
+
+def _stop_on(session: CrSession) -> str:
+    session.state.stop_on = True
+    return _stop(session)
+
+
+def _cycle_stop(session: CrSession) -> str:
+    session.state.machinery.stop_cycles()
+    return ""
+
+
+def _step(session: CrSession, argument: str) -> str:
+    """Of the program that the slot has; backwards it cannot go here."""
+    state = session.state
+    slot = _task(session) if session.slot <= TASKMAX else 1
+    if argument == STEP_STOP:
+        return _stop(session)
+    _may_start(state)
+    if argument == STEP_FORWARD:
+        state.machinery.step(slot)
+    elif argument == STEP_ON:
+        state.machinery.run(slot, "CYC")
+    else:
+        raise CrRefusal(5410)
+    return ""
+
+
+# ------------------------------------------------------------------------- single commands
+
+
+def _execute(session: CrSession, argument: str) -> str:
+    _started(session, argument)
+    return ""
+
+
+def _execute_to_end(session: CrSession, argument: str) -> str:
+    """Answers when it is done: with its error number if it ended so."""
+    done = _started(session, argument)
+    with session.state.unlocked():
+        number = done.result(LONGEST)
+    if number is not None:
+        raise CrRefusal(number)
+    return ""
+
+
+def _started(session: CrSession, argument: str) -> Future[int | None]:
+    _may_start(session.state)
+    return session.state.machinery.execute(session.slot, argument)
+
+
+# -------------------------------------------------------------------------------- the arm
+
+
+def _jog(session: CrSession, argument: str) -> str:
+    """Mode, a reserve, axes in negative and in positive direction, inching; hexadecimal."""
+    _may_start(session.state)
+    mode, _, negative, positive, inch = (hexadecimal(part, 2) for part in parts(argument, 5))
+    session.state.machinery.move(lambda hand: hand.jog(mode, negative, positive, inch))
+    return ""
+
+
+def _align(session: CrSession) -> str:
+    _may_start(session.state)
+    session.state.machinery.move(lambda hand: hand.align())
+    return ""
+
+
+def _safe_position(session: CrSession) -> str:
+    """By joints, to those of the parameter JSAFE."""
+    state = session.state
+    _may_start(state)
+    angles = [float(value) for value in state.parameters["JSAFE"]]
+    joints = np.array([angles[place] for place in state.robot.places])
+    state.machinery.move(lambda hand: hand.go_to(joints))
+    return ""
+
+
+# ----------------------------------------------------------------------------- breakpoints
+
+
+def _set_break(session: CrSession, argument: str) -> str:
+    name, line, kind = parts(argument.removeprefix("="), 3)
+    program = _stored(session, name)
+    number = whole(line, 1, LAST_LINE, error=4420)
+    if number not in session.state.store[program].steps:
+        raise CrRefusal(4230)
+    session.state.machinery.break_at(program, number, once=bool(whole(kind, 0, 1)))
+    return ""
+
+
+def _clear_break(session: CrSession, argument: str) -> str:
+    name, line = parts(argument.removeprefix("="), 2)
+    number = whole(line, 0, LAST_LINE, error=4420)
+    session.state.machinery.no_break(_stored(session, name), number)
+    return ""
+
+
+def _break(session: CrSession, argument: str) -> str:
+    """One of those of a program, or of all without a name, by its number and a range of lines."""
+    name, number, first, last = parts(argument.removeprefix("="), 4)
+    low = whole(first or "0", 0, LAST_LINE)
+    high = whole(last or str(LAST_LINE), 0, LAST_LINE)
+    program = checked_name(name) if name else None
+    found = [
+        (one, line, once)
+        for one, line, once in session.state.machinery.breakpoints()
+        if program in (None, one) and low <= line <= high
+    ]
+    at = whole(number, 1, 128) - 1
+    if at >= len(found):
+        return ""
+    one, line, once = found[at]
+    return f"{one}.{session.state.suffix};{line};{int(once)}"
+
+
+def _stored(session: CrSession, name: str) -> str:
+    program = checked_name(name)
+    if program not in session.state.store:
+        raise CrRefusal(4140)
+    return program
+
+
+# -------------------------------------------------------------------------------- switches
 
 
 def _servo(*, on: bool) -> Command:
@@ -38,7 +221,12 @@ def _set_override(session: CrSession, argument: str) -> str:
 
 
 def _set_tool(session: CrSession, argument: str) -> str:
-    session.state.tool = whole(argument.removeprefix("="), 0, TOOLS)
+    """The tool whose frame the parameter MEXTL with its number has; 0 for none."""
+    state = session.state
+    number = whole(argument.removeprefix("="), 0, TOOLS)
+    frame = state.parameters[f"MEXTL{number}"] if number else ("0",) * 6
+    state.machinery.set_tool([float(value) for value in frame])
+    state.tool = number
     return ""
 
 
@@ -51,27 +239,41 @@ def _slow(session: CrSession, argument: str) -> str:
     return ""
 
 
-def _may_start(session: CrSession) -> str:
+def _can_start(session: CrSession) -> str:
     """0 if a program can be started."""
-    state = session.state
-    can = state.may_start and not state.stop_on and state.alarm is None
-    return str(int(not can))
+    try:
+        _may_start(session.state)
+    except CrRefusal:
+        return "1"
+    return "0"
 
 
 COMMANDS: Final = {
+    "RUN": Command(_run, right=True),
+    "STOP": Command(bare(_stop)),
+    "STOPON": Command(bare(_stop_on)),
+    "STOPOFF": _flag("stop_on", on=False),
+    "CSTOP": Command(bare(_cycle_stop)),
+    "STEP": Command(_step, right=True),
+    "EXEC": Command(_execute, right=True),
+    "EXEC2=": Command(_execute_to_end, right=True),
+    "JOG": Command(_jog, right=True),
+    "ALIGN": Command(bare(_align), right=True),
+    "MOVSP": Command(bare(_safe_position), right=True),
+    "BRKPTSET": Command(_set_break),
+    "BRKPTCLR": Command(_clear_break),
+    "BRKPTGET": Command(_break),
     "SRVON": _servo(on=True),
     "SRVOFF": _servo(on=False),
     "OVRD=": Command(_set_override, right=True),
     "OVRD": Command(bare(_override)),
-    "STOPON": _flag("stop_on", on=True),
-    "STOPOFF": _flag("stop_on", on=False),
     "MLOCKON": _flag("machine_lock", on=True),
     "MLOCKOFF": _flag("machine_lock", on=False),
     "LSON": Command(bare(lambda _: "")),
     "LSOFF": Command(bare(lambda _: "")),
     "AUEON": _flag("may_start", on=True),
     "AUEOFF": _flag("may_start", on=False),
-    "ATENA": Command(bare(_may_start)),
+    "ATENA": Command(bare(_can_start)),
     "TOOLSET": Command(_set_tool),
     "TOOLRD": Command(bare(_tool)),
     "SAFE=": Command(_slow),

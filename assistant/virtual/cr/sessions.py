@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
+from assistant.virtual.cr import positions
 from assistant.virtual.cr.command import Command, bare
 from assistant.virtual.cr.state import TASKMAX, CrSession
 from assistant.virtual.cr.store import CrRefusal
@@ -22,7 +23,7 @@ def _open(session: CrSession, argument: str) -> str:
         [
             f"{world:02X}",
             f"{joints:02X}",
-            state.flags(),
+            positions.flags(state.robot, state.joints),
             JOG_SPEEDS,
             state.suffix,
             "PRM",

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Final
 
 from assistant.virtual.cr.command import Command, bare, hexadecimal, parts, whole
-from assistant.virtual.cr.state import HANDS, CrSession
+from assistant.virtual.cr.state import FIRST_HAND, HANDS, CrSession
 from assistant.virtual.cr.store import CrRefusal
 from assistant.virtual.kernel.signals import Signals
 
@@ -15,8 +16,6 @@ REGISTERS: Final = range(6000, 6256)
 """Of CC-Link."""
 AT_ONCE: Final = 16
 SHOWN_HANDS: Final = 8
-FIRST_HAND: Final = 900
-"""Output of the first hand, two for each (HNDSTS in BFP-A4288)."""
 
 
 def _inputs(session: CrSession, argument: str) -> str:
@@ -38,14 +37,18 @@ def _word(signals: Signals, argument: str) -> str:
 
 
 def _set_outputs(session: CrSession, argument: str) -> str:
-    _set_word(session.state.board.outputs, argument)
-    return ""
+    return _at_kernel(session, lambda: _set_word(session.state.board.outputs, argument))
 
 
 def _set_inputs(session: CrSession, argument: str) -> str:
     if session.state.real_inputs is None:
         raise CrRefusal(6630)
-    _set_word(session.state.board.inputs, argument)
+    return _at_kernel(session, lambda: _set_word(session.state.board.inputs, argument))
+
+
+def _at_kernel(session: CrSession, change: Callable[[], None]) -> str:
+    """Signals change between two statements of the programs that see them."""
+    session.state.machinery.do(change)
     return ""
 
 
@@ -74,15 +77,13 @@ def _register(argument: str) -> int:
 
 
 def _set_output_register(session: CrSession, argument: str) -> str:
-    _set_register(session.state.board.outputs, argument)
-    return ""
+    return _at_kernel(session, lambda: _set_register(session.state.board.outputs, argument))
 
 
 def _set_input_register(session: CrSession, argument: str) -> str:
     if session.state.real_inputs is None:
         raise CrRefusal(6630)
-    _set_register(session.state.board.inputs, argument)
-    return ""
+    return _at_kernel(session, lambda: _set_register(session.state.board.inputs, argument))
 
 
 def _set_register(signals: Signals, argument: str) -> None:
@@ -102,20 +103,26 @@ def _real(session: CrSession) -> str:
     """The inputs are again what they were before they became pseudo inputs."""
     state = session.state
     before, state.real_inputs = state.real_inputs, None
-    if before is not None:
-        for name in list(state.board.inputs.values):
-            state.board.inputs.set(name, before.get(name, 0.0))
-    return ""
+    inputs = state.board.inputs
+
+    def restore() -> None:
+        for name in list(inputs.values) if before is not None else ():
+            inputs.set(name, (before or {}).get(name, 0.0))
+
+    return _at_kernel(session, restore)
 
 
 def _reset_outputs(session: CrSession) -> str:
     """All general outputs are off."""
     outputs = session.state.board.outputs
     hands = range(FIRST_HAND, FIRST_HAND + 2 * HANDS)
-    for name in list(outputs.values):
-        if name.isdigit() and int(name) not in hands:
-            outputs.set(name, 0.0)
-    return ""
+
+    def reset() -> None:
+        for name in list(outputs.values):
+            if name.isdigit() and int(name) not in hands:
+                outputs.set(name, 0.0)
+
+    return _at_kernel(session, reset)
 
 
 # --------------------------------------------------------------------------------------- hands
@@ -123,7 +130,7 @@ def _reset_outputs(session: CrSession) -> str:
 
 def _hand(*, opens: bool) -> Command:
     def handler(session: CrSession, argument: str) -> str:
-        session.state.move_hand(whole(argument, 1, HANDS), opens)
+        session.state.order_hand(whole(argument, 1, HANDS), opens)
         return ""
 
     return Command(handler)

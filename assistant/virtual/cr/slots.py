@@ -23,7 +23,7 @@ def _choose(session: CrSession, name: str) -> None:
     if name not in state.store:
         raise CrRefusal(4140)
     _task(session)
-    state.select(session.slot, name)
+    state.machinery.select(session.slot, name)
 
 
 def _next(session: CrSession) -> str:
@@ -56,23 +56,23 @@ def _set_line(session: CrSession, argument: str) -> str:
     number = whole(argument, 1, LAST_LINE, error=4420)
     if number not in program.steps:
         raise CrRefusal(4230)
-    session.state.go_to_line(session.slot, number)
+    session.state.machinery.go_to_line(session.slot, number)
     return ""
 
 
 def _line(session: CrSession) -> str:
-    return str(session.state.slot_now(session.slot).line)
+    return str(session.state.machinery.slot_now(session.slot).line)
 
 
 def _line_text(session: CrSession) -> str:
-    return _program(session).steps.get(session.state.slot_now(session.slot).line, "")
+    return _program(session).steps.get(session.state.machinery.slot_now(session.slot).line, "")
 
 
 def _lines_around(session: CrSession, argument: str) -> str:
     """Whether more follow, how many, the lines about the one that runs, and its number."""
     going_on, before, behind = parts(argument, 3)
     whole(going_on, 0, 1)
-    program, line = _program(session), session.state.slot_now(session.slot).line
+    program, line = _program(session), session.state.machinery.slot_now(session.slot).line
     numbers = sorted(program.steps)
     at = numbers.index(line) if line in numbers else 0
     first = max(at - whole(before, 0, AROUND), 0)
@@ -95,13 +95,16 @@ def _task(session: CrSession) -> None:
 
 def _reset_one(session: CrSession) -> str:
     _task(session)
-    session.state.reset_slot(session.slot)
+    session.state.machinery.reset(session.slot)
     return ""
 
 
 def _reset_all(session: CrSession) -> str:
+    machinery = session.state.machinery
+    if any(machinery.slot_now(slot).runs for slot in range(1, TASKMAX + 1)):
+        raise CrRefusal(5640)
     for slot in range(1, TASKMAX + 1):
-        session.state.reset_slot(slot)
+        machinery.reset(slot)
     return ""
 
 

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import math
 import threading
-import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from datetime import datetime, timedelta
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
-
-from assistant.program.rotations import to_euler
-from assistant.virtual.cr.error_log import ErrorLog
+from assistant.virtual.cr.error_log import ErrorLog, level_of
+from assistant.virtual.cr.machinery import Machinery
 from assistant.virtual.cr.parameter_table import Parameters
+from assistant.virtual.cr.powered import Equipment
 from assistant.virtual.cr.store import CrProgram, CrRefusal, CrStore
 from assistant.virtual.kernel import Board
 
@@ -29,6 +27,10 @@ SUFFIXES: Final = {"melfa-basic-4": "MB4", "melfa-basic-5": "MB5", "melfa-basic-
 
 HIGH: Final = 1
 """Level of an error that switches the servos off."""
+CAUTION: Final = 3
+"""Level of one that programs go on with."""
+FIRST_HAND: Final = 900
+"""Output of the first hand, two for each (HNDSTS in BFP-A4288)."""
 EMERGENCY: Final = 60
 """Number of the emergency stop of the operating panel (ERRSUM in BFP-A4288)."""
 HANDS: Final = 4
@@ -50,58 +52,33 @@ class Cycles:
         return f"{self.total};{self.latest};{mean};{self.count}"
 
 
-@dataclass(frozen=True, slots=True)
-class SlotNow:
-    """A slot at a moment. line: number of the line that comes next. step: its place, from 1.
-
-    runs, waits: neither where its program is reset. ends_cycle: whether it stops at the end of the
-    cycle. moves: whether it has the arm. is_task: whether it is none for editing.
-    """
-
-    program: str = ""
-    line: int = 0
-    step: int = 1
-    mode: str = "REP"
-    runs: bool = False
-    waits: bool = False
-    ends_cycle: bool = False
-    moves: bool = False
-    is_task: bool = True
-
-
 @dataclass
 class CrState:
     """A controller that all its connections share; `lock` guards every access.
 
-    joints: degrees, one an axis of the robot. selected: task slot → program.
     alarm: number and level (1 high, 2 low, 3 caution) of the present error.
     right: the session that holds the operation right. edited: program → session.
-    shared: variables of all programs. hours: of the meters T (power), S (servos), D (programs),
-    B (battery). cycles: program → what its runs took. lines: task slot → the line that its program
-    begins with, where that is not the first one. clock_off: seconds that the controller's clock
-    was set ahead by. servo_time: seconds until the servos are on. emergency: whether an emergency
-    stop is pressed. stop_on: STOPON is latched. may_start: AUEON. slow: SAFE=1.
-    real_inputs: what the inputs were before they were made pseudo inputs, None while they are real.
+    hours: of the meters T (power), S (servos), D (programs), B (battery). cycles: program → what
+    its runs took. clock_off: seconds that the controller's clock was set ahead by. servo_time:
+    seconds until the servos are on. emergency: whether an emergency stop is pressed. stop_on:
+    STOPON is latched. may_start: AUEON. slow: SAFE=1. real_inputs: what the inputs were before
+    they were made pseudo inputs, None while they are real. report: is told in words of what
+    programs end with.
     """
 
     robot: Robot
     language: str
     store: CrStore
     clock: Callable[[], datetime] = datetime.now
-    override: int = 100
-    joints: tuple[float, ...] = ()
     alarm: tuple[int, int] | None = None
-    selected: dict[int, str] = field(default_factory=dict)
     right: object | None = None
     edited: dict[str, object] = field(default_factory=dict)
     board: Board = field(default_factory=Board)
     log: ErrorLog = field(default_factory=ErrorLog)
-    shared: CrProgram = field(default_factory=CrProgram)
     hours: dict[str, int] = field(default_factory=lambda: dict.fromkeys("TSDB", 0))
     cycles: dict[str, Cycles] = field(default_factory=dict)
-    lines: dict[int, int] = field(default_factory=dict)
     clock_off: float = 0.0
-    servo_time: float = 0.0
+    servo_time: float = 0.1
     emergency: bool = False
     stop_on: bool = False
     machine_lock: bool = False
@@ -110,12 +87,72 @@ class CrState:
     tool: int = 0
     hands: dict[int, bool] = field(default_factory=lambda: dict.fromkeys(range(1, HANDS + 1), True))
     real_inputs: dict[str, float] | None = None
+    report: Callable[[str], None] | None = None
     lock: threading.RLock = field(default_factory=threading.RLock)
-    _servo_since: float | None = None
+    _machinery: Machinery | None = None
 
     def __post_init__(self) -> None:
         self.began = self.clock()
         self.parameters = Parameters(self.robot, self.language, TASKMAX)
+        self._standing = tuple(float(angle) for angle in self.robot.home)
+        for number in range(2 * HANDS):
+            self.board.outputs.values[str(FIRST_HAND + number)] = float(number % 2 == 0)
+
+    # ----------------------------------------------------------------------- what runs
+
+    @property
+    def machinery(self) -> Machinery:
+        assert self._machinery is not None, "the controller is not started"
+        return self._machinery
+
+    def start(self, equipment: Equipment) -> None:
+        """The power is on: the slots have their programs, those that always run begin."""
+        self._machinery = Machinery(
+            self.robot,
+            self.language,
+            self._standing,
+            TASKMAX + 1,
+            self.store.get,
+            self.board,
+            equipment,
+            self,
+        )
+        self._machinery.start()
+        self._load_table()
+
+    def stop(self) -> None:
+        if self._machinery is not None:
+            self._standing = self._machinery.joints()
+            self._machinery.stop()
+            self._machinery = None
+
+    def _load_table(self) -> None:
+        for slot in range(1, TASKMAX + 1):
+            program, mode, condition, lines = self.parameters[f"SLT{slot}"]
+            if program in self.store:
+                self.machinery.set_up(slot, program, mode, condition, int(lines))
+
+    def restart(self) -> None:
+        """As if the power was switched off and on: errors, switches and slots are forgotten."""
+        self.machinery.switch_servo(False)
+        self.machinery.clear_slots()
+        self.reset_error()
+        self.stop_on = self.machine_lock = self.slow = False
+        self.may_start, self.real_inputs = True, None
+        self.right = None
+        self._load_table()
+
+    def failed(self, number: int, program: str, line: int, text: str) -> None:
+        """A program ended with an error."""
+        self.alert(number, level_of(number), program, line)
+        if self.report is not None:
+            self.report(f"error {number:04} of {program or 'a command'}, line {line}: {text}")
+
+    def cycle_over(self, program: str, milliseconds: int) -> None:
+        cycles = self.cycles.setdefault(program, Cycles())
+        cycles.total += milliseconds
+        cycles.latest = milliseconds
+        cycles.count += 1
 
     # ----------------------------------------------------------------------------- clock
 
@@ -125,146 +162,120 @@ class CrState:
     # ---------------------------------------------------------------------------- errors
 
     def alert(self, number: int, level: int = 2, program: str = "", line: int = 0) -> None:
-        """An error holds from now on, and stands in the history. A high one has the servos off."""
+        """An error holds from now on, and stands in the history.
+
+        It stops the programs, unless it is a caution; a high one has the servos off.
+        """
         self.alarm = (number, level)
         self.log.add(self.now(), number, level, program, line)
+        if self._machinery is None:
+            return
         if level == HIGH:
-            self._servo_since = None
+            self._machinery.switch_servo(False)
+        elif level != CAUTION:
+            self._machinery.stop_all()
 
     def reset_error(self) -> None:
         """An emergency stop that is still pressed stays an error."""
         self.alarm = (EMERGENCY, HIGH) if self.emergency else None
+
+    def press_emergency(self, pressed: bool) -> None:
+        """Released, the error stays until it is reset."""
+        before, self.emergency = self.emergency, pressed
+        if pressed and not before:
+            self.alert(EMERGENCY, HIGH)
 
     # ---------------------------------------------------------------------------- servos
 
     @property
     def servo(self) -> bool:
         """Whether the servos are on."""
-        since = self._servo_since
-        return since is not None and time.monotonic() - since >= self.servo_time
+        return self._machinery is not None and self._machinery.servo
 
     def switch_servo(self, on: bool) -> None:
         """Raises CrRefusal where they cannot be switched on."""
-        if not on:
-            self._servo_since = None
-            return
-        if self.alarm is not None and self.alarm[1] == HIGH:
+        if on and self.alarm is not None and self.alarm[1] == HIGH:
             raise CrRefusal(5600)
-        if self._servo_since is None:
-            self._servo_since = time.monotonic()
+        self.machinery.switch_servo(on, self.servo_time)
+
+    @property
+    def override(self) -> int:
+        """Percent."""
+        return round(self.machinery.arm.override)
+
+    @override.setter
+    def override(self, percent: int) -> None:
+        self.machinery.arm.override = float(percent)
 
     @property
     def suffix(self) -> str:
         return SUFFIXES[self.language]
 
-    # ----------------------------------------------------------------------------- slots
-
-    def slot_now(self, number: int) -> SlotNow:
-        """How a slot is at this moment."""
-        name = self.selected.get(number, "")
-        steps = sorted(self.store[name].steps) if name in self.store else []
-        line = self.lines.get(number, steps[0] if steps else 0)
-        return SlotNow(
-            program=name,
-            line=line,
-            step=steps.index(line) + 1 if line in steps else 1,
-            moves=number == 1,
-            is_task=1 <= number <= TASKMAX,
-        )
-
-    def select(self, slot: int, program: str) -> None:
-        self.selected[slot] = program
-        self.lines.pop(slot, None)
-
-    def go_to_line(self, slot: int, line: int) -> None:
-        self.lines[slot] = line
-
-    def reset_slot(self, slot: int) -> None:
-        """The program of a slot begins at its first line."""
-        self.lines.pop(slot, None)
-
-    def restart(self) -> None:
-        """As if the power was switched off and on: errors, switches and slots are forgotten."""
-        self.reset_error()
-        self.stop_on = self.machine_lock = self.slow = False
-        self.may_start, self.real_inputs = True, None
-        self.switch_servo(False)
-        self.right = None
-        for slot in range(1, TASKMAX + 1):
-            self.reset_slot(slot)
+    @property
+    def selected(self) -> dict[int, str]:
+        """Task slot → program."""
+        return self.machinery.selected()
 
     # ------------------------------------------------------------------------- positions
 
-    def move_hand(self, hand: int, opens: bool) -> None:
-        self.hands[hand] = opens
+    @property
+    def joints(self) -> tuple[float, ...]:
+        """(a,) degrees, where the arm is now."""
+        return self._standing if self._machinery is None else self._machinery.joints()
 
-    def speed(self) -> float:
-        """mm/s of the tool."""
-        return 0.0
+    @joints.setter
+    def joints(self, angles: Sequence[float]) -> None:
+        """Puts the arm somewhere."""
+        self._standing = tuple(angles)
+        if self._machinery is not None:
+            self._machinery.put(angles)
 
-    def limits_reached(self) -> str:
-        """Axes at their upper and lower limits, two hexadecimal digits each, and a reserve."""
-        return "00000000"
+    def order_hand(self, hand: int, opens: bool) -> None:
+        """As a program orders it."""
+        board = self.board
+        self.machinery.do(lambda: board.outputs.set(f"hand{hand}", float(opens)))
+        self.hand_moved(hand, opens)
 
-    def shown_joints(self, *, goal: bool = False) -> list[tuple[str, str]]:
-        """Axis and angle as JPOSF shows them; an axis that the arm lacks is `****`.
-
-        goal: where the motion at hand leads.
-        """
-        del goal
-        angles = dict(zip(self.robot.axes, self.joints, strict=True))
-        names = [f"J{i}" for i in range(1, 7)]
-        return [(name, f"{angles[name]:.2f}" if name in angles else "****") for name in names]
-
-    def shown_pose(self, *, goal: bool = False) -> list[tuple[str, str]]:
-        """X, Y, Z in mm, A, B, C in degrees of the flange; an arm of five axes shows no C."""
-        del goal
-        positions, quaternions = self.robot.fk(np.array([self.joints]))
-        values = list(positions[0])
-        if self.robot.five_axis:
-            from assistant.robots.arms.five_axis import to_ab
-
-            values += list(to_ab(positions, quaternions)[0])
-        else:
-            values += list(to_euler(quaternions[0], "ZYX")[::-1])
-        return [(name, f"{value + 0.0:.2f}") for name, value in zip("XYZABC", values, strict=False)]
-
-    def shown_cylinder(self) -> list[tuple[str, str]]:
-        """Radius in mm and angle in degrees about the base in the places of X and Y (RPOSF)."""
-        shown = self.shown_pose()
-        x, y = (float(value) for _, value in shown[:2])
-        radius, angle = math.hypot(x, y), math.degrees(math.atan2(y, x))
-        return [("R", f"{radius:.2f}"), ("T", f"{angle:.2f}"), *shown[2:]]
-
-    def flags(self) -> str:
-        from assistant.robots.configurations import to_flags
-
-        one, two = to_flags(self.robot.configuration(np.array([self.joints])))[0]
-        return f"{one},{two}"
+    def hand_moved(self, hand: int, opens: bool) -> None:
+        """The two valves of a hand follow."""
+        if hand in self.hands:
+            self.hands[hand] = opens
+            first = FIRST_HAND + 2 * (hand - 1)
+            self.board.outputs.set(str(first), float(opens))
+            self.board.outputs.set(str(first + 1), float(not opens))
 
     # ------------------------------------------------------------------------- variables
 
     def program_now(self, name: str) -> CrProgram:
         """A stored program, its variables as they are now."""
-        return self.store[name]
-
-    def shared_variables(self) -> CrProgram:
-        """The variables of all programs, as they are now."""
-        return self.shared
+        program = self.store[name]
+        return program if self._machinery is None else self._machinery.program_now(name, program)
 
     def set_variable(self, program: str | None, name: str, value: str) -> None:
         """Gives a variable of a program a value; None for one that all programs share."""
-        (self.shared if program is None else self.store[program]).keep(name, value)
+        if program is not None:
+            self.store[program].keep(name, value)
+        self.machinery.set_variable(program, name, value)
 
     def forget(self, program: str) -> None:
         """A program is another one now, or is gone."""
         self.cycles.pop(program, None)
+        self.machinery.forget(program)
 
     def released(self, session: object) -> None:
         """Forgets what a session held."""
         if self.right is session:
             self.right = None
         self.edited = {name: s for name, s in self.edited.items() if s is not session}
+
+    @contextmanager
+    def unlocked(self) -> Iterator[None]:
+        """While a command waits, others may come; the lock is held once."""
+        self.lock.release()
+        try:
+            yield
+        finally:
+            self.lock.acquire()
 
 
 @dataclass(slots=True)
@@ -283,8 +294,8 @@ class CrSession:
 
     slot: of the command under way. following: by listing, the index behind what was listed last.
     block: the file that is open for blocks. keyword: whether protected parameters are open.
-    changed:
-    whether the edit differs from what is stored. listed: changed parameters still to be listed.
+    changed: whether the edit differs from what is stored. listed: changed parameters that are
+    still to be listed.
     """
 
     state: CrState
@@ -310,8 +321,9 @@ class CrSession:
             raise CrRefusal(4170)
         self.close()
         self.state.edited[name] = self
-        store = self.state.store
-        self.name, self.program = name, store[name].copy() if name in store else CrProgram()
+        stored = name in self.state.store
+        self.name = name
+        self.program = self.state.program_now(name).copy() if stored else CrProgram()
         self.changed = False
         self.following.clear()
 

@@ -163,6 +163,9 @@ class CrStore:
     def __getitem__(self, name: str) -> CrProgram:
         return self._programs[name]
 
+    def get(self, name: str) -> CrProgram | None:
+        return self._programs.get(name)
+
     @property
     def used(self) -> int:
         return sum(program.size for program in self._programs.values())

@@ -129,7 +129,7 @@ def _together(session: CrSession, lines: list[str], at: int, key: str) -> str:
 
 
 def _shared(session: CrSession) -> CrProgram:
-    return session.state.shared_variables()
+    return session.state.machinery.shared_now()
 
 
 def _program(session: CrSession) -> CrProgram:

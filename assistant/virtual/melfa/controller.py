@@ -6,7 +6,7 @@ Facts about slots: COSIROP help on XRUN, XSTP, XRST, XCLR, XLOAD, GETM, RELM, PR
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal
 
@@ -56,6 +56,8 @@ class Controller:
     base: the user base program (PRGUSR), which declares further external variables. always_may:
     whether programs that always run may start and stop others (ALWENA is 7). lines: by what `Open`
     calls them, as `COM1:` and `ENET:`, with what they lead to. options, commands: see `run`.
+    library: further programs by their names, which may change until they are first run. made: is
+    told of each program that is made ready to run.
     """
 
     def __init__(
@@ -73,6 +75,8 @@ class Controller:
         lines: Mapping[str, Line] | None = None,
         options: Options | None = None,
         commands: Commands | None = None,
+        library: Callable[[str], s.File | None] | None = None,
+        made: Callable[[str, Machine], None] | None = None,
     ) -> None:
         self.kernel = kernel
         self.arm = Arm(robot, start)
@@ -92,6 +96,7 @@ class Controller:
         self.shared = Shared(None if base is None else code_of(base))
         self._files = {name.upper(): file for name, file in programs.items()}
         self._machines: dict[str, Machine] = {}
+        self._library, self._made = library, made
         rows = table or {}
         self.slots = [Slot(self, n, rows.get(n, Entry())) for n in range(1, slots + 1)]
 
@@ -139,7 +144,20 @@ class Controller:
     # -------------------------------------------------------------------------- programs
 
     def exists(self, name: str) -> bool:
-        return name.upper() in self._files
+        return self._file(name.upper()) is not None
+
+    def _file(self, name: str) -> s.File | None:
+        found = self._files.get(name)
+        return self._library(name) if found is None and self._library is not None else found
+
+    def variables(self, name: str) -> Memory | None:
+        """The variables of a program, None of one that was not run since it was changed."""
+        machine = self._machines.get(name.upper())
+        return None if machine is None else machine.main
+
+    def forget(self, name: str) -> None:
+        """A program was changed: it is made ready anew when it runs next."""
+        self._machines.pop(name.upper(), None)
 
     def selected(self, name: str) -> Slot | None:
         """The slot that a program is loaded in."""
@@ -148,13 +166,15 @@ class Controller:
     def machine(self, name: str, world: World) -> Machine | None:
         """A program that a slot runs now; its variables keep their values from run to run."""
         name = name.upper()
-        if name not in self._files:
-            return None
         if name not in self._machines:
-            file = self._files[name]
+            file = self._file(name)
+            if file is None:
+                return None
             if has_errors(file.findings):
                 raise Failed(4220, "; ".join(f.message for f in file.findings))
             self._machines[name] = Machine(code_of(file), world, {})
+            if self._made is not None:
+                self._made(name, self._machines[name])
         machine = self._machines[name]
         if machine.world is not world:
             if machine in machine.world.running:

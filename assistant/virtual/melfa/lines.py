@@ -108,7 +108,7 @@ class Stored:
     def close(self) -> None: ...
 
 
-class _Stream:
+class Stream:
     """Bytes through a descriptor that never blocks."""
 
     outside = True
@@ -162,7 +162,7 @@ class _Stream:
         self._unsent.clear()
 
 
-class _Tcp(_Stream):
+class _Tcp(Stream):
     def __init__(self) -> None:
         super().__init__()
         self._peer: socket.socket | None = None
@@ -255,7 +255,7 @@ class Rate:
     stops: Literal[1, 2] = 2
 
 
-class Serial(_Stream):
+class Serial(Stream):
     """A serial port, or a pseudo terminal, by its path."""
 
     def __init__(self, path: str, rate: Rate | None = None) -> None:

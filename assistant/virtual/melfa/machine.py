@@ -81,6 +81,7 @@ class Machine:
     began: bool = False
     nest: int = 0
     interrupts: Interrupts | None = None
+    first: int = 0
 
     def __post_init__(self) -> None:
         self.main = Memory(self.code.main)
@@ -98,8 +99,9 @@ class Machine:
     # ------------------------------------------------------------------------------ running
 
     def run(self) -> None:
-        """From the top to the end of the program."""
-        self.at, self.frames, self.nest = 0, [Frame("", self.main)], 0
+        """From the top, or once from the row `first`, to the end of the program."""
+        self.at, self.first = self.first, 0
+        self.frames, self.nest = [Frame("", self.main)], 0
         self.interrupts = None
         if self.depth == 0:
             self.world.task.looks = self.world.task.sampling = None

@@ -19,7 +19,8 @@ State = Literal["reset", "runs", "waits"]
 class Slot:
     """program: upper-case name, empty for none. mode, condition, lines: see Entry.
 
-    world: of the program that runs, or of the one that ran last.
+    world: of the program that runs, or of the one that ran last. first_line: the number of the line
+    that the program begins with when it is run next, None for its top.
     """
 
     def __init__(self, controller: Controller, number: int, entry: Entry) -> None:
@@ -28,6 +29,7 @@ class Slot:
         self.program, self.mode = entry.program.upper(), entry.mode
         self.condition, self.lines = entry.condition, entry.lines
         self.world: World | None = None
+        self.first_line: int | None = None
         self._task: Task | None = None
         self._stops = self._held = False
 
@@ -78,6 +80,12 @@ class Slot:
             raise Failed(3350, f"slot {self.number} runs")
         if self._task is not None:
             task, self._task = self._task, None
+            self.controller.kernel.drop(task)
+
+    def end(self) -> None:
+        """The power goes off: the program is where it is no more."""
+        task, self._task = self._task, None
+        if task is not None:
             self.controller.kernel.drop(task)
 
     def clear(self) -> None:
@@ -139,6 +147,8 @@ class Slot:
             raise Failed(4140, f"there is no program {self.program}")
         if self.number == 1 and controller.owner is None:
             controller.get(self, 1)
+        if self.first_line is not None:
+            machine.first, self.first_line = machine.code.numbers.get(self.first_line, 0), None
         while True:
             before = controller.kernel.steps
             machine.run()

@@ -188,8 +188,8 @@ def wire(controller, line):
             for entry in text.split("|"):
                 program.put(entry)
             state.store.save(name, program)
-        state.selected.clear()
-        state.shared.values.clear()
+        for variable in ("M_01", "M_02", "M_03"):
+            state.machinery.controller.shared.places.pop(variable, None)
         state.board.outputs.values.clear()
         state.hours.update(T=149, S=51, D=102, B=2715)
         state.cycles["100"] = Cycles(224745, 156, 1454)

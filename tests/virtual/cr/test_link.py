@@ -172,10 +172,25 @@ def test_single_answers(wire, command, answer):
     assert wire.ask(command) == answer
 
 
-@pytest.mark.parametrize("command", ["RUNSEAM;1", "RUN", "EXECMOV P1", "STEP1", "ALIGN", "MOVSP"])
-def test_nothing_that_would_move_is_taken(wire, command):
+@pytest.mark.parametrize(
+    ("command", "answer"),
+    [
+        ("RUNSEAM;1", "QeR4140"),
+        ("RUN", "QeR5100"),
+        ("STEP1", "QeR5100"),
+        ("EXECMOV P1", "QeR2000"),
+        ("EXEC2=MVS P1", "QeR2000"),
+        ("JOG00;00;00;01;00", "QeR2000"),
+        ("ALIGN", "QeR2000"),
+        ("MOVSP", "QeR2000"),
+    ],
+)
+def test_nothing_moves_without_right_program_and_servos(controller, wire, command, answer):
+    before = controller.state.joints
+    assert wire.ask(f"1;1;{command}") == "QeR6020"
     wire.ask("1;1;CNTLON")
-    assert wire.ask(f"1;1;{command}") == "QeR6010"
+    assert wire.ask(f"1;1;{command}") == answer
+    assert controller.state.joints == before
 
 
 def test_operation_right_is_held_by_one_line(controller, wire):

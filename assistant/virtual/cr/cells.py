@@ -1,0 +1,77 @@
+"""Variables of programs that run as the lines of a listing, and back."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Final
+
+from assistant.virtual.cr.store import CrProgram
+from assistant.virtual.melfa.memory import Cell, Memory
+from assistant.virtual.melfa.values import Elements, Joints, Position, Value, eight
+
+PLACE: Final = re.compile(r"\(([^()]*)\)(?:\(([^()]*)\))?")
+NAME: Final = re.compile(r"([A-Z]\w*)[$%&!#]?(?:\(([\d,]+)\))?", re.ASCII)
+
+
+def listed(memory: Memory) -> Iterator[tuple[str, str]]:
+    """Name and value, as a controller lists them, of each variable that has one."""
+    for name, place in memory.places.items():
+        if not isinstance(place, Cell):
+            continue
+        mark = "$" if place.kind == "text" else ""
+        for index, value in sorted(place.values.items()):
+            at = f"({','.join(map(str, index))})" if index else ""
+            yield f"{name}{mark}{at}", written(value)
+
+
+def written(value: Value) -> str:
+    """`+3`, `"a text"`, `(+1.00,…)(7,0)`."""
+    match value:
+        case str():
+            return f'"{value}"'
+        case Position(values=values, flags=flags):
+            return f"{_elements(values)}({flags[0] or 0},{flags[1] or 0})"
+        case Joints(values=values):
+            return _elements(values)
+        case int() | float():
+            return f"{float(value):+.10g}"
+    return _elements(value.values)
+
+
+def _elements(values: Elements) -> str:
+    count = max([6, *(i + 1 for i, v in enumerate(values) if v is not None)])
+    return "(" + ",".join("" if v is None else f"{v + 0.0:+.2f}" for v in values[:count]) + ")"
+
+
+def value_of(text: str) -> Value:
+    """The value that a line of a listing tells behind its `=`."""
+    if text.startswith('"'):
+        return text[1:-1]
+    place = PLACE.fullmatch(text)
+    if place is None:
+        number = float(text)
+        return int(number) if number.is_integer() else number
+    values = eight(tuple(float(v) if v.strip() else None for v in place[1].split(",")))
+    if place[2] is None:
+        return Joints(values)
+    one, _, two = place[2].partition(",")
+    return Position(values, (int(one or 0), int(two or 0)))
+
+
+def give(memory: Memory, name: str, value: str) -> None:
+    """Sets a variable; raises Failed where it does not take the value."""
+    found = NAME.fullmatch(name.upper())
+    assert found is not None, name
+    index = tuple(int(part) for part in found[2].split(",")) if found[2] else ()
+    memory.place(found[1]).set(value_of(value), index)
+
+
+def refreshed(program: CrProgram, memory: Memory) -> CrProgram:
+    """A program with the values that its variables have by now."""
+    made = program.copy()
+    made.protected = set()
+    for name, value in listed(memory):
+        made.keep(name, value)
+    made.protected = set(program.protected)
+    return made

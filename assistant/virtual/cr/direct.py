@@ -1,0 +1,149 @@
+"""Single commands of a slot (EXEC, EXEC2=), which run beside programs."""
+
+from __future__ import annotations
+
+from collections import deque
+from concurrent.futures import Future
+from contextlib import suppress
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
+
+from assistant import languages
+from assistant.languages.melfa_basic.tree import syntax as s
+from assistant.program.diagnostics import Severity, has_errors
+from assistant.virtual.cr.store import CrRefusal
+from assistant.virtual.kernel import Ending, Task
+from assistant.virtual.melfa.arm import Settings
+from assistant.virtual.melfa.code import Code, code_of
+from assistant.virtual.melfa.machine import Frame, Machine
+from assistant.virtual.melfa.memory import Memory, Scope
+from assistant.virtual.melfa.stops import Ended, Failed, Redirected, Unknown
+from assistant.virtual.melfa.world import World
+
+if TYPE_CHECKING:
+    from assistant.virtual.melfa.controller import Controller
+    from assistant.virtual.melfa.slots import Slot
+
+UNKNOWN: Final = 3930
+"""Number of what a program asks for that is not simulated: `This command cannot be executed`."""
+NAME: Final = "direct "
+"""Before the number of the slot, in the names of tasks."""
+MOST_WAITING: Final = 16
+
+
+@dataclass(slots=True)
+class Direct:
+    """What a slot keeps from command to command, and those that are still to run.
+
+    done: of each, the error number that it ended with, None for none.
+    """
+
+    settings: Settings = field(default_factory=Settings)
+    memory: Memory = field(default_factory=lambda: Memory(Scope()))
+    waiting: deque[tuple[Code, Future[int | None]]] = field(default_factory=deque)
+    task: Task | None = None
+
+
+def parsed(language: str, text: str) -> Code:
+    """A single command; raises CrRefusal with the place of what is wrong."""
+    file = languages.get(language).parse(f"1 {text.strip()}")
+    assert isinstance(file, s.File)
+    if has_errors(file.findings):
+        wrong = next(f for f in file.findings if f.severity is Severity.ERROR)
+        raise CrRefusal(4220, max((wrong.column or 3) - 2, 1))
+    try:
+        return code_of(file)
+    except Failed as failed:
+        raise CrRefusal(failed.number or 4220, 1) from None
+
+
+def moves(code: Code) -> bool:
+    return any(isinstance(row.statement, s.Motion) for row in code.rows)
+
+
+class DirectCommands:
+    """Of all slots of a controller; everything here runs in the thread of its kernel."""
+
+    def __init__(self, controller: Controller) -> None:
+        self._controller = controller
+        self._slots: dict[int, Direct] = {}
+
+    @property
+    def running(self) -> bool:
+        return any(direct.task is not None for direct in self._slots.values())
+
+    def add(self, number: int, code: Code) -> Future[int | None]:
+        """Has a command run behind those that wait; raises CrRefusal 5640 if too many do."""
+        direct = self._slots.setdefault(number, Direct())
+        if len(direct.waiting) >= MOST_WAITING:
+            raise CrRefusal(5640)
+        done: Future[int | None] = Future()
+        direct.waiting.append((code, done))
+        if direct.task is None:
+            kernel = self._controller.kernel
+            direct.task = kernel.task(
+                f"{NAME}{number}", lambda task: self._body(task, number, direct), essential=False
+            )
+        return done
+
+    def stop(self) -> None:
+        """Ends them all where they are."""
+        for direct in self._slots.values():
+            task, direct.task = direct.task, None
+            if task is not None and task.ended is None:
+                self._controller.kernel.drop(task)
+            while direct.waiting:
+                direct.waiting.popleft()[1].set_result(5650)
+
+    def _body(self, task: Task, number: int, direct: Direct) -> Ending:
+        controller = self._controller
+        slot = controller.slot(number)
+        world = World(
+            task,
+            controller.arm,
+            direct.settings,
+            controller.options,
+            controller.commands,
+            controller.timers,
+            shared=controller.shared,
+        )
+        world.slot = slot
+        took = controller.owner is None
+        if took:
+            controller.get(slot, 1)
+        ending = Ending()
+        try:
+            while direct.waiting and ending.ended == "end":
+                code, done = direct.waiting.popleft()
+                ending = self._run(world, slot, direct, code, done)
+        finally:
+            direct.task = None
+            world.close_files()
+            if took:
+                controller.release(slot)
+        return ending
+
+    def _run(
+        self, world: World, slot: Slot, direct: Direct, code: Code, done: Future[int | None]
+    ) -> Ending:
+        machine = Machine(code, world, {})
+        machine.main = self._controller.variables(slot.program) or direct.memory
+        machine.frames = [Frame("", machine.main)]
+        world.running.append(machine)
+        number: int | None = 5650
+        ending = Ending()
+        try:
+            with suppress(Ended, Redirected):
+                machine.go_on(machine.frame)
+            world.task.kernel.motion.settle(world.task)
+            number = None
+        except Failed as failed:
+            number = failed.number or UNKNOWN
+            ending = Ending("error", f"error {number}: {failed}")
+        except Unknown as unknown:
+            number = UNKNOWN
+            ending = Ending("unknown", str(unknown))
+        finally:
+            world.running.clear()
+            done.set_result(number)
+        return ending
