@@ -20,7 +20,7 @@ from assistant.cli.cells import (
     state_lines,
 )
 from assistant.cli.confirming import confirmed
-from assistant.cli.presentation import Format, print_findings, print_json, say
+from assistant.cli.presentation import Format, console, print_findings, print_json, say
 from assistant.program.diagnostics import Diagnostic, Refused, error, warning
 
 if TYPE_CHECKING:
@@ -49,11 +49,18 @@ BEGINNING: Final = 0.5
 
 @dataclass(slots=True)
 class Moving:
-    """A controller whose arm may move. began: whether anything was asked for that moves it."""
+    """A controller whose arm may move. began: whether anything was asked for that moves it.
+
+    caught: what broke the motion off.
+    """
 
     cell: Cell
     began: bool = False
-    given_up: bool = False
+    caught: BaseException | None = None
+
+    def is_given_up(self, caught: BaseException) -> bool:
+        """Whether that is a second Ctrl-C, or the first one while an error was seen to."""
+        return isinstance(caught, KeyboardInterrupt) and caught is not self.caught
 
 
 @contextmanager
@@ -72,17 +79,18 @@ def moving(text: str, command: str) -> Iterator[Moving]:
             motion = Moving(there)
             with _stopped(motion):
                 yield motion
-    except BaseException:
-        if motion is None or not motion.began:
+    except BaseException as caught:
+        if motion is None or not motion.began or _did_nothing(caught):
             raise
         one = motion.cell.one
-        sys.stdout.flush()
+        given_up = MAY_MOVE(place=str(one.address), why="it was given up")
+        if motion.is_given_up(caught):
+            print_findings([given_up])
+            raise
         try:
-            if motion.given_up:
-                raise KeyboardInterrupt
             rest = brought_to_rest(lambda: client_of(one, timeout=PATIENCE))
         except KeyboardInterrupt:
-            print_findings([MAY_MOVE(place=str(one.address), why="it was given up")])
+            print_findings([given_up])
             raise
         print_findings([_told(one, rest)])
         raise
@@ -95,13 +103,22 @@ def _stopped(motion: Moving) -> Iterator[None]:
 
     try:
         yield
-    except BaseException:
-        if motion.began:
-            try:
-                stop_at_once(motion.cell.session)
-            except KeyboardInterrupt:
-                motion.given_up = True
+    except BaseException as caught:
+        motion.caught = caught
+        if motion.began and not _did_nothing(caught):
+            sys.stdout.flush()
+            if isinstance(caught, KeyboardInterrupt):
+                console().print("stopping the arm; Ctrl-C again gives up")
+            stop_at_once(motion.cell.session)
         raise
+
+
+def _did_nothing(caught: BaseException) -> bool:
+    """Whether it is known that nothing was begun: this controller cannot do it at all."""
+    from assistant.controllers import rules
+
+    codes = {f.code for f in caught.findings} if isinstance(caught, Refused) else set()
+    return codes == {rules.NOT_HERE.code}
 
 
 def _told(one: Named, rest: Rest) -> Diagnostic:

@@ -36,3 +36,13 @@ def cr(tmp_path: Path, here: Path) -> Iterator[VirtualCr]:
         table = f'address = "{controller.address}"\nrobot = "rv-2aj"\ntimeout = 5\n'
         (tmp_path / "assistant.toml").write_text(f"[controllers.cell1]\n{table}", encoding="utf-8")
         yield controller
+
+
+@pytest.fixture
+def rws(tmp_path: Path, here: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[VirtualIrc5]:
+    """An IRC5 behind Robot Web Services 1.0, which runs ten times as fast as a real one."""
+    with VirtualIrc5(tmp_path / "home", password="secret", rate=10.0) as controller:
+        monkeypatch.setenv("ROBOT_ASSISTANT_CELL1_PASSWORD", "secret")
+        table = f'address = "{controller.rws_address}"\nrobot = "irb1200-7-0.7"\ntimeout = 5\n'
+        (tmp_path / "assistant.toml").write_text(f"[controllers.cell1]\n{table}", encoding="utf-8")
+        yield controller

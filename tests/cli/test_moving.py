@@ -1,0 +1,197 @@
+"""What may move an arm: asked for by name, looked at beforehand, and stopped by Ctrl-C."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+
+from assistant.controllers import Controller, connect
+from assistant.controllers.states import State
+from assistant.virtual.irc5.rws.faults import Fault
+from tests.cli.terminal import Terminal
+from tests.cli.test_commands import run
+
+MODULE = """MODULE cell
+PERS num done:=0;
+CONST jointtarget j1:=[[40,0,0,0,30,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+CONST jointtarget j2:=[[-40,0,0,0,30,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
+PROC main()
+  WHILE done<{} DO
+    MoveAbsJ j1,v50,fine,tool0;
+    MoveAbsJ j2,v50,fine,tool0;
+    done:=done+1;
+  ENDWHILE
+ENDPROC
+ENDMODULE
+"""
+
+
+@pytest.fixture
+def loaded(capsys, rws, here):
+    """An IRC5 whose program lasts until somebody stops it; the motors are on."""
+    (here / "cell.mod").write_text(MODULE.format(10_000), encoding="utf-8")
+    assert run(capsys, "put", "cell1", "cell.mod")[0] == 0
+    assert run(capsys, "motors", "cell1", "on", "--yes")[0] == 0
+    return rws
+
+
+def now() -> tuple[State, float]:
+    """What `cell1` is doing, and its first joint."""
+    with connect("cell1") as controller:
+        assert isinstance(controller, Controller)
+        return controller.state(), controller.position().joints[0] or 0.0
+
+
+@contextmanager
+def process(*arguments: str) -> Iterator[subprocess.Popen[str]]:
+    """A command that goes on meanwhile, without a terminal."""
+    command = [sys.executable, "-m", "assistant", *arguments]
+    with subprocess.Popen(
+        command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as child:
+        yield child
+        child.kill()
+
+
+ASKING = [
+    ("motors", "cell1", "on"),
+    ("start", "cell1", "cell.mod"),
+    ("start", "cell1"),
+    ("hand", "cell1", "open"),
+    ("jog", "cell1", "J1", "-5"),
+    ("outputs", "cell1", "doGrip=1"),
+    ("follow", "cell1", "way.csv", "--by", "exchange"),
+]
+WAY = "x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z\n422,0,750,0.5,0,0.8660254,0\n430,0,750,0.5,0,0.8660254,0\n"
+
+
+@pytest.mark.parametrize("arguments", ASKING, ids=" ".join)
+def test_without_a_terminal_nothing_moves_unasked(capsys, rws, here, arguments):
+    (here / "way.csv").write_text(WAY, encoding="utf-8")
+    status, out, said = run(capsys, *arguments)
+    assert status == 2 and "CL203" in said and "type `cell1`" in said and not out
+    state, _ = now()
+    assert not state.motors and not state.running
+
+
+@pytest.mark.parametrize("typed", ["cell2\n", "\x04"])
+def test_another_word_is_no_yes(capsys, rws, here, typed):
+    with Terminal("motors", "cell1", "on", folder=here) as terminal:
+        terminal.until("Type `cell1` to confirm: ")
+        terminal.type(typed)
+        status, said = terminal.end()
+    assert status == 2 and "CL204" in said
+    assert not now()[0].motors
+
+
+def test_the_name_typed_is_a_yes(capsys, rws, here):
+    with Terminal("motors", "cell1", "on", folder=here) as terminal:
+        asked = terminal.until("Type `cell1` to confirm: ")
+        assert "the arm can move from then on" in asked
+        terminal.type("cell1\n")
+        assert terminal.end()[0] == 0
+    assert now()[0].motors
+    assert run(capsys, "motors", "cell1", "off")[0] == 0  # which is never asked for
+    assert not now()[0].motors
+
+
+def test_a_program_is_started_and_waited_for(capsys, loaded, here):
+    (here / "cell.mod").write_text(MODULE.format(1), encoding="utf-8")
+    assert run(capsys, "put", "cell1", "cell.mod", "--replace")[0] == 0
+    status, out, _ = run(capsys, "start", "cell1", "cell.mod", "--override", "100", "--yes")
+    assert status == 0 and "the program has ended" in out
+    assert run(capsys, "variables", "cell1", "done", "--program", "cell")[1] == "done = 1\n"
+    assert now()[1] == pytest.approx(-40.0, abs=0.01)
+
+
+def test_it_is_not_waited_for_if_nobody_wants(capsys, loaded):
+    arguments = ("start", "cell1", "cell.mod", "--no-wait", "--yes", "--format", "json")
+    status, out, _ = run(capsys, *arguments)
+    assert status == 0 and json.loads(out)["state"]["running"]
+    status, _, said = run(capsys, "variables", "cell1", "done=5")
+    assert status == 2 and "CL203" in said  # a program runs that may go elsewhere then
+    status, out, _ = run(capsys, "stop", "cell1")
+    assert status == 0 and "standing" in out
+    assert run(capsys, "variables", "cell1", "done=5", "--program", "cell")[:2] == (0, "done = 5\n")
+
+
+def test_ctrl_c_stops_the_arm_and_tells_where_it_is(capsys, loaded):
+    with process("start", "cell1", "cell.mod", "--yes") as child:
+        assert "Ctrl-C stops it" in child.stdout.readline()
+        child.send_signal(signal.SIGINT)
+        _, said = child.communicate(timeout=30)
+    assert child.returncode == 130
+    assert "CL240" in said and "stands at J1 " in said and "Traceback" not in said
+    state, first = now()
+    assert not state.running and f"J1 {first:.2f}" in said
+
+
+def test_an_emergency_stop_ends_the_wait(loaded):
+    with process("start", "cell1", "cell.mod", "--yes") as child:
+        assert "Ctrl-C stops it" in child.stdout.readline()
+        loaded.press_emergency_stop()
+        out, said = child.communicate(timeout=30)
+    assert child.returncode == 1 and "EMERGENCY STOP" in out and "Traceback" not in said
+    assert not now()[0].running
+
+
+def test_where_nobody_answers_it_is_not_known_whether_the_arm_stands(loaded):
+    with process("start", "cell1", "cell.mod", "--yes") as child:
+        assert "Ctrl-C stops it" in child.stdout.readline()
+        loaded.stop()
+        _, said = child.communicate(timeout=60)
+    assert child.returncode == 2 and "Traceback" not in said
+    assert "CL241" in said and "emergency stop" in said
+
+
+def test_a_second_ctrl_c_gives_up(loaded):
+    with process("start", "cell1", "cell.mod", "--yes") as child:
+        assert "Ctrl-C stops it" in child.stdout.readline()
+        loaded.faults.add(Fault("delay", seconds=1.0))
+        child.send_signal(signal.SIGINT)
+        assert "Ctrl-C again gives up" in child.stderr.readline()
+        child.send_signal(signal.SIGINT)
+        _, said = child.communicate(timeout=30)
+    assert child.returncode == 130
+    assert "CL241" in said and "given up" in said and "CL240" not in said
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code"),
+    [
+        (("jog", "cell1", "J1", "500"), "CO711"),
+        (("jog", "cell1", "Z", "-3000"), "CO713"),
+        (("jog", "cell1", "J9", "1"), "CO712"),
+    ],
+)
+def test_beyond_the_limits_nobody_is_asked(capsys, rws, arguments, code):
+    status, _, said = run(capsys, *arguments, "--yes")
+    assert status in (1, 2) and code in said
+
+
+def test_what_a_controller_cannot_do_by_hand(capsys, rws):
+    for arguments in (("jog", "cell1", "J1", "5"), ("hand", "cell1", "open")):
+        status, _, said = run(capsys, *arguments, "--yes")
+        assert status == 2 and "CN209" in said and "CL24" not in said
+
+
+def test_another_robot_than_the_project_says(capsys, loaded, tmp_path):
+    project = tmp_path / "assistant.toml"
+    project.write_text(project.read_text().replace("irb1200-7-0.7", "rv-2aj"))
+    status, _, said = run(capsys, "start", "cell1", "cell.mod", "--yes")
+    assert status == 2 and "CO702" in said
+    assert not now()[0].running
+
+
+def test_without_a_robot_that_is_said(capsys, loaded, tmp_path):
+    project = tmp_path / "assistant.toml"
+    project.write_text(project.read_text().replace("robot =", "#"))
+    status, _, said = run(capsys, "start", "cell1", "cell.mod", "--no-wait", "--yes")
+    assert status == 0 and "CO714" in said
+    assert run(capsys, "stop", "cell1")[0] == 0
