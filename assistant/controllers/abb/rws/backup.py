@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from datetime import datetime
 from pathlib import Path as FilePath
 from typing import Final
@@ -16,12 +17,14 @@ KIND: Final = "abb"
 VOLUME: Final = "BACKUP:"
 PATIENCE: Final = 600.0
 """Seconds that a controller is granted for writing its backup, unless the time-out is longer."""
+ABOUT: Final = "backinfo/backinfo.txt"
+"""A file that every backup has."""
 POLL: Final = 0.2
 SLOWEST: Final = 2.0
 """Seconds between two looks whether the backup is written: the first, and at most."""
 FAILED: Final = ("error", "invalid")
-UNDER_WAY: Final = ("progress", "pending", "init", "running")
-"""Parts of the words for the state of a backup."""
+UNDER_WAY: Final = ("progress", "pending", "init", "running", "none")
+"""Parts of the words for the state of a backup: `Backup in Progress`, `Error during backup`, …"""
 
 
 def back_up(session: Session, files: Files, folder: str | FilePath) -> tuple[str, ...]:
@@ -36,47 +39,52 @@ def back_up(session: Session, files: Files, folder: str | FilePath) -> tuple[str
         finally:
             if session.connected:
                 files.discard(path)
-        return folders.files(place)
+        found = folders.files(place)
+        if not any(name.lower() == ABOUT for name in found):
+            raise session.garbled("reading the backup", f"it has no `{ABOUT}`")
+        return found
 
 
 def _make(session: Session, files: Files, path: str) -> None:
     doing = "making a backup"
     form = {"backup": f"/fileservice/{files.path(path)}"}
     answer = session.ask("back up", doing=doing, form=form)
-    progress = answer.location.rpartition("/progress/")[2] if answer.location else ""
-    until = time.monotonic() + max(PATIENCE, session.timeout)
+    number = answer.location.rpartition("/progress/")[2]
+    patience = max(PATIENCE, session.timeout)
+    until = time.monotonic() + patience
     pause = POLL
-    while True:
-        state = _state(session, progress)
-        if any(word in state for word in FAILED):
-            raise session.refusal("make a backup", state, "look into its event log; free its disk")
-        if not any(word in state for word in UNDER_WAY):
-            return
+    while not _ready(session, number if number.isalnum() else ""):
         if time.monotonic() + pause > until:
-            raise Refused(
-                rules.NOT_DONE(
-                    place=str(session.address), doing=doing, seconds=max(PATIENCE, session.timeout),
-                    state="the backup may still be under way on the controller",
-                )
-            )  # fmt: skip
+            state = "the backup may still be under way on the controller"
+            place = str(session.address)
+            raise Refused(rules.NOT_DONE(place=place, doing=doing, seconds=patience, state=state))
         time.sleep(pause)
         pause = min(2 * pause, SLOWEST)
 
 
-def _state(session: Session, progress: str) -> str:
-    """How far the backup is, in the controller's words, lower case; "" for done."""
+def _ready(session: Session, number: str) -> bool:
+    """Whether the backup is written, by its progress if it has a number, and by its state."""
     doing = "asking how far the backup is"
-    if progress.isalnum():
-        try:
-            rows = session.ask("progress", doing=doing, at={"path": progress}).of("progress")
-        except NotThere:
-            rows = ()
-        told = rows[0].get("state").lower() if rows else ""
-        if any(word in told for word in (*UNDER_WAY, *FAILED)):
-            return told
-    answer = session.ask("backup state", doing=doing)
-    states = [row.get("backup-state", "backup state", "state") for row in answer.rows]
-    return next((state.lower() for state in states if state), "")
+    told = [_told(session, "backup state", doing, {}, "backup-state", "backup state", "state")]
+    if number:
+        told.append(_told(session, "progress", doing, {"path": number}, "state"))
+    if not any(told):
+        raise session.refusal(
+            "make a backup", "it does not tell when one is whole", "make it on the FlexPendant"
+        )
+    for state in told:
+        if any(word in state for word in FAILED):
+            raise session.refusal("make a backup", state, "look into its event log; free its disk")
+    return not any(word in state for state in told for word in UNDER_WAY)
+
+
+def _told(session: Session, name: str, doing: str, at: Mapping[str, str], *values: str) -> str:
+    """A state in the controller's words, lower case; "" where it tells none."""
+    try:
+        rows = session.ask(name, doing=doing, at=at).rows
+    except NotThere:
+        return ""
+    return next((row.get(*values).lower() for row in rows if row.get(*values)), "")
 
 
 def _read(session: Session, files: Files, name: str, size: int | None) -> bytes:

@@ -12,7 +12,7 @@ from pathlib import Path as FilePath
 from typing import Final, Self
 
 from assistant.controllers import rules
-from assistant.controllers.abb.ftp import checked_name
+from assistant.controllers.abb.files import checked_name
 from assistant.controllers.abb.rws import events, remote, watching
 from assistant.controllers.abb.rws.answers import Answer
 from assistant.controllers.abb.rws.backup import back_up

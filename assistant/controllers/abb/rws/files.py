@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from assistant.controllers import rules
-from assistant.controllers.abb.ftp import first_difference
+from assistant.controllers.abb.files import first_difference
 from assistant.controllers.abb.rws.session import NotThere, Session
 from assistant.program.diagnostics import Refused
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import Final
 
 from assistant.controllers.abb.rws.answers import Answer, Row, numbers
@@ -28,7 +29,8 @@ STANDSTILLS: Final = {
 }
 """Controller state → the event that the controller logs with it."""
 UNUSED: Final = 8.9e9
-"""An external axis of 9E9 is none."""
+NONE: Final = "9E+09"
+"""How RAPID writes an external axis that there is not; controllers round it a little."""
 AXES: Final = tuple(f"rax_{n}" for n in range(1, 7))
 EXTERNAL: Final = tuple("abcdef")
 CONFIGURATION: Final = ("cf1", "cf4", "cf6", "cfx")
@@ -168,10 +170,18 @@ def _robtarget(pose: Row) -> str:
     groups = (("x", "y", "z"), ("q1", "q2", "q3", "q4"), CONFIGURATION)
     if any(name not in pose.values for group in groups for name in group):
         return ""
-    outside = [pose.get(f"eax{a}", f"eax_{a}", f"ej{n}") for n, a in enumerate(EXTERNAL, start=1)]
-    written = [",".join(pose.get(name) for name in group) for group in groups]
-    return (
-        "["
-        + ",".join(f"[{one}]" for one in [*written, ",".join(v or "9E9" for v in outside)])
-        + "]"
-    )
+    told = [pose.get(f"eax{a}", f"eax_{a}", f"ej{n}") for n, a in enumerate(EXTERNAL, start=1)]
+    parts = [*(",".join(pose.get(name) for name in group) for group in groups), _axes(told)]
+    return f"[{','.join(f'[{part}]' for part in parts)}]"
+
+
+def _axes(told: Sequence[str]) -> str:
+    """External axes as RAPID writes them: 9E+09 for one that there is not."""
+    found = []
+    for text in told:
+        try:
+            used = abs(float(text)) < UNUSED
+        except ValueError:
+            used = False
+        found.append(text if used else NONE)
+    return ",".join(found)

@@ -9,8 +9,8 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 from urllib.parse import urlsplit
 
@@ -95,16 +95,16 @@ def subscribed(
     group = GROUP.search(where)
     if group is None:
         raise session.garbled(doing, f"the place of the events is `{where}`")
-    try:
-        channel = _channel(session, urlsplit(where).path)
-        try:
-            yield Events(session, channel, _of_rows(answer.rows))
-        finally:
-            channel.close()
-    finally:
-        if session.connected:
-            with suppress(Refused):  # the group ends with the session at the latest
-                session.ask("unsubscribe", doing="ending the subscription", at={"path": group[1]})
+    with ExitStack() as stack:
+        stack.callback(_unsubscribe, session, group[1])
+        channel = _channel(session, urlsplit(where).path, stack)
+        yield Events(session, channel, _of_rows(answer.rows))
+
+
+def _unsubscribe(session: Session, group: str) -> None:
+    if session.connected:
+        with suppress(Refused):  # the group ends with the session at the latest
+            session.ask("unsubscribe", doing="ending the subscription", at={"path": group})
 
 
 def _resource(session: Session, signals: Signals, name: str) -> tuple[str, str]:
@@ -127,25 +127,28 @@ def _resource(session: Session, signals: Signals, name: str) -> tuple[str, str]:
     return place, PRIORITY.get(kind, "1")
 
 
-def _channel(session: Session, path: str) -> ClientConnection:
+def _channel(session: Session, path: str, stack: ExitStack) -> ClientConnection:
     """The WebSocket of a group, at the controller's address as this computer knows it."""
     from websockets.exceptions import WebSocketException
     from websockets.sync.client import connect
+    from websockets.typing import Subprotocol
 
     scheme = "wss" if session.dialect.secure else "ws"
     try:
-        return connect(
-            f"{scheme}://{session.authority}{path}",
-            ssl=session.trust,
-            subprotocols=[session.dialect.subprotocol],  # type: ignore[list-item]
-            additional_headers={"Cookie": session.cookie},
-            compression=None,
-            user_agent_header=None,
-            proxy=None,
-            open_timeout=session.timeout,
-            close_timeout=FAREWELL,
-            ping_interval=None,
-            max_size=LARGEST,
+        return stack.enter_context(
+            connect(
+                f"{scheme}://{session.authority}{path}",
+                ssl=session.trust,
+                subprotocols=[Subprotocol(session.dialect.subprotocol)],
+                additional_headers={"Cookie": session.cookie},
+                compression=None,
+                user_agent_header=None,
+                proxy=None,
+                open_timeout=session.timeout,
+                close_timeout=FAREWELL,
+                ping_interval=None,
+                max_size=LARGEST,
+            )
         )
     except (WebSocketException, OSError, EOFError) as error:
         reason = str(error) or type(error).__name__
@@ -171,4 +174,11 @@ def _events(session: Session, message: bytes) -> list[Event]:
 
 
 def _of_rows(rows: Sequence[Row]) -> list[Event]:
-    return [Event(row.href, row.kind, row.values) for row in rows if row.kind.endswith("-ev")]
+    """Events; of data, RWS 1.0 tells the value in a row behind that of the event."""
+    found: list[Event] = []
+    for row in rows:
+        if row.kind.endswith("-ev"):
+            found.append(Event(row.href, row.kind, row.values))
+        elif found and row.values:
+            found[-1] = replace(found[-1], values={**found[-1].values, **row.values})
+    return found

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
+from typing import Final
 
 from assistant.controllers import rules
 from assistant.controllers.abb.rws.panel import Panel
@@ -15,8 +16,10 @@ from assistant.controllers.abb.rws.subscriptions import Event, Events, subscribe
 from assistant.controllers.states import Sample, State
 from assistant.program.diagnostics import Refused
 
-CHANGES = ("motors", "mode", "override", "execution")
+CHANGES: Final = ("motors", "mode", "override", "execution")
 """What is told of by events instead of being asked for at each look."""
+RENEWED: Final = 1.0
+"""Seconds after which the state is asked for in any case."""
 
 
 def watch(
@@ -29,18 +32,21 @@ def watch(
 ) -> Iterator[Sample]:
     """Samples, each `interval` seconds: late ones are not made up for.
 
-    Controllers take 20 requests a second. So the state is only asked for when an event has
-    told that it is another one, or while programs run; the pose, of which none tells, always.
+    Controllers take 20 requests a second. So each look asks for the pose, of which no event
+    tells, and whether programs run, whose events come 0.2 s late; for the rest of the state only
+    while they run, when an event has told of another one, or after a second.
     """
     with ExitStack() as stack:
         events = _events(session, signals, names, stack)
         began = due = time.monotonic()
-        state: State | None = None
+        state, asked = State(), float("-inf")
         values: dict[str, float] = {}
         while True:
             told = list(_told(events))
-            if state is None or events is None or state.running or told:
-                state = panel.state(rapid.tasks())
+            running = panel.running()
+            old = events is None or running or running != state.running or bool(told)
+            if old or time.monotonic() > asked + RENEWED:
+                state, asked = panel.state(rapid.tasks()), time.monotonic()
             if names and (events is None or not values or any(_of_signal(e) for e in told)):
                 values = signals.values(names, frozenset())
             yield Sample(time.monotonic() - began, state, panel.position(), dict(values))

@@ -97,6 +97,17 @@ def backup_state(cabinet: Cabinet, request: Request) -> Answer:
     return Answer(items=[Item("ctrl-backup-info-li", "backup", fields)])
 
 
+def backup_ready(cabinet: Cabinet, request: Request) -> Answer:
+    """The last of: None, Init State, Backup in Progress, Backup Ready, Error during backup."""
+    return Answer(items=[Item("ctrl-backup-state", "backup", {"backup-state": "Backup Ready"})])
+
+
+def progress(cabinet: Cabinet, request: Request) -> Answer:
+    """Of what a 202 was answered to."""
+    number = request.captures["number"]
+    return Answer(items=[Item("progress", number, {"state": "ready", "code": "294912"})])
+
+
 def backup(cabinet: Cabinet, request: Request) -> Answer:
     target = path_of(cabinet, unit_path(request.given("backup")))
     if target.exists():
@@ -106,7 +117,7 @@ def backup(cabinet: Cabinet, request: Request) -> Answer:
     except OSError as wrong:
         shutil.rmtree(target, ignore_errors=True)
         raise Rejected(reasons.UNSPECIFIED, wrong.strerror or "") from None
-    return Answer(202, headers={"Location": "/ctrl/backup"})
+    return Answer(202, headers={"Location": "/progress/1"})
 
 
 def restore_backup(cabinet: Cabinet, request: Request) -> Answer:
