@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from types import TracebackType
@@ -88,8 +87,13 @@ class ControlMode:
     def __enter__(self) -> Self:
         try:
             self._begin()
-        except BaseException:
-            self._leave()
+        except BaseException as error:
+            try:
+                state = self.stop()
+            finally:
+                self._close()
+            if self._started and isinstance(error, Refused):
+                raise self._with(error, state) from None
             raise
         return self
 
@@ -134,7 +138,7 @@ class ControlMode:
         self._stopped = stands if self.controller is not None else said
         if self._stopped or not self._started:
             return STOPPED
-        return "the programs stop by themselves within 2 s if they still run: look at the arm"
+        return f"they could not be stopped: {self._stream.state}"
 
     # ------------------------------------------------------------------------------ inside
 
@@ -152,11 +156,6 @@ class ControlMode:
         self._started = True
         self._stream.start()
         self._sent = self.status.taken
-
-    def _leave(self) -> None:
-        with suppress(Refused):
-            self.stop()
-        self._close()
 
     def _close(self) -> None:
         self._stream.close()

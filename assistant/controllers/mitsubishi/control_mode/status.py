@@ -9,6 +9,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Final, NoReturn
 
@@ -24,7 +25,9 @@ STOP: Final = "0"
 WATCHED: Final = "2"
 BEAT: Final = 0.4
 """Seconds between two messages of a client that is watched; two seconds stop the programs."""
-STATE: Final = "the programs stop within 2 s, as nobody asks for more"
+WATCHING: Final = "the programs stop by themselves within 2 s of the last message"
+UNWATCHED: Final = "no position was sent, but the programs may still wait for one"
+"""What is known of a controller whose status line is gone."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,12 +94,33 @@ class StatusStream:
             return enough(self.latest)
 
     def stop(self, timeout: float) -> bool:
-        """Asks for the end of all programs; whether they said that they end."""
+        """Asks for the end of all programs; whether they said that they end.
+
+        Where the line was cut it is connected to once more for that.
+        """
         if self._thread.is_alive():
             self._stopping.set()
             with self._news:
                 self._news.wait_for(lambda: self._gone, timeout)
+        if self.failure is not None and not self.ended:
+            with suppress(Refused):
+                self._stop_anew(time.monotonic() + timeout)
         return self.ended
+
+    def _stop_anew(self, end: float) -> None:
+        self._thread.join()
+        self.link.close()
+        self.link.open()
+        while not self.ended and time.monotonic() < end:
+            self.link.send(STOP)
+            heard = time.monotonic()
+            while not self.ended and time.monotonic() - heard < BEAT:
+                self.ended = self.link.wait(SLICE) == ENDED
+
+    @property
+    def state(self) -> str:
+        """What is known of the programs if nothing more is heard of them."""
+        return UNWATCHED if self.latest is None else WATCHING
 
     def close(self) -> None:
         """Ends the thread and the line."""
@@ -167,7 +191,9 @@ class StatusStream:
 
     def _fail(self, rule: Rule, *, seconds: float = 0.0, answer: str = "") -> NoReturn:
         target = self.link.target
-        raise Lost(rule(place=target, target=target, seconds=seconds, answer=answer, state=STATE))
+        raise Lost(
+            rule(place=target, target=target, seconds=seconds, answer=answer, state=self.state)
+        )
 
 
 SLICE: Final = 0.1
