@@ -143,14 +143,13 @@ def record(value: object) -> object:
 def joints_line(position: Position) -> str:
     """`J1 0.00  J2 10.00  …` of the axes that there are."""
     there = ((i, j) for i, j in enumerate(position.joints, 1) if j is not None)
-    return "  ".join(f"J{i} {j:.2f}" for i, j in there)
+    return "  ".join(f"J{i} {round(j, 2) + 0.0:.2f}" for i, j in there)
 
 
 def pose_line(position: Position) -> str:
     """Position in mm and quaternion of the tool."""
-    x, y, z = position.position
-    w, *turn = position.quaternion
-    q = ", ".join(f"{part:.5f}" for part in (w, *turn))
+    x, y, z = (round(part, 2) + 0.0 for part in position.position)
+    q = ", ".join(f"{round(part, 5) + 0.0:.5f}" for part in position.quaternion)
     return f"x {x:.2f}  y {y:.2f}  z {z:.2f} mm  quaternion ({q})"
 
 

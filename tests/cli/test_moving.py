@@ -195,3 +195,56 @@ def test_without_a_robot_that_is_said(capsys, loaded, tmp_path):
     status, _, said = run(capsys, "start", "cell1", "cell.mod", "--no-wait", "--yes")
     assert status == 0 and "CO714" in said
     assert run(capsys, "stop", "cell1")[0] == 0
+
+
+# ------------------------------------------------------------------- a CR controller, by its link
+
+
+@pytest.fixture
+def ready(capsys, cr):
+    """A CR controller whose motors are on."""
+    assert run(capsys, "motors", "cell1", "on", "--yes")[0] == 0
+    return cr
+
+
+def test_one_axis_is_moved_by_hand(capsys, ready):
+    status, out, _ = run(capsys, "jog", "cell1", "J1", "-5", "--speed", "100", "--yes")
+    assert status == 0 and out.startswith("J1 -5.00  J2 0.00")
+    status, out, _ = run(capsys, "jog", "cell1", "z", "-10", "--yes", "--format", "json")
+    assert status == 0
+    assert json.loads(out)["position"]["position"] == pytest.approx([159.39, -13.94, 468.0])
+
+
+def test_ctrl_c_stops_a_motion_by_hand(ready):
+    with process("jog", "cell1", "J1", "90", "--speed", "3", "--yes") as child:
+        while now()[1] == 0.0:
+            assert child.poll() is None
+        child.send_signal(signal.SIGINT)
+        _, said = child.communicate(timeout=30)
+    assert child.returncode == 130 and "CL240" in said and "Traceback" not in said
+    first = now()[1]
+    assert 0.0 < first < 89.0 and f"J1 {first:.2f}" in said
+
+
+def test_a_program_is_started_by_the_link(capsys, ready, here):
+    (here / "pick.prg").write_text(
+        "10 MOV J1\n20 END\nJ1=(+10.00,+0.00,+90.00,+0.00,+90.00,+0.00)\n"
+    )
+    assert run(capsys, "put", "cell1", "pick.prg")[0] == 0
+    status, out, _ = run(capsys, "start", "cell1", "PICK", "--yes")
+    assert status == 0 and "the program has ended" in out
+    assert now()[1] == pytest.approx(10.0)
+
+
+def test_a_fault_of_the_program_is_its_end(capsys, ready, here):
+    (here / "bad.prg").write_text(
+        "10 MOV J1\n20 END\nJ1=(+400.00,+0.00,+90.00,+0.00,+90.00,+0.00)\n"
+    )
+    assert run(capsys, "put", "cell1", "bad.prg")[0] == 0
+    status, out, said = run(capsys, "start", "cell1", "BAD", "--yes")
+    assert status == 1 and "error" in out + said
+    assert not now()[0].running
+
+
+def test_a_hand_is_closed(capsys, ready):
+    assert run(capsys, "hand", "cell1", "close", "--yes")[:2] == (0, "cell1: hand 1 closed\n")
