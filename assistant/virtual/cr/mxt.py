@@ -15,7 +15,7 @@ import struct
 import sys
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Final, Literal, Protocol
 
@@ -99,6 +99,7 @@ class MxtControl:
 
     port: UDP, 0 for any. timeout: MXTTOUT, cycles without a packet until error 7820, -1 for never.
     answers_end: whether the command that ends it is answered, which the manual leaves open.
+    halted: whether the operation is stopped, so that packets are neither heard nor answered.
     faults: number of a reply, from 1 on → what befalls it. short: packets of 64 bytes.
     """
 
@@ -116,6 +117,7 @@ class MxtControl:
         faults: Mapping[int, Fault] | None = None,
         short: bool = False,
         record: bool = True,
+        halted: Callable[[], bool] = lambda: False,
     ) -> None:
         self.arm = arm
         self._type = kind + 1
@@ -132,6 +134,7 @@ class MxtControl:
         if self._stamps:
             self._socket.setsockopt(socket.SOL_SOCKET, STAMP, 1)
         self._silent = False
+        self._halted = halted
         self._sent: float | None = None
         self._moving = False
         self._waiting: list[tuple[float, bytes, tuple[str, int]]] = []
@@ -159,8 +162,8 @@ class MxtControl:
                 got = self._latest()
                 if got is None:
                     self.arm.rest()
-                    without += 1
-                    if self._timeout >= 0 and not self._silent:
+                    if self._timeout >= 0 and not self._silent and not self._halted():
+                        without += 1
                         result.missed += 1
                         if without >= max(1, self._timeout):
                             raise Refusal(TIMED_OUT)
@@ -193,7 +196,10 @@ class MxtControl:
                 return found
             except ConnectionRefusedError:
                 continue
-            if sender[0] != self._partner or len(data) != self._size or self._silent:
+            if sender[0] != self._partner or len(data) != self._size:
+                self.result.ignored += 1
+                continue
+            if self._silent or self._halted():
                 self.result.ignored += 1
                 continue
             found = (np.frombuffer(data.ljust(196, b"\0"), PACKET)[0], sender)

@@ -57,7 +57,7 @@ class MxtArm:
         self._servo = servo
         self._part = cycle / (cycle + filter_ms / 1e3)
         self._turning = ~np.asarray(robot.sliding)
-        self.places = np.array([int(axis.removeprefix("J")) - 1 for axis in robot.axes])
+        self.places = np.array(robot.places)
 
     def command(self, joints: Floats) -> None:
         """Takes a command; raises Refusal if it is out of range or too far for one cycle."""

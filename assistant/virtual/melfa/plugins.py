@@ -13,7 +13,7 @@ They stand before what is simulated, and any name may be one that the language l
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from assistant.virtual.melfa.values import Value
@@ -29,12 +29,14 @@ class Given:
 
     name: upper case, without `$`. arguments: their values, None for one that is left out; a bare
     word is a text. task: to tell events, to set outputs, to wait. arm: where it stands.
+    files: what is open, by its number, as `Open` named it.
     """
 
     name: str
     arguments: tuple[Value | None, ...]
     task: Task
     arm: Arm
+    files: Mapping[int, str] = field(default_factory=dict)
 
 
 Command = Callable[[Given], Value | None]

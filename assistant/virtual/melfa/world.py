@@ -111,7 +111,8 @@ class World:
 
     def given(self, name: str, arguments: tuple[Value | None, ...]) -> Value | None:
         """What the plug-in of a name gives; there must be one."""
-        return self.commands[name](Given(name, arguments, self.task, self.arm))
+        files = {number: channel.name for number, channel in self.files.items()}
+        return self.commands[name](Given(name, arguments, self.task, self.arm, files))
 
     def note(self, what: str) -> None:
         """Says once for the run what is taken without any effect."""
