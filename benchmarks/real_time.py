@@ -17,7 +17,7 @@ from typing import Final
 import numpy as np
 
 from assistant import robots
-from assistant.controllers.cyclic import Limits, Settings, Trajectory
+from assistant.controllers.cyclic import Ended, Limits, Settings, Trajectory
 from assistant.controllers.mitsubishi.mxt import CYCLES, Mxt
 from assistant.controllers.mitsubishi.mxt.link import MxtLink
 from assistant.virtual.cr.mxt_process import MxtProcess
@@ -40,7 +40,10 @@ def ours(port: int, cycle: float, seconds: float, **settings: object) -> str:
     limits = Limits(tuple(robots.get(ROBOT).speeds))
     made = Settings(timeout=2.0, **settings)  # type: ignore[arg-type]
     with Mxt("127.0.0.1", port=port, cycle=cycle, limits=limits, settings=made) as mxt:
-        return mxt.follow(trajectory(seconds)).priority
+        try:
+            return mxt.follow(trajectory(seconds)).priority
+        except Ended as ended:  # so often without the processor that it never comes to its end
+            return f"ended with {ended.findings[0].code}"
 
 
 class _Naive(asyncio.DatagramProtocol):

@@ -46,6 +46,9 @@ MEANING: Final = {
 class Enet(Wire):
     """The line that `Open "ENET:…"` opens: packets, of which `Mxt` alone knows."""
 
+    def __init__(self) -> None:
+        super().__init__(outside=True)
+
 
 class _Words:
     """Signals of the controller: read at once, set when the program looks."""
