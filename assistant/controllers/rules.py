@@ -110,6 +110,12 @@ NEEDS_SFTP = error(
     "SFTP needs paramiko, which is not installed",
     "install it with `pip install 'robot-assistant[sftp]'`",
 )
+SHORT = error(
+    "CN213",
+    "`{name}` has {there} bytes on the controller, and {back} came, or it has changed meanwhile; "
+    "nothing was changed by that",
+    "check the line, then run it again",
+)
 ALARM = error(
     "CN301", "the controller answered error {number} ({text}) to {doing}; {state}", "{cure}"
 )

@@ -56,7 +56,7 @@ class Ftp(FtpSession):
         checked_name(name)
         if not self._has(name):
             return None
-        return self.retrieve(name, "nothing was changed by that")
+        return ftp_resuming.read_whole(self, name)
 
     def write(self, name: str, data: bytes) -> None:
         checked_name(name)

@@ -16,6 +16,7 @@ from typing import Final, Literal
 
 from assistant.controllers import folders, rules
 from assistant.controllers.abb.files import MOST_FOLDERS, told_name
+from assistant.controllers.abb.ftp_resuming import read_whole
 from assistant.controllers.abb.ftp_session import FtpSession
 from assistant.program.diagnostics import Refused
 
@@ -74,7 +75,7 @@ def fetch(session: FtpSession, folder: str, into: FilePath) -> tuple[str, ...]:
     start = f"{folder.rstrip('/')}/" if folder else ""
     with folders.appearing(into, KIND) as new:
         for path in files:
-            folders.put(new, path, session.retrieve(start + path, UNTOUCHED))
+            folders.put(new, path, read_whole(session, start + path))
     return tuple(files)
 
 

@@ -32,6 +32,15 @@ def size(session: FtpSession, name: str) -> int | None:
     return int(told) if told is not None and told.isdecimal() else None
 
 
+def read_whole(session: FtpSession, name: str) -> bytes:
+    """A file with as many bytes as the server says that it has, where it says so."""
+    data = session.retrieve(name, UNTOUCHED)
+    length = size(session, name)
+    if length not in (None, len(data)):
+        raise Refused(rules.SHORT(place=name, name=name, there=length, back=len(data)))
+    return data
+
+
 def download(session: FtpSession, name: str, to: FilePath, progress: Progress | None) -> int:
     part, note = to.with_name(f"{to.name}.part"), to.with_name(f"{to.name}.part.json")
     stamp = _stamp(session, name)
@@ -48,11 +57,7 @@ def download(session: FtpSession, name: str, to: FilePath, progress: Progress | 
         length = part.stat().st_size
         if stamp != _stamp(session, name) or (whole is not None and length != whole):
             part.unlink()
-            raise Refused(
-                rules.ALTERED(
-                    place=name, name=name, sent=whole or 0, back=length, at=length, state=UNTOUCHED
-                )
-            )
+            raise Refused(rules.SHORT(place=name, name=name, there=whole, back=length))
         part.replace(to)
         note.unlink(missing_ok=True)
     except OSError as error:

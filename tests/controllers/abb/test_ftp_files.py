@@ -208,7 +208,7 @@ def test_a_place_that_cannot_be_written_is_a_finding(plain, tmp_path):
     fill(plain.home, {"big.bin": BIG})
     with plain.client() as client, pytest.raises(Refused) as refused:
         client.download("big.bin", tmp_path / "nowhere" / "big.bin")
-    assert codes(refused) == ["CN210"] and not isinstance(refused.value, Lost)
+    assert codes(refused) == ["CN219"] and not isinstance(refused.value, Lost)
 
 
 def test_a_connection_that_is_cut_leaves_no_folder(plain, tmp_path):
