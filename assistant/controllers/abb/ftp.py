@@ -9,6 +9,7 @@ from __future__ import annotations
 import ftplib
 import io
 import re
+from contextlib import suppress
 from pathlib import Path as FilePath
 from typing import Final
 
@@ -50,11 +51,14 @@ class Ftp(FtpSession):
                 # Servers say 550 of an empty folder; anything else is a real refusal.
                 if not re.search(r"no (such )?files|not found|empty", str(error), re.IGNORECASE):
                     raise
+            # A list that was cut looks whole; that the session goes on tells that it was not.
+            with suppress(ftplib.error_perm):
+                self.session.voidcmd("NOOP")
         return tuple(sorted({line.rsplit("/", 1)[-1] for line in found} - {".", ".."}))
 
     def read(self, name: str) -> bytes | None:
         checked_name(name)
-        if not self._has(name):
+        if not self._has(name) and self.size(name) is None:
             return None
         return ftp_resuming.read_whole(self, name)
 

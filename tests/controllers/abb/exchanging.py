@@ -47,7 +47,7 @@ class RunningRobot:
             if not left.exists():
                 return
             threading.Event().wait(0.005)
-        raise AssertionError("the program does not start")
+        raise AssertionError(f"the program does not start: {self.run}")
 
     def __exit__(self, *error):
         if self.thread.is_alive():
