@@ -3,6 +3,7 @@ from __future__ import annotations
 import pytest
 
 from assistant.virtual.irc5 import Signal, VirtualIrc5
+from assistant.virtual.motion import Timed
 from tests.virtual.irc5.web import One, Robot, Two
 
 SIGNALS = [
@@ -47,3 +48,4 @@ def _empty(programs):
     programs.stop()
     programs.restore([])
     programs.active, programs.cycle = True, "forever"
+    programs.kernel.motion = Timed(programs.robot)  # the arm is at its home

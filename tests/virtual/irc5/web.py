@@ -88,7 +88,7 @@ class One:
     def get(self, path: str) -> Answer:
         return self.send("GET", path + ("&" if "?" in path else "?") + "json=1")
 
-    def post(self, path: str, **form: str) -> Answer:
+    def post(self, path: str, /, **form: str) -> Answer:
         """Fields with `-` in their names are written with `_`."""
         fields = {name.replace("_", "-"): value for name, value in form.items()}
         body = urllib.parse.urlencode(fields).encode()
@@ -123,7 +123,7 @@ class Two(One):
     def get(self, path: str) -> Answer:
         return self.send("GET", path)
 
-    def post(self, path: str, **form: str) -> Answer:
+    def post(self, path: str, /, **form: str) -> Answer:
         fields = {name.replace("_", "-"): value for name, value in form.items()}
         body = urllib.parse.urlencode(fields).encode()
         return self.send("POST", path, body, {"Content-Type": f"{FORM};v=2.0"})
@@ -148,7 +148,7 @@ class Robot:
     def either(self, one: str, two: str) -> str:
         return one if self.client.dialect == 1 else two
 
-    def post(self, one: str, two: str, **form: str) -> Answer:
+    def post(self, one: str, two: str, /, **form: str) -> Answer:
         return self.client.post(self.either(one, two), **form)
 
     def file(self, name: str) -> str:

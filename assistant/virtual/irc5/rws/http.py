@@ -178,6 +178,9 @@ class Connection(BaseHTTPRequestHandler):
         except Rejected as wrong:
             self._refuse(wrong, form or self._usual())
             return
+        except Exception as wrong:
+            self._refuse(Rejected(reasons.BROKEN, type(wrong).__name__), form or self._usual())
+            raise
         assert form is not None
         self._answer(answer, form, path)
 

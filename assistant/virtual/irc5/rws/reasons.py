@@ -38,4 +38,6 @@ NO_EVENTS: Final = Reason(-1073414146, "Resource does not exist on the controlle
 NO_METHOD: Final = Reason(-1073445879, "Method not allowed", 405, 405)
 UNACCEPTABLE: Final = Reason(-1073445879, "Not acceptable", 406, 406)
 NOT_THIS_TYPE: Final = Reason(-1073445879, "Unsupported media type", 415, 415)
+BROKEN: Final = Reason(-1073445885, "Unspecified Error", 500, 500)
+"""The virtual controller itself has gone wrong."""
 TOO_MANY: Final = Reason(-1073445885, "Too many sessions", 503, 503)

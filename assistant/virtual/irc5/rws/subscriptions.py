@@ -86,7 +86,7 @@ class Group:
         if one.first:
             return [one.events(value)]
         numbers = range(int(before) + 1, int(value) + 1)
-        return [one.events(str(number)) for number in numbers]
+        return [told for number in numbers if (told := one.events(str(number)))]
 
 
 class Subscriptions:

@@ -123,13 +123,14 @@ def _data(
 
 
 def _log(cabinet: Cabinet, resource: str, priority: int, domain: int) -> Watch:
-    """Its value is the number of its latest event."""
+    """Its value is the number of the latest event of all; those of other domains tell nothing."""
 
     def read() -> str:
-        events = cabinet.log.of(domain)
-        return str(events[-1].number) if events else "0"
+        return str(cabinet.log.count)
 
     def events(value: str) -> list[Item]:
+        if all(str(one.number) != value for one in cabinet.log.of(domain)):
+            return []
         href = f"/rw/elog/{domain}/{value}"
         return [Item("elog-message-ev", "message", {"seqnum": value}, href)]
 

@@ -32,8 +32,8 @@ def path_of(cabinet: Cabinet, path: str, dialect: int = 1) -> FilePath:
     if name not in VOLUMES:
         raise Rejected(reasons.NO_FILE if dialect == 1 else reasons.NO_VOLUME)
     root = cabinet.disk.folder(name)
-    found = (root / inside).resolve()
-    if _CONTROL.search(path) or (found != root and root not in found.parents):
+    found = None if _CONTROL.search(inside) else (root / inside).resolve()
+    if found is None or (found != root and root not in found.parents):
         raise Rejected(reasons.NO_FILE if dialect == 1 else reasons.NO_PATH)
     return found
 
