@@ -206,7 +206,7 @@ def test_symbols_are_found_by_what_they_are(robot):
     assert robot.client.get(path).items("rap-symproppers")[0]["symtyp"] == "per"
     one, two = (
         "/rw/rapid/symbol/data?action=validate",
-        "/rw/rapid/symbol/RAPID/T_ROB1?action=validate",
+        "/rw/rapid/symbol/RAPID/T_ROB1/data?action=validate",
     )
     for value, status in (("[1,2,3]", 204), ("[1,2]", 400), ("x", 400)):
         form = {"task": "T_ROB1", "value": value, robot.either("datatype", "dattyp"): "pos"}
