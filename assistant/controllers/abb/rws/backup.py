@@ -39,10 +39,10 @@ def back_up(session: Session, files: Files, folder: str | FilePath) -> tuple[str
         finally:
             if session.connected:
                 files.discard(path)
-        found = folders.files(place)
-        if not any(name.lower() == ABOUT for name in found):
+        written = folders.files(place)
+        if not any(one.lower() == ABOUT for one in written):
             raise session.garbled("reading the backup", f"it has no `{ABOUT}`")
-        return found
+        return written
 
 
 def _make(session: Session, files: Files, path: str) -> None:
