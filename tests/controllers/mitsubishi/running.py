@@ -3,6 +3,7 @@
 import os
 import pty
 import threading
+import time
 import tty
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -54,9 +55,20 @@ class Running:
         assert not self._thread.is_alive()
 
     def ended(self):
-        """The run, once it is over."""
+        """The run, once it is over by itself, or behind a stop of all slots."""
+        if self.states == ["waits", "reset", "reset"]:
+            self._stop.set()
         self._thread.join(30)
         return self.done
+
+    def stopped(self):
+        """Seconds of the run after which all slots stood; fails if they never do."""
+        end = time.monotonic() + 30
+        while self.states != ["waits", "reset", "reset"]:
+            assert self._thread.is_alive() or self.states == ["waits", "reset", "reset"]
+            assert time.monotonic() < end, self.states
+            time.sleep(0.005)
+        return self.kernel.clock
 
     @property
     def states(self):

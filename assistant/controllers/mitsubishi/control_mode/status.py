@@ -26,7 +26,7 @@ WATCHED: Final = "2"
 BEAT: Final = 0.4
 """Seconds between two messages of a client that is watched; two seconds stop the programs."""
 WATCHING: Final = "the programs stop by themselves within 2 s of the last message"
-UNWATCHED: Final = "no position was sent, but the programs may still wait for one"
+UNWATCHED: Final = "no position was sent; programs that run may still wait for one"
 """What is known of a controller whose status line is gone."""
 
 
@@ -60,6 +60,7 @@ class StatusStream:
         self._news = threading.Condition()
         self._stopping = threading.Event()
         self._over = threading.Event()
+        self._tried = False
         self._thread = threading.Thread(target=self._run, name="status", daemon=True)
 
     def start(self) -> None:
@@ -69,12 +70,7 @@ class StatusStream:
     def first(self) -> Status:
         """The latest record, once there is one; raises Refused as `wait` does."""
         if self._thread.ident is None:
-            doing, reason = "asking for the status", "there is no session"
-            target = self.link.target
-            told = rules.LINE_LOST(
-                place=target, target=target, doing=doing, reason=reason, state="nothing was sent"
-            )
-            raise Lost(told)
+            raise self._lost("asking for the status", "there is no session")
         while not self.wait(lambda latest: latest is not None, self.link.timeout):
             """The thread tells when that took too long."""
         assert self.latest is not None
@@ -102,9 +98,10 @@ class StatusStream:
             self._stopping.set()
             with self._news:
                 self._news.wait_for(lambda: self._gone, timeout)
-        if self.failure is not None and not self.ended:
+        if self.failure is not None and not self.ended and not self._tried:
+            self._tried = True
             with suppress(Refused):
-                self._stop_anew(time.monotonic() + timeout)
+                self._stop_anew(time.monotonic() + min(timeout, self.link.timeout))
         return self.ended
 
     def _stop_anew(self, end: float) -> None:
@@ -134,9 +131,13 @@ class StatusStream:
         return self.ended or self.failure is not None
 
     def _run(self) -> None:
+        failure: Refused | None = self._lost("listening", "its thread ended")
         try:
             self._hear()
-        except Refused as failure:
+            failure = None
+        except Refused as error:
+            failure = error
+        finally:  # nobody waits for ever, whatever it was
             with self._news:
                 self.failure = failure
                 self._news.notify_all()
@@ -188,6 +189,12 @@ class StatusStream:
             FORM.record(self.recording, values, seconds)
             self._news.notify_all()
         return True
+
+    def _lost(self, doing: str, reason: str) -> Lost:
+        target, state = self.link.target, self.state
+        return Lost(
+            rules.LINE_LOST(place=target, target=target, doing=doing, reason=reason, state=state)
+        )
 
     def _fail(self, rule: Rule, *, seconds: float = 0.0, answer: str = "") -> NoReturn:
         target = self.link.target
