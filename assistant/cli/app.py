@@ -30,6 +30,7 @@ from assistant.cli.options import (
     complete_robot,
 )
 from assistant.cli.presentation import FindingFormat, Format, FramesAs, answer_as
+from assistant.cli.virtual_commands import virtual
 from assistant.cli.virtual_runs import debug, run
 
 app: Final = typer.Typer(
@@ -38,9 +39,6 @@ app: Final = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
-)
-virtual: Final = typer.Typer(
-    help="Run a virtual controller on this computer.", no_args_is_help=True, rich_markup_mode=None
 )
 app.add_typer(virtual, name="virtual")
 robots: Final = typer.Typer(
@@ -351,49 +349,6 @@ def robots_show(
     before = context.parent.params["format"] if context.parent else Format.TEXT
     asked = answer_as(format or Format(before))
     raise typer.Exit(run_show(robot, draw, Format(asked)))
-
-
-@virtual.command("irc5")
-def virtual_irc5(
-    folder: Annotated[Path, typer.Option(help="Folder that is its HOME:.")] = Path("home"),
-    port: Annotated[int, typer.Option(help="FTP port here; 0 takes a free one.")] = 2121,
-    user: Annotated[str, typer.Option(help="Its user.")] = "robot",
-    robot: Annotated[
-        str, typer.Option("--robot", "-r", help="Its arm.", autocompletion=complete_robot)
-    ] = "irb1200-7-0.7",
-    rws_port: Annotated[
-        int, typer.Option(help="Port of Robot Web Services 1.0; 0 takes a free one.")
-    ] = 0,
-    rwss_port: Annotated[
-        int, typer.Option(help="Port of Robot Web Services 2.0; 0 takes a free one.")
-    ] = 0,
-    signal: Annotated[
-        list[str] | None,
-        typer.Option(help="A signal of its I/O configuration, as do_grip=DO; repeatable."),
-    ] = None,
-    manual: Annotated[bool, typer.Option("--manual", help="Begin in manual mode.")] = False,
-) -> None:
-    """A virtual IRC5: FTP and Robot Web Services over a folder, programs that run in real time."""
-    from assistant.cli.virtual import run_irc5
-
-    ports = (port, rws_port, rwss_port)
-    run_irc5(folder, user, robot, ports, signal or [], "MANR" if manual else "AUTO")
-
-
-@virtual.command("cr")
-def virtual_cr(
-    robot: Annotated[
-        str, typer.Option("--robot", "-r", help="Its arm.", autocompletion=complete_robot)
-    ] = "rv-2aj",
-    port: Annotated[
-        int, typer.Option(help="Controller-link port on this computer; 0 takes a free one.")
-    ] = 10001,
-    log: Annotated[bool, typer.Option("--log", help="Print each command and answer.")] = False,
-) -> None:
-    """A virtual CR controller: controller link over TCP."""
-    from assistant.cli.virtual import run_cr
-
-    run_cr(robot, port, log)
 
 
 @app.command()

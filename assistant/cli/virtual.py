@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 import threading
 from collections.abc import Callable, Sequence
@@ -14,7 +15,7 @@ from assistant.controllers.credentials import PASSWORD
 from assistant.program.diagnostics import Refused, error
 
 if TYPE_CHECKING:
-    from assistant.virtual.cr import VirtualCr
+    from assistant.virtual.cr import Faults, VirtualCr
     from assistant.virtual.irc5 import Signal, VirtualIrc5
 
 NOT_STARTED = error(
@@ -24,6 +25,11 @@ NOT_STARTED = error(
 )
 
 
+NO_REFUSAL = error(
+    "CL103",
+    "`{text}` is no command with the number of an error",
+    "write them as SRVON=5600",
+)
 NO_SIGNAL = error(
     "CL102",
     "`{text}` is no signal",
@@ -78,18 +84,58 @@ def _services(controller: VirtualIrc5) -> None:
     say(f"its certificate: {controller.certificate}")
 
 
-def run_cr(robot: str, port: int, log: bool) -> None:
+def run_cr(
+    robot: str,
+    faults: Faults,
+    refused: Sequence[str],
+    *,
+    port: int,
+    folder: Path | None,
+    data_port: int,
+    serial: bool | str,
+    framing: Literal["plain", "procedural", "data link"],
+    pace: float,
+    log: bool,
+) -> None:
+    """refused: commands with the numbers that they are answered with, as SRVON=5600."""
     from assistant.compiler.arms import robot_of
     from assistant.languages import get
     from assistant.virtual.cr import VirtualCr
 
     arm = robot_of(robot)
     assert arm is not None
+    faults.errors = dict(map(_refusal, refused))
     try:
-        controller = VirtualCr(arm.name, port=port, report=_report if log else None)
-    except ValueError as error:
+        controller = VirtualCr(
+            arm.name,
+            port=port,
+            folder=folder,
+            data_port=data_port,
+            serial=serial,
+            framing=framing,
+            pace=pace,
+            faults=faults,
+            report=_report if log else None,
+        )
+    except (ValueError, OSError) as error:
         raise Refused(NOT_STARTED(place=robot, reason=error), exit_status=2) from None
-    _run(controller, f"{arm.title}, {get(controller.state.language).title}", None)
+    about = f"{arm.title}, {get(controller.state.language).title}"
+    _run(controller, about, None, _lines)
+
+
+def _refusal(text: str) -> tuple[str, int]:
+    command, sign, number = text.rpartition("=")
+    if not sign or not command or not re.fullmatch(r"\d{1,4}", number, re.ASCII):
+        raise Refused(NO_REFUSAL(text=text), exit_status=2)
+    return command, int(number)
+
+
+def _lines(controller: VirtualCr) -> None:
+    if controller.has_serial:
+        is_link = controller.state.parameters["CPRC232"] != ("2",)
+        say(f"serial line at {controller.serial_address if is_link else controller.serial_path}")
+    for name, (host, port) in controller.data_ports.items():
+        say(f"data link {name} at {host}:{port}")
 
 
 C = TypeVar("C", "VirtualIrc5", "VirtualCr")

@@ -5,5 +5,6 @@ with VirtualCr("rv-2aj") as controller:
 """
 
 from assistant.virtual.cr.controller import VirtualCr
+from assistant.virtual.cr.faults import Faults
 
-__all__ = ["VirtualCr"]
+__all__ = ["Faults", "VirtualCr"]

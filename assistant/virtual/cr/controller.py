@@ -118,6 +118,10 @@ class VirtualCr:
         return f"melfa://{self._place[0]}:{self.port}"
 
     @property
+    def has_serial(self) -> bool:
+        return self._serial is not None
+
+    @property
     def serial_path(self) -> str:
         """The serial port, or the pseudo terminal that clients open."""
         assert self._serial is not None, "the controller has no serial line, or is not started"

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from assistant.program.geometry import Pose
 from assistant.virtual.cr.direct import moves, parsed
@@ -20,6 +20,18 @@ from assistant.virtual.melfa import poses
 from assistant.virtual.melfa.slots import Slot
 from assistant.virtual.melfa.stops import Failed, Unknown
 from assistant.virtual.melfa.values import Position, eight
+
+
+class Standing(NamedTuple):
+    """now, joints: (a,) degrees, where the arm is, and those that are asked for. speed: of the tool
+    in mm/s. tool: on the flange. foot: what positions are counted in.
+    """
+
+    now: tuple[float, ...]
+    joints: tuple[float, ...]
+    speed: float
+    tool: Pose
+    foot: Pose
 
 
 class Machinery(Powered):
@@ -253,17 +265,13 @@ class Machinery(Powered):
         """(a,) degrees, where the arm is now."""
         return self.do(lambda: tuple(self._own(self.arm.where()[1])))
 
-    def goal(self) -> tuple[float, ...]:
-        """(a,) degrees, where it is sent; where it is if that is not known."""
-
-        def act() -> tuple[float, ...]:
-            try:
-                found = self.controller.arm.shown_joints().values
-            except (Failed, Unknown):
-                return tuple(self._own(self.arm.where()[1]))
-            return tuple(self._own([v or 0.0 for v in found]))
-
-        return self.do(act)
+    def _goal(self) -> tuple[float, ...]:
+        """(a,) degrees, where the arm is sent; empty if that is not known."""
+        try:
+            found = self.controller.arm.shown_joints().values
+        except (Failed, Unknown):
+            return ()
+        return tuple(self._own([v or 0.0 for v in found]))
 
     def _own(self, joints: Sequence[float]) -> list[float]:
         return [float(joints[place]) for place in self.robot.places]
@@ -299,10 +307,13 @@ class Machinery(Powered):
         found = self.do(lambda: sorted(self.stepping.breakpoints.items()))
         return [(program, line, once) for (program, line), once in found]
 
-    def speed(self) -> float:
-        """mm/s of the tool."""
-        return self.do(lambda: self.arm.progress().speed)
+    def standing(self, *, goal: bool = False) -> Standing:
+        """goal: with the joints that the arm is sent to."""
 
-    def frames(self) -> tuple[Pose, Pose]:
-        """The tool on the flange, and what the arm stands on, as they are set."""
-        return self.do(lambda: (self.controller.arm.tip, self.controller.arm.foot))
+        def act() -> Standing:
+            arm, moving = self.controller.arm, not self.arm.stands()
+            now = tuple(self._own(self.arm.where()[1]))
+            speed = self.arm.progress().speed if moving else 0.0
+            return Standing(now, self._goal() or now if goal else now, speed, arm.tip, arm.foot)
+
+        return self.do(act)

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from datetime import datetime
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from assistant.virtual.cr import positions
 from assistant.virtual.cr.command import Command, bare
+from assistant.virtual.cr.machinery import Standing
 from assistant.virtual.cr.sessions import axes_there
 from assistant.virtual.cr.state import CrSession
 from assistant.virtual.cr.store import CrRefusal
+
+if TYPE_CHECKING:
+    from assistant.robots import Robot
 
 FULL: Final = "F"
 NO_FLAGS: Final = "****,****"
@@ -62,48 +67,57 @@ def _bits(session: CrSession) -> str:
 
 
 def _joints(session: CrSession, axis: str) -> str:
-    state = session.state
-    return _position(session, positions.joints(state.robot, state.joints), NO_FLAGS, axis)
+    return _told(session, axis, _of_joints, goal=False)
 
 
 def _pose(session: CrSession, axis: str) -> str:
-    state = session.state
-    angles = state.joints
-    shown = positions.pose(state.robot, angles, *state.machinery.frames())
-    return _position(session, shown, positions.flags(state.robot, angles), axis)
+    return _told(session, axis, _of_pose, goal=False)
 
 
 def _cylinder(session: CrSession, axis: str) -> str:
-    state = session.state
-    angles = state.joints
-    shown = positions.pose(state.robot, angles, *state.machinery.frames())
-    flags = positions.flags(state.robot, angles)
-    return _position(session, positions.cylinder(shown), flags, axis)
+    return _told(session, axis, _of_cylinder, goal=False)
 
 
 def _goal_joints(session: CrSession, axis: str) -> str:
-    state = session.state
-    shown = positions.joints(state.robot, state.machinery.goal())
-    return _position(session, shown, NO_FLAGS, axis)
+    return _told(session, axis, _of_joints, goal=True)
 
 
 def _goal_pose(session: CrSession, axis: str) -> str:
-    state = session.state
-    angles = state.machinery.goal()
-    shown = positions.pose(state.robot, angles, *state.machinery.frames())
-    return _position(session, shown, positions.flags(state.robot, angles), axis)
+    return _told(session, axis, _of_pose, goal=True)
 
 
-def _position(session: CrSession, shown: positions.Shown, flags: str, axis: str) -> str:
+def _of_joints(robot: Robot, arm: Standing) -> tuple[positions.Shown, str]:
+    return positions.joints(robot, arm.joints), NO_FLAGS
+
+
+def _of_pose(robot: Robot, arm: Standing) -> tuple[positions.Shown, str]:
+    shown = positions.pose(robot, arm.joints, arm.tool, arm.foot)
+    return shown, positions.flags(robot, arm.joints)
+
+
+def _of_cylinder(robot: Robot, arm: Standing) -> tuple[positions.Shown, str]:
+    shown, flags = _of_pose(robot, arm)
+    return positions.cylinder(shown), flags
+
+
+def _told(
+    session: CrSession,
+    axis: str,
+    show: Callable[[Robot, Standing], tuple[positions.Shown, str]],
+    *,
+    goal: bool,
+) -> str:
     """`name;value;…;;flags;override;speed;limits`; an axis (1 to 8) chooses one of them."""
     axis = axis.removeprefix(FULL)
     if axis and not re.fullmatch(r"[1-8]", axis):
         raise CrRefusal(4460)
     state = session.state
+    arm = state.machinery.standing(goal=goal)
+    shown, flags = show(state.robot, arm)
     chosen = shown[int(axis) - 1 : int(axis)] if axis else shown
     values = "".join(f"{name};{value};" for name, value in chosen)
-    limits = positions.limits(state.robot, state.joints)
-    return f"{values};{flags};{state.override};{state.machinery.speed():.2f};{limits}"
+    limits = positions.limits(state.robot, arm.now)
+    return f"{values};{flags};{state.override};{arm.speed:.2f};{limits}"
 
 
 def _calibration(session: CrSession) -> str:
