@@ -83,7 +83,7 @@ def virtual_cr(
     pace: Annotated[float, typer.Option(help="Simulated seconds for each real one.", min=0.01)] = 1,
     delay: Annotated[float, typer.Option(help="Seconds before each answer.", min=0.0)] = 0.0,
     broken: Annotated[
-        int, typer.Option(help="One byte of so many that it sends is broken.", min=0)
+        int, typer.Option(help="How many characters apart one comes broken.", min=0)
     ] = 0,
     refuse: Annotated[
         list[str] | None,
