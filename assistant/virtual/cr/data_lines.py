@@ -54,7 +54,7 @@ class DataLines:
             if target[0] in LOOPBACK:  # a virtual controller connects to no other computer
                 self.lines[name] = TcpClient(*target)
             return
-        server = TcpServer(port + index - 1 if port else 0, host)
+        server = TcpServer(port + index if port else 0, host)
         self.lines[name], self.ports[name] = server, server.address
         self._ends.append(server.shut)
 

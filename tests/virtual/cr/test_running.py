@@ -1,5 +1,6 @@
 """Programs and single commands that run in the virtual CR controller, over a real socket."""
 
+import socket
 import threading
 import time
 
@@ -304,3 +305,13 @@ def test_slots_run_side_by_side_and_one_begins_with_the_power(controller, wire):
     wait_for(lambda: wire.ask("1;1;GVALM_03;M") == "QoKM_03=+1")
     assert not runs(wire)
     assert state(wire, 3)[14:17] == ["EVER.MB4", "REP", "ALWAYS"]
+
+
+def test_lines_of_the_data_link_are_where_they_are_wanted():
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        first = free.getsockname()[1]
+    if first > 65000:
+        first -= 1000
+    with VirtualCr("rv-2aj", data_port=first) as controller:
+        ports = [port for _, port in controller.data_ports.values()]
+    assert ports == list(range(first + 1, first + 8))
