@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -19,6 +19,9 @@ from assistant.controllers import rules
 from assistant.controllers.controller import Controller, Programs
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Diagnostic, Refused
+
+if TYPE_CHECKING:
+    from assistant.controllers.cyclic import Limits
 
 Progress = Callable[[float], None]
 """Is told what part of the way is done, 0 to 1."""
@@ -104,7 +107,23 @@ class Mode:
     operates: bool = True
 
 
+def _limits(led: Led) -> Limits:
+    """What no cycle may exceed; an axis that the arm lacks stays where it is."""
+    from assistant.controllers.cyclic import Limits
+
+    rises = led.accelerations
+    return Limits(
+        tuple(led.numbered(led.speeds, 1.0).tolist()),
+        None if rises is None else tuple(led.numbered(rises, 1.0).tolist()),
+        tuple(led.numbered(led.limits[:, 0], -1.0).tolist()),
+        tuple(led.numbered(led.limits[:, 1], 1.0).tolist()),
+    )
+
+
 # ------------------------------------------------------------------------------------- ABB
+
+EGM_CYCLE: Final = 0.004
+"""Seconds, of all controllers that know it."""
 
 
 def _exchange(session: Programs, led: Led, wishes: Wishes, progress: Progress) -> Done:  # noqa: ARG001
@@ -121,10 +140,28 @@ def _exchange(session: Programs, led: Led, wishes: Wishes, progress: Progress) -
     return Done(f"{len(recording)} poses were answered", columns)
 
 
+def _egm(session: Programs, led: Led, wishes: Wishes, progress: Progress) -> Done:
+    """Joints cycle by cycle; a program on the controller is to come and ask for them."""
+    from assistant.controllers.abb.egm import guidance
+    from assistant.controllers.cyclic import Trajectory
+
+    report = guidance.guide(
+        session.address.host,
+        Trajectory.of_joints(led.numbered(led.joints, 0.0), led.seconds),
+        _limits(led),
+        port=wishes.port or guidance.PORT,
+        cycle=wishes.cycle or EGM_CYCLE,
+        watch=lambda now: progress(max(0.0, now.row) / max(1, now.rows)),
+    )
+    return Done(str(report), report.columns, report.findings)
+
+
 # ------------------------------------------------------------------------------ Mitsubishi
 
-CONTROL_PORT, STATUS_PORT = 10003, 10004
-"""Where COM1 and COM2 of the programs listen, if nothing else is said."""
+CONTROL_PORT, STATUS_PORT = 10002, 10003
+"""Of the lines OPT12 and OPT13, which COM1 and COM2 of the programs are to be; the controller link
+is on OPT11.
+"""
 
 
 def _data_link(session: Programs, led: Led, wishes: Wishes, progress: Progress) -> Done:
@@ -153,7 +190,7 @@ OPENING: Final = 10.0
 
 def _mxt(session: Programs, led: Led, wishes: Wishes, progress: Progress) -> Done:
     """Joints cycle by cycle; the program that waits for them is installed and started."""
-    from assistant.controllers.cyclic import Limits, Settings, Trajectory
+    from assistant.controllers.cyclic import Settings, Trajectory
     from assistant.controllers.mitsubishi.mxt import client
     from assistant.controllers.mitsubishi.mxt.program import program
 
@@ -164,17 +201,10 @@ def _mxt(session: Programs, led: Led, wishes: Wishes, progress: Progress) -> Don
     sliding = tuple(
         place + 1 for place, slides in zip(led.places, led.sliding, strict=True) if slides
     )
-    rises = led.accelerations
-    limits = Limits(
-        tuple(led.numbered(led.speeds, 1.0)),
-        None if rises is None else tuple(led.numbered(rises, 1.0)),
-        tuple(led.numbered(led.limits[:, 0], -1.0)),
-        tuple(led.numbered(led.limits[:, 1], 1.0)),
-    )
     mxt = client.Mxt(
         host,
         port=wishes.port or client.PORT,
-        limits=limits,
+        limits=_limits(led),
         cycle=wishes.cycle or client.CYCLES["CR750"],
         axes=joints.shape[1],
         sliding=sliding,
@@ -224,4 +254,5 @@ MODES: Final[Mapping[str, Mode]] = {
     "exchange": Mode("poses by files, one after the other", _exchange, 0.5, operates=False),
     "data-link": Mode("joint positions on a line of data", _data_link, 0.1),
     "mxt": Mode("joints cycle by cycle", _mxt, 0.01),
+    "egm": Mode("joints cycle by cycle, as a program asks for them", _egm, 0.01, operates=False),
 }

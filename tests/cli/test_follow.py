@@ -1,0 +1,149 @@
+"""`follow`: a trajectory that is checked as a whole and led along, cycle by cycle."""
+
+from __future__ import annotations
+
+import csv
+import json
+import socket
+
+import numpy as np
+import pytest
+
+from assistant import robots
+from assistant.compiler.following import led_along
+from assistant.controllers import connect
+from assistant.controllers.states import Position
+from assistant.program.diagnostics import Refused
+from assistant.virtual.cr import VirtualCr
+from assistant.virtual.cr.mxt_command import Enet, mxt_commands
+from assistant.virtual.irc5.egm import Guidance, VirtualEgm
+from tests.cli.test_commands import run
+
+HEAD = "x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z,speed_mm_s\n"
+FIVE = HEAD + "160,0,478,0,0,1,0,500\n170,0,470,0,0,1,0,500\n175,0,470,0,0,1,0,500\n"
+SIX = HEAD + "422,0,750,0.5,0,0.8660254,0,500\n430,5,750,0.5,0,0.8660254,0,500\n"
+
+
+def free_port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+@pytest.fixture
+def led(tmp_path, here):
+    """A CR controller in which programs can be led by packets, and the port of those."""
+    port = free_port()
+    commands = mxt_commands(port=port)
+    with VirtualCr(lines={"ENET:": Enet()}, commands=commands) as controller:
+        table = f'address = "{controller.address}"\nrobot = "rv-2aj"\ntimeout = 5\n'
+        (tmp_path / "assistant.toml").write_text(f"[controllers.cell1]\n{table}", encoding="utf-8")
+        (here / "way.csv").write_text(FIVE, encoding="utf-8")
+        yield controller, port
+
+
+def test_joints_are_led_by_packets(capsys, led, here):
+    _, port = led
+    assert run(capsys, "motors", "cell1", "on", "--yes")[0] == 0
+    arguments = ("follow", "cell1", "way.csv", "--by", "mxt", "--port", port, "--yes")
+    status, out, said = run(capsys, *arguments, "--log", "run.csv")
+    assert status == 0, said
+    assert "followed way.csv" in out and "wrote run.csv" in out
+    with connect("cell1") as controller:
+        assert controller.position().position == pytest.approx((175.0, 0.0, 470.0), abs=0.05)
+        assert controller.names() == ("FOLLOW",)
+    with (here / "run.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) > 10 and float(rows[-1]["time"]) > 0.0
+
+
+def test_another_program_of_that_name_is_not_replaced(capsys, led, here):
+    controller, port = led
+    (here / "follow.prg").write_text("10 DLY 1\n20 END\n")
+    assert run(capsys, "put", "cell1", "follow.prg")[0] == 0
+    arguments = ("follow", "cell1", "way.csv", "--by", "mxt", "--port", port, "--yes")
+    status, _, said = run(capsys, *arguments)
+    assert status == 1 and "CN230" in said and "DLY 1" in controller.text("FOLLOW")
+
+
+def test_joints_are_led_as_a_program_asks_for_them(capsys, rws, here):
+    port = free_port()
+    arm = Guidance("joints", robots.get("irb1200-7-0.7").home, (200.0,) * 6, cond_time=60.0)
+    (here / "way.csv").write_text(SIX, encoding="utf-8")
+    arguments = ("follow", "cell1", "way.csv", "--by", "egm", "--port", port, "--yes")
+    with VirtualEgm(arm, ("127.0.0.1", port)):
+        status, out, said = run(capsys, *arguments, "--format", "json")
+    assert status == 0, said
+    assert json.loads(out)["followed"].startswith(tuple("123456789"))
+
+
+@pytest.mark.parametrize(
+    ("text", "more", "status", "code"),
+    [
+        (FIVE, ("--by", "magic"), 2, "CL250"),
+        (FIVE, ("--by", "mxt", "--speed", "200"), 2, "CL243"),
+        (FIVE, ("--by", "mxt", "--interval", "0"), 2, "CL253"),
+        (FIVE, ("--by", "mxt", "--log", "run.xls"), 2, "CL252"),
+        (FIVE + "5000,0,470,0,0,1,0,500\n", ("--by", "mxt"), 1, "RB1"),
+        (HEAD, ("--by", "mxt"), 1, "TB"),
+    ],
+)
+def test_what_is_refused_before_anything_moves(capsys, cr, here, text, more, status, code):
+    (here / "way.csv").write_text(text, encoding="utf-8")
+    found, _, said = run(capsys, "follow", "cell1", "way.csv", *more, "--yes")
+    assert (found, code in said) == (status, True), said
+    assert cr.names() == ()
+
+
+def test_without_a_robot_no_trajectory_is_followed(capsys, cr, here, tmp_path):
+    project = tmp_path / "assistant.toml"
+    project.write_text(project.read_text().replace("robot =", "#"))
+    (here / "way.csv").write_text(FIVE, encoding="utf-8")
+    status, _, said = run(capsys, "follow", "cell1", "way.csv", "--by", "mxt", "--yes")
+    assert status == 2 and "CL251" in said
+
+
+ARM = robots.get("rv-2aj")
+HOME = Position((0.0, 0.0, 90.0, None, 90.0, 0.0), (160.0, 0.0, 478.0), (0.0, 0.0, 1.0, 0.0))
+
+
+def test_the_motion_begins_where_the_arm_is_and_ends_at_the_last_target(here):
+    (here / "way.csv").write_text(FIVE, encoding="utf-8")
+    bent = Position((20.0, 0.0, 90.0, None, 90.0, 0.0), HOME.position, HOME.quaternion)
+    found = led_along("way.csv", ARM, bent, 0.05, 100.0)
+    assert np.allclose(found.joints[0], (20.0, 0.0, 90.0, 90.0, 0.0))
+    assert np.allclose(found.positions[-1], (175.0, 0.0, 470.0))
+    assert np.diff(found.seconds).max() <= 0.05 + 1e-9
+    slow = led_along("way.csv", ARM, bent, 0.05, 50.0)
+    assert slow.seconds[-1] == pytest.approx(2.0 * found.seconds[-1])
+    first = led_along("way.csv", ARM, None, 0.05, 100.0)
+    assert np.allclose(first.positions[0], (160.0, 0.0, 478.0))
+    six = found.numbered(found.joints, np.nan)
+    assert six.shape == (len(found.seconds), 6) and np.isnan(six[:, 3]).all()
+
+
+def test_a_wait_is_a_part_of_the_motion(here):
+    seconds = [
+        led_along(str(_program(here, line)), ARM, HOME, 0.05, 100.0).seconds[-1]
+        for line in ("# nothing", "wait 1 s")
+    ]
+    assert seconds[1] - seconds[0] == pytest.approx(1.0, abs=0.01)
+
+
+@pytest.mark.parametrize("line", ["stop", "if 1 = 1\n    stop\n  end"])
+def test_a_program_that_does_more_than_move_is_not_followed(here, line):
+    with pytest.raises(Refused) as refused:
+        led_along(str(_program(here, line)), ARM, HOME, 0.05, 100.0)
+    assert [finding.code for finding in refused.value.findings] == ["CO721"]
+
+
+def _program(here, line):
+    """A pseudo-program with one more statement behind its moves."""
+    from assistant.program import pseudo
+    from assistant.sources import read
+
+    (here / "way.csv").write_text(FIVE, encoding="utf-8")
+    text = pseudo.print_program(read(here / "way.csv").program).text
+    file = here / "way.pseudo"
+    file.write_text(text.replace("\nend", f"\n  {line}\nend", 1), encoding="utf-8")
+    return file
