@@ -16,6 +16,8 @@ from xml.etree import ElementTree
 
 DEEPEST: Final = 50
 """Levels of an answer after which it is taken for garbage."""
+DOCTYPE: Final = re.compile(r"<!DOCTYPE [^\[\]<>]*>")
+"""A document type without declarations of its own."""
 SOURCE: Final = re.compile(r"(?:[A-Za-z]:\\|\w)[^\s\[\]]*\.cpp\[\d+\]:?")
 """Where in RobotWare's own source an error arose, as its messages begin."""
 
@@ -66,8 +68,9 @@ def parse(data: bytes) -> tuple[tuple[Row, ...], str, int | None, str]:
 
 
 def _of_xhtml(text: str) -> tuple[tuple[Row, ...], str, int | None, str]:
+    text = DOCTYPE.sub("", text, count=1)
     if "<!" in text.replace("<!--", ""):  # no entity of a stranger is ever expanded
-        raise ValueError("it declares a document type")
+        raise ValueError("it declares entities")
     try:
         root = ElementTree.fromstring(text.encode())  # noqa: S314 - without document type
     except ElementTree.ParseError as error:

@@ -76,6 +76,8 @@ class Files:
                     yield name, found.size
                 elif name.count("/") < DEEPEST:
                     waiting.append(f"{name}/")
+                else:
+                    raise self._session.garbled(f"listing `{folder}`", f"folders down to `{name}`")
 
     def read(self, name: str) -> bytes | None:
         """A file's bytes, None if there is none."""

@@ -12,7 +12,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
-from urllib.parse import urlsplit
 
 from assistant.controllers import rules
 from assistant.controllers.abb.rws.answers import Answer, Row, parse
@@ -97,7 +96,7 @@ def subscribed(
         raise session.garbled(doing, f"the place of the events is `{where}`")
     with ExitStack() as stack:
         stack.callback(_unsubscribe, session, group[1])
-        channel = _channel(session, urlsplit(where).path, stack)
+        channel = _channel(session, f"/poll/{group[1]}", stack)
         yield Events(session, channel, _of_rows(answer.rows))
 
 

@@ -9,28 +9,66 @@ import time
 
 import pytest
 
+from assistant.controllers import connect
 from assistant.controllers.rules import Lost
 from assistant.program.diagnostics import Refused
 from tests.controllers.abb.rws.literal import ONE, TWO
 from tests.controllers.abb.rws.peer import Rws1, Rws2
 from tests.controllers.cutting import Cutting, cuts, garbage, late, twice
 
+
+class Virtual:
+    """The virtual IRC5 as the peers are."""
+
+    home = "HOME:"
+
+    def __init__(self, irc5, scheme):
+        self._irc5, self._scheme = irc5, scheme
+        self.port = {"rws": irc5.rws_port, "rwss": irc5.rwss_port}[scheme]
+        self.sessions = set()
+
+    @property
+    def held(self):
+        """Held by programs that run, too, which the conversation has not."""
+        until = time.monotonic() + SLACK
+        while (held := dict(self._irc5.cabinet.mastership.holders)) and time.monotonic() < until:
+            time.sleep(0.01)
+        return held
+
+    @property
+    def files(self):
+        return {f"HOME:/{path.name}": path.read_bytes() for path in self._irc5.folder.iterdir()}
+
+    @files.setter
+    def files(self, files):
+        for path in self._irc5.folder.iterdir():
+            path.unlink()
+        for name, data in files.items():
+            (self._irc5.folder / name.removeprefix("HOME:/")).write_bytes(data)
+
+    def connect(self, port, timeout):
+        irc5 = self._irc5
+        address = f"{self._scheme}://{irc5.user}@127.0.0.1:{port}"
+        trusted = {"password": irc5.password, "certificate": irc5.certificate}
+        return connect(address, timeout=timeout, **trusted)
+
+
 PEERS = {"1.0": (Rws1, ONE), "2.0": (Rws2, TWO)}
-OLD = b"MODULE seam\nENDMODULE\n"
-NEW = OLD.replace(b"seam", b"SEAM") * 20
+OLD = b"MODULE Seam\nPERS num reg1:=0;\nPROC main()\nENDPROC\nENDMODULE\n"
+NEW = OLD + b"! and what follows it\n" * 20
 TIMEOUT = 2.0
 SLACK = 3.0
 """Seconds beside the time-outs of a request and of the farewell, for a busy computer."""
 
 
-def conversation(client):
+def conversation(client, module):
     """What a client does in a day."""
     client.identify()
     client.state()
     client.position()
     client.write("seam.mod", NEW)
     client.load("seam.mod")
-    client.set_variable("reg1", "42", "user")
+    client.set_variable("reg1", "42", module)
     client.set_output("doGripper", 1)
     client.log(5)
 
@@ -41,7 +79,7 @@ def speak(peer, **options):
         began = time.monotonic()
         try:
             with peer.connect(port=proxy.port, timeout=TIMEOUT) as client:
-                conversation(client)
+                conversation(client, "Seam" if isinstance(peer, Virtual) else "user")
         except Refused as error:
             assert isinstance(error, Lost) or error.findings[0].code != "CN204"
             codes = [finding.code for finding in error.findings]
@@ -67,8 +105,9 @@ def check(peer, codes):
     assert data in (OLD, NEW)
     assert peer.held == {} or "CN221" in codes
     peer.files = {f"{home}/seam.mod": OLD}
-    peer.held.clear()
-    peer.sessions.clear()
+    if not isinstance(peer, Virtual):
+        peer.held.clear()
+        peer.sessions.clear()
 
 
 def cut_at(peer, places, **options):
@@ -95,6 +134,25 @@ def test_a_line_that_stays_cut(peer):
     _, length, _ = speak(peer)
     check(peer, [])
     assert cut_at(peer, range(length // 2, length, 4100), again=False) >= {"CN204"}
+
+
+@pytest.fixture(params=["rws", "rwss"])
+def virtual(request, irc5):
+    peer = Virtual(irc5, request.param)
+    peer.files = {"HOME:/seam.mod": OLD}
+    return peer
+
+
+def test_the_virtual_controllers_line_that_is_cut(virtual):
+    codes, length, _ = speak(virtual)
+    assert codes == []
+    check(virtual, codes)
+    assert cut_at(virtual, range(1, length, length // 4)) >= {"CN201", "CN204"}
+
+
+@pytest.mark.slow
+def test_the_virtual_controllers_line_that_is_cut_anywhere(virtual, capsys):
+    test_a_line_that_is_cut_anywhere(virtual, capsys)
 
 
 @pytest.mark.slow

@@ -1,0 +1,162 @@
+"""What the virtual IRC5 has not: loading parameters, write access of RobotWare 8, bad events."""
+
+import json
+
+import pytest
+
+from assistant.controllers import folders
+from assistant.controllers.rules import Lost
+from assistant.program.diagnostics import Refused
+from tests.controllers.abb.rws.literal import ONE, TWO
+from tests.controllers.abb.rws.peer import Rws1, Rws2, li, refusal, rows
+from tests.controllers.abb.rws.seam import codes
+
+BACKINFO = b">>SYSTEM_ID:\r\ncell\r\n\r\n>>TASK1: (T_ROB1,,)\r\nPROGMOD/m.mod @ \r\n"
+EIO, MOC = b"EIO:CFG_1.0:6:1::\n#\nEIO_SIGNAL:\n", b"MOC:CFG_1.0:6:1::\n"
+
+
+def backing_up(kind, **files):
+    """A controller whose backup has these files, and is not ready at the first look."""
+    home = kind.home.removesuffix("HOME")
+    states = iter(
+        ["Backup in Progress", "Backup Ready", "Backup in Progress"] + ["Backup Ready"] * 9
+    )
+
+    def make(body):
+        place = body.removeprefix(f"backup=/fileservice/{home}")
+        assert place.startswith("BACKUP/assistant_")
+        for name, data in files.items():
+            peer.files[f"{home}{place}/{name}"] = data
+        return 202, "", {"Location": "/progress/7"}
+
+    def state(body):
+        return rows(li("ctrl-backup-state", "backup", backup_state=next(states)))
+
+    one = kind is Rws1
+    answers = {
+        f"POST /ctrl/backup{'?action=backup' if one else '/create'}": make,
+        f"GET /ctrl/backup{'?action=backupstate' if one else '/state'}": state,
+        "GET /progress/7": rows(li("progress", "7", state="ready", code="294912")),
+        "POST /rw/cfg?action=validate" if one else "POST /rw/cfg/none": (204, ""),
+        f"POST /rw/cfg{'?action=load' if one else '/load'}": (204, ""),
+    }
+    peer = kind({**(ONE if one else TWO), **answers})
+    return peer
+
+
+@pytest.mark.parametrize("kind", [Rws1, Rws2])
+def test_parameters_are_restored_by_loading_them(kind, tmp_path):
+    files = {"BACKINFO/backinfo.txt": BACKINFO, "SYSPAR/EIO.cfg": EIO, "SYSPAR/MOC.cfg": MOC}
+    with folders.appearing(tmp_path / "saved", "abb") as place:
+        new = {"SYSPAR/EIO.cfg": EIO + b"x\n", "SYSPAR/MOC.cfg": MOC + b"x\n"}
+        for name, data in {**files, **new}.items():
+            folders.put(place, name, data)
+    with backing_up(kind, **files) as peer, peer.connect() as client:
+        restoring = client.restore(tmp_path / "saved")
+        assert list(restoring.changes) == ["SYSPAR/EIO.cfg"] and restoring.needs_restart
+        assert list(restoring.left_out) == ["SYSPAR/MOC.cfg"]
+        assert not any("BACKUP" in name for name in peer.files)
+        peer.log.clear()
+        restoring.apply()
+        assert peer.held == {}
+        home = peer.home.removesuffix("HOME")
+        form = f"filepath={home}TEMP/EIO.cfg&action-type=replace"
+        loading = [(p, b) for m, p, b in peer.asked("POST") if p.startswith("/rw/cfg")]
+        if kind is Rws1:
+            assert loading == [("/rw/cfg?action=validate", form), ("/rw/cfg?action=load", form)]
+        else:
+            assert loading == [("/rw/cfg/load", form)]
+        stored = [b for m, p, b in peer.log if m == "PUT" and p.endswith("TEMP/EIO.cfg")]
+        assert stored == [(EIO + b"x\n").decode()] and peer.files == {}
+
+
+def test_a_backup_that_fails_on_the_controller_leaves_nothing(tmp_path):
+    peer = backing_up(Rws1, **{"BACKINFO/backinfo.txt": BACKINFO})
+    failed = rows(li("ctrl-backup-state", "backup", backup_state="Error during backup"))
+    peer.answers["GET /ctrl/backup?action=backupstate"] = failed
+    with peer, peer.connect() as client:
+        with pytest.raises(Refused) as refused:
+            client.backup(tmp_path / "saved")
+        assert codes(refused) == ["CN209"] and "error during backup" in str(refused.value)
+    assert list(tmp_path.iterdir()) == [] and peer.files == {}
+
+
+def test_a_backup_without_its_index_is_not_taken_for_one(tmp_path):
+    with backing_up(Rws1, **{"SYSPAR/EIO.cfg": EIO}) as peer, peer.connect() as client:
+        with pytest.raises(Refused) as refused:
+            client.backup(tmp_path / "saved")
+        assert codes(refused) == ["CN222"] and list(tmp_path.iterdir()) == []
+
+
+def test_write_access_of_robotware_8():
+    """RobotWare 8 has given mastership up: 410, and a control station that registers."""
+    gone = {f"POST /rw/mastership/edit/{act}": (410, "") for act in ("request", "release")}
+    station = {
+        "POST /rw/controlstation/register/remote": (204, ""),
+        "POST /rw/controlstation/writeaccess/request": (204, ""),
+        "POST /rw/controlstation/writeaccess/release": (
+            403,
+            refusal(-1073435873, "The control station does not have SPoC."),
+        ),
+    }
+    with Rws2({**TWO, **gone, **station}) as peer, peer.connect() as client:
+        client.set_override(50)
+        client.set_override(60)
+        posts = [path.rpartition("/")[2] for _, path, _ in peer.asked("POST")]
+    speed = "speedratio?action=setspeedratio"
+    assert posts == ["request", "remote", "request", speed, "release", "request", speed, "release"]
+    form = next(body for _, path, body in peer.log if path.endswith("remote"))
+    assert "control-station-name=robot-assistant&control-station-id=%7B" in form
+
+
+@pytest.mark.parametrize("kind", [Rws1, Rws2])
+def test_events_come_through_a_websocket_into_which_nothing_is_sent(kind):
+    first = rows('<li class="pnl-opmode-ev"><a href="/rw/panel/opmode;opmode" rel="self"/>'
+                 '<span class="opmode">AUTO</span></li>')  # fmt: skip
+    answer = (201, first, {"Location": "ws://10.0.0.1:80/poll/3"})
+    answers = {"POST /subscription": answer, "DELETE /subscription/3": (200, "")}
+    with kind({**(ONE if kind is Rws1 else TWO), **answers}) as peer, peer.connect() as client:
+        with client.subscribe(["mode", "signal:doGripper"]) as events:
+            assert events.next(5).values == {"opmode": "AUTO"}
+            peer.events.put(first.replace("AUTO", "MANR"))
+            event = events.next(5)
+            assert (event.resource, event.values) == ("/rw/panel/opmode;opmode", {"opmode": "MANR"})
+            peer.events.put(None)
+            with pytest.raises(Lost):
+                events.next(5)
+        own = "robapi2_subscription" if kind is Rws1 else "rws_subscription"
+        assert peer.polls == [own]
+    form = next(body for _, path, body in peer.log if path == "/subscription")
+    assert form == (
+        "resources=1&1=/rw/panel/opmode;opmode&1-p=1"
+        "&resources=2&2=/rw/iosystem/signals/Local/DRV_1/doGripper;state&2-p=2"
+    )
+
+
+def test_an_event_that_is_garbage():
+    answers = {"POST /subscription": (201, rows(), {"Location": "/poll/3"})}
+    with (
+        Rws1({**ONE, **answers}) as peer,
+        peer.connect() as client,
+        client.subscribe(["mode"]) as events,
+    ):
+        peer.events.put("<html><li>")
+        with pytest.raises(Refused) as refused:
+            events.next(5)
+        assert codes(refused) == ["CN222"]
+        peer.events.put(None)
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "<html><body>", "[]", '{"a":', "<a/>", "\0\1", '<!DOCTYPE x [<!ENTITY a "b">]><html/>',
+        json.dumps({"state": []}), '{"state":[{"_type":"pnl-ctrlstate"}]}',
+    ],
+)  # fmt: skip
+def test_answers_that_make_no_sense(body):
+    execution = {"GET /rw/rapid/execution": body}
+    with Rws1({**ONE, **execution}) as peer, peer.connect() as client:
+        with pytest.raises(Refused) as refused:
+            client.state()
+        assert codes(refused) == ["CN222"]
