@@ -108,7 +108,10 @@ def _moments(
 def _rises(
     controller: Controller, address: str, signal: str, pressed: Callable[[float | None], bytes]
 ) -> Callable[[], bool]:
-    """Waits until an input that was off is on; q ends it, where there are keys."""
+    """Waits until an input that was off is on; q ends it, where there are keys.
+
+    It is looked at before anybody is asked for it, so that one that comes at once counts.
+    """
 
     def is_on() -> bool:
         found = controller.inputs([signal])
@@ -116,18 +119,19 @@ def _rises(
             raise Refused(NO_SIGNAL(name=signal, address=address), exit_status=2)
         return found[signal] != 0.0
 
+    was = is_on()
+
     def comes() -> bool:
-        was = is_on()
+        nonlocal was
         while True:
             if sys.stdin.isatty():
                 if _key(pressed, LOOKS) is False:
                     return False
             else:
                 time.sleep(LOOKS)
-            now = is_on()
-            if now and not was:
+            before, was = was, is_on()
+            if was and not before:
                 return True
-            was = now
 
     return comes
 
