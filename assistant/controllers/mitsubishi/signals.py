@@ -51,7 +51,7 @@ def set_output(session: Session, name: str, value: float) -> None:
     doing = f"switching output {number}"
     with session.right(doing):
         session.ask(f"EXECM_OUT({number})={value:.0f}", doing=doing, shape=BARE)
-    back = outputs(session, [name])[name]
+    back = values.settled(lambda: outputs(session, [name])[name], lambda now: now == value)
     if back != value:
         raise Refused(
             rules.NOT_TAKEN(

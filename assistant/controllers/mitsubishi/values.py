@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import re
-from typing import Final
+import time
+from collections.abc import Callable
+from typing import Final, TypeVar
 
 from assistant.controllers import rules
 from assistant.program.diagnostics import Refused
 
+T = TypeVar("T")
+SETTLING: Final = 1.0
+"""Seconds for an assignment of EXEC to be carried out."""
+LOOK: Final = 0.02
 NUMBER: Final = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[Ee][+-]?\d+)?"
 LITERAL: Final = re.compile(
     rf"{NUMBER}|[+-]?&[HhBb][0-9A-Fa-f]+"
@@ -72,3 +78,14 @@ def _near(one: str, two: str) -> bool:
         size = max(abs(float(one)), abs(float(two)))
         return abs(float(one) - float(two)) <= max(NEAR, 1e-6 * size)
     return one.upper() == two.upper()
+
+
+def settled(read: Callable[[], T], good: Callable[[T], bool]) -> T:
+    """What is read once it is as it should be, or in the end.
+
+    EXEC is answered when a statement is accepted; what it does comes a moment later.
+    """
+    end = time.monotonic() + SETTLING
+    while not good(now := read()) and time.monotonic() < end:
+        time.sleep(LOOK)
+    return now

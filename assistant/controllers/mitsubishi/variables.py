@@ -45,7 +45,16 @@ def write(session: Session, name: str, value: str, program: str = "", slot: int 
         if not owner:
             raise Refused(session.alarm(5100, doing))
         session.ask(f"HOT{owner};{name}={value}", doing=doing, state=state, shape=BARE)
-    back = read(session, name, program, slot)
+
+    def now() -> str:
+        try:
+            return read(session, name, program, slot)
+        except rules.Lost:
+            raise
+        except Refused:
+            return "no value"  # an external one that is being made
+
+    back = values.settled(now, lambda told: values.same(told, value))
     if not values.same(back, value):
         raise Refused(rules.NOT_TAKEN(place=name, what=name, sent=value, back=back))
 
