@@ -65,6 +65,11 @@ class Cutting:
     def port(self):
         return self._listener.getsockname()[1]
 
+    def cut_now(self):
+        """Cuts every connection, whatever has passed."""
+        self._waker.sendall(b"!")
+        assert self.was_cut.wait(10)
+
     def __enter__(self):
         self._selector.register(self._listener, selectors.EVENT_READ)
         self._selector.register(self._wake, selectors.EVENT_READ)
@@ -82,7 +87,9 @@ class Cutting:
                 wait = max(0.0, self._later[0][0] - time.monotonic()) if self._later else None
                 for key, _ in self._selector.select(wait):
                     if key.fileobj is self._wake:
-                        return
+                        if not self._wake.recv(1):
+                            return
+                        self._cut_all()
                     if key.fileobj is self._listener:
                         self._accept()
                     elif key.fileobj in self._other:
@@ -151,9 +158,12 @@ class Cutting:
         except OSError:
             self._hang_up(to)
         if ends:
-            self.was_cut.set()
-            for connection in list(self._other):
-                self._hang_up(connection, reset=self._reset)
+            self._cut_all()
+
+    def _cut_all(self):
+        for connection in list(self._other):
+            self._hang_up(connection, reset=self._reset)
+        self.was_cut.set()
 
     def _hang_up(self, connection, *, reset=False):
         """Closes a connection and the one that it is passed on to."""

@@ -64,6 +64,14 @@ def test_no_way_back_after_a_cut(port):
         assert proxy.passed == 1
 
 
+def test_a_line_can_be_cut_at_any_time(port):
+    with Cutting(port, again=False) as proxy, Wire(proxy.port) as wire:
+        wire.send(b"abc\n")
+        assert wire.answer(b"\n") == "abc"
+        proxy.cut_now()
+        assert wire.closed_by_peer()
+
+
 def test_answers_are_held_back_spoiled_and_repeated(port):
     def answers(n, data):
         return {0: late(0, 0.02), 1: garbage(1, b"zz\n"), 2: twice(2)}[n](n, data)

@@ -20,7 +20,7 @@ from assistant.controllers.mitsubishi import operating, position, values
 from assistant.controllers.mitsubishi.answers import BARE
 from assistant.controllers.mitsubishi.position import Shown
 from assistant.controllers.mitsubishi.session import Session
-from assistant.controllers.mitsubishi.state import SERVO, faults, run_bits, slot_state
+from assistant.controllers.mitsubishi.state import SERVO, faults, run_bits, running
 from assistant.controllers.states import Jog
 from assistant.program import rotations
 from assistant.program.diagnostics import Refused
@@ -95,8 +95,7 @@ def _sensible(asked: Jog, axis: str) -> None:
 def _may_move(session: Session, doing: str) -> None:
     """Raises Refused while a program runs, during an error, and with servos that are off."""
     numbers = [fault.number for fault in faults(session) if fault.level == "error"]
-    slots = range(1, session.about.slots + 1)
-    if not numbers and any(slot_state(session, slot).running for slot in slots):
+    if not numbers and running(session):
         numbers = [DURING_RUN]
     if not numbers and not run_bits(session)[0] & SERVO:
         numbers = [SERVOS_OFF]

@@ -11,7 +11,14 @@ from assistant.controllers.mitsubishi import values
 from assistant.controllers.mitsubishi.answers import BARE, ENCODING
 from assistant.controllers.mitsubishi.programs import checked_name
 from assistant.controllers.mitsubishi.session import Session
-from assistant.controllers.mitsubishi.state import SERVO, WAITING, faults, run_bits, slot_state
+from assistant.controllers.mitsubishi.state import (
+    SERVO,
+    WAITING,
+    faults,
+    run_bits,
+    running,
+    slot_state,
+)
 from assistant.controllers.mitsubishi.variables import selected
 from assistant.program.diagnostics import Refused
 
@@ -79,6 +86,7 @@ def stop(session: Session) -> None:
 
     STOP in slot 1 is what other clients send; slots that run on are told on their own.
     """
+    session.running = False  # what stops does not wait for its turn
     with session.anew():
         session.ask("STOP", doing="stopping", shape=BARE)
         _stop_others(session, "stopping")
@@ -86,6 +94,7 @@ def stop(session: Session) -> None:
 
 def halt(session: Session, caught: BaseException) -> None:
     """Stops what moves when something went wrong; raises Lost if that cannot be done."""
+    session.running = False
     try:
         with session.anew():
             session.ask("STOP", doing="stopping", shape=BARE)
@@ -103,11 +112,7 @@ def _stop_others(session: Session, doing: str) -> None:
         if slot_state(session, slot).running:
             session.ask("STOP", doing=doing, slot=slot, shape=BARE)
 
-    def done() -> bool:
-        return not any(slot_state(session, slot).running for slot in slots)
-
-    wait(session, done, doing, "programs still run", SERVO_TIME)
-    session.running = False
+    wait(session, lambda: not running(session), doing, "programs still run", SERVO_TIME)
 
 
 def override(session: Session, percent: int) -> None:

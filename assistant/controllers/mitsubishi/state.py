@@ -69,6 +69,14 @@ def run_bits(session: Session) -> tuple[int, int]:
     return int(bits[1], 16), int(bits[2], 16)
 
 
+def running(session: Session) -> bool:
+    """Whether a program runs in any slot."""
+    session.running = any(
+        slot_state(session, slot).running for slot in range(1, session.about.slots + 1)
+    )
+    return session.running
+
+
 def state(session: Session, slots: Iterable[int] | None = None) -> State:
     """The state with the programs of these slots, of all of them if not stated; slot 1 is one."""
     first = slot_state(session, 1)

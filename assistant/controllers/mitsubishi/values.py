@@ -43,8 +43,8 @@ def checked_variable(name: str) -> str:
 
 def checked_value(value: str) -> str:
     """A value that is no expression; raises Refused."""
-    if LITERAL.fullmatch(value.strip()):
-        return value.strip()
+    if LITERAL.fullmatch(value.strip(" ")):
+        return value.strip(" ")
     raise bad(
         value,
         "a value",

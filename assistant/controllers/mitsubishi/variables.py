@@ -11,6 +11,7 @@ from assistant.controllers.mitsubishi import values
 from assistant.controllers.mitsubishi.answers import BARE
 from assistant.controllers.mitsubishi.programs import VT, checked_name, counted, editing
 from assistant.controllers.mitsubishi.session import UNCHANGED, Session
+from assistant.controllers.mitsubishi.state import running
 from assistant.program.diagnostics import Refused
 
 CLASSES: Final = "MCPJ"
@@ -33,7 +34,10 @@ def read(session: Session, name: str, program: str = "", slot: int = 1) -> str:
 
 
 def write(session: Session, name: str, value: str, program: str = "", slot: int = 1) -> None:
-    """Sets a variable and reads it back; while its program runs, numbers only."""
+    """Sets a variable and reads it back; while its program runs, numbers only.
+
+    A running program may have changed it by the time that it is read.
+    """
     name, value = values.checked_variable(name), values.checked_value(value)
     doing = f"setting {name}"
     state = f"{name} is as it was or as it should be"
@@ -54,8 +58,8 @@ def write(session: Session, name: str, value: str, program: str = "", slot: int 
         except Refused:
             return "no value"  # an external one that is being made
 
-    back = values.settled(now, lambda told: values.same(told, value))
-    if not values.same(back, value):
+    back = values.settled(now, lambda told: values.same(told, value) or running(session))
+    if not values.same(back, value) and not running(session):
         raise Refused(rules.NOT_TAKEN(place=name, what=name, sent=value, back=back))
 
 
