@@ -161,9 +161,9 @@ class Cutting:
             self._cut_all()
 
     def _cut_all(self):
+        self.was_cut.set()  # before anybody can see it
         for connection in list(self._other):
             self._hang_up(connection, reset=self._reset)
-        self.was_cut.set()
 
     def _hang_up(self, connection, *, reset=False):
         """Closes a connection and the one that it is passed on to."""
