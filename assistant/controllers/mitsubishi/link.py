@@ -91,6 +91,16 @@ class Link:
                 self._lost(self._garbled(doing, text, state))
             return answer
 
+    def stays_quiet(self, seconds: float) -> bool:
+        """Whether nothing comes for a while; raises rules.Lost."""
+        try:
+            self._stream.receive(seconds)
+        except TimeoutError:
+            return True
+        except OSError as error:
+            self._lost(self._gone("listening", reason_of(error), "nothing was sent"))
+        return False
+
     def garbled(self, doing: str, text: str, state: str) -> NoReturn:
         """What an answer says makes no sense: closes the connection and raises rules.Lost."""
         self._lost(self._garbled(doing, text, state))

@@ -26,6 +26,8 @@ OPEN_NAME: Final = "USERTOOL"
 """Name under which a session is opened; controllers know NARCUSR, USERTOOL and TOOLBOX."""
 HELLOS: Final = 3
 """Times that a session is opened on a serial line until the answer is one to that."""
+QUIET: Final = 0.15
+"""Seconds after that answer in which nothing else may come: it could be a late one itself."""
 NO_RIGHT: Final = 6020
 UNCHANGED: Final = "nothing was changed by that"
 RUN_BITS: Final = re.compile(r"([0-9A-F]{2})([0-9A-F]{2})(\d*)(?:;.*)?", re.IGNORECASE | re.DOTALL)
@@ -235,7 +237,7 @@ class Session:
                     raise
                 self._link.open(timeout)  # which forgets what has come
                 continue
-            if about(answer.text).robot:
+            if not serial or (about(answer.text).robot and self._link.stays_quiet(QUIET)):
                 break
         return answer
 
