@@ -10,7 +10,7 @@ import subprocess
 import sys
 import time
 
-from benchmarks import real_time
+from benchmarks import exchanging, real_time
 from benchmarks.arms import ROBOTS
 from benchmarks.emission import CASES
 from benchmarks.reading import READING
@@ -38,7 +38,7 @@ def main() -> None:
     arguments.add_argument("--points", type=int, default=1_000_000)
     arguments.add_argument("--runs", type=int, default=3, help="of each case; the best counts")
     arguments.add_argument(
-        "--only", choices=["emission", *TABLES, "real-time"], help="one part of it"
+        "--only", choices=["emission", *TABLES, "exchange", "real-time"], help="one part of it"
     )
     arguments.add_argument("--case", choices=[*EVERY], help="run one case here and print JSON")
     arguments.add_argument("--seconds", type=float, default=60.0, help="of real-time control")
@@ -51,6 +51,8 @@ def main() -> None:
     for part in TABLES:
         if chosen.only in (None, part):
             _tables(part, chosen.runs)
+    if chosen.only in (None, "exchange"):
+        exchanging.report()
     if chosen.only in (None, "real-time"):
         real_time.report(chosen.seconds)
     _startup()

@@ -7,7 +7,7 @@ import socket
 import threading
 from collections.abc import Callable
 from multiprocessing.connection import Connection
-from typing import Final
+from typing import Any, Final
 
 from assistant.controllers.address import parse
 from assistant.controllers.mitsubishi.link import link_to
@@ -21,12 +21,17 @@ Ask = Callable[[], object]
 
 def served(serve: Callable[[Connection], None]) -> int:
     """The port of a server in a process of its own, which ends with this one."""
+    return int(started(serve))
+
+
+def started(serve: Callable[[Connection], None]) -> Any:
+    """What a server tells that runs in a process of its own, which ends with this one."""
     spawning = multiprocessing.get_context("spawn")
     here, there = spawning.Pipe()
     spawning.Process(target=serve, args=(there,), daemon=True).start()
     if not here.poll(PATIENCE):
         raise SystemExit("the server did not start")
-    return int(here.recv())
+    return here.recv()
 
 
 def serve_controller(told: Connection) -> None:

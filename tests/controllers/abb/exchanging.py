@@ -40,7 +40,7 @@ class RunningRobot:
 
     def begin(self):
         """Starts its program, and waits until that has cleared away what was left there."""
-        left = self.home / "exchange_stop.txt"
+        left = self.home / "exchange_stopped.txt"  # which it removes last
         left.touch()
         self.thread.start()
         for _ in range(4000):
