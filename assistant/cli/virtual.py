@@ -8,7 +8,7 @@ import sys
 import threading
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, TypeVar
+from typing import TYPE_CHECKING, Final, Literal, TypeVar
 
 from assistant.cli.presentation import say
 from assistant.controllers.credentials import PASSWORD
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from assistant.virtual.cr import Faults, VirtualCr
     from assistant.virtual.irc5 import Signal, VirtualIrc5
 
+MXT_PORT: Final = 10000
+"""UDP port of real-time control, as controllers are delivered."""
 NOT_STARTED = error(
     "CL101",
     "the virtual controller cannot start: {reason}",
@@ -111,6 +113,7 @@ def run_cr(
             port=port,
             folder=folder,
             data_port=data_port,
+            mxt_port=MXT_PORT,
             serial=serial,
             framing=framing,
             pace=pace,
@@ -136,6 +139,7 @@ def _lines(controller: VirtualCr) -> None:
         say(f"serial line at {controller.serial_address if is_link else controller.serial_path}")
     for name, (host, port) in controller.data_ports.items():
         say(f"data link {name} at {host}:{port}")
+    say(f"real-time control at UDP port {controller.mxt_port}, while a program is in Mxt")
 
 
 C = TypeVar("C", "VirtualIrc5", "VirtualCr")

@@ -23,6 +23,7 @@ from assistant.virtual.cr.faults import Faults
 from assistant.virtual.cr.framing import MOST_BYTES
 from assistant.virtual.cr.ports import SerialPort, SocketPort
 from assistant.virtual.cr.powered import Equipment
+from assistant.virtual.cr.real_time import RealTime
 from assistant.virtual.cr.state import SUFFIXES, CrSession, CrState
 from assistant.virtual.cr.store import CAPACITY, CrRefusal, CrStore
 from assistant.virtual.cr.talking import Plain, Procedural
@@ -52,8 +53,9 @@ class VirtualCr:
     pseudo terminal, whose path `serial_path` tells, or the path of a serial port. framing: of the
     serial line (CPRC232). faults: what goes wrong on purpose. pace: simulated seconds for each real
     one. servo_time: seconds until the servos are on. data_port: of the line OPT11, those behind it
-    are those of OPT12 and so on; 0 for any that are free (`data_ports`). lines: what programs open
-    beside the lines of the data link. commands: plug-ins of the interpreter.
+    are those of OPT12 and so on; 0 for any that are free (`data_ports`). mxt_port, monitor_port:
+    UDP, of real-time control and of the monitor (MONMODE), 0 for any that are free. lines: what
+    programs open beside the lines of the data link. commands: plug-ins of the interpreter.
     """
 
     def __init__(
@@ -75,6 +77,8 @@ class VirtualCr:
         pace: float = 1.0,
         servo_time: float = 0.1,
         data_port: int = 0,
+        mxt_port: int = 0,
+        monitor_port: int = 0,
         lines: Mapping[str, Line] | None = None,
         commands: Commands | None = None,
     ) -> None:
@@ -89,6 +93,7 @@ class VirtualCr:
         self._equipment = Equipment(pace, dict(lines or {}), commands)
         self._first_port = data_port
         self._data: DataLines | None = None
+        self._real_time = RealTime(self.state, host, mxt_port, monitor_port)
         self._place = (host, port)
         self._terminator = terminator
         self._quiet = quiet
@@ -164,10 +169,13 @@ class VirtualCr:
         if self._serial is not None and self.state.parameters["CPRC232"] == (DATA_LINK,):
             serial, self._serial_thread = Descriptor(self._serial.descriptor), None
         self._data = DataLines(self.state.parameters, self._place[0], self._first_port, serial)
-        lines = {**self._data.lines, **self._equipment.lines}
+        lines = {**self._data.lines, **self._real_time.lines, **self._equipment.lines}
+        commands = {**self._real_time.commands, **(self._equipment.commands or {})}
         try:
-            self.state.start(replace(self._equipment, lines=lines))
+            self._real_time.start()
+            self.state.start(replace(self._equipment, lines=lines, commands=commands))
         except BaseException:
+            self._real_time.shut()
             self._data.shut()
             raise
 
@@ -185,6 +193,7 @@ class VirtualCr:
         server.hang_up()
         if self._serial is not None and self._serial_thread is not None:
             self._serial.hang_up()
+        self._real_time.shut()
         self.state.stop()
         if self._serial_thread is not None:
             self._serial_thread.join()
@@ -212,6 +221,16 @@ class VirtualCr:
     def data_ports(self) -> dict[str, tuple[str, int]]:
         """Where clients of the data link connect, by what programs open: `COM2:`."""
         return {} if self._data is None else dict(self._data.ports)
+
+    @property
+    def mxt_port(self) -> int:
+        """UDP, where packets are taken while a program is in `Mxt`."""
+        return self._real_time.port
+
+    @property
+    def monitor_port(self) -> int | None:
+        """UDP, of the real-time monitor; None while MONMODE is 0."""
+        return self._real_time.monitor_port
 
     def text(self, name: str) -> str | None:
         """The text of a stored program, None if there is none of that name."""
