@@ -45,8 +45,9 @@ class RealTime:
     def start(self) -> None:
         """Begins to tell of the arm; raises OSError if the port is taken."""
         if self._state.parameters["MONMODE"] == ("1",):
-            place = {"host": self._host, "port": self._monitor_port}
-            self._monitor = MxtMonitor(self._arm, cycle=self.cycle, **place)
+            self._monitor = MxtMonitor(
+                self._arm, host=self._host, port=self._monitor_port, cycle=self.cycle
+            )
             self._monitor.__enter__()
 
     def shut(self) -> None:
