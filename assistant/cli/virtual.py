@@ -139,7 +139,7 @@ def _lines(controller: VirtualCr) -> None:
         say(f"serial line at {controller.serial_address if is_link else controller.serial_path}")
     for name, (host, port) in controller.data_ports.items():
         say(f"data link {name} at {host}:{port}")
-    say(f"real-time control at UDP port {controller.mxt_port}, while a program is in Mxt")
+    say(f"real-time control at UDP port {controller.mxt_port}, while a program waits for it")
 
 
 C = TypeVar("C", "VirtualIrc5", "VirtualCr")
