@@ -52,7 +52,8 @@ def check_jog(jog: Jog, position: Position, robot: Robot | None) -> tuple[Diagno
     The base of the robot is taken for the controller's, and the tool for what lies between the
     flange and the pose that the controller shows.
     """
-    axes = (*(JOINTS if robot is None else robot.axes), *ALONG, *ABOUT)
+    turns = ABOUT[:2] if robot is not None and robot.five_axis else ABOUT
+    axes = (*(JOINTS if robot is None else robot.axes), *ALONG, *turns)
     if jog.axis not in axes:
         raise Refused(NO_AXIS(axis=jog.axis, axes=", ".join(axes)), exit_status=2)
     if robot is None:
@@ -100,7 +101,8 @@ def _along(joints: np.ndarray, jog: Jog, position: Position, robot: Robot) -> No
     shown = Pose(position.position, position.quaternion)
     tool = flange.inverse() @ shown
     steps = max(2, int(np.ceil(abs(jog.by) / MOST_STEP)) + 1)
-    way = [_moved(shown, jog, part) @ tool.inverse() for part in np.linspace(0.0, jog.by, steps)]
+    moved = _moved_in_plane if robot.five_axis else _moved
+    way = [moved(shown, jog, part) @ tool.inverse() for part in np.linspace(0.0, jog.by, steps)]
     p = np.array([pose.position for pose in way])
     q = np.array([pose.quaternion for pose in way])
     found, valid = robot.ik(p, q)
@@ -129,3 +131,19 @@ def _moved(pose: Pose, jog: Jog, by: float) -> Pose:
     turned = step @ Pose((0.0, 0.0, 0.0), pose.quaternion)
     x, y, z = (a + b for a, b in zip(pose.position, step.position, strict=True))
     return Pose((x, y, z), turned.quaternion)
+
+
+def _moved_in_plane(pose: Pose, jog: Jog, by: float) -> Pose:
+    """The same of an arm of five axes, whose tool stays in its plane: A and B are kept, or turned.
+
+    They are what its controller shows of an orientation; see `robots.arms.five_axis`.
+    """
+    from assistant.robots.arms.five_axis import from_ab, to_ab
+
+    angles = to_ab([pose.position], [pose.quaternion])[0]
+    if jog.axis in ABOUT:
+        angles = angles + np.array([by * (jog.axis == letter) for letter in ABOUT[:2]])
+        place = pose.position
+    else:
+        place = _moved(pose, jog, by).position
+    return Pose.of(np.array(place), from_ab([place], angles)[0])

@@ -134,6 +134,27 @@ def test_a_jog_stays_within_the_limits(jog, code):
     assert [finding.code for finding in refused.value.findings] == [code]
 
 
+@pytest.mark.parametrize(
+    ("jog", "code"),
+    [
+        (Jog("Y", 60.0), None),
+        (Jog("X", 1000.0), "CO713"),
+        (Jog("A", 30.0), None),
+        (Jog("B", -20.0), None),
+        (Jog("B", 120.0), "CO713"),
+        (Jog("C", 1.0), "CO712"),
+    ],
+)
+def test_an_arm_of_five_axes_keeps_its_tool_in_its_plane(jog, code):
+    shown = position(FIVE, (10.0, 20.0, 90.0, 30.0, 0.0))
+    if code is None:
+        assert check_jog(jog, shown, FIVE) == ()
+        return
+    with pytest.raises(Refused) as refused:
+        check_jog(jog, shown, FIVE)
+    assert [finding.code for finding in refused.value.findings] == [code]
+
+
 def test_where_no_robot_is_known_that_is_said():
     shown = position(SIX, BENT)
     assert [f.code for f in check_jog(Jog("J1", 500.0), shown, None)] == ["CO714"]
