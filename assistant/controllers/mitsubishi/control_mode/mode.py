@@ -85,6 +85,8 @@ class ControlMode:
         return self._stream.first()
 
     def __enter__(self) -> Self:
+        self._stream = StatusStream(self._stream.link, self._stream.silence)
+        self._started = self._stopped = False
         try:
             self._begin()
         except BaseException as error:
@@ -131,14 +133,14 @@ class ControlMode:
 
     def stop(self) -> str:
         """Stops the arm and the programs; in words, what is known of them."""
-        if self._stopped:
-            return STOPPED
-        said = self._started and self._stream.stop(STOPPING)
-        stands = self.controller is None or self._stop_through(self.controller, said)
-        self._stopped = stands if self.controller is not None else said
         if self._stopped or not self._started:
             return STOPPED
-        return f"they could not be stopped: {self._stream.state}"
+        said = self._stream.stop(STOPPING, again=self.controller is None)
+        if self.controller is not None:
+            stands = self._stop_through(self.controller, said)
+            said = stands or self._stream.stop(STOPPING, again=True)
+        self._stopped = said
+        return STOPPED if self._stopped else f"they could not be stopped: {self._stream.state}"
 
     # ------------------------------------------------------------------------------ inside
 
@@ -162,21 +164,25 @@ class ControlMode:
         self._control.close()
 
     def _follow(self, points: Floats, progress: Callable[[int, int], None]) -> None:
-        before, count = self._sent, len(points)
+        before, count, told = self._sent, len(points), 0
 
         def until(enough: Callable[[Status], bool]) -> None:
             """Waits as long as the arm moves or points are taken; raises Refused."""
+            nonlocal told
             while not enough(then := self.status):
                 if not self._stream.wait(partial(_moved, then), self.timeout):
                     raise self._stalled(count - (then.taken - before), count)
-                progress(self.status.taken - before, count)
+                if (taken := self.status.taken - before) > told:
+                    told = taken
+                    progress(taken, count)
 
         for point in points:
             until(lambda now: self._sent - now.taken < self.ahead)
             self._control.send(Joints(tuple(point.tolist())))
             self._sent += 1
         until(lambda now: self._is_at(now, points[-1]))
-        progress(count, count)
+        if told < count:
+            progress(count, count)
 
     def _is_at(self, now: Status, goal: Floats) -> bool:
         there = np.array(now.commanded.values[: len(goal)])

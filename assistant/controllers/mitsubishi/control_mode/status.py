@@ -89,16 +89,16 @@ class StatusStream:
                 raise Lost(rules.ENDED(place=self.link.target, state="the arm stands"))
             return enough(self.latest)
 
-    def stop(self, timeout: float) -> bool:
+    def stop(self, timeout: float, *, again: bool) -> bool:
         """Asks for the end of all programs; whether they said that they end.
 
-        Where the line was cut it is connected to once more for that.
+        again: whether a line that was cut is connected to once more for that.
         """
         if self._thread.is_alive():
             self._stopping.set()
             with self._news:
                 self._news.wait_for(lambda: self._gone, timeout)
-        if self.failure is not None and not self.ended and not self._tried:
+        if again and self.failure is not None and not self.ended and not self._tried:
             self._tried = True
             with suppress(Refused):
                 self._stop_anew(time.monotonic() + min(timeout, self.link.timeout))
@@ -131,10 +131,11 @@ class StatusStream:
         return self.ended or self.failure is not None
 
     def _run(self) -> None:
-        failure: Refused | None = self._lost("listening", "its thread ended")
+        failure: Refused | None = self._lost("listening", "nobody listens any more")
         try:
             self._hear()
-            failure = None
+            if self.ended:
+                failure = None
         except Refused as error:
             failure = error
         finally:  # nobody waits for ever, whatever it was
