@@ -45,11 +45,18 @@ def run_irc5(
     robot: str,
     ports: tuple[int, int, int],
     signals: Sequence[str],
+    devices: Sequence[str],
+    *,
     mode: Literal["AUTO", "MANR"],
+    grants: bool,
+    pace: float,
+    delay: float,
 ) -> None:
-    """ports: of FTP, and of Robot Web Services 1.0 and 2.0."""
+    """ports: of FTP, and of Robot Web Services 1.0 and 2.0. delay: seconds before each answer."""
     from assistant.compiler.arms import robot_of
     from assistant.virtual.irc5 import VirtualIrc5
+    from assistant.virtual.irc5.controller import DEVICES
+    from assistant.virtual.irc5.rws.faults import Fault
 
     arm, given = robot_of(robot), os.environ.get(PASSWORD)
     assert arm is not None
@@ -63,10 +70,30 @@ def run_irc5(
         rws=ports[1],
         rwss=ports[2],
         signals=[_signal(text) for text in signals],
+        devices=DEVICES if not devices else dict(_device(text) for text in devices),
         mode=mode,
+        grants=grants,
+        rate=pace,
     )
+    if delay:
+        controller.faults.add(Fault("delay", seconds=delay))
     about = f"HOME: is {controller.folder}"
     _run(controller, about, None if given else controller.password, _services)
+
+
+NO_DEVICE = error(
+    "CL104",
+    "`{text}` is no UdpUc device",
+    "write its name and where it sends to, as UCdevice=127.0.0.1:6510",
+)
+
+
+def _device(text: str) -> tuple[str, tuple[str, int]]:
+    name, _, place = text.partition("=")
+    host, _, port = place.rpartition(":")
+    if not name.strip() or not host.strip() or not port.isdecimal() or int(port) > 65535:
+        raise Refused(NO_DEVICE(text=text), exit_status=2)
+    return name.strip(), (host.strip(), int(port))
 
 
 def _signal(text: str) -> Signal:

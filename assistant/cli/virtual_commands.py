@@ -48,13 +48,38 @@ def virtual_irc5(
         list[str] | None,
         typer.Option(help="A signal of its I/O configuration, as do_grip=DO; repeatable."),
     ] = None,
+    egm: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="A UdpUc device of EGM and where it sends to, as UCdevice=127.0.0.1:6510;"
+            " repeatable."
+        ),
+    ] = None,
     manual: Annotated[bool, typer.Option("--manual", help="Begin in manual mode.")] = False,
+    grant: Annotated[
+        bool, typer.Option("--grant", help="Let whoever asks modify in manual mode.")
+    ] = False,
+    pace: Annotated[float, typer.Option(help="Simulated seconds for each real one.", min=0.01)] = 1,
+    delay: Annotated[
+        float, typer.Option(help="Seconds before each answer of Robot Web Services.", min=0.0)
+    ] = 0.0,
 ) -> None:
     """A virtual IRC5: FTP and Robot Web Services over a folder, programs that run in real time."""
     from assistant.cli.virtual import run_irc5
 
     ports = (port, rws_port, rwss_port)
-    run_irc5(folder, user, robot, ports, signal or [], "MANR" if manual else "AUTO")
+    run_irc5(
+        folder,
+        user,
+        robot,
+        ports,
+        signal or [],
+        egm or [],
+        mode="MANR" if manual else "AUTO",
+        grants=grant,
+        pace=pace,
+        delay=delay,
+    )
 
 
 @virtual.command("cr")

@@ -13,7 +13,10 @@ from datetime import datetime, timedelta
 from pathlib import Path as FilePath
 from typing import Final, Literal, TypeVar, get_args
 
+from assistant.languages.rapid.tree import syntax as s
+from assistant.languages.rapid.tree.walk import nodes
 from assistant.robots import Robot
+from assistant.virtual.irc5 import egm_instructions
 from assistant.virtual.irc5.panel import EventLog, Panel
 from assistant.virtual.irc5.programs import Programs
 from assistant.virtual.kernel import Board, Instant, Kernel, Live
@@ -78,7 +81,8 @@ class Mastership:
 class Cabinet:
     """home: the folder that is HOME:. given: signals of the configuration, by name.
 
-    rate: simulated seconds for each real one.
+    devices: UdpUc devices that programs send EGM packets to, host and port by name. rate: simulated
+    seconds for each real one.
     """
 
     def __init__(
@@ -88,11 +92,13 @@ class Cabinet:
         name: str = "virtual-irc5",
         robot: Robot | None = None,
         given: Mapping[str, Signal] | None = None,
+        devices: Mapping[str, tuple[str, int]] | None = None,
         rate: float = 1.0,
     ) -> None:
         self.name, self.robot = name, robot
         self.disk = Disk(home, outside=True)
         self.given = {name.lower(): one for name, one in (given or {}).items()}
+        self.devices = dict(devices or {})
         self.offset = timedelta(0)
         self.began = datetime.now()
         self.log = EventLog(self.now)
@@ -102,6 +108,7 @@ class Cabinet:
         """Whether the pendant lets whoever asks modify in manual mode."""
         self.live = Live(self._kernel, rate=rate, ended=self._ended, name="virtual-irc5-kernel")
         self.board = Board()
+        self._used: tuple[int, dict[str, Signal]] = -1, {}
         self.programs: Programs
 
     def start(self) -> None:
@@ -125,7 +132,8 @@ class Cabinet:
 
             motion = Timed(self.robot)
         kernel = Kernel(self.board, motion or Instant(), most_steps=MOST_STEPS, busy_time=BUSY_TIME)
-        self.programs = Programs(kernel, self.disk, self.log, self.robot)
+        abilities = egm_instructions.abilities(self.devices)
+        self.programs = Programs(kernel, self.disk, self.log, self.robot, abilities)
         return kernel
 
     def _ended(self, task: object, ending: object) -> None:
@@ -149,12 +157,20 @@ class Cabinet:
 
     def signals(self) -> dict[str, Signal]:
         """By name in lower case: those of the configuration and those that programs use."""
-        found = dict(self.given)
-        trees = self.do(lambda programs: [one.tree for one in programs.modules.values()])
-        outputs, known = signals(trees)
-        for name in known:
-            found.setdefault(name, Signal(name, "DO" if name in outputs else "DI"))
-        return found
+        return self.do(self._signals)
+
+    def _signals(self, programs: Programs) -> dict[str, Signal]:
+        if self._used[0] != programs.changes:
+            trees = [one.tree for one in programs.modules.values()]
+            outputs, known = signals(trees)
+            used = nodes(tuple(tree.parts for tree in trees))
+            names = {one.name.lower(): one.name for one in used if isinstance(one, s.NameRef)}
+            found = {
+                name: Signal(names.get(name, name), "DO" if name in outputs else "DI")
+                for name in known
+            }
+            self._used = programs.changes, found | self.given
+        return self._used[1]
 
     def read(self, signal: Signal) -> float:
         side = self.board.outputs if signal.type in OUTPUTS else self.board.inputs

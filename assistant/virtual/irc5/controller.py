@@ -22,14 +22,16 @@ from assistant.virtual.irc5.modules import MODULE_SUFFIXES, TWICE, LoadedModule,
 from assistant.virtual.irc5.panel import Mode
 from assistant.virtual.irc5.programs import Cycle, Programs, read_module
 from assistant.virtual.irc5.rws.certificate import NEEDS_PACKAGE
+from assistant.virtual.irc5.rws.faults import Faults
 
 if TYPE_CHECKING:
-    from assistant.virtual.irc5.rws.faults import Faults
     from assistant.virtual.irc5.rws.http import Server
     from assistant.virtual.irc5.rws.service import Service
     from assistant.virtual.irc5.rws.sessions import Sessions
 
 USER: Final = "engineer"
+DEVICES: Final[Mapping[str, tuple[str, int]]] = {"UCdevice": ("127.0.0.1", 6510)}
+"""The UdpUc device of the samples of EGM, at its usual port (reference, 4.4)."""
 SOMEBODY: Final = "somebody"
 """Who holds what no client does."""
 
@@ -42,8 +44,9 @@ class VirtualIrc5:
     is told what arrives and what is refused. robot: of the catalogue, whose arm programs move;
     None for a controller without one. rws, rwss: ports of Robot Web Services 1.0 and 2.0, 0 for any
     free ones, None for none of it. signals: of the I/O configuration; what programs use is added
-    to them. mode: of operation. grants: whether the pendant confirms every request for the
-    privilege to modify. rate: simulated seconds for each real one.
+    to them. devices: UdpUc devices that programs send EGM packets to, host and port by name. mode:
+    of operation. grants: whether the pendant confirms every request for the privilege to modify.
+    rate: simulated seconds for each real one.
     """
 
     def __init__(
@@ -60,6 +63,7 @@ class VirtualIrc5:
         rws: int | None = 0,
         rwss: int | None = 0,
         signals: Sequence[Signal] = (),
+        devices: Mapping[str, tuple[str, int]] = DEVICES,
         mode: Mode = "AUTO",
         grants: bool = False,
         rate: float = 1.0,
@@ -69,6 +73,7 @@ class VirtualIrc5:
         self.password = password if password is not None else secrets.token_urlsafe(12)
         self._quota, self._report = quota, report or (lambda _: None)
         self._ports = {1: rws, 2: rwss}
+        self._devices = devices
         self._given: Mapping[str, Signal] = {one.name: one for one in signals}
         self._robot, self._rate, self._port = robot, rate, port
         self._mode, self._grants = mode, grants
@@ -77,7 +82,7 @@ class VirtualIrc5:
         self._servers: dict[int, Server] = {}
         self._service: Service | None = None
         self._cabinet: Cabinet | None = None
-        self._faults: Faults | None = None
+        self._faults = Faults()
 
     def __repr__(self) -> str:
         return f"VirtualIrc5({str(self.folder)!r})"
@@ -133,7 +138,6 @@ class VirtualIrc5:
     @property
     def faults(self) -> Faults:
         """What goes wrong on purpose with the answers of Robot Web Services."""
-        assert self._faults is not None, "the controller is not started"
         return self._faults
 
     @property
@@ -174,11 +178,17 @@ class VirtualIrc5:
 
         robot = None if self._robot is None else robots.get(self._robot)
         self._own = FilePath(tempfile.mkdtemp(prefix="virtual-irc5-"))
-        cabinet = Cabinet(self.folder, robot=robot, given=self._given, rate=self._rate)
+        cabinet = Cabinet(
+            self.folder,
+            robot=robot,
+            given=self._given,
+            devices=self._devices,
+            rate=self._rate,
+        )
         cabinet.panel.mode, cabinet.grants = self._mode, self._grants
         cabinet.start()
         self._cabinet = cabinet
-        self._service, self._faults = serving.service(cabinet, self.user, self.password)
+        self._service = serving.service(cabinet, self.user, self.password)
         for dialect, port in self._ports.items():
             if port is not None:
                 secure = self.certificate if dialect == 2 else None
@@ -200,7 +210,7 @@ class VirtualIrc5:
         if self._own is not None:
             shutil.rmtree(self._own, ignore_errors=True)
         self._servers, self._service, self._cabinet = {}, None, None
-        self._files = self._own = self._faults = None
+        self._files = self._own = None
 
     # ---------------------------------------------------------------------------- person
 

@@ -28,6 +28,7 @@ TITLES: Final[dict[int, tuple[Kind, str]]] = {
     10151: (1, "Program started"),
     40160: (3, "Errors in RAPID program"),
     40228: (3, "Execution error"),
+    41822: (3, "No data from the UdpUc device"),
     50027: (3, "Joint out of range"),
     50050: (3, "Position outside reach"),
     80001: (3, "User message: error"),

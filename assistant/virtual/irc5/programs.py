@@ -12,7 +12,7 @@ a WaitTime goes on.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Final, Literal
@@ -27,6 +27,7 @@ from assistant.virtual.kernel import Ending, Kernel, Task
 from assistant.virtual.rapid.controller import Controller, Options
 from assistant.virtual.rapid.disk import Disk
 from assistant.virtual.rapid.ends import Fault, NotSimulated
+from assistant.virtual.rapid.given import Ability
 from assistant.virtual.rapid.loading import load
 from assistant.virtual.rapid.machine import Machine
 from assistant.virtual.rapid.persistent import saved
@@ -40,7 +41,13 @@ MAIN: Final = "main"
 Cycle = Literal["once", "forever"]
 NUMBERS: Final = {"error": 80001, "warning": 80002, "information": 80003}
 """Of events that ErrWrite logs."""
-FAILURES: Final = (("reach", 50050), ("range", 50027), ("limit", 50027), ("", 40228))
+FAILURES: Final = (
+    ("41822", 41822),
+    ("reach", 50050),
+    ("range", 50027),
+    ("limit", 50027),
+    ("", 40228),
+)
 """What the words of an error hold, and the number of its event; the first that fits."""
 
 
@@ -74,15 +81,16 @@ class Pointer:
 
 @dataclass(eq=False)
 class Programs:
-    """kernel: that its task runs in. cycle: of the next start. running: whether it does.
-
-    changes: counts changes of the program. ready: whether the pointer is set.
+    """kernel: that its task runs in. abilities: instructions of its options. cycle: of the next
+    start. running: whether it does. changes: counts changes of the program. ready: whether the
+    pointer is set.
     """
 
     kernel: Kernel
     disk: Disk
     log: EventLog
     robot: Robot | None = None
+    abilities: Mapping[str, Ability] = field(default_factory=dict)
     cycle: Cycle = "forever"
     running: bool = False
     ready: bool = False
@@ -180,6 +188,7 @@ class Programs:
             name=TASK,
             robot=self.robot,
             controller=self.shared,
+            abilities=self.abilities,
             made=self._made,
             cycles=self._next_cycle,
         )

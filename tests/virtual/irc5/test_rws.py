@@ -223,10 +223,10 @@ def test_what_the_system_is(robot, irc5):
 def test_signals_are_read_and_set(robot, irc5):
     for name, value in (("do_lamp", "1"), ("di_part", "1"), ("DeviceNet/d651/ao_speed", "8.562")):
         path = f"/rw/iosystem/signals/{name}"
-        assert robot.client.get(path).items("ios-signal")[0]["lvalue"] == "0"
+        assert robot.client.get(path).items()[0]["lvalue"] == "0"
         written = robot.post(f"{path}?action=set", f"{path}/set-value", lvalue=value)
         assert written.status == 204
-        assert robot.client.get(path).items("ios-signal")[0]["lvalue"] == value
+        assert robot.client.get(path).items()[0]["lvalue"] == value
     assert irc5.cabinet.board.inputs.read("di_part") == 1.0
     for wrong in ("2", "x", "nan", ""):
         path = "/rw/iosystem/signals/Local/DRV_1/do_lamp"

@@ -149,6 +149,27 @@ def test_an_error_is_an_event_and_stops_the_program_alone(robot, body, code, wor
     assert robot.execution("resetpp").status == 204
 
 
+def test_a_program_may_be_led_by_egm(robot):
+    data = (
+        "VAR egmident id;",
+        "CONST egm_minmax near := [-0.1,0.1];",
+        f"CONST jointtarget at := {NEAR};",
+    )
+    axes = r"\J1:=near \J2:=near \J3:=near \J4:=near \J5:=near \J6:=near"
+    body = (
+        "MoveAbsJ at, v5000, fine, tool0;",
+        "EGMReset id;",
+        "EGMGetId id;",
+        r'EGMSetupUC ROB_1, id, "default", "UCdevice:" \Joint \CommTimeout:=0.5;',
+        rf"EGMActJoint id {axes};",
+        r"EGMRunJoint id, EGM_STOP_HOLD \J1 \J2 \J3 \J4 \J5 \J6 \CondTime:=20;",
+    )
+    ready(robot, *body, data=data)
+    start(robot)
+    ended(robot)  # nobody leads
+    assert robot.codes()[-2:] == [41822, 10126]
+
+
 def test_the_program_waits_for_a_signal_that_is_set_here(robot):
     ready(robot, "WaitDI di_part, 1;", "SetDO do_lamp, 1;")
     start(robot)

@@ -12,9 +12,9 @@ from assistant.virtual.irc5.rws.service import Service
 from assistant.virtual.irc5.rws.sessions import Sessions
 
 
-def service(cabinet: Cabinet, user: str, password: str) -> tuple[Service, Faults]:
+def service(cabinet: Cabinet, user: str, password: str) -> Service:
     """What both servers share."""
-    return Service(cabinet, Sessions(user, password)), Faults()
+    return Service(cabinet, Sessions(user, password))
 
 
 def server(

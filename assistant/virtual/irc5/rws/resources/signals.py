@@ -39,7 +39,8 @@ def search(cabinet: Cabinet, request: Request) -> Answer:
 
 
 def read(cabinet: Cabinet, request: Request) -> Answer:
-    return Answer(items=[_item(cabinet, find(cabinet, request.captures["signal"]), "ios-signal")])
+    kind = request.either("ios-signal", "ios-signal-li")
+    return Answer(items=[_item(cabinet, find(cabinet, request.captures["signal"]), kind)])
 
 
 def write(cabinet: Cabinet, request: Request) -> Answer:
