@@ -8,7 +8,7 @@ import sys
 import threading
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, Literal, TypeVar
+from typing import TYPE_CHECKING, Literal, TypeVar
 
 from assistant.cli.presentation import say
 from assistant.controllers.credentials import PASSWORD
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from assistant.virtual.cr import Faults, VirtualCr
     from assistant.virtual.irc5 import Signal, VirtualIrc5
 
-MXT_PORT: Final = 10000
 """UDP port of real-time control, as controllers are delivered."""
 NOT_STARTED = error(
     "CL101",
@@ -121,6 +120,7 @@ def run_cr(
     port: int,
     folder: Path | None,
     data_port: int,
+    mxt_port: int,
     serial: bool | str,
     framing: Literal["plain", "procedural", "data link"],
     pace: float,
@@ -140,7 +140,7 @@ def run_cr(
             port=port,
             folder=folder,
             data_port=data_port,
-            mxt_port=MXT_PORT,
+            mxt_port=mxt_port,
             serial=serial,
             framing=framing,
             pace=pace,

@@ -88,7 +88,10 @@ def virtual_cr(
         str, typer.Option("--robot", "-r", help="Its arm.", autocompletion=complete_robot)
     ] = "rv-2aj",
     port: Annotated[
-        int, typer.Option(help="Controller-link port on this computer; 0 takes a free one.")
+        int,
+        typer.Option(
+            help="Controller-link port on this computer; 0 takes a free one.", min=0, max=65535
+        ),
     ] = 10001,
     folder: Annotated[
         Path | None, typer.Option(help="Folder of its programs; in memory if left out.")
@@ -97,9 +100,17 @@ def virtual_cr(
         int,
         typer.Option(
             help="Port of the line OPT11; those of the data link follow, COM2: at the next one. "
-            "0 takes free ones."
+            "0 takes free ones.",
+            min=0,
+            max=65500,
         ),
     ] = 0,
+    mxt_port: Annotated[
+        int,
+        typer.Option(
+            help="UDP port of real-time external control; 0 takes a free one.", min=0, max=65535
+        ),
+    ] = 10000,
     serial: Annotated[
         str | None,
         typer.Option(help="A serial port to serve too, or `pty` to make a line.", metavar="PORT"),
@@ -128,6 +139,7 @@ def virtual_cr(
         port=port,
         folder=folder,
         data_port=data_port,
+        mxt_port=mxt_port,
         serial=True if serial == "pty" else serial or False,
         framing=FRAMINGS[framing],
         pace=pace,

@@ -6,13 +6,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
-import numpy as np
-
 from assistant.robots import Robot
 from assistant.virtual.events import Moved, Switched
 from assistant.virtual.kernel import Task
 from assistant.virtual.motion import Timed
-from assistant.virtual.motion.flight import Flight, Start
 
 FULL: Final = 100.0
 
@@ -31,15 +28,7 @@ class CrArm(Timed):
         """Ends all motions where the arm is."""
         if self.kernel is not None:
             self.hold(self.kernel)
-            self.stand_at(self._flight.start.joints.tolist())
-
-    def stand_at(self, joints: Sequence[float]) -> None:
-        """The arm is put where it stands from now on, (a,) degrees; nothing moves it there."""
-        clock = 0.0 if self.kernel is None else self.kernel.clock
-        self._flight = Flight(self.model, Start(np.array(joints, dtype=np.float64), clock))
-        self._flying = self._braking = None
-        self._held = self.behind = False
-        self.legs.clear()
+            self.lead(self.kernel, self.where()[1])
 
 
 def slowed(moved: Moved, share: float) -> Moved:

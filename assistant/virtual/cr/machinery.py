@@ -280,8 +280,11 @@ class Machinery(Powered):
         """The arm stands at joints (a,) from now on, however it came there."""
 
         def act() -> None:
-            self.arm.stand_at(joints)
-            self.controller.arm.at_joints(self.arm.where()[1])
+            numbered = [0.0] * max(6, *(place + 1 for place in self.robot.places))
+            for place, value in zip(self.robot.places, joints, strict=True):
+                numbered[place] = value
+            self.arm.lead(self.controller.kernel, numbered)
+            self.controller.arm.at_joints(tuple(numbered))
 
         self.do(act)
 

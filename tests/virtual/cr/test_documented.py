@@ -11,10 +11,13 @@ import pytest
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.cr.state import Cycles
 from assistant.virtual.cr.store import CrProgram
+from tests.virtual.cr.waiting import wait_for
 from tests.wire import Wire
 
 MOMENT = datetime.datetime(2004, 2, 9, 18, 49, 52)
 RUNNING = "CNTLON"
+SHORT = ("LOAD=100", "ECLR", "EDATA10 END", "SAVE")
+SERVO = ("CNTLON", "SRVON")
 EDITED = ("NEW", "LOAD=1", "ECLR", "EMDAT10 MOV P1\v20 MOV P2\v30 M1=1")
 POSITION = "P1=(+400.13,+0.00,+644.62,+180.00,+0.00,+180.00)(7,0)"
 HANDS = "900;2;1;902;1;1;904;1;1;906;1;1;-1;-1;-1;-1;-1;-1;-1;-1;-1;-1;-1;-1"
@@ -156,6 +159,18 @@ PAIRS = [
     ("5.2.141", (), "1;1;RPWRCHK=", "QoK1"),
     ("5.2.143", (), "1;1;MFRST=20;1", "QoK"),
     ("5.2.144", (), "1;1;MFFCST=1", "QoK23999;23999;23999;23999;23999;23999;0;0"),
+    # programs and motion
+    ("5.2.16", (*SERVO, "9;EXEC2=P1=P_CURR"), "1;9;EXECMOV P1", "QoK"),
+    ("5.2.17", (*SERVO, "9;EXEC2=P1=P_CURR"), "1;9;EXEC2=MOV P1", "QoK"),
+    ("5.2.18", (*SHORT, RUNNING, "PRGLOAD=100"), "1;9;STEP1", "QoK"),
+    ("5.2.47", (*SHORT, RUNNING), "1;1;RUN100;1", "QoK"),
+    ("5.2.48", (), "1;1;STOP", "QoK"),
+    ("5.2.50", (), "1;1;CSTOP", "QoK"),
+    ("5.2.57", SERVO, "1;1;ALIGN", "QoK"),
+    ("5.2.58", SERVO, "1;1;MOVSP", "QoK"),
+    ("5.2.59", SERVO, "1;1;JOG01;00;01;00;00", "QoK"),
+    ("5.2.64", (), "1;1;BRKPTSET=100;100;0", "QoK"),
+    ("5.2.65", (), "1;1;BRKPTCLR=100;100", "QoK"),
     # an RV-3SB answered these (recorded session; RLNG is that of version V here)
     ("recorded", (), "1;1;PARMEXTL", "QoKMEXTL;0.00, 0.00, 0.00, 0.00, 0.00, 0.00;6"),
     ("recorded", (), "1;1;PARRLNG", "QoKRLNG;2;1"),
@@ -164,7 +179,9 @@ PAIRS = [
 
 @pytest.fixture(scope="module")
 def controller():
-    with VirtualCr("rv-4fr", language="melfa-basic-5", clock=lambda: MOMENT) as controller:
+    with VirtualCr(
+        "rv-4fr", language="melfa-basic-5", clock=lambda: MOMENT, servo_time=0.0
+    ) as controller:
         yield controller
 
 
@@ -178,7 +195,8 @@ def line(controller):
 def wire(controller, line):
     """A controller as it is delivered, with three programs and some hours behind it."""
     state = controller.state
-    for command in ("CLOSE", "PRMINIT", "RSTPWR", "INDMY", "INSET"):
+    line.ask("1;1;RSTALRM")
+    for command in ("CLOSE", "PRMINIT", "RSTPWR", "STOP", "INDMY", "INSET"):
         assert line.ask(f"1;1;{command}") == "QoK", command
     with state.lock:
         for name in list(state.store):
@@ -206,11 +224,13 @@ PROGRAMS = {
 
 
 @pytest.mark.parametrize(("source", "before", "request_", "answer"), PAIRS)
-def test_documented_pairs(wire, source, before, request_, answer):
+def test_documented_pairs(controller, wire, source, before, request_, answer):
     assert source
     for command in before:
         command = command if command[:1].isdigit() else f"1;{command}"
         assert wire.ask(f"1;{command}").startswith("QoK"), command
+        if command == "1;SRVON":
+            wait_for(lambda: controller.state.servo)
     assert wire.ask(request_) == answer
 
 

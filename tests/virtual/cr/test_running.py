@@ -2,11 +2,14 @@
 
 import threading
 import time
+from types import SimpleNamespace
 
 import pytest
 
 from assistant.virtual.cr import VirtualCr
+from tests.controllers.mitsubishi.mxt.controllers import joints, led
 from tests.virtual.cr.test_link import load
+from tests.virtual.cr.waiting import wait_for
 from tests.wire import Wire
 
 NEAR = "P1=(+250.00,+0.00,+450.00,+0.00,+180.00,+0.00)(6,0)"
@@ -37,13 +40,6 @@ def slow():
         for command in ("CNTLON", "SRVON"):
             assert wire.ask(f"1;1;{command}") == "QoK"
         yield controller, wire
-
-
-def wait_for(condition, seconds=10.0):
-    until = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < until
-        time.sleep(0.002)
 
 
 def bits(wire):
@@ -316,3 +312,18 @@ def test_lines_of_the_data_link_are_where_they_are_wanted():
         assert ports == list(range(first + 1, first + 8))
         return
     pytest.fail("no seven ports in a row are free")
+
+
+def test_an_arm_is_led_by_packets():
+    with VirtualCr("rv-4frl") as controller, Wire(controller.port) as wire:
+        load(wire, "LED", '1 Open "ENET:127.0.0.1" As #1', "2 Mxt 1,1", "3 End")
+        for command in ("CNTLON", "SRVON"):
+            assert wire.ask(f"1;1;{command}") == "QoK"
+        wait_for(lambda: bits(wire)[0] & 0x20)
+        assert wire.ask("1;1;RUNLED;1") == "QoK"
+        wait_for(lambda: state(wire)[1] == "2")
+        trajectory = joints()
+        assert led(SimpleNamespace(port=controller.mxt_port), trajectory).code == ""
+        wait_for(lambda: not runs(wire))
+        assert bits(wire)[2] == 0
+        assert list(place(wire, "JPOSF").values()) == pytest.approx(trajectory.rows[-1], abs=0.1)

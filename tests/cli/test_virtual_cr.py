@@ -1,0 +1,77 @@
+"""`virtual cr`: its lines and faults, as a user starts it."""
+
+import re
+import signal
+import subprocess
+import sys
+import threading
+
+import pytest
+
+from assistant.cli import main
+from tests.virtual.cr.test_serial import Line
+from tests.wire import Wire
+
+
+@pytest.fixture
+def served(tmp_path):
+    """What a started controller says of itself."""
+    started = []
+
+    def start(*options):
+        process = subprocess.Popen(
+            [sys.executable, "-m", "assistant", "virtual", "cr", "--port", "0", *options],
+            cwd=tmp_path,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        started.append(process)
+        guard = threading.Timer(20, process.kill)
+        guard.start()
+        said = ""
+        while "COM8:" not in said:
+            line = process.stdout.readline()
+            assert line, said
+            said += line
+        guard.cancel()
+        return said
+
+    yield start
+    for process in started:
+        process.send_signal(signal.SIGINT)
+        assert process.wait(10) == 0
+        process.stdout.close()
+
+
+def test_all_its_lines_are_told(served, tmp_path):
+    said = served(
+        "--folder", "programs", "--serial", "pty", "--refuse", "OVRD=5640", "--delay", "0"
+    )
+    with Line(re.search(r"melfa-serial://(\S+)", said)[1]) as line:
+        line.send(b"1;1;LOAD=A\r1;1;EDATA10 END\r1;1;SAVE\r")
+        for _ in range(3):
+            assert line.until(b"\r") == b"QoK\r"
+    with Wire(int(re.search(r"melfa://127.0.0.1:(\d+)", said)[1])) as wire:
+        assert wire.ask("1;1;FCHECKA") == "QoKN"
+        assert wire.ask("1;1;OVRD") == "QeR5640"
+    assert (tmp_path / "programs" / "A.prg").read_bytes() == b"10 END\r\n"
+    assert len(re.findall(r"data link COM\d: at 127\.0\.0\.1:\d+", said)) == 7
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--refuse", "OVRD"), "CL103"),
+        (("--refuse", "=5640"), "CL103"),
+        (("--serial", "/dev/nothing"), "CL101"),
+        (("--robot", "irb140-6-0.81"), "CL101"),
+        (("--port", "99999"), "65535"),
+    ],
+)
+def test_what_cannot_be_served_is_said(options, said, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    port = () if "--port" in options else ("--port", "0")
+    with pytest.raises(SystemExit) as ended:
+        main(["virtual", "cr", *port, *options])
+    assert ended.value.code == 2
+    assert said in capsys.readouterr().err
