@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from assistant.virtual.cr import Faults, VirtualCr
     from assistant.virtual.irc5 import Signal, VirtualIrc5
 
-"""UDP port of real-time control, as controllers are delivered."""
 NOT_STARTED = error(
     "CL101",
     "the virtual controller cannot start: {reason}",
