@@ -36,6 +36,7 @@ MODULE {{ module }}
     LOCAL VAR num nLast:=0;
     LOCAL VAR bool bNobody:=FALSE;
     LOCAL VAR bool bTaken:=FALSE;
+    LOCAL VAR bool bOpen:=FALSE;
     LOCAL VAR bool bRead:=FALSE;
     LOCAL VAR bool bReached:=FALSE;
 
@@ -70,7 +71,9 @@ MODULE {{ module }}
 
     LOCAL PROC take_request()
         bTaken:=FALSE;
+        bOpen:=FALSE;
         Open stRequest,newposedata\Read;
+        bOpen:=TRUE;
         text_number:=ReadStr(newposedata);
         text_word:=ReadStr(newposedata);
         text_pos:=ReadStr(newposedata);
@@ -78,12 +81,17 @@ MODULE {{ module }}
         text_config:=ReadStr(newposedata);
         text_end:=ReadStr(newposedata);
         Close newposedata;
+        bOpen:=FALSE;
         remove stRequest;
         bTaken:=TRUE;
     ERROR
         IF ERRNO=ERR_FILEOPEN OR ERRNO=ERR_FILEACC OR ERRNO=ERR_RCVDATA THEN
-            Close newposedata;
+            IF bOpen THEN
+                Close newposedata;
+            ENDIF
             RETURN;
+        ELSE
+            RAISE;
         ENDIF
     ENDPROC
 
@@ -120,6 +128,8 @@ MODULE {{ module }}
     ERROR
         IF ERRNO=ERR_STRTOOLNG THEN
             RETURN FALSE;
+        ELSE
+            RAISE;
         ENDIF
     ENDFUNC
 
@@ -193,6 +203,8 @@ MODULE {{ module }}
             RETURN TRUE;
         ELSEIF ERRNO=ERR_OUTSIDE_REACH THEN
             RETURN FALSE;
+        ELSE
+            RAISE;
         ENDIF
     ENDFUNC
 

@@ -19,10 +19,14 @@ START = "MoveJ [[420,60,400],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v500
 
 
 class RunningRobot:
-    """A context manager. pace: simulated seconds in a real one, None for as fast as it goes."""
+    """A context manager.
 
-    def __init__(self, folder, module=MODULE, *, pace=None, begins=True):
-        self.controller = VirtualIrc5(folder)
+    pace: simulated seconds in a real one, None for as fast as it goes. begins: whether its program
+    runs. rws: port of Robot Web Services beside FTP, None for none.
+    """
+
+    def __init__(self, folder, module=MODULE, *, pace=None, begins=True, rws=None):
+        self.controller = VirtualIrc5(folder, rws=rws, rwss=None)
         text = module.text()
         before, loop, behind = text.partition("        WHILE NOT bNobody DO\n")
         start = f"        {START.format(tool=module.tool)}\n"

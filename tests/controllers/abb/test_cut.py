@@ -152,7 +152,7 @@ def exchanged(tmp_path, number, **fault):
 
 def test_an_exchange_that_is_cut_stops_the_robot_and_moves_it_once_at_most(tmp_path):
     _, whole = exchanged(tmp_path, 0)
-    places = range(180, whole, whole // 5)
+    places = range(180, whole, whole // 4)
     ends = [exchanged(tmp_path, cut, cut=cut)[0] for cut in places]
     # Where only a question was asked, nothing is stopped.
     told = [exchange.ended for exchange in ends if exchange is not None and exchange.ended]

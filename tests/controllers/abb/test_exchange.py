@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from assistant import languages
+from assistant.controllers import connect
 from assistant.controllers.abb.exchange import Module, PoseExchange, Tool, messages
 from assistant.controllers.rules import Lost
 from assistant.languages.rapid import rules as rapid_rules
@@ -252,7 +253,9 @@ def test_a_second_exchange_in_between_is_noticed(robot, programs):
         first.move_to(start.offset(z=5.0))
 
 
-@pytest.mark.parametrize("error", [KeyboardInterrupt, RuntimeError])
+@pytest.mark.parametrize(
+    "error", [KeyboardInterrupt, pytest.param(RuntimeError, marks=pytest.mark.slow)]
+)
 def test_an_interrupt_stops_the_robot_on_its_way(tmp_path, error):
     with RunningRobot(tmp_path / "home", pace=1.0) as robot, robot.client() as programs:
         exchange = PoseExchange(programs)
@@ -283,26 +286,25 @@ def test_an_interrupt_stops_the_robot_on_its_way(tmp_path, error):
         assert robot.ended() == ("end", "")
 
 
-class OnlyPrograms:
-    """A client with no more than a session that keeps programs has."""
-
-    def __init__(self, client):
-        self._client, self.address = client, client.address
-        self.names, self.read, self.write = client.names, client.read, client.write
-        self.remove = client.remove
-
-
-@pytest.mark.parametrize("way", ["ftp, programs only", "sftp"])
-def test_poses_are_exchanged_over_any_client_that_keeps_programs(tmp_path, way):
+def test_poses_are_exchanged_over_sftp(tmp_path):
     with RunningRobot(tmp_path / "home") as robot, SftpServer(robot.home) as server:
-        with server.client() if way == "sftp" else robot.client() as client:
-            programs = client if way == "sftp" else OnlyPrograms(client)
-            with PoseExchange(programs) as exchange:
-                start = exchange.current_pose().pose
-                there = exchange.move_to(start.offset(z=5.0)).pose
-                assert there.position == pytest.approx(start.offset(z=5.0).position, abs=1e-3)
-                exchange.stop()
-        assert robot.ended() == ("end", "") and list(robot.home.iterdir()) == []
+        exchanged(robot, server.client())
+
+
+def test_poses_are_exchanged_over_robot_web_services(tmp_path):
+    """A client that has no shorter way for small files than any that keeps programs."""
+    with RunningRobot(tmp_path / "home", rws=0) as robot:
+        controller = robot.controller
+        exchanged(robot, connect(controller.rws_address, password=controller.password))
+
+
+def exchanged(robot, client):
+    with client, PoseExchange(client) as exchange:
+        start = exchange.current_pose().pose
+        there = exchange.move_to(start.offset(z=5.0)).pose
+        assert there.position == pytest.approx(start.offset(z=5.0).position, abs=1e-3)
+        exchange.stop()
+    assert robot.ended() == ("end", "") and list(robot.home.iterdir()) == []
 
 
 def test_a_stop_that_nobody_answers_says_so(tmp_path):
