@@ -87,6 +87,16 @@ class Signals:
         except ValueError:
             raise self._session.garbled(doing, f"a value `{row.get('lvalue')}`") from None
 
+    def _named(self, name: str) -> list[Row]:
+        """Signals of a name; the controller looks for names that it is a part of."""
+        doing = f"looking for the signal `{name}`"
+        found = self._session.ask("find signal", doing=doing, form={"name": name})
+        pages = [found]
+        if found.next and not any(_name(r).lower() == name.lower() for r in found.rows):
+            pages = self._session.pages("signals", doing=doing)
+        rows = [row for page in pages for row in page.of("ios-signal")]
+        return [row for row in rows if _name(row).lower() == name.lower()]
+
     def _place(self, name: str) -> tuple[str, str]:
         """Address and type of a signal; looked for once, for they stay until a restart."""
         if not NAME.fullmatch(name):
@@ -101,10 +111,7 @@ class Signals:
                 )
             )
         if name not in self._places:
-            answer = self._session.ask(
-                "find signal", doing=f"looking for the signal `{name}`", form={"name": name}
-            )
-            same = [r for r in answer.of("ios-signal") if _name(r).lower() == name.lower()]
+            same = self._named(name)
             if not same:
                 raise self._session.refusal(
                     f"find the signal `{name}`", "there is none", "check its name"

@@ -17,6 +17,7 @@ from assistant.virtual.irc5.rws.answers import Answer, Rejected
 from assistant.virtual.irc5.rws.paths import find, route
 from assistant.virtual.irc5.rws.request import Request
 from assistant.virtual.irc5.rws.resources import (
+    configuration,
     files,
     log,
     mastership,
@@ -49,6 +50,7 @@ E: Final = "/rw/rapid/execution"
 D: Final = "/rw/rapid/symbol"
 S: Final = "/rw/iosystem/signals"
 H: Final = "/rw/mastership"
+C: Final = "/rw/cfg/{domain}/{type}"
 F: Final = "/fileservice"
 P: Final = "/rw/panel"
 T: Final = "/rw/rapid/tasks/{task}"
@@ -122,6 +124,10 @@ ROWS: Final = (
     Row("GET", "/rw/elog/{domain}", "/rw/elog/{domain}", log.messages),
     Row("POST", "/rw/elog/{domain}?clear", "/rw/elog/{domain}/clear", log.clear),
     Row("GET", "/rw/elog/{domain}/{number}", "/rw/elog/{domain}/{number}", log.message),
+    Row("GET", "/rw/cfg", "/rw/cfg", configuration.domains),
+    Row("GET", *((f"{C}/instances",) * 2), configuration.instances),
+    Row("POST", f"{C}/instances/{{name}}?set", f"{C}/instances/{{name}}",
+        configuration.set_instance, "cfg"),
     Row("GET", "/rw/system", "/rw/system", system.system),
     Row("GET", "/rw/system/options", "/rw/system/options", system.options),
     Row("GET", "/rw/system/robottype", "/rw/system/robottype", system.robot_type),

@@ -109,6 +109,11 @@ class Peer:
         timeout = options.pop("timeout", 5)
         return connect(address, password=password, timeout=timeout, **options)
 
+    def forget(self):
+        """Sessions and mastership, of a line that was cut for good."""
+        self.held.clear()
+        self.sessions.clear()
+
     def asked(self, *methods):
         """What was asked by these methods (writing ones if none is named), but the files."""
         wanted = methods or ("POST", "PUT", "DELETE")

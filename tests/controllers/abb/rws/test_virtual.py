@@ -10,6 +10,7 @@ from assistant.controllers.rules import Lost
 from assistant.controllers.states import Jog, TaskState
 from assistant.program.diagnostics import Refused
 from assistant.virtual.irc5 import VirtualIrc5
+from assistant.virtual.irc5.cabinet import Signal
 from tests.controllers.abb.rws.seam import SEAM, SIGNALS, codes
 
 
@@ -102,6 +103,35 @@ def test_signals(client):
         assert codes(refused) == [code]
 
 
+def test_parameters(client):
+    name = "EIO/EIO_SIGNAL/doGripper"
+    told = {f"{name}/Name": "doGripper", f"{name}/SignalType": "DO", f"{name}/Device": "DRV_1"}
+    assert client.parameters([name]) == told
+    assert len(client.parameters(["EIO/EIO_SIGNAL"])) == 3 * len(SIGNALS)
+    for act in (
+        lambda: client.set_parameter(f"{name}/Device", "DRV_2"),
+        lambda: client.set_parameter(f"{name}/Device", "a&Access=All"),
+        lambda: client.parameters(["EIO/EIO_UNIT"]),
+        lambda: client.parameters(["EIO"]),
+        lambda: client.parameters(["EIO/EIO_SIGNAL/doNone"]),
+    ):
+        with pytest.raises(Refused) as refused:
+            act()
+        assert codes(refused)[0] in ("CN209", "CN301", "CN308")
+    assert not client.state().right and client.parameters([name]) == told
+
+
+def test_a_signal_among_many_of_like_names(tmp_path):
+    many = [Signal(f"di{n}", "DI") for n in range(130)] + [Signal("zdi1", "DI"), Signal("d", "DI")]
+    with (
+        VirtualIrc5(tmp_path / "home", signals=many, robot=None) as irc5,
+        connect(irc5.rwss_address, password=irc5.password, certificate=irc5.certificate) as client,
+    ):
+        assert client.inputs(["zdi1", "d", "di99"]) == {"zdi1": 0, "d": 0, "di99": 0}
+        assert len(client.inputs([])) == 132
+        assert len(client.parameters(["EIO/EIO_SIGNAL"])) == 3 * 132
+
+
 def test_speed_ratio(client):
     client.set_override(40)
     assert client.state().override == 40
@@ -129,8 +159,11 @@ def test_watching_sees_a_program_run(loaded):
     for sample in loaded.watch(0.02, ["doGripper"]):
         samples.append(sample)
         if len(samples) == 2:
-            loaded.start()
-        if len(samples) > 3 and not sample.state.running and sample.signals["doGripper"]:
+            loaded.start(forever=True)
+        seen = [one.state.running for one in samples]
+        if sample.state.running and sample.signals["doGripper"]:
+            loaded.stop()
+        elif True in seen and not sample.state.running:
             break
     assert [running for running, _ in itertools.groupby(s.state.running for s in samples)] == [
         False,
