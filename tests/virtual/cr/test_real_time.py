@@ -8,7 +8,7 @@ from assistant.controllers.cyclic import Ended, Limits, Settings, Trajectory
 from assistant.controllers.mitsubishi.mxt import CYCLES, Monitor, Mxt, program
 from assistant.virtual.cr import VirtualCr
 
-PATIENT = Settings(timeout=3.0, opening=10.0, softness=0.5)
+PATIENT = Settings(timeout=10.0, lapse=100, opening=10.0, softness=0.5)
 
 
 @pytest.fixture
@@ -48,6 +48,7 @@ def test_an_arm_is_led_while_its_monitor_tells(virtual):
     assert np.isfinite(columns["joints_J1"]).all()
 
 
+@pytest.mark.slow
 def test_a_stop_from_the_panel_ends_the_client(virtual):
     robot = virtual.state.robot
     far = Trajectory.of_joints([robot.home, robot.home + 60.0])

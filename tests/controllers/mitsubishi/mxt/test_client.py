@@ -12,9 +12,16 @@ from assistant.program.diagnostics import Refused
 from assistant.program.motion import Speed
 from assistant.program.path import Path
 from assistant.virtual.cr.mxt_process import MxtProcess
-from tests.controllers.mitsubishi.mxt.controllers import ARM, CYCLE, LIMITS, controller, joints
+from tests.controllers.mitsubishi.mxt.controllers import (
+    ARM,
+    CYCLE,
+    LIMITS,
+    PATIENT,
+    controller,
+    joints,
+)
 
-GIVEN = {"cycle": CYCLE, "limits": LIMITS, "settings": Settings(timeout=3.0, softness=0.5)}
+GIVEN = {"cycle": CYCLE, "limits": LIMITS, "settings": PATIENT}
 
 
 def test_two_trajectories_in_one_control(tmp_path):

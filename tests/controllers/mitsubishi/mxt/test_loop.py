@@ -1,5 +1,7 @@
 """The loop against a virtual controller: what arrives there, and what is made of every fault."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from assistant.controllers.cyclic.loop import Stop
 from tests.controllers.mitsubishi.mxt.controllers import (
     ARM,
     CYCLE,
+    FAULTY,
     PATIENT,
     controller,
     joints,
@@ -51,7 +54,7 @@ def test_pulses_arrive_as_they_were_given():
             control,
             Trajectory.of_joints(away),
             mode="pulse",
-            settings=Settings(slack=500, approach=500, timeout=3.0),
+            settings=replace(PATIENT, slack=500, approach=500),
         )
     assert (done.code, control.result.reason) == ("", "end")
     assert max(row[0] for row in control.result.track) == pytest.approx(ARM.home[0] + 2.0)
@@ -71,7 +74,7 @@ def test_pulses_arrive_as_they_were_given():
 def test_a_fault_of_the_line_is_got_over(faults, counted):
     trajectory = joints()
     with controller(faults=faults) as control:
-        done = led(control, trajectory)
+        done = led(control, trajectory, settings=FAULTY)
     assert (done.code, control.result.reason) == ("", "end")
     assert control.result.track[-1] == pytest.approx(trajectory.rows[-1], abs=1e-4)
     assert steps(control.result.track).max() <= 1.0
@@ -89,7 +92,7 @@ def test_a_controller_that_says_no_more_ends_it(fault):
 
 def test_a_controller_that_only_talks_nonsense_ends_it():
     with controller(faults=dict.fromkeys(range(20, 2000), "garbled")) as control:
-        done = led(control, joints(), settings=Settings(timeout=3.0, garbled=3, lapse=1))
+        done = led(control, joints(), settings=Settings(timeout=10.0, garbled=3, lapse=1))
     assert done.code == "CN717"
     assert control.result.reason == "end"
 
@@ -104,7 +107,7 @@ def test_a_controller_that_never_answers():
 
 def test_an_arm_that_does_not_follow_is_held_and_the_control_ended():
     with controller(servo=0.0) as control:
-        done = led(control, joints(), settings=Settings(timeout=3.0, lag=0.0, slack=2.0))
+        done = led(control, joints(), settings=replace(PATIENT, lag=0.0, slack=2.0))
     assert done.code == "CN714"
     assert done.fields["distance"] > 2.0
     assert control.result.reason == "end"
