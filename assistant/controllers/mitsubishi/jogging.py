@@ -29,7 +29,9 @@ LIMITS: Final = "MEJAR"
 """Parameter of the least and the most of each joint, degrees (mm of a linear axis)."""
 MOST_STEP: Final = 100.0
 """Degrees or mm of one jog."""
-STILL: Final = 20
+LOOK: Final = 0.05
+"""Seconds between two looks at the arm."""
+STILL: Final = 40
 """Looks at an arm that does not move, after which it does not arrive any more."""
 NEAR: Final = 0.06
 """mm and degrees that the arm may be off: places are shown with two decimals."""
@@ -198,7 +200,7 @@ def _arrive(session: Session, goal: Goal, doing: str) -> None:
             place, seconds = str(session.address), round(time.monotonic() - began, 1)
             state = "the arm does not get to its goal and has been stopped"
             raise Refused(rules.NOT_DONE(place=place, doing=doing, seconds=seconds, state=state))
-        time.sleep(operating.LOOK)
+        time.sleep(LOOK)
 
 
 def _off(session: Session, goal: Goal) -> list[float]:

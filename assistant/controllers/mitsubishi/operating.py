@@ -61,7 +61,8 @@ def motors(session: Session, *, on: bool) -> None:
         def done() -> bool:
             return bool(run_bits(session)[0] & SERVO) == on
 
-        wait(session, done, doing, "look at the state before anything moves", SERVO_TIME)
+        state = "look at the state before anything moves"
+        wait(session, done, doing, state, SERVO_TIME, errors_end_it=on)
 
 
 def start(session: Session, slot: int, *, forever: bool) -> None:
@@ -112,7 +113,8 @@ def _stop_others(session: Session, doing: str) -> None:
         if slot_state(session, slot).running:
             session.ask("STOP", doing=doing, slot=slot, shape=BARE)
 
-    wait(session, lambda: not running(session), doing, "programs still run", SERVO_TIME)
+    state = "programs still run"
+    wait(session, lambda: not running(session), doing, state, SERVO_TIME, errors_end_it=False)
 
 
 def override(session: Session, percent: int) -> None:
@@ -152,16 +154,23 @@ def _carried(session: Session, command: str) -> bool:
 
 
 def wait(
-    session: Session, done: Callable[[], bool], doing: str, state: str, seconds: float
+    session: Session,
+    done: Callable[[], bool],
+    doing: str,
+    state: str,
+    seconds: float,
+    *,
+    errors_end_it: bool,
 ) -> None:
-    """Looks until something is done; raises Refused for an error of the controller or if it lasts.
+    """Looks until something is done; raises Refused if it lasts longer, or for an error.
 
-    seconds: at most, and not less than an answer may take.
+    seconds: at most, and not less than an answer may take. errors_end_it: whether it will never
+    be done while the controller shows an error.
     """
     most = max(seconds, session.timeout)
     end = time.monotonic() + most
     while not done():
-        for fault in faults(session):
+        for fault in faults(session) if errors_end_it else ():
             if fault.level == "error":
                 raise Refused(session.alarm(fault.number, doing, state))
         if time.monotonic() > end:

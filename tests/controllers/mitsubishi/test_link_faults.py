@@ -43,7 +43,7 @@ def conversation(client, folder, rounds):
 
 @pytest.fixture
 def controller():
-    with VirtualCr() as controller, connect(controller.address) as client:
+    with VirtualCr(servo_time=0.0) as controller, connect(controller.address) as client:
         client.write("SEAM", OLD.encode())
         yield controller
 
@@ -84,7 +84,7 @@ def test_a_line_that_is_cut_anywhere(controller, tmp_path):
     caught, length = talk(controller, folder)
     assert caught is None and folder.exists()
     clear(folder)
-    places = [1, 12, 24, 30, 150, 200, 260, *range(301, length - 300, 2503)]
+    places = [1, 12, 24, 150, 260, *range(301, length - 300, 2503)]
     cut_at(controller, folder, places, 1)
 
 
@@ -109,7 +109,7 @@ def clear(folder):
     folder.rmdir()
 
 
-ANSWERS = [0, 1, 2, 3, 5, 9, 14, 20]
+ANSWERS = [0, 1, 2, 9]
 
 
 @pytest.mark.parametrize("which", ANSWERS)
@@ -119,7 +119,7 @@ def test_an_answer_that_comes_too_late(controller, tmp_path, which):
 
 
 @pytest.mark.parametrize("which", ANSWERS)
-@pytest.mark.parametrize("instead", [bytes(range(256)), b"QoK\x00\xff\r", b"QeR1\r", b"\r\r\rQ\r"])
+@pytest.mark.parametrize("instead", [bytes(range(256)), b"QoK\x00\xff\r", b"QeR1\r"])
 def test_garbage_instead_of_an_answer(controller, tmp_path, which, instead):
     caught, _ = talk(controller, tmp_path / "cell", answers=garbage(which, instead))
     # What looks like an answer can only be told where the text of the right one is known.
@@ -195,7 +195,7 @@ def test_the_right_is_given_back_over_a_new_connection():
                 client.set_override(50)
             length = proxy.passed
         assert not controller.held
-        for at in range(1, length):
+        for at in range(1, length, 3):
             with Cutting(controller.port, cut=at, reset=bool(at % 2)) as proxy:
                 with (
                     contextlib.suppress(Lost),

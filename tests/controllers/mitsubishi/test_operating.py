@@ -38,7 +38,7 @@ def number(refused):
 
 @pytest.fixture
 def controller():
-    with VirtualCr("rv-2aj") as controller:
+    with VirtualCr("rv-2aj", servo_time=0.02) as controller:
         yield controller
 
 
@@ -96,7 +96,7 @@ def test_where_an_arm_of_five_axes_is(client):
 
 
 def test_where_an_arm_of_six_axes_is():
-    with VirtualCr("rv-4frl") as controller, connect(controller.address) as client:
+    with VirtualCr("rv-4frl", pace=20) as controller, connect(controller.address) as client:
         place = client.position()
         robot = controller.state.robot
         shown = [angle for angle in place.joints if angle is not None]
@@ -339,7 +339,7 @@ def test_jogging_along_axes_of_base_and_tool(client):
 
 
 def test_jogging_an_arm_of_six_axes():
-    with VirtualCr("rv-4frl") as controller, connect(controller.address) as client:
+    with VirtualCr("rv-4frl", pace=20) as controller, connect(controller.address) as client:
         client.motors(True)
         client.jog(Jog("J5", 20, speed=100))
         before = client.position()

@@ -19,11 +19,11 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no pseudo termi
 
 PROGRAM = b"".join(
     [
-        *(b"%d MVS P%d\r\n" % (10 * n, n) for n in range(1, 40)),
-        b"400 END\r\n",
+        *(b"%d MVS P%d\r\n" % (10 * n, n) for n in range(1, 15)),
+        b"150 END\r\n",
         *(
             b"P%d=(+%d.25,+0.00,+450.00,+0.00,+180.00,+0.00)(6,0)\r\n" % (n, n)
-            for n in range(1, 40)
+            for n in range(1, 15)
         ),
     ]
 )
@@ -132,7 +132,7 @@ def test_the_other_framing_is_no_hang():
 
 def test_broken_bytes_are_repaired_by_the_procedure():
     with VirtualCr(serial=True, framing="procedural") as controller:
-        controller.faults.broken = 331
+        controller.faults.broken = 211
         with connect(controller.serial_address, timeout=10) as client:
             client.write("SEAM", PROGRAM)
             assert client.read("SEAM") == PROGRAM
@@ -241,3 +241,19 @@ def test_a_line_that_is_cut():
         controller.stop()
         client.names()
     assert codes(refused) == ["CN204"]
+
+
+@pytest.mark.parametrize(("framing", "late"), [("plain", "CNTLON"), ("procedural", "SRVON")])
+def test_a_line_that_falls_silent_gives_the_right_back(framing, late):
+    """An answer comes too late while the operation right is held, or may be."""
+
+    def report(told):
+        if late in told:
+            controller.faults.times, controller.faults.delay = 1, 0.5
+
+    with VirtualCr(serial=True, framing=framing, report=report) as controller:
+        address = controller.serial_address
+        with pytest.raises(Lost) as refused, connect(address, timeout=0.35) as client:
+            client.motors(True)
+        assert codes(refused)[0] == "CN204"
+        assert controller.state.right is None or "CN306" in codes(refused)
