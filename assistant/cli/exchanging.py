@@ -24,6 +24,12 @@ NO_POSES: Final = error(
     "`{name}` holds {found} paths of poses, and an exchange follows one",
     "name a table of poses, one in each row",
 )
+SEVERAL: Final = error(
+    "CL265",
+    "the poses of `{name}` are of several {what} ({first}, {second}); an exchange has one of each, "
+    "which its module names",
+    "divide the table",
+)
 BROKEN_OFF: Final = warning(
     "CL263", "broken off: {ended}", "look at the robot before anything else"
 )
@@ -194,7 +200,19 @@ def _poses(source: Path) -> Poses:
     ]
     if len(found) != 1 or not len(found[0]):
         raise Refused(NO_POSES(path=str(source), name=source.name, found=len(found)))
-    return found[0]
+    path = found[0]
+    for what, names, rows in (
+        ("frames", path.frames, path.frame),
+        ("tools", path.tools, path.tool),
+    ):
+        used = sorted({names[row] for row in set(rows.tolist())})
+        if len(used) > 1:
+            raise Refused(
+                SEVERAL(
+                    path=str(source), name=source.name, what=what, first=used[0], second=used[1]
+                )
+            )
+    return path
 
 
 def _configurations(path: Poses) -> list[tuple[int, int, int, int]] | None:

@@ -117,6 +117,14 @@ def test_nothing_moves_that_nobody_confirmed(capsys, robot, tmp_path):
     np.save(empty, np.zeros((0, 7)))
     status, _, err = run(capsys, "exchange", "follow", robot.controller.address, empty, "--yes")
     assert status in (1, 2) and "Traceback" not in err
+    tools = tmp_path / "tools.csv"
+    row = "420,60,395,0,0,1,0"
+    tools.write_text(f"x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z,tool\n{row},grip\n{row},drill\n")
+    declared = "tip = [0, 0, 60]\nmass = 0.5\ncentre = [0, 0, 30]\n"
+    process = tmp_path / "tools.process.toml"
+    process.write_text("".join(f"[tools.{name}]\n{declared}" for name in ("grip", "drill")))
+    status, _, err = run(capsys, "exchange", "follow", robot.controller.address, tools, "--yes")
+    assert status == 1 and "CL265" in err and "drill, grip" in err
     bad = ["--plot", "way.gif", "--yes"]
     status, _, err = run(capsys, "exchange", "follow", robot.controller.address, table, *bad)
     assert status == 2 and "CL009" in err
