@@ -31,7 +31,7 @@ def _history(session: CrSession, argument: str) -> str:
 
 
 def _history_of(session: CrSession, argument: str) -> str:
-    where, level, detail = [*argument.split(";"), "0", ""][:3]
+    where, level, detail, *_ = [*argument.split(";"), "", ""]
     return _entry(session, where, level or "0", detail)
 
 

@@ -9,6 +9,7 @@ import pytest
 from assistant.controllers import connect
 from assistant.virtual.cr import VirtualCr
 from assistant.virtual.cr.framing import framed, unframed
+from tests.virtual.cr.waiting import wait_for
 from tests.wire import Wire
 
 ENQ, ACK, NAK, EOT = b"\x05", b"\x06", b"\x15", b"\x04"
@@ -183,3 +184,17 @@ def test_faults_of_answers():
         assert wire.closed_by_peer()
         with Wire(controller.port) as again:
             assert again.ask("1;1;OVRD") == "QoK100"
+
+
+def test_a_program_talks_over_the_serial_line():
+    with (
+        VirtualCr("rv-2aj", serial=True, framing="data link") as controller,
+        Wire(controller.port) as wire,
+        Line(controller.serial_path) as line,
+    ):
+        lines = ('10 OPEN "COM1:" AS #1', "20 INPUT #1,M1", "30 PRINT #1,M1*2", "40 END")
+        for command in ("CNTLON", "LOAD=L", *(f"EDATA{text}" for text in lines), "SAVE", "RUNL;1"):
+            assert wire.ask(f"1;1;{command}") == "QoK", command
+        wait_for(lambda: wire.ask("1;1;LINENO") == "QoK20")
+        line.send(b"21\r")
+        assert float(line.until(b"\r")) == 42.0
