@@ -1,0 +1,122 @@
+"""The use cases of Kohrt et al., tables II and III: a sample each, against the virtual controller.
+
+The first one, direct control, is that of real-time external control.
+"""
+
+import csv
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from assistant.virtual.cr import VirtualCr
+
+SAMPLES = Path(__file__).parents[3] / "samples" / "python"
+
+
+def sample(folder, name, *arguments):
+    done = subprocess.run(
+        [sys.executable, str(SAMPLES / name), *map(str, arguments), "--yes"],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(SAMPLES.parents[1])},
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def controller(pace=4.0, **settings):
+    return VirtualCr("rv-2aj", servo_time=0.02, pace=pace, **settings)
+
+
+def line_of(target):
+    host, port = target
+    return f"{host}:{port}"
+
+
+def moved_up_and_back(said):
+    rows = [line.partition("(")[2].split(",") for line in said.splitlines()]
+    heights = [float(row[2]) for row in rows]
+    assert heights == pytest.approx([heights[0], heights[0] - 20, heights[0]], abs=0.02)
+
+
+def test_2_single_moves_over_ethernet(tmp_path):
+    with controller() as virtual:
+        moved_up_and_back(sample(tmp_path, "single_moves.py", virtual.address, "--by", -20))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("framing", ["plain", "procedural"])
+def test_3_single_moves_over_a_serial_line(framing, tmp_path):
+    with controller(serial=True, framing=framing) as virtual:
+        moved_up_and_back(sample(tmp_path, "single_moves.py", serial(virtual), "--by", -20))
+
+
+def serial(virtual):
+    """A pseudo terminal has no parity."""
+    address = virtual.serial_address
+    return f"{address}{'&' if '?' in address else '?'}parity=none"
+
+
+def went_round(said):
+    """The places of the square's corners, in their order."""
+    rows = [line.split("at ")[1].split() for line in said.splitlines() if "at " in line]
+    places = [(float(row[0]), float(row[1])) for row in rows]
+    assert max(x for x, _ in places) - min(x for x, _ in places) == pytest.approx(20, abs=6)
+    assert places[-1] == pytest.approx(places[0], abs=12)
+    return len(places)
+
+
+@pytest.mark.slow
+def test_4_a_program_over_ethernet_with_feedback_over_ethernet(tmp_path):
+    with controller(pace=1.0) as virtual:
+        assert went_round(sample(tmp_path, "run_program.py", virtual.address)) > 3
+
+
+def test_4_a_program_over_ethernet_with_feedback_by_data_link(tmp_path):
+    with controller() as virtual:
+        status = line_of(virtual.data_ports["COM2:"])
+        said = sample(tmp_path, "run_program.py", virtual.address, "--status", status)
+        assert went_round(said) > 10 and "J1 " in said
+
+
+@pytest.mark.slow
+def test_5_a_program_over_a_serial_line(tmp_path):
+    with controller(serial=True) as virtual:
+        status = line_of(virtual.data_ports["COM2:"])
+        said = sample(tmp_path, "run_program.py", serial(virtual), "--status", status)
+        assert went_round(said) > 10
+
+
+def test_6_two_data_links(tmp_path):
+    """As in the paper: positions over RS-232, the status over Ethernet."""
+    with controller(pace=1.0, serial=True, framing="data link") as virtual:
+        status = line_of(virtual.data_ports["COM2:"])
+        lines = (virtual.serial_path, status, "--parity", "none")
+        said = sample(tmp_path, "two_data_links.py", virtual.address, *lines)
+    assert "21 of 21" in said
+    with (tmp_path / "two_data_links.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    turns = [float(row["J_CURR.J1"]) for row in rows]
+    assert max(turns) == pytest.approx(5, abs=0.5) and min(turns) == pytest.approx(-5, abs=0.5)
+
+
+@pytest.mark.parametrize("name", ["single_moves.py", "run_program.py", "two_data_links.py"])
+def test_nothing_moves_unasked(name, tmp_path):
+    with controller() as virtual:
+        lines = ["/dev/null", "127.0.0.1:1"] if name.startswith("two") else []
+        done = subprocess.run(
+            [sys.executable, str(SAMPLES / name), virtual.address, *lines],
+            cwd=tmp_path,
+            env={**os.environ, "PYTHONPATH": str(SAMPLES.parents[1])},
+            input="no\n",
+            capture_output=True,
+            text=True,
+            timeout=60,
+        )
+        assert done.returncode == 1 and "type yes" in done.stdout, done.stderr
+        assert virtual.names() == ()
