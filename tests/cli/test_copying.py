@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 
-import pytest
-
 from tests.cli.test_commands import run
 
 MODULE = "MODULE {0}\n  PROC {0}_main()\n    WaitTime {1};\n  ENDPROC\nENDMODULE\n"
@@ -54,30 +52,30 @@ def test_nothing_is_written_over_unasked(capsys, cr, tmp_path):
     assert "DLY 2" in (here / "PICK").read_text()
 
 
-@pytest.mark.parametrize(
-    ("arguments", "status", "code"),
-    [
-        (("get", "cell1", "NONE"), 1, "CL210"),
-        (("get", "cell1", "A", "B", "-o", "one.prg"), 2, "CL216"),
-        (("put", "cell1", "none.prg"), 2, "IN001"),
-        (("ls", "cell2"), 2, "CN104"),
-        (("ls", "http://127.0.0.1"), 2, "CN103"),
-        (("ls", "melfa://127.0.0.1:1"), 2, "CN201"),
-        (("backup", "cell1", "."), 2, "CL214"),
-        (("restore", "cell1", "nowhere"), 2, "CL215"),
-        (("monitor", "cell1", "--interval", "0"), 2, "CL222"),
-        (("outputs", "cell1", "5=loud"), 2, "CL202"),
-        (("outputs", "cell1", "5="), 2, "CL201"),
-        (("teach", "cell1", "--now"), 2, "CL231"),
-        (("teach", "cell1", "a", "--now", "--on", "3"), 2, "CL230"),
-        (("jog", "cell1", "J1", "0"), 2, "CL244"),
-        (("jog", "cell1", "J1", "5", "--speed", "0"), 2, "CL243"),
-        (("start", "cell1", "--override", "101"), 2, "CL242"),
-    ],
-)
-def test_wrong_usage(capsys, cr, arguments, status, code):
-    found, _, said = run(capsys, *arguments)
-    assert (found, code in said) == (status, True), said
+WRONG = [
+    (("get", "cell1", "NONE"), 1, "CL210"),
+    (("get", "cell1", "A", "B", "-o", "one.prg"), 2, "CL216"),
+    (("put", "cell1", "none.prg"), 2, "IN001"),
+    (("ls", "cell2"), 2, "CN104"),
+    (("ls", "http://127.0.0.1"), 2, "CN103"),
+    (("ls", "melfa://127.0.0.1:1"), 2, "CN201"),
+    (("backup", "cell1", "."), 2, "CL214"),
+    (("restore", "cell1", "nowhere"), 2, "CL215"),
+    (("monitor", "cell1", "--interval", "0"), 2, "CL222"),
+    (("outputs", "cell1", "5=loud"), 2, "CL202"),
+    (("outputs", "cell1", "5="), 2, "CL201"),
+    (("teach", "cell1", "--now"), 2, "CL231"),
+    (("teach", "cell1", "a", "--now", "--on", "3"), 2, "CL230"),
+    (("jog", "cell1", "J1", "0"), 2, "CL244"),
+    (("jog", "cell1", "J1", "5", "--speed", "0"), 2, "CL243"),
+    (("start", "cell1", "--override", "101"), 2, "CL242"),
+]
+
+
+def test_wrong_usage(capsys, cr):
+    for arguments, status, code in WRONG:
+        found, _, said = run(capsys, *arguments)
+        assert (found, code in said) == (status, True), said
 
 
 COMMANDS = [
@@ -89,13 +87,13 @@ COMMANDS = [
 ]
 
 
-@pytest.mark.parametrize("arguments", COMMANDS, ids=lambda a: a[0])
-def test_what_a_file_server_cannot_do(capsys, irc5, tmp_path, arguments):
-    status, out, _ = run(capsys, *arguments, "--format", "json")
-    (finding,) = json.loads(out)["findings"]
-    assert (status, finding["code"]) == (2, "CN209")
-    assert f"`{arguments[0]}`" in finding["message"] and "FTP" in finding["message"]
-    assert list((tmp_path / "here").iterdir()) == []
+def test_what_a_file_server_cannot_do(capsys, irc5, here):
+    for arguments in COMMANDS:
+        status, out, _ = run(capsys, *arguments, "--format", "json")
+        (finding,) = json.loads(out)["findings"]
+        assert (status, finding["code"]) == (2, "CN209")
+        assert f"`{arguments[0]}`" in finding["message"] and "FTP" in finding["message"]
+        assert list(here.iterdir()) == []
 
 
 def test_deploying_by_name(capsys, cr, tmp_path):

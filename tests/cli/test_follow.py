@@ -79,22 +79,22 @@ def test_joints_are_led_as_a_program_asks_for_them(capsys, rws, here):
     assert json.loads(out)["followed"].startswith(tuple("123456789"))
 
 
-@pytest.mark.parametrize(
-    ("text", "more", "status", "code"),
-    [
-        (FIVE, ("--by", "magic"), 2, "CL250"),
-        (FIVE, ("--by", "mxt", "--speed", "200"), 2, "CL243"),
-        (FIVE, ("--by", "mxt", "--interval", "0"), 2, "CL253"),
-        (FIVE, ("--by", "mxt", "--log", "run.xls"), 2, "CL252"),
-        (FIVE + "5000,0,470,0,0,1,0,500\n", ("--by", "mxt"), 1, "RB1"),
-        (HEAD, ("--by", "mxt"), 1, "TB"),
-    ],
-)
-def test_what_is_refused_before_anything_moves(capsys, cr, here, text, more, status, code):
-    (here / "way.csv").write_text(text, encoding="utf-8")
-    found, _, said = run(capsys, "follow", "cell1", "way.csv", *more, "--yes")
-    assert (found, code in said) == (status, True), said
-    assert cr.names() == ()
+REFUSED = [
+    (FIVE, ("--by", "magic"), 2, "CL250"),
+    (FIVE, ("--by", "mxt", "--speed", "200"), 2, "CL243"),
+    (FIVE, ("--by", "mxt", "--interval", "0"), 2, "CL253"),
+    (FIVE, ("--by", "mxt", "--log", "run.xls"), 2, "CL252"),
+    (FIVE + "5000,0,470,0,0,1,0,500\n", ("--by", "mxt"), 1, "RB1"),
+    (HEAD, ("--by", "mxt"), 1, "TB"),
+]
+
+
+def test_what_is_refused_before_anything_moves(capsys, cr, here):
+    for text, more, status, code in REFUSED:
+        (here / "way.csv").write_text(text, encoding="utf-8")
+        found, _, said = run(capsys, "follow", "cell1", "way.csv", *more, "--yes")
+        assert (found, code in said) == (status, True), said
+        assert cr.names() == ()
 
 
 def test_without_a_robot_no_trajectory_is_followed(capsys, cr, here, tmp_path):
