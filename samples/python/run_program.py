@@ -1,7 +1,7 @@
 """A program for a Mitsubishi arm: installed, started and watched by controller link.
 
-The arm goes round a small square below where it stands. Feedback comes over the same line, or over a
-data link of its own that a second program sends on, Ethernet or serial:
+The arm goes round a small square below where it stands. Feedback comes over the same line, or over
+a data link of its own that a second program sends on, Ethernet or serial:
 
     python run_program.py melfa://192.168.0.20
     python run_program.py melfa-serial:///dev/ttyUSB0 --status 192.168.0.20:10002
