@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from typing import Final
-from urllib.parse import unquote
+from urllib.parse import unquote_to_bytes
 
 from assistant.controllers import rules
 from assistant.controllers.abb.rws.answers import Row
@@ -78,8 +78,7 @@ class Rapid:
             if data is None:
                 raise self._session.garbled(doing, f"the text is said to be in `{long}`")
             return data
-        text = row.get("module-text")
-        return (unquote(text) if self._session.dialect.quoted_text else text).encode()
+        return _as_file(row.get("module-text"), quoted=self._session.dialect.quoted_text)
 
     def load(self, path: str, task: str = "") -> None:
         """Loads a module or program file into a task and moves the program pointer to main."""
@@ -203,6 +202,15 @@ class Rapid:
 
     def _runs(self, row: Row) -> bool:
         return row.get("excstate").lower() in RUNNING
+
+
+def _as_file(text: str, *, quoted: bool) -> bytes:
+    """A module's text in the bytes of a file, which are ISO 8859-1 as far as that goes."""
+    data = unquote_to_bytes(text) if quoted else text.encode()
+    try:
+        return data.decode().encode("latin-1")
+    except UnicodeError:
+        return data
 
 
 def _foreground(row: Row) -> bool:

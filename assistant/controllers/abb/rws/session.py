@@ -208,10 +208,8 @@ class Session:
         host, port = self.address.host, self.address.port
         try:
             return trust.context(host, port, self._certificate, self.timeout)
-        except FileNotFoundError:
-            self._untrusted(f"there is no file `{self._certificate}`")
-        except ssl.SSLError as error:
-            self._untrusted(f"`{self._certificate or host}`: {reason_of(error)}")
+        except trust.BadFile as error:
+            self._untrusted(f"`{self._certificate}`: {error}")
         except (OSError, ValueError) as error:
             raise self._unreachable(reason_of(error)) from None
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Sequence
 from typing import Final
@@ -48,10 +49,14 @@ class Signals:
             raise self._session.refusal(
                 f"set `{name}`", f"it is no output but a {kind}", "name an output"
             )
-        whole = value == int(value)
-        good = {"DO": value in (0, 1), "GO": whole and 0 <= value <= LARGEST_GROUP, "AO": True}
+        whole = math.isfinite(value) and value == int(value)
+        good = {
+            "DO": value in (0, 1),
+            "GO": whole and 0 <= value <= LARGEST_GROUP,
+            "AO": math.isfinite(value),
+        }
         if not good[kind]:
-            form = {"DO": "0 or 1", "GO": "a whole number from 0"}[kind]
+            form = {"DO": "0 or 1", "GO": "a whole number from 0", "AO": "a number"}[kind]
             raise Refused(
                 rules.BAD_VALUE(
                     place=name, value=f"{value:g}", what=f"the value of `{name}`",

@@ -12,10 +12,14 @@ from assistant.controllers.os_errors_in_words import reason_of
 PEM: Final = re.compile(r"-----BEGIN CERTIFICATE-----.+?-----END CERTIFICATE-----", re.DOTALL)
 
 
+class BadFile(Exception):
+    """The file of the certificate cannot be used."""
+
+
 def context(
     host: str, port: int, certificate: str | FilePath | None, timeout: float
 ) -> ssl.SSLContext:
-    """What connections are checked with; raises OSError, of which ssl.SSLError is one.
+    """What connections are checked with; raises BadFile, or OSError where nobody answers.
 
     certificate: file of an authority, or of the controller's own certificate. Controllers make
     their own with names that are not their address: if the one shown is the very one in the
@@ -23,9 +27,12 @@ def context(
     """
     if certificate is None:
         return ssl.create_default_context()
-    trusted = ssl.create_default_context(cafile=str(certificate))
-    text = FilePath(certificate).read_text("ascii", errors="replace")
-    known = {ssl.PEM_cert_to_DER_cert(found) for found in PEM.findall(text)}
+    try:
+        trusted = ssl.create_default_context(cafile=str(certificate))
+        text = FilePath(certificate).read_text("ascii", errors="replace")
+        known = {ssl.PEM_cert_to_DER_cert(found) for found in PEM.findall(text)}
+    except (OSError, ValueError) as error:
+        raise BadFile(reason_of(error)) from None
     if _shown(host, port, timeout) in known:
         trusted.check_hostname = False
         trusted.verify_flags &= ~ssl.VERIFY_X509_STRICT  # what controllers make is not strict

@@ -74,8 +74,8 @@ POSITION = Position(
 )
 UNIT = {"tool-name": "tGripper", "wobj-name": "wobj0", "type": "TCPRobot", "axes": "6"}
 SIGNAL = {"name": "doGripper", "type": "DO", "category": "user", "lvalue": "1"}
-TEXT_1 = "MODULE%20m%0a  ! 50%25%0aENDMODULE"
-TEXT = "MODULE m\n  ! 50%\nENDMODULE"
+TEXT_1 = "MODULE%20m%0a  ! 50%25 %C3%A4%0aENDMODULE"
+TEXT = "MODULE m\n  ! 50% ä\nENDMODULE"
 REG1 = "RAPID/T_ROB1/user/reg1"
 START = "regain=continue&execmode=continue&condition=none&stopatbp=disabled&alltaskbytsp=false"
 

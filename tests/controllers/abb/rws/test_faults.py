@@ -105,7 +105,7 @@ def check(peer, codes):
     home = peer.home
     data = peer.files.get(f"{home}/seam.mod", peer.files.get(f"{home}/seam.mod~"))
     assert data in (OLD, NEW)
-    assert peer.held == {} or "CN221" in codes
+    assert "CN221" in codes or peer.held == {}
     peer.files = {f"{home}/seam.mod": OLD}
     peer.forget()
 
@@ -116,7 +116,9 @@ def cut_at(peer, places, **options):
         codes, _, _ = speak(peer, cut=place, **options)
         check(peer, codes)
         seen.update(codes)
-        assert set(codes) <= {"CN201", "CN204", "CN221"}, (place, codes)
+        if options.get("again", True) or codes != ["CN301"]:
+            # What a line brought that was cut for good may be done after `forget`.
+            assert set(codes) <= {"CN201", "CN204", "CN221"}, (place, codes)
     return seen
 
 

@@ -29,7 +29,7 @@ CASES = {
     "log": (lambda c: c.log(2), FAULTS, [], []),
     "newest": (lambda c: c.log(1), FAULTS[:1], [], []),
     "modules": (lambda c: c.modules(), ("BASE", "Seam"), [], []),
-    "module text": (lambda c: c.module_text("m", "T_ROB1"), TEXT.encode(), [], []),
+    "module text": (lambda c: c.module_text("m", "T_ROB1"), TEXT.encode("latin-1"), [], []),
     "variable": (lambda c: c.variable("reg1", "user", "T_ROB1"), "42.5", [], []),
     "variable of an unnamed module": (
         lambda c: c.variable("reg1"), "42.5",

@@ -106,7 +106,8 @@ def test_somebody_else_who_answers(said):
 
 def test_only_certificates_that_are_known_are_trusted(tmp_path):
     with Rws2(TWO, FILES) as peer:
-        for certificate in (None, "nowhere.pem"):
+        (tmp_path / "bad.pem").write_text("-----BEGIN CERTIFICATE-----")
+        for certificate in (None, "nowhere.pem", tmp_path, tmp_path / "bad.pem"):
             with pytest.raises(Refused) as refused, peer.connect(certificate=certificate):
                 pass
             assert codes(refused) == ["CN208"] and refused.value.exit_status == 2

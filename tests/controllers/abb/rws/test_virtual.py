@@ -1,6 +1,7 @@
 """The client and the virtual IRC5, which were written apart from each other, in both dialects."""
 
 import itertools
+import math
 import threading
 
 import pytest
@@ -94,6 +95,8 @@ def test_signals(client):
     client.set_output("aoSpeed", 0)
     for name, value, code in (
         ("doGripper", 2, "CN308"),
+        ("doGripper", math.inf, "CN308"),
+        ("aoSpeed", math.nan, "CN308"),
         ("diStart", 1, "CN209"),
         ("doNone", 1, "CN209"),
         ("do/Gripper", 1, "CN308"),
