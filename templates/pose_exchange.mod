@@ -82,7 +82,8 @@ MODULE {{ module }}
         text_end:=ReadStr(newposedata);
         Close newposedata;
         bOpen:=FALSE;
-        remove stRequest;
+        ! Taken is what this program removes: what the PC took back before is not carried out.
+        RemoveFile stRequest;
         bTaken:=TRUE;
     ERROR
         IF ERRNO=ERR_FILEOPEN OR ERRNO=ERR_FILEACC OR ERRNO=ERR_RCVDATA THEN

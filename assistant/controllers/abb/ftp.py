@@ -127,8 +127,8 @@ class Ftp(FtpSession):
                 return None
         return data.getvalue()
 
-    def take_away(self, name: str) -> None:
-        """Deletes a file without asking first whether it is there."""
+    def take_away(self, name: str) -> bool:
+        """Deletes a file without asking first whether it is there; False if it is not."""
         checked_name(name)
         with self.during(f"deleting `{name}`", f"`{name}` may still be there"):
             try:
@@ -136,6 +136,8 @@ class Ftp(FtpSession):
             except (ftplib.error_perm, ftplib.error_temp) as error:
                 if not str(error).startswith(NOT_NOW):
                     raise
+                return False
+        return True
 
     def size(self, name: str) -> int | None:
         """Bytes of a file, None if there is none or the server does not tell."""

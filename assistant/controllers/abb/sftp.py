@@ -148,14 +148,18 @@ class Sftp:
             except FileNotFoundError:
                 return None
 
-    def take_away(self, name: str) -> None:
-        """Deletes a file; nothing happens if there is none."""
+    def take_away(self, name: str) -> bool:
+        """Deletes a file; False, and nothing happens, if there is none."""
         checked_name(name)
-        doing, state = f"deleting `{name}`", f"`{name}` may still be there"
-        with self._during(doing, state) as files, suppress(FileNotFoundError):
-            files.remove(name)
+        with self._during(f"deleting `{name}`", f"`{name}` may still be there") as files:
+            try:
+                files.remove(name)
+            except FileNotFoundError:
+                return False
+        return True
 
-    remove = take_away
+    def remove(self, name: str) -> None:
+        self.take_away(name)
 
     def name_for(self, file_name: str | FilePath) -> str:
         return checked_name(FilePath(file_name).name)

@@ -52,8 +52,8 @@ class HandsOver(Protocol):
     def look(self, name: str) -> bytes | None:
         """A file, None if there is none that can be read now."""
 
-    def take_away(self, name: str) -> None:
-        """Deletes a file; nothing happens if there is none."""
+    def take_away(self, name: str) -> bool:
+        """Deletes a file; False, and nothing happens, if there is none."""
 
 
 class PoseExchange:
@@ -224,12 +224,11 @@ class PoseExchange:
 
     def _unanswered(self, number: int, word: Word, seconds: float) -> None:
         """Takes the request back, if it still lies there, so that nothing carries it out later."""
-        lay = self._look("request") is not None
-        if lay:
-            self._remove("request")
-            state = "it was not taken and has been removed; it moved nothing"
-        else:
-            state = "it was taken, so that the robot may still move"
+        state = {
+            True: "it was not taken and has been removed; it moved nothing",
+            False: "it was taken, so that the robot may still move",
+            None: "it has been removed; if it was taken in that moment, the robot may still move",
+        }[self._taken_back()]
         raise Refused(
             rules.NO_ANSWER(
                 place=str(self.programs.address),
@@ -239,6 +238,19 @@ class PoseExchange:
                 state=state,
             )
         )
+
+    def _taken_back(self) -> bool | None:
+        """Whether the request could be removed, so that it never is carried out.
+
+        The program carries out what it removes itself: only one of both can. None where the
+        client does not tell whether a file was there.
+        """
+        if isinstance(self.programs, HandsOver):
+            return self.programs.take_away(self._names["request"])
+        if self._look("request") is None:
+            return False
+        self._remove("request")
+        return None
 
     def _declined(self, answer: Answer, number: int, word: Word) -> None:
         unknown = f"it answered `{answer.word}`", "look at the event log of the controller"
@@ -265,6 +277,9 @@ class PoseExchange:
             self.stop()
         except Refused as refused:
             self.ended = f"the robot could not be told to stop and may still move: {refused}"
+        except BaseException:
+            self.ended = "the stop was broken off, and the robot may still move"
+            raise
         if isinstance(error, Refused):
             error.add_note(self.ended)
 
