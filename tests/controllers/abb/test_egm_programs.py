@@ -58,7 +58,7 @@ def joints_of(run):
     return [event.joints for event in run.events if isinstance(event, Moved)]
 
 
-@pytest.mark.parametrize("timed", [False, True])
+@pytest.mark.parametrize("timed", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_the_sample_is_guided_until_the_pc_falls_silent(timed):
     motion = Timed(ROBOT, joints=START) if timed else None
     goal = (4.0, 12.0, -18.0, 0.0, 30.0, 0.0)

@@ -54,7 +54,9 @@ def test_the_programs_are_valid_in_every_version(level):
     assert len(files) == 3 and not [f for f in findings if f.severity is not Severity.INFO]
 
 
-@pytest.mark.parametrize(("one", "two"), [(serial, tcp), (tcp, serial)])
+@pytest.mark.parametrize(
+    ("one", "two"), [(serial, tcp), pytest.param(tcp, serial, marks=pytest.mark.slow)]
+)
 def test_points_on_one_line_while_the_status_comes_on_the_other(one, two, tmp_path):
     goals = list(range(0, 50, 2))
     told = []

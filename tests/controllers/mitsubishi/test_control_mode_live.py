@@ -30,6 +30,7 @@ def cell(**settings):
             )
 
 
+@pytest.mark.slow
 def test_programs_are_installed_started_followed_and_stopped():
     with cell() as (_, controller, mode):
         with mode:

@@ -44,6 +44,7 @@ def moved_up_and_back(said):
     assert heights == pytest.approx([heights[0], heights[0] - 20, heights[0]], abs=0.02)
 
 
+@pytest.mark.slow
 def test_2_single_moves_over_ethernet(tmp_path):
     with controller() as virtual:
         moved_up_and_back(sample(tmp_path, "single_moves.py", virtual.address, "--by", -20))
@@ -77,6 +78,7 @@ def test_4_a_program_over_ethernet_with_feedback_over_ethernet(tmp_path):
         assert went_round(sample(tmp_path, "run_program.py", virtual.address)) > 3
 
 
+@pytest.mark.slow
 def test_4_a_program_over_ethernet_with_feedback_by_data_link(tmp_path):
     with controller() as virtual:
         status = line_of(virtual.data_ports["COM2:"])
@@ -105,7 +107,12 @@ def test_6_two_data_links(tmp_path):
     assert max(turns) == pytest.approx(5, abs=0.5) and min(turns) == pytest.approx(-5, abs=0.5)
 
 
-@pytest.mark.parametrize("name", ["single_moves.py", "run_program.py", "two_data_links.py"])
+SLOW = [
+    pytest.param(name, marks=pytest.mark.slow) for name in ("single_moves.py", "run_program.py")
+]
+
+
+@pytest.mark.parametrize("name", ["two_data_links.py", *SLOW])
 def test_nothing_moves_unasked(name, tmp_path):
     with controller() as virtual:
         lines = ["/dev/null", "127.0.0.1:1"] if name.startswith("two") else []
