@@ -22,7 +22,8 @@ from assistant.program.diagnostics import Refused
 
 Kind = Literal["file", "folder", "other"]
 """Links and devices are others: they are never followed, for they may lead in circles."""
-KIND: Final = "abb"
+KIND: Final = "abb files"
+"""Of the index of a folder of files: no backup of a whole controller."""
 UNTOUCHED: Final = "nothing was changed by that"
 
 UNIX: Final = re.compile(

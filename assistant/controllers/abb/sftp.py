@@ -34,7 +34,8 @@ from assistant.program.diagnostics import Refused
 if TYPE_CHECKING:
     from paramiko import PKey, SFTPClient, SSHClient
 
-KIND: Final = "abb"
+KIND: Final = "abb files"
+"""Of the index of a folder of files: no backup of a whole controller."""
 UNTOUCHED: Final = "nothing was changed by that"
 
 

@@ -89,7 +89,7 @@ def test_folders_are_fetched_whole(server, tmp_path):
             client.fetch_folder("nowhere", tmp_path / "nowhere")
         assert codes(refused) == ["CN205"] and not (tmp_path / "nowhere").exists()
         assert client.read("seam.mod") == TREE["seam.mod"]
-    assert folders.contents(tmp_path / "all", "abb") == TREE
+    assert folders.contents(tmp_path / "all", "abb files") == TREE
 
 
 @pytest.mark.parametrize(
@@ -105,7 +105,7 @@ def test_folders_are_fetched_from_servers_that_know_less(tmp_path, without):
             (server.home / "link").unlink()
         assert client.fetch_folder("", tmp_path / "all") == tuple(sorted(TREE))
         assert set(server.commands) & {"MLSD", "LIST"} == {"MLSD", "LIST"}
-    assert folders.contents(tmp_path / "all", "abb") == TREE
+    assert folders.contents(tmp_path / "all", "abb files") == TREE
 
 
 class Cut(Exception):
