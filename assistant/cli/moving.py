@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import signal
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -75,7 +77,7 @@ def moving(text: str, command: str) -> Iterator[Moving]:
 
     motion: Moving | None = None
     try:
-        with reached(text, command) as there:
+        with _told_to_end(), reached(text, command) as there:
             motion = Moving(there)
             with _stopped(motion):
                 yield motion
@@ -94,6 +96,25 @@ def moving(text: str, command: str) -> Iterator[Moving]:
             raise
         print_findings([_told(one, rest)])
         raise
+
+
+ENDS: Final = ("SIGTERM", "SIGHUP", "SIGBREAK")
+"""What ends a program from outside: a pipeline that is cancelled, a terminal that is closed."""
+
+
+@contextmanager
+def _told_to_end() -> Iterator[None]:
+    """Meanwhile whatever ends this program from outside stops the arm first, as Ctrl-C does."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    wanted = [getattr(signal, name) for name in ENDS if hasattr(signal, name)]
+    before = {number: signal.signal(number, signal.default_int_handler) for number in wanted}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 @contextmanager

@@ -120,10 +120,12 @@ def test_it_is_not_waited_for_if_nobody_wants(capsys, loaded):
     assert run(capsys, "variables", "cell1", "done=5", "--program", "cell")[:2] == (0, "done = 5\n")
 
 
-def test_ctrl_c_stops_the_arm_and_tells_where_it_is(capsys, loaded):
+@pytest.mark.parametrize("ending", ["SIGINT", "SIGTERM", "SIGHUP"])
+def test_ctrl_c_stops_the_arm_and_tells_where_it_is(capsys, loaded, ending):
+    """So does the end of a pipeline or a terminal."""
     with process("start", "cell1", "cell.mod", "--yes") as child:
         assert "Ctrl-C stops it" in child.stdout.readline()
-        child.send_signal(signal.SIGINT)
+        child.send_signal(getattr(signal, ending))
         _, said = child.communicate(timeout=30)
     assert child.returncode == 130
     assert "CL240" in said and "stands at J1 " in said and "Traceback" not in said

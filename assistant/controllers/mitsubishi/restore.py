@@ -119,6 +119,9 @@ def restoring(
             *_variables(session, files, only),
             *_parameters(session, wanted, only, kinds, left_out),
         ]
+        if not only:
+            alone = {program_file(name) for name in programs.names(session)} - {*files}
+            left_out |= dict.fromkeys(sorted(alone), "only the controller has it, and it stays")
     return Restoring(items, left_out, place)
 
 

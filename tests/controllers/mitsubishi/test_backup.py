@@ -93,7 +93,9 @@ def test_what_was_changed_comes_back(cell, tmp_path):
     assert "-10 END\n+10 M1=M1+1\n" in restoring.changes["programs/SEAM.prg"]
     assert "-MEXTL=0, 0, 50, 0, 0, 0\n+MEXTL=0, 0, 100, 0, 0, 0\n" in restoring.changes["MEXTL"]
     assert restoring.changes["programs/HAND.prg"].startswith("--- /dev/null")
-    assert set(restoring.left_out) == {"NETIP"} and "lines" in restoring.left_out["NETIP"]
+    left_out = restoring.left_out
+    assert set(left_out) == {"NETIP", "programs/NEW.prg"} and "lines" in left_out["NETIP"]
+    assert "it stays" in left_out["programs/NEW.prg"]
     assert controller.text("SEAM") == "10 END\r\n", "nothing is changed before apply"
     restoring.apply()
     assert controller.text("SEAM").encode() == SEAM and controller.text("HAND").encode() == HAND
