@@ -130,7 +130,7 @@ class Rapid:
         self._mastership.ask(
             "start",
             doing="starting the programs",
-            state="look at the controller whether they run",
+            state="they stand as they did",
             form={"cycle": "forever" if forever else "once"},
         )
 

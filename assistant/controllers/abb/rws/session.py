@@ -21,6 +21,7 @@ from assistant.controllers.os_errors_in_words import reason_of
 from assistant.program.diagnostics import Diagnostic, Refused
 
 UNCHANGED: Final = "nothing was changed by that"
+UNLESS: Final = ", unless the controller did it before the line was cut"
 FAREWELL: Final = 2.0
 """Seconds that logging a lost session out may take at most."""
 STATUS: Final = {
@@ -265,7 +266,8 @@ class Session:
         except Broken as error:
             if error.untrusted:
                 self._untrusted(str(error))
-            self.lost(doing, str(error), state)
+            acted = method in ("POST", "DELETE") and state != UNCHANGED
+            self.lost(doing, str(error), f"{state}{UNLESS}" if acted else state)
         finally:
             if self._transport is not None:
                 self._cookies = self._transport.cookies

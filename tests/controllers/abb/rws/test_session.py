@@ -196,5 +196,6 @@ def test_a_new_session_gives_back_what_a_cut_line_left(peer):
         ):
             client.load("seam.mod")
         assert codes(refused) == findings and len(arrived[-1][1]) == 1
+        assert "unless the controller did it" in refused.value.findings[0].message
         assert (peer.held == {}) is again
     assert len(peer.sessions) == 1
