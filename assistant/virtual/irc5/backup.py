@@ -1,7 +1,7 @@
 """Backups in the layout that controllers write (reference, 4.3), and what a restore takes from one.
 
 `BACKINFO`, `HOME`, `RAPID/TASK1/PROGMOD` and `SYSMOD`, `SYSPAR`. A restore brings the files of
-HOME: and the modules back; the system parameters of this controller are what it was started with.
+HOME:, the modules and the system parameters back.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Final
 
 from assistant.virtual.atomic import ARRIVING
+from assistant.virtual.irc5.parameters import DOMAINS, parse
 from assistant.virtual.irc5.programs import TASK, Programs, read_module
 
 if TYPE_CHECKING:
@@ -19,9 +20,6 @@ if TYPE_CHECKING:
 FOLDERS: Final = {False: "PROGMOD", True: "SYSMOD"}
 """By whether a module is a SYSMODULE."""
 SUFFIXES: Final = {False: ".mod", True: ".sys"}
-DOMAINS: Final = ("EIO", "MMC", "MOC", "PROC", "SIO", "SYS")
-HEAD: Final = "{domain}:CFG_1.0:6:1::\n#\n"
-TASK_ROW: Final = f'CAB_TASKS:\n\n      -Name "{TASK}" -Type "NORMAL" -Entry "main" -MotionTask\n'
 
 
 def back_up(programs: Programs, target: FilePath, cabinet: Cabinet) -> None:
@@ -51,16 +49,8 @@ def _write(programs: Programs, folder: FilePath, cabinet: Cabinet) -> None:
         file.write_bytes(programs.text(one).encode("latin-1", "replace"))
     (folder / "SYSPAR").mkdir()
     for domain in DOMAINS:
-        body = {"EIO": _signals(cabinet), "SYS": TASK_ROW}.get(domain, "")
-        (folder / "SYSPAR" / f"{domain}.cfg").write_text(HEAD.format(domain=domain) + body)
-
-
-def _signals(cabinet: Cabinet) -> str:
-    rows = [
-        f'      -Name "{one.name}" -SignalType "{one.type}" -Device "{one.device}" -Access "All"\n'
-        for one in cabinet.given.values()
-    ]
-    return "EIO_SIGNAL:\n\n" + "\n".join(rows)
+        text = cabinet.parameters.text(domain)
+        (folder / "SYSPAR" / f"{domain}.cfg").write_text(text, "latin-1", "replace")
 
 
 def is_backup(folder: FilePath) -> bool:
@@ -68,11 +58,16 @@ def is_backup(folder: FilePath) -> bool:
 
 
 def restore(programs: Programs, source: FilePath, cabinet: Cabinet) -> None:
-    """Raises NotPossible if a module cannot be loaded, and changes nothing; or OSError."""
+    """Raises NotPossible or ValueError for what cannot be loaded, and changes nothing; OSError."""
     files = sorted((source / "RAPID").glob("TASK1/*/*"))
     read = [one for file in files for one in read_module(file.name, file.read_bytes())]
+    settings = [file.read_text("latin-1") for file in sorted((source / "SYSPAR").glob("*.cfg"))]
+    for text in settings:
+        parse(text)
     home, kept = cabinet.disk.folder("HOME"), source / "HOME"
     programs.restore(read)
+    for text in settings:
+        cabinet.parameters.load(text, "add-with-reset")
     for old in home.iterdir():
         if old.is_dir():
             shutil.rmtree(old)

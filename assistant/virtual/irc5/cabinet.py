@@ -18,6 +18,7 @@ from assistant.languages.rapid.tree.walk import nodes
 from assistant.robots import Robot
 from assistant.virtual.irc5 import egm_instructions
 from assistant.virtual.irc5.panel import EventLog, Panel
+from assistant.virtual.irc5.parameters import Parameters
 from assistant.virtual.irc5.programs import Programs
 from assistant.virtual.kernel import Board, Instant, Kernel, Live
 from assistant.virtual.kernel.motion import Standing
@@ -108,6 +109,7 @@ class Cabinet:
         """Whether the pendant lets whoever asks modify in manual mode."""
         self.live = Live(self._kernel, rate=rate, ended=self._ended, name="virtual-irc5-kernel")
         self.board = Board()
+        self.parameters = Parameters(self.given.values(), "" if robot is None else robot.title)
         self._used: tuple[int, dict[str, Signal]] = -1, {}
         self.programs: Programs
 

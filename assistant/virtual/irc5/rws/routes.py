@@ -17,12 +17,12 @@ from assistant.virtual.irc5.rws.answers import Answer, Rejected
 from assistant.virtual.irc5.rws.paths import find, route
 from assistant.virtual.irc5.rws.request import Request
 from assistant.virtual.irc5.rws.resources import (
-    configuration,
     files,
     log,
     mastership,
     motion,
     panel,
+    parameters,
     rapid,
     signals,
     symbols,
@@ -50,9 +50,10 @@ E: Final = "/rw/rapid/execution"
 D: Final = "/rw/rapid/symbol"
 S: Final = "/rw/iosystem/signals"
 H: Final = "/rw/mastership"
-C: Final = "/rw/cfg/{domain}/{type}"
 F: Final = "/fileservice"
 P: Final = "/rw/panel"
+C: Final = "/rw/cfg"
+C2: Final = "/rw/cfg/{domain}/{type}/instances"
 T: Final = "/rw/rapid/tasks/{task}"
 U: Final = "/rw/motionsystem/mechunits/{unit}"
 M2: Final = f"{T}/modules/{{module}}"
@@ -124,10 +125,14 @@ ROWS: Final = (
     Row("GET", "/rw/elog/{domain}", "/rw/elog/{domain}", log.messages),
     Row("POST", "/rw/elog/{domain}?clear", "/rw/elog/{domain}/clear", log.clear),
     Row("GET", "/rw/elog/{domain}/{number}", "/rw/elog/{domain}/{number}", log.message),
-    Row("GET", "/rw/cfg", "/rw/cfg", configuration.domains),
-    Row("GET", *((f"{C}/instances",) * 2), configuration.instances),
-    Row("POST", f"{C}/instances/{{name}}?set", f"{C}/instances/{{name}}",
-        configuration.set_instance, "cfg"),
+    Row("GET", C, C, parameters.domains),
+    Row("POST", f"{C}?load", f"{C}/load", parameters.load, "cfg"),
+    Row("POST", f"{C}?validate", "", parameters.validate),
+    Row("GET", f"{C}/{{domain}}", f"{C}/{{domain}}", parameters.types),
+    Row("POST", f"{C}/{{domain}}?saveas", f"{C}/{{domain}}/saveas", parameters.save),
+    Row("GET", C2, C2, parameters.instances),
+    Row("GET", f"{C2}/{{instance}}", f"{C2}/{{instance}}", parameters.instance),
+    Row("POST", f"{C2}/{{instance}}?set", f"{C2}/{{instance}}", parameters.change, "cfg"),
     Row("GET", "/rw/system", "/rw/system", system.system),
     Row("GET", "/rw/system/options", "/rw/system/options", system.options),
     Row("GET", "/rw/system/robottype", "/rw/system/robottype", system.robot_type),

@@ -111,8 +111,11 @@ def test_parameters(client):
     told = {f"{name}/Name": "doGripper", f"{name}/SignalType": "DO", f"{name}/Device": "DRV_1"}
     assert client.parameters([name]) == told
     assert len(client.parameters(["EIO/EIO_SIGNAL"])) == 3 * len(SIGNALS)
+    for value in ("DRV_2", "DRV_1"):
+        client.set_parameter(f"{name}/Device", value)
+        assert client.parameters([name])[f"{name}/Device"] == value
     for act in (
-        lambda: client.set_parameter(f"{name}/Device", "DRV_2"),
+        lambda: client.set_parameter(f"{name}/Name", "doOther"),
         lambda: client.set_parameter(f"{name}/Device", "a&Access=All"),
         lambda: client.parameters(["EIO/EIO_UNIT"]),
         lambda: client.parameters(["EIO"]),

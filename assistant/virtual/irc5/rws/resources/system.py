@@ -126,6 +126,8 @@ def restore_backup(cabinet: Cabinet, request: Request) -> Answer:
         raise Rejected(reasons.BAD_ARGUMENT, "no backup")
     try:
         cabinet.do(lambda programs: restore(programs, source, cabinet))
+    except ValueError as wrong:
+        raise Rejected(reasons.BAD_ARGUMENT, str(wrong)) from None
     except NotPossible as wrong:
         raise Rejected(reasons.WRONG_STATE, str(wrong)) from None
     except OSError as wrong:
