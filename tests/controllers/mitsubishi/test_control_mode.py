@@ -138,6 +138,15 @@ def test_limits_that_are_none_are_refused(limits):
     assert codes(refused) == ["CN622"]
 
 
+def test_a_first_point_that_is_far_away_is_refused_if_steps_are_bounded():
+    with cell() as (running, control, status):
+        mode = ControlMode(None, control, status, limits=LIMITS, most_step=20)
+        with pytest.raises(Refused) as refused, mode:
+            mode.follow(points(30, 40))
+        assert codes(refused) == ["CN623"] and "point 1" in str(refused.value)
+        assert turned(running) == []
+
+
 # ---------------------------------------------------------------------------------- faults
 
 

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from assistant.controllers.controller import Controller
 from assistant.controllers.mitsubishi.control_mode import programs
-from assistant.controllers.mitsubishi.control_mode.points import checked, limits_of
+from assistant.controllers.mitsubishi.control_mode.points import check_steps, checked, limits_of
 from assistant.controllers.mitsubishi.control_mode.status import Status, StatusStream
 from assistant.controllers.mitsubishi.data_link import DataLink, Joints, rules
 from assistant.controllers.recording import Recording
@@ -44,8 +44,9 @@ class ControlMode:
     controller: is connected; the programs are installed and started through it. None: somebody
     else starts them. control_line, status_line: what leads to COM1 and COM2 of the programs, a
     target of `DataLink` or a link that is not open yet. limits: (k, 2) lowest and highest degrees
-    of each axis. most_step: degrees that an axis may turn between two points. ahead: points that
-    are sent before the controller takes them. silence: seconds without a status that stop it.
+    of each axis. most_step: degrees that an axis may turn between two points, and from where it
+    stands to the first one. ahead: points that are sent before the controller takes them.
+    silence: seconds without a status that stop it.
     timeout: seconds in which an arm that is to move does. replace: other programs of the names of
     ours on the controller.
     """
@@ -111,7 +112,7 @@ class ControlMode:
         finally:
             self._close()
         if state != STOPPED and error is None:
-            raise Lost(rules.ENDED(place=self._stream.link.target, state=state))
+            raise Lost(rules.NOT_ENDED(place=self._stream.link.target, state=state))
 
     def follow(
         self, joints: ArrayLike, *, progress: Callable[[int, int], None] | None = None
@@ -165,6 +166,9 @@ class ControlMode:
 
     def _follow(self, points: Floats, progress: Callable[[int, int], None]) -> None:
         before, count, told = self._sent, len(points), 0
+        if self.most_step is not None:
+            here = np.array(self.status.commanded.values[: len(self.limits)])
+            check_steps(np.vstack([here, points[:1]]), self.most_step, first=1)
 
         def until(enough: Callable[[Status], bool]) -> None:
             """Waits as long as the arm moves or points are taken; raises Refused."""

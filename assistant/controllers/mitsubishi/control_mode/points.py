@@ -52,18 +52,19 @@ def checked(joints: ArrayLike, limits: Floats, most_step: float | None) -> Float
             )
         )
     if most_step is not None and len(points) > 1:
-        _check_steps(points, most_step)
+        check_steps(points, most_step)
     return points
 
 
-def _check_steps(points: Floats, most: float) -> None:
+def check_steps(points: Floats, most: float, first: int = 2) -> None:
+    """Raises Refused for a step that is too far. first: number of the point behind the first."""
     steps = np.nan_to_num(np.abs(np.diff(points, axis=0)))
     if (far := steps > most).any():
         row, axis = np.argwhere(far)[0]
         raise Refused(
             rules.TOO_FAR(
-                place=f"point {row + 2}",
-                number=row + 2,
+                place=f"point {row + first}",
+                number=row + first,
                 axis=axis + 1,
                 step=steps[row, axis],
                 most=most,

@@ -71,3 +71,8 @@ ENDED: Final = error(
     "the programs on the controller ended by themselves; {state}",
     "look at the controller's error, then begin anew",
 )
+NOT_ENDED: Final = error(
+    "CN628",
+    "data link control mode did not end as it was asked to; {state}",
+    "look at the arm, and stop the programs on the controller",
+)
