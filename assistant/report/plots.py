@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from assistant.program import rotations
 from assistant.program.arrays import Floats
 from assistant.report import figures
 from assistant.report.track import Track
@@ -17,8 +18,12 @@ def pose_plot(track: Track, title: str) -> bytes:
 def exchange_plot(
     seconds: Floats, positions: Floats, quaternions: Floats, title: str, format: str = "png"
 ) -> bytes:
-    """What a robot answered over the time: (n,) s, (n, 3) mm, (n, 4) scalar first."""
-    return _poses(seconds, positions, quaternions, "time in s", title, format)
+    """What a robot answered over the time: (n,) s, (n, 3) mm, (n, 4) scalar first.
+
+    A quaternion and its negative are one orientation: each is drawn on the side of the one before.
+    """
+    turns = rotations.unflipped(quaternions)
+    return _poses(seconds, positions, turns, "time in s", title, format)
 
 
 def _poses(

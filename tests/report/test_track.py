@@ -126,3 +126,13 @@ def test_the_page_escapes_what_comes_from_outside():
 def test_the_same_track_gives_the_same_picture():
     way = track(program(Move("linear", at(1, 2), MOTION), Move("joint", at(3, 4), MOTION)))
     assert plots.pose_plot(way, "title") == plots.pose_plot(way, "title")
+
+
+def test_an_exchange_is_drawn_without_jumps_between_two_signs_of_one_orientation() -> None:
+    seconds, places = np.arange(3.0), np.zeros((3, 3))
+    turns = np.array([[0.6, 0.8, 0, 0], [0.6, 0.8, 0, 0], [0.6, 0.8, 0, 0]])
+    flipped = turns * [[1], [-1], [1]]
+    drawn = plots.exchange_plot(seconds, places, turns, "title")
+    assert drawn.startswith(b"\x89PNG")
+    assert drawn == plots.exchange_plot(seconds, places, flipped, "title")
+    assert b"<svg" in plots.exchange_plot(seconds, places, turns, "title", "svg")
