@@ -11,7 +11,8 @@ import pytest
 
 from assistant import robots
 from assistant.compiler.following import led_along
-from assistant.controllers import connect
+from assistant.controllers import connect, parse
+from assistant.controllers.mitsubishi.cr import Cr
 from assistant.controllers.states import Position
 from assistant.program.diagnostics import Refused
 from assistant.virtual.cr import VirtualCr
@@ -55,6 +56,26 @@ def test_joints_are_led_by_packets(capsys, led, here):
     with (here / "run.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) > 10 and float(rows[-1]["time"]) > 0.0
+
+
+def test_joint_positions_go_over_a_line_of_data(capsys, tmp_path, here):
+    """On a controller that has been on for a while: its timers are old, and nobody is late yet."""
+    (here / "way.csv").write_text(FIVE, encoding="utf-8")
+    controller = VirtualCr()
+    devices = ", ".join(f"OPT{i}" for i in range(12, 19))
+    controller.state.parameters.write("COMDEV", f"{devices}, ", all_levels=True)
+    with controller:
+        table = f'address = "{controller.address}"\nrobot = "rv-2aj"\ntimeout = 5\n'
+        (tmp_path / "assistant.toml").write_text(f"[controllers.cell1]\n{table}", encoding="utf-8")
+        assert run(capsys, "motors", "cell1", "on", "--yes")[0] == 0
+        with Cr(parse(controller.address)) as session:
+            session.execute("M_TIMER(2)=9000", wait=True)
+        lines = [f"{host}:{port}" for host, port in controller.data_ports.values()][:2]
+        arguments = ("follow", "cell1", "way.csv", "--by", "data-link", "--yes", "--interval", "1")
+        status, _, said = run(capsys, *arguments, "--line", lines[0], "--line", lines[1])
+        assert status == 0, said
+        with connect("cell1") as session:
+            assert session.position().position == pytest.approx((175.0, 0.0, 470.0), abs=0.05)
 
 
 def test_another_program_of_that_name_is_not_replaced(capsys, led, here):
