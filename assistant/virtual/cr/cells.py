@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import Final
 
 from assistant.virtual.cr.store import CrProgram
@@ -75,3 +75,24 @@ def refreshed(program: CrProgram, memory: Memory) -> CrProgram:
         made.keep(name, value)
     made.protected = set(program.protected)
     return made
+
+
+def lend(program: CrProgram, memory: Memory, names: Collection[str]) -> None:
+    """Gives a memory the variables of some names that a program has; raises Failed."""
+    for line in (program.variables | program.values).values():
+        name, _, value = line.partition("=")
+        if _base(name) in names:
+            give(memory, name, value)
+
+
+def take_back(program: CrProgram, memory: Memory, names: Collection[str]) -> None:
+    """Gives a program the variables of some names as they are by now."""
+    for name, value in listed(memory):
+        if _base(name) in names and "q" not in program.protected:
+            program.keep(name, value)
+
+
+def _base(name: str) -> str:
+    """Without its mark and its subscripts."""
+    found = NAME.fullmatch(name.upper())
+    return found[1] if found else name

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Final
 from assistant import languages
 from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.diagnostics import Severity, has_errors
-from assistant.virtual.cr.store import CrRefusal
+from assistant.virtual.cr import cells
+from assistant.virtual.cr.store import CrProgram, CrRefusal
 from assistant.virtual.kernel import Ending, Task
 from assistant.virtual.melfa.arm import Settings
-from assistant.virtual.melfa.code import Code, code_of
+from assistant.virtual.melfa.code import Code, code_of, nodes
 from assistant.virtual.melfa.machine import Frame, Machine
 from assistant.virtual.melfa.memory import Memory, Scope
 from assistant.virtual.melfa.stops import Ended, Failed, Redirected, Unknown
@@ -32,15 +33,29 @@ MOST_WAITING: Final = 16
 
 
 @dataclass(slots=True)
-class Direct:
-    """What a slot keeps from command to command, and those that are still to run.
-
-    done: of each, the error number that it ended with, None for none.
+class Waiting:
+    """A command that is still to run. edit: the program whose variables it has, None for those of
+    the slot. done: the error number that it ended with, None for none.
     """
+
+    code: Code
+    edit: CrProgram | None = None
+    done: Future[int | None] = field(default_factory=Future)
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Of the variables that it speaks of."""
+        found = (node for row in self.code.rows for node in nodes(row.statement))
+        return frozenset(node.key for node in found if isinstance(node, s.Variable))
+
+
+@dataclass(slots=True)
+class Direct:
+    """What a slot keeps from command to command, and those that are still to run."""
 
     settings: Settings = field(default_factory=Settings)
     memory: Memory = field(default_factory=lambda: Memory(Scope()))
-    waiting: deque[tuple[Code, Future[int | None]]] = field(default_factory=deque)
+    waiting: deque[Waiting] = field(default_factory=deque)
     task: Task | None = None
 
 
@@ -72,19 +87,18 @@ class DirectCommands:
     def running(self) -> bool:
         return any(direct.task is not None for direct in self._slots.values())
 
-    def add(self, number: int, code: Code) -> Future[int | None]:
+    def add(self, number: int, command: Waiting) -> Future[int | None]:
         """Has a command run behind those that wait; raises CrRefusal 5640 if too many do."""
         direct = self._slots.setdefault(number, Direct())
         if len(direct.waiting) >= MOST_WAITING:
             raise CrRefusal(5640)
-        done: Future[int | None] = Future()
-        direct.waiting.append((code, done))
+        direct.waiting.append(command)
         if direct.task is None:
             kernel = self._controller.kernel
             direct.task = kernel.task(
                 f"{NAME}{number}", lambda task: self._body(task, number, direct), essential=False
             )
-        return done
+        return command.done
 
     def stop(self) -> None:
         """Ends them all where they are."""
@@ -93,7 +107,7 @@ class DirectCommands:
             if task is not None and task.ended is None:
                 self._controller.kernel.drop(task)
             while direct.waiting:
-                direct.waiting.popleft()[1].set_result(5650)
+                direct.waiting.popleft().done.set_result(5650)
 
     def _body(self, task: Task, number: int, direct: Direct) -> Ending:
         controller = self._controller
@@ -114,8 +128,7 @@ class DirectCommands:
         ending = Ending()
         try:
             while direct.waiting and ending.ended == "end":
-                code, done = direct.waiting.popleft()
-                ending = self._run(world, slot, direct, code, done)
+                ending = self._run(world, slot, direct, direct.waiting.popleft())
         finally:
             direct.task = None
             world.close_files()
@@ -123,16 +136,24 @@ class DirectCommands:
                 controller.release(slot)
         return ending
 
-    def _run(
-        self, world: World, slot: Slot, direct: Direct, code: Code, done: Future[int | None]
-    ) -> Ending:
-        machine = Machine(code, world, {})
-        machine.main = self._controller.variables(slot.program) or direct.memory
-        machine.frames = [Frame("", machine.main)]
-        world.running.append(machine)
+    def _memory(self, world: World, slot: Slot, direct: Direct) -> Memory:
+        """The variables of the slot's program, or those that only single commands have."""
+        with suppress(Failed):  # of a program that cannot run
+            machine = self._controller.machine(slot.program, world) if slot.program else None
+            if machine is not None:
+                return machine.main
+        return direct.memory
+
+    def _run(self, world: World, slot: Slot, direct: Direct, command: Waiting) -> Ending:
         number: int | None = 5650
         ending = Ending()
+        machine = Machine(command.code, world, {})
         try:
+            machine.main = self._memory(world, slot, direct)
+            machine.frames = [Frame("", machine.main)]
+            world.running.append(machine)
+            if command.edit is not None:
+                cells.lend(command.edit, machine.main, command.names)
             with suppress(Ended, Redirected):
                 machine.go_on(machine.frame)
             world.task.kernel.motion.settle(world.task)
@@ -145,5 +166,7 @@ class DirectCommands:
             ending = Ending("unknown", str(unknown))
         finally:
             world.running.clear()
-            done.set_result(number)
+            if command.edit is not None:
+                cells.take_back(command.edit, machine.main, command.names)
+            command.done.set_result(number)
         return ending

@@ -11,11 +11,11 @@ from concurrent.futures import Future
 from typing import Literal, NamedTuple
 
 from assistant.program.geometry import Pose
-from assistant.virtual.cr.direct import moves, parsed
+from assistant.virtual.cr.direct import Waiting, moves, parsed
 from assistant.virtual.cr.jogging import Jogging
 from assistant.virtual.cr.powered import Powered
 from assistant.virtual.cr.slot_now import SlotNow
-from assistant.virtual.cr.store import CrRefusal
+from assistant.virtual.cr.store import CrProgram, CrRefusal
 from assistant.virtual.melfa import poses
 from assistant.virtual.melfa.slots import Slot
 from assistant.virtual.melfa.stops import Failed, Unknown
@@ -229,8 +229,11 @@ class Machinery(Powered):
         if self._servo_asked:
             self.controller.arm.servo = True
 
-    def execute(self, number: int, text: str) -> Future[int | None]:
-        """Has a single command run; raises CrRefusal. Gives the number of its error, or None."""
+    def execute(self, number: int, text: str, edit: CrProgram | None = None) -> Future[int | None]:
+        """Has a single command run; raises CrRefusal. Gives the number of its error, or None.
+
+        edit: the program whose variables it has, None for the one of the slot.
+        """
         code = parsed(self.language, text)
 
         def act() -> Future[int | None]:
@@ -239,7 +242,7 @@ class Machinery(Powered):
                 raise CrRefusal(5640 if slot.state == "runs" else 5650)
             if moves(code):
                 self._may_move()
-            return self.direct.add(slot.number, code)
+            return self.direct.add(slot.number, Waiting(code, edit))
 
         return self.do(act)
 
@@ -257,6 +260,7 @@ class Machinery(Powered):
             self._may_move()
             if self.direct.running:
                 raise CrRefusal(5640)
+            self.controller.end_motion(self.controller.paused)
             how(self.jogging)
 
         self.do(act)

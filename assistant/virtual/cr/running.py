@@ -114,8 +114,11 @@ def _execute_to_end(session: CrSession, argument: str) -> str:
 
 
 def _started(session: CrSession, argument: str) -> Future[int | None]:
+    """In the edit slot with the variables of the program that is open for editing."""
     _may_start(session.state)
-    return session.state.machinery.execute(session.slot, argument)
+    edited = session.slot > TASKMAX and session.name is not None
+    edit = session.program if edited else None
+    return session.state.machinery.execute(session.slot, argument, edit)
 
 
 # -------------------------------------------------------------------------------- the arm

@@ -327,3 +327,78 @@ def test_an_arm_is_led_by_packets():
         wait_for(lambda: not runs(wire))
         assert bits(wire)[2] == 0
         assert list(place(wire, "JPOSF").values()) == pytest.approx(trajectory.rows[-1], abs=0.1)
+
+
+@pytest.fixture
+def stopped(wire):
+    """A program that was stopped in the middle of a motion."""
+    load(wire, "SEAM", "10 MOV P1", "20 SPD 20", "30 MVS P2", "40 END", NEAR, AWAY)
+    wire.ask("1;1;RUNSEAM;1")
+    wait_for(lambda: state(wire)[1] == "30" and place(wire)["Y"] > 1.0)
+    assert wire.ask("1;1;STOP") == "QoK"
+    wait_for(lambda: not runs(wire))
+    return wire
+
+
+def test_a_stopped_program_goes_on_behind_servos_off(stopped):
+    there = place(stopped)
+    assert stopped.ask("1;1;SRVOFF") == "QoK"
+    assert stopped.ask("1;1;SRVON") == "QoK"
+    wait_for(lambda: bits(stopped)[0] & 0x20)
+    assert place(stopped) == there
+    assert stopped.ask("1;1;RUN") == "QoK"
+    wait_for(lambda: not runs(stopped))
+    assert bits(stopped)[2] == 0
+    assert place(stopped)["Y"] == pytest.approx(80.0, abs=0.01)
+
+
+def test_a_stopped_program_is_reset_and_begins_anew(stopped):
+    assert stopped.ask("1;1;SLOTINIT") == "QoK"
+    assert stopped.ask("1;1;RUN;1") == "QoK"
+    wait_for(lambda: not runs(stopped))
+    assert bits(stopped)[2] == 0
+    assert place(stopped)["Y"] == pytest.approx(80.0, abs=0.01)
+
+
+def test_a_stopped_motion_does_not_go_on_behind_a_jog(stopped):
+    before = place(stopped, "JPOSF")["J6"]
+    assert stopped.ask("1;1;JOG00;00;00;20;01") == "QoK"
+    wait_for(lambda: place(stopped, "JPOSF")["J6"] == pytest.approx(before + 0.5, abs=0.01))
+    assert stopped.ask("1;1;RUN") == "QoK"
+    wait_for(lambda: not runs(stopped))
+    assert bits(stopped)[2] == 3930
+    assert stopped.ask("1;1;RSTALRM") == "QoK"
+    assert stopped.ask("1;1;RUN;1") == "QoK"
+    wait_for(lambda: not runs(stopped))
+    assert place(stopped)["Y"] == pytest.approx(80.0, abs=0.01)
+
+
+def test_stopping_ends_single_commands_and_jogs_where_they_are(slow):
+    _, wire = slow
+    goal = "(250.0, -90.0, 420.0, 0.0, 180.0, 0.000)(6,0)"
+    for command in (f"EXEC2=P1={goal}", "EXEC2=SPD 30", "EXECMVS P1", "EXECMOV P1"):
+        assert wire.ask(f"1;1;{command}") == "QoK"
+    before = place(wire)["Y"]
+    wait_for(lambda: place(wire)["Y"] != before)
+    assert wire.ask("1;1;STOP") == "QoK"
+    there = place(wire)
+    time.sleep(0.03)
+    assert place(wire) == there and there["Y"] > -89.0
+    assert wire.ask("1;1;EXEC2=DLY 0.01") == "QoK"
+    assert bits(wire)[2] == 0
+
+
+def test_single_commands_have_the_variables_of_the_program_at_hand(wire):
+    load(wire, "SEAM", "10 MOV P1", "20 END", NEAR, AWAY)
+    assert wire.ask("1;1;PRGLOAD=SEAM") == "QoK"
+    assert wire.ask("1;1;EXEC2=MOV P2") == "QoK"
+    assert place(wire)["Y"] == pytest.approx(80.0, abs=0.01)
+    # teaching: what is open for editing is moved to, changed, and kept
+    for command in ("LOAD=SEAM", "EDATAP3=(250,0,420,0,180)(6,0)", "EXEC2=MOV P3"):
+        assert wire.ask(f"1;9;{command}") == "QoK"
+    assert place(wire)["Z"] == pytest.approx(420.0, abs=0.01)
+    for command in ("EXEC2=P1=P_CURR", "EXEC2=M1=P1.X", "SAVE"):
+        assert wire.ask(f"1;9;{command}") == "QoK"
+    assert wire.ask("1;1;LOAD=SEAM") == "QoK"
+    assert wire.ask("1;9;LISTPP1").startswith("QoKP1=(+250.00,+0.00,+420.00,")
+    assert wire.ask("1;9;VALM1") == "QoKM1=+250"
