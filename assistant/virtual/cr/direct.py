@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import deque
 from concurrent.futures import Future
 from contextlib import suppress
@@ -13,7 +14,7 @@ from assistant.languages.melfa_basic.tree import syntax as s
 from assistant.program.diagnostics import Severity, has_errors
 from assistant.virtual.cr import cells
 from assistant.virtual.cr.store import CrProgram, CrRefusal
-from assistant.virtual.kernel import Ending, Task
+from assistant.virtual.kernel import Broken, Ending, Task
 from assistant.virtual.melfa.arm import Settings
 from assistant.virtual.melfa.code import Code, code_of, nodes
 from assistant.virtual.melfa.machine import Frame, Machine
@@ -30,6 +31,9 @@ UNKNOWN: Final = 3930
 NAME: Final = "direct "
 """Before the number of the slot, in the names of tasks."""
 MOST_WAITING: Final = 16
+AFTER_ERROR: Final = 5600
+"""Of commands behind one that ended with an error."""
+NUMBER: Final = re.compile(r"error (\d+)")
 
 
 @dataclass(slots=True)
@@ -57,6 +61,12 @@ class Direct:
     memory: Memory = field(default_factory=lambda: Memory(Scope()))
     waiting: deque[Waiting] = field(default_factory=deque)
     task: Task | None = None
+
+
+def number_of(ending: Ending) -> int:
+    """The error that a task ended with."""
+    found = NUMBER.search(ending.message)
+    return int(found[1]) if found and ending.ended == "error" else UNKNOWN
 
 
 def parsed(language: str, text: str) -> Code:
@@ -122,8 +132,10 @@ class DirectCommands:
             shared=controller.shared,
         )
         world.slot = slot
-        took = controller.owner is None
-        if took:
+        before = controller.owner
+        takes = before is not slot and (before is None or before.state == "reset")
+        if takes:  # a slot whose program is over keeps the arm, but does not need it
+            controller.owner = None
             controller.get(slot, 1)
         ending = Ending()
         try:
@@ -131,9 +143,11 @@ class DirectCommands:
                 ending = self._run(world, slot, direct, direct.waiting.popleft())
         finally:
             direct.task = None
+            while direct.waiting:
+                direct.waiting.popleft().done.set_result(AFTER_ERROR)
             world.close_files()
-            if took:
-                controller.release(slot)
+            if takes and controller.release(slot):
+                controller.owner = before
         return ending
 
     def _memory(self, world: World, slot: Slot, direct: Direct) -> Memory:
@@ -158,6 +172,9 @@ class DirectCommands:
                 machine.go_on(machine.frame)
             world.task.kernel.motion.settle(world.task)
             number = None
+        except Broken as broken:
+            number = number_of(broken.ending)
+            raise
         except Failed as failed:
             number = failed.number or UNKNOWN
             ending = Ending("error", f"error {number}: {failed}")

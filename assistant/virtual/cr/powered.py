@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final, Protocol, TypeVar
 
 from assistant.virtual.cr import cells
 from assistant.virtual.cr.arm import CrArm
-from assistant.virtual.cr.direct import UNKNOWN, DirectCommands
+from assistant.virtual.cr.direct import UNKNOWN, DirectCommands, number_of
 from assistant.virtual.cr.jogging import Jogging
 from assistant.virtual.cr.library import Library
 from assistant.virtual.cr.stepping import Stepping
@@ -33,7 +33,6 @@ T = TypeVar("T")
 
 MOST_STEPS: Final = 10**15
 """A controller runs its programs for ever."""
-NUMBER: Final = re.compile(r"error (\d+)")
 HAND: Final = re.compile(r"hand(\d+)")
 REFUSALS: Final[Mapping[int | None, int]] = {3360: 5120, 3310: 5640, 3320: 5100, 3350: 5640}
 """Errors of statements about slots → those of the commands that do the same."""
@@ -188,8 +187,7 @@ class Powered:
         for other in self.controller.slots:
             if other.condition == "START":
                 other.stop()
-        found = NUMBER.search(ending.message)
-        number = int(found[1]) if found and ending.ended == "error" else UNKNOWN
+        number = number_of(ending)
         program = "" if slot is None else slot.program
         self.told.failed(number, program, self.library.line(ending.place), ending.message)
 
