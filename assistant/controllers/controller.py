@@ -132,8 +132,11 @@ class Restoring(Protocol):
     is named, with why.
     """
 
-    changes: Mapping[str, str]
-    left_out: Mapping[str, str]
+    @property
+    def changes(self) -> Mapping[str, str]: ...
+
+    @property
+    def left_out(self) -> Mapping[str, str]: ...
 
     def apply(self) -> None:
         """Restores; raises Refused with what has been restored by then."""

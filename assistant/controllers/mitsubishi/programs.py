@@ -29,6 +29,7 @@ LANGUAGES: Final = {
     "MB6": ("melfa-basic-6",),
 }
 """Suffix of a controller's program files → languages of the programs that it takes."""
+NO_PROGRAM: Final = 4140
 MOST_PROGRAMS: Final = 100_000
 """Entries after which a folder that never ends is taken for a fault."""
 
@@ -151,14 +152,15 @@ def file_name(session: Session, name: str) -> str:
 
 
 def _two(session: Session, name: str, new: str, doing: str) -> str:
-    checked_name(name), checked_name(new)
+    """A file that there is and one that there is not, as an argument; raises Refused."""
+    checked_name(name)
+    checked_name(new)
     there = names(session)
-    for wrong, number in ((name not in there, 4140), (new in there, 4190)):
-        if wrong and number == 4140:
-            raise Refused(session.alarm(number, doing))
-        if wrong:
-            reason = "there is a program of that name already"
-            raise Refused(rules.FILE_NAME(place=new, name=new, reason=reason))
+    if name not in there:
+        raise Refused(session.alarm(NO_PROGRAM, doing))
+    if new in there:
+        reason = "there is a program of that name already"
+        raise Refused(rules.FILE_NAME(place=new, name=new, reason=reason))
     return f"{file_name(session, name)};{file_name(session, new)}"
 
 
