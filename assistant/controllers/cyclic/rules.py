@@ -57,7 +57,7 @@ INTERRUPTED = error(
 )
 BROKEN = error(
     "CN716",
-    "the loop failed: {reason}; the controller was told to end as far as the line allowed",
+    "the loop failed: {reason}; a controller that is left without packets holds its position",
     "look at where the arm stands before the next motion",
 )
 GARBLED = error(

@@ -11,6 +11,7 @@ import contextlib
 import importlib
 import json
 import os
+import signal
 import sys
 import threading
 from pathlib import Path as FilePath
@@ -25,6 +26,7 @@ from assistant.controllers.cyclic.wire import Wire
 
 
 def main(folder: FilePath) -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # who started it asks by the end of stdin
     described = json.loads((folder / "job.json").read_text(encoding="utf-8"))
     module, name = described["link"]
     fields = {key: _plain(value) for key, value in described["fields"].items()}
@@ -43,12 +45,12 @@ def main(folder: FilePath) -> None:
         said = {"code": "CN711", "fields": {"address": str(endpoint), "reason": reason}}
         print(json.dumps(said), flush=True)  # noqa: T201
         return
-    os.set_blocking(1, False)
+    _set_blocking(False)
     with wire, real_time(settings.real_time and settings.wait == "block") as (priority, refused):
         loop = Loop(link, wire, job, stop, _tell)
         result = loop.run(str(endpoint))
         measured = "kernel" if wire.stamped else "program"
-    os.set_blocking(1, True)
+    _set_blocking(True)
     table = np.array(result.samples, dtype=np.float64)
     named = columns(job, link)
     table = table.reshape(-1, len(named))
@@ -63,6 +65,12 @@ def main(folder: FilePath) -> None:
         **{n: getattr(result, n) for n in ("done", "asked_again", "repeated", "garbled", "missed")},
     }
     print(json.dumps(said), flush=True)  # noqa: T201
+
+
+def _set_blocking(blocking: bool) -> None:
+    """Of stdout, where the system can."""
+    if hasattr(os, "set_blocking"):
+        os.set_blocking(1, blocking)
 
 
 def _watch(stop: Stop) -> None:

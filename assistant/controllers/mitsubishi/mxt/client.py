@@ -17,7 +17,7 @@ from typing import Final, Self
 
 from assistant.controllers import cyclic
 from assistant.controllers.cyclic import Endpoint, Limits, Progress, Report, Settings, Trajectory
-from assistant.controllers.cyclic.rules import NO_ANSWER
+from assistant.controllers.cyclic.rules import BROKEN, NO_ANSWER
 from assistant.controllers.cyclic.wire import Wire
 from assistant.controllers.mitsubishi.mxt.link import ADDED, Mode, MxtLink, Watched
 from assistant.controllers.mitsubishi.mxt.packet import COMMAND_TYPES, DATA
@@ -181,8 +181,10 @@ class Mxt:
             report = cyclic.follow(
                 self._link, self._endpoint, led, bounds, settings, watch=watch, stop=stop
             )
-        except cyclic.Ended:
-            self._open = False
+        except cyclic.Ended as ended:
+            # Where the loop itself failed, nobody may have ended the control.
+            self._open = ended.findings[0].code == BROKEN.code
+            self._told = ()
             raise
         except Refused:
             self._open = opened
@@ -196,6 +198,8 @@ class Mxt:
         """Ends `Mxt`, so that the program goes on behind it; whether the controller answered."""
         self._open = False
         with self._wire() as wire, contextlib.suppress(OSError):
+            if not self._told and self._asked(wire):
+                return False
             for _ in range(ENDS):
                 wire.send(self._link.end(self._told, self._count))
                 self._count += 1

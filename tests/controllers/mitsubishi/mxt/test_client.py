@@ -1,7 +1,12 @@
 """`Mxt` as it is used: the loop in a process of its own, the controller in another."""
 
 import csv
+import os
+import signal
+import subprocess
+import sys
 import threading
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +15,7 @@ from assistant.controllers.cyclic import Ended, Limits, Settings, Trajectory
 from assistant.controllers.mitsubishi.mxt import Mxt
 from assistant.program.diagnostics import Refused
 from assistant.program.motion import Speed
-from assistant.program.path import Path
+from assistant.program.path import Path as Points
 from assistant.virtual.cr.mxt_process import MxtProcess
 from tests.controllers.mitsubishi.mxt.controllers import (
     ARM,
@@ -124,7 +129,7 @@ def test_settings_of_a_loop_that_cannot_be(given):
 
 
 def test_what_does_not_fit_is_refused_before_anything_is_sent():
-    path = Path.of("a", [[400, 0, 300]] * 2, [[0, 1, 0, 0]] * 2, speeds=[Speed(50.0)])
+    path = Points.of("a", [[400, 0, 300]] * 2, [[0, 1, 0, 0]] * 2, speeds=[Speed(50.0)])
     with controller() as control, Mxt("127.0.0.1", port=control.port) as mxt:
         with pytest.raises(Refused, match="joint mode"):
             mxt.follow(path, LIMITS)
@@ -135,3 +140,53 @@ def test_what_does_not_fit_is_refused_before_anything_is_sent():
         with pytest.raises(Refused, match="of its range"):
             mxt.follow(joints(), Limits(tuple(ARM.speeds), highest=(0.0,) * 6))
     assert control.result.replies == 0
+
+
+def children():
+    """Processes that this thread has started and that still run."""
+    return list(
+        map(int, Path(f"/proc/self/task/{threading.get_native_id()}/children").read_text().split())
+    )
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="tells of processes on Linux only")
+def test_a_loop_that_is_killed_is_told_and_the_control_ended():
+    slow = Limits(tuple(ARM.speeds * 0.1))
+    away = Trajectory.of_joints([ARM.home, ARM.home + 40.0])
+
+    def kill(progress):
+        for process in children():
+            os.kill(process, signal.SIGKILL)
+
+    with controller() as control:
+        mxt = Mxt("127.0.0.1", port=control.port, **GIVEN)
+        with mxt, pytest.raises(Ended) as ended:
+            mxt.follow(away, slow, watch=kill)
+    assert [one.code for one in ended.value.findings] == ["CN716"]
+    assert control.result.reason == "end"
+
+
+ORPHAN = """
+import sys
+from assistant.controllers.mitsubishi.mxt import Mxt
+from tests.controllers.mitsubishi.mxt.test_client import ARM, GIVEN, Limits, Trajectory
+
+with Mxt("127.0.0.1", port=int(sys.argv[1]), **GIVEN) as mxt:
+    away = Trajectory.of_joints([ARM.home, ARM.home + 40.0])
+    mxt.follow(away, Limits(tuple(ARM.speeds * 0.05)), watch=lambda now: print("led", flush=True))
+"""
+
+
+@pytest.mark.slow
+def test_the_arm_is_brought_to_rest_when_who_asked_for_it_is_gone():
+    with MxtProcess(cycle=CYCLE) as virtual:
+        command = [sys.executable, "-c", ORPHAN, str(virtual.port)]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as asking:
+            assert asking.stdout.readline() == "led\n"
+            asking.kill()
+        virtual._process.wait(10)
+    assert virtual.result["reason"] == "end"
+    moved = np.abs(np.diff(np.array(virtual.result["track"]), axis=0)) / CYCLE / ARM.speeds
+    assert moved.max() <= 1.0
+    assert moved[-3:].max() < 1e-3
+    assert virtual.result["joints"][0] < ARM.home[0] + 39.0
