@@ -185,7 +185,7 @@ class Loop:
     def _follow(self) -> None:
         link, wire, settings, result = self._link, self._wire, self._settings, self.result
         cycle, receive = link.cycle, wire.receive
-        lapse = settings.lapse * cycle
+        lapse, pause = settings.lapse * cycle, (settings.lapse + 1) * cycle
         most = [settings.lag * speed + settings.slack for speed in self._job.speeds]
         hold = 1 + round(settings.settle / cycle)
         last, nonsense, cause = len(self._rows) - 1, 0, None
@@ -193,7 +193,7 @@ class Loop:
             pass  # what came while the soft start was worked out
         if not link.speaks_first:
             self._send(link.command(self._told, self._count))
-        began = heard = told = wire.now()
+        began = heard = told = self._sent = wire.now()
         while hold:
             got = receive(lapse)
             if got is None:
@@ -223,6 +223,8 @@ class Loop:
                 raise cause or Failed(rules.STOPPED, reason=measured.stopped, **self._progress())
             if self._stop.asked and cause is None:
                 cause = Failed(rules.INTERRUPTED, **self._progress())
+            if wire.now() - self._sent > pause:
+                self._rate = 0.0  # the arm was left without a command, and stands by now
             self._told = self._next(0.0 if cause else 1.0, last)
             wire.send(link.command(self._told, self._count))
             self._sent = wire.now()

@@ -27,8 +27,8 @@ from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Diagnostic, Refused
 
 PATIENCE: Final = 20.0
-"""Seconds beyond three times its duration after which the process is told to stop."""
-GRACE: Final = 5.0
+"""Seconds beyond its own time-outs without a word of it after which the process is told to stop."""
+GRACE: Final = 30.0
 """Seconds more after which it is killed; it ends earlier than that whatever the controller does."""
 LOOK: Final = 0.05
 """Seconds from look to look whether to stop."""
@@ -87,7 +87,7 @@ def follow(
         folder = FilePath(name)
         np.save(folder / "rows.npy", rows)
         (folder / "job.json").write_text(json.dumps(described), encoding="utf-8")
-        patience = 3.0 * len(rows) * link.cycle + settings.timeout + settings.first + PATIENCE
+        patience = settings.first + settings.timeout + PATIENCE
         said, why = _run(folder, patience, watch, stop, len(rows))
         if "done" not in said:
             rule = rules.ERRORS.get(str(said.get("code")), rules.BROKEN)
@@ -137,6 +137,7 @@ def _run(
                     if line is None:
                         break
                     last = json.loads(line)
+                    until = until if asked else time.monotonic() + patience
                     if watch is not None and "row" in last:
                         watch(_progress(last, rows))
                 except queue.Empty:

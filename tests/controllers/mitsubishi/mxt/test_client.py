@@ -57,7 +57,7 @@ def test_two_trajectories_in_one_control(tmp_path):
 def test_a_stop_from_outside():
     stop = threading.Event()
     away = Trajectory.of_joints([ARM.home, ARM.home + 40.0])
-    slow = Limits(tuple(ARM.speeds * 0.1))
+    slow = Limits(tuple(ARM.speeds * 0.1), tuple(ARM.speeds * 4.0))
     with controller() as control:
         mxt = Mxt("127.0.0.1", port=control.port, **GIVEN)
         with mxt, pytest.raises(Ended) as ended:
@@ -151,7 +151,7 @@ def children():
 
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="tells of processes on Linux only")
 def test_a_loop_that_is_killed_is_told_and_the_control_ended():
-    slow = Limits(tuple(ARM.speeds * 0.1))
+    slow = Limits(tuple(ARM.speeds * 0.1), tuple(ARM.speeds * 4.0))
     away = Trajectory.of_joints([ARM.home, ARM.home + 40.0])
 
     def kill(progress):
@@ -173,7 +173,7 @@ from tests.controllers.mitsubishi.mxt.test_client import ARM, GIVEN, Limits, Tra
 
 with Mxt("127.0.0.1", port=int(sys.argv[1]), **GIVEN) as mxt:
     away = Trajectory.of_joints([ARM.home, ARM.home + 40.0])
-    mxt.follow(away, Limits(tuple(ARM.speeds * 0.05)), watch=lambda now: print("led", flush=True))
+    mxt.follow(away, Limits(tuple(ARM.speeds * 0.05), tuple(ARM.speeds * 2.0)), watch=lambda now: print("led", flush=True))
 """
 
 

@@ -21,7 +21,7 @@ def speeds(track):
 def test_a_controller_falls_silent_at_any_packet():
     with controller() as control:
         assert led(control, joints()).code == ""
-    silences = range(1, control.result.replies)
+    silences = range(1, control.result.replies - 1)
     assert len(silences) > 100
     for number in silences:
         with controller(faults={number: "silent"}) as control:
