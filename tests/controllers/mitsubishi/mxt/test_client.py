@@ -173,7 +173,8 @@ from tests.controllers.mitsubishi.mxt.test_client import ARM, GIVEN, Limits, Tra
 
 with Mxt("127.0.0.1", port=int(sys.argv[1]), **GIVEN) as mxt:
     away = Trajectory.of_joints([ARM.home, ARM.home + 40.0])
-    mxt.follow(away, Limits(tuple(ARM.speeds * 0.05), tuple(ARM.speeds * 2.0)), watch=lambda now: print("led", flush=True))
+    slow = Limits(tuple(ARM.speeds * 0.05), tuple(ARM.speeds * 2.0))
+    mxt.follow(away, slow, watch=lambda now: print("led", flush=True))
 """
 
 
