@@ -1,6 +1,7 @@
 """What the virtual IRC5 has not: loading parameters, write access of RobotWare 8, bad events."""
 
 import json
+import sys
 
 import pytest
 
@@ -160,3 +161,24 @@ def test_answers_that_make_no_sense(body):
         with pytest.raises(Refused) as refused:
             client.state()
         assert codes(refused) == ["CN222"]
+
+
+@pytest.mark.parametrize("kind", [Rws1, Rws2])
+def test_watching_a_controller_that_has_no_events_to_give(kind):
+    with kind(ONE if kind is Rws1 else TWO) as peer, peer.connect() as client:
+        looks = client.watch(0.01, ["doGripper"])
+        first, second = next(looks), next(looks)
+        looks.close()
+        assert first.state == second.state and second.state.override == 70
+        assert second.signals == {"doGripper": 1.0} and second.seconds > first.seconds
+        asked = [path for _, path, _ in peer.asked("GET") if path.endswith("/rw/panel/opmode")]
+        assert len(asked) == 2
+
+
+@pytest.mark.parametrize("package", ["httpx", "websockets"])
+def test_a_package_that_is_not_installed(package, monkeypatch):
+    monkeypatch.setitem(sys.modules, package, None)
+    with Rws1(ONE) as peer, pytest.raises(Refused) as refused, peer.connect():
+        pass
+    assert codes(refused) == ["CN220"] and "[rws]" in refused.value.findings[0].cure
+    assert peer.log == []
