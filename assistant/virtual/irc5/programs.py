@@ -310,6 +310,8 @@ class Programs:
         if task is not self._task:
             return
         self._task, self.ready, self._inside = None, False, False
+        if not self.kernel.motion.stands():
+            self.kernel.motion.cut(task)
         if ending.ended in ("error", "unknown"):
             code = next(number for words, number in FAILURES if words in ending.message)
             self.log.add(code, ending.message, arguments=(TASK, ending.message))

@@ -149,6 +149,17 @@ def test_an_error_is_an_event_and_stops_the_program_alone(robot, body, code, wor
     assert robot.execution("resetpp").status == 204
 
 
+def test_an_error_stops_the_arm_where_it_is(robot):
+    data = ("VAR num n := 1;", f"CONST jointtarget far := {FAR};")
+    ready(robot, "MoveAbsJ far, v100, z200, tool0;", "n := 1 / (n - n);", data=data)
+    start(robot)
+    ended(robot)
+    held = robot.joints()
+    assert 0.0 < held[0] < 39.0
+    time.sleep(0.05)  # a second of the arm
+    assert robot.joints() == held
+
+
 def test_a_program_may_be_led_by_egm(robot):
     data = (
         "VAR egmident id;",
