@@ -1,7 +1,4 @@
-"""The use cases of Kohrt et al., tables II and III: a sample each, against the virtual controller.
-
-The first one, direct control, is that of real-time external control.
-"""
+"""Use cases of Kohrt et al., tables II and III: a sample each, against virtual controllers."""
 
 import csv
 import os
@@ -12,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from assistant.virtual.cr import VirtualCr
+from assistant.virtual.cr.mxt_process import MxtProcess
 
 SAMPLES = Path(__file__).parents[3] / "samples" / "python"
 
@@ -42,6 +40,16 @@ def moved_up_and_back(said):
     rows = [line.partition("(")[2].split(",") for line in said.splitlines()]
     heights = [float(row[2]) for row in rows]
     assert heights == pytest.approx([heights[0], heights[0] - 20, heights[0]], abs=0.02)
+
+
+@pytest.mark.slow
+def test_1_direct_control_with_feedback(tmp_path):
+    with MxtProcess("rv-4frl") as virtual:
+        said = sample(tmp_path, "direct_control.py", "127.0.0.1", "--port", virtual.port)
+    assert said.startswith("stands at") and "J1 at" in said
+    with (tmp_path / "direct_control.csv").open(newline="") as file:
+        turns = [float(row["J1"]) for row in csv.DictReader(file)]
+    assert max(turns) - turns[0] == pytest.approx(5, abs=0.2) and len(turns) > 200
 
 
 @pytest.mark.slow
