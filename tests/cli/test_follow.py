@@ -89,8 +89,9 @@ def test_another_program_of_that_name_is_not_replaced(capsys, led, here):
 
 def test_joints_are_led_as_a_program_asks_for_them(capsys, rws, here):
     port = free_port()
+    home, patient = robots.get("irb1200-7-0.7").home, 60.0
     arm = Guidance(
-        "joints", robots.get("irb1200-7-0.7").home, (200.0,) * 6, cond_time=60.0, waiting=None
+        "joints", home, (200.0,) * 6, comm_timeout=patient, cond_time=patient, waiting=None
     )
     (here / "way.csv").write_text(SIX, encoding="utf-8")
     arguments = ("follow", "cell1", "way.csv", "--by", "egm", "--port", port, "--yes")
