@@ -51,13 +51,15 @@ BY_LENGTH: Final = sorted(COMMANDS, key=len, reverse=True)
 """Longest first, so that OVRD= is not taken for OVRD."""
 
 MOST_ROBOTS: Final = 3
+ENDS: Final = re.compile(r"[\r\n\0]")
+"""A frame can hold them, but no line of a program and no name."""
 EDIT_SLOT: Final = TASKMAX + 1
 
 
 def execute(session: CrSession, text: str) -> str:
     """The answer to `[robot];[slot];COMMAND`, without `QoK`; raises CrRefusal."""
     head = re.match(r"(\d*);(\d*); *", text, re.ASCII)
-    if head is None:
+    if head is None or ENDS.search(text):
         raise CrRefusal(6010)
     if int(head[1][:3] or 1) > MOST_ROBOTS:
         raise CrRefusal(5430)

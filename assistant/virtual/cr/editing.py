@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import Final
 
 from assistant import languages
@@ -12,6 +13,8 @@ from assistant.virtual.cr.lines import check
 from assistant.virtual.cr.state import CrSession
 from assistant.virtual.cr.store import LAST_LINE, CrProgram, CrRefusal, checked_name
 
+DELETED: Final = re.compile(r"\s*\d*\s*", re.ASCII)
+"""A number alone deletes its line, and is no line to parse."""
 FIRST: Final = 10
 """The number of the first line, and from line to line, where RENUM is told 0."""
 
@@ -44,18 +47,29 @@ def _put_line(session: CrSession, argument: str) -> str:
 
 
 def _put_lines(session: CrSession, argument: str) -> str:
-    program = session.edit
-    for number, line in enumerate(argument.split(VT), start=1):
+    program, lines = session.edit, argument.split(VT)
+    known = _all_right(session.state.language, lines)
+    for number, line in enumerate(lines, start=1):
         try:
             if line:
-                _put(session, program, line)
+                _put(session, program, line, known=known)
         except CrRefusal as error:
             raise CrRefusal(error.number, number, *error.places) from None
     return ""
 
 
-def _put(session: CrSession, program: CrProgram, line: str) -> None:
-    if not re.fullmatch(r"\s*\d+\s*", line):  # a number alone deletes, and is no line to parse
+def _all_right(language: str, lines: Sequence[str]) -> bool:
+    """Whether nothing is wrong with any line; looked at together they take the time of one."""
+    try:
+        check(language, "\r\n".join(line for line in lines if not DELETED.fullmatch(line)))
+    except CrRefusal:
+        return False
+    return True
+
+
+def _put(session: CrSession, program: CrProgram, line: str, *, known: bool = False) -> None:
+    """known: that nothing is wrong with the line."""
+    if not known and not DELETED.fullmatch(line):
         check(session.state.language, line)
     program.put(line)
     session.changed = True

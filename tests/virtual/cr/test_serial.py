@@ -93,7 +93,13 @@ def test_answers_end_as_the_parameter_says(plain):
 
 def test_a_command_and_its_answer_with_the_procedure(procedural):
     _, line = procedural
-    for command, answer in ((b"1;1;OVRD", b"QoK100"), (b"1;1;FROB", b"QeR6010")):
+    pairs = (
+        (b"1;1;OVRD", b"QoK100"),
+        (b"1;1;FROB", b"QeR6010"),
+        (b"1;1;LOAD=A", b"QoK"),
+        (b"1;1;EDATA10 END\r20 HLT", b"QeR6010"),
+    )
+    for command, answer in pairs:
         line.send(ENQ)
         assert line.receive(1) == ACK
         line.send(framed(command))
