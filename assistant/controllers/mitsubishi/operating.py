@@ -138,19 +138,13 @@ def execute(session: Session, statement: str, *, wait_for_end: bool, slot: int =
     command = f"EXEC2={statement}" if wait_for_end else f"EXEC{statement}"
     if not statement.strip() or not statement.isprintable():
         raise values.bad(statement, "a statement", "it holds control characters", "one statement")
-    if not _carried(session, f"1;{slot};{command}"):
+    if not session.carries(command):
         reason = f"the controller link carries {session.most} bytes of {ENCODING}"
         raise values.bad(statement[:40], "a statement", reason, "a shorter one")
     doing = f"executing `{statement[:40]}`"
     state = "it may or may not have been executed"
     with session.right(doing):
         session.ask(command, doing=doing, state=state, slot=slot, shape=BARE)
-
-
-def _carried(session: Session, command: str) -> bool:
-    return len(command.encode(ENCODING, "replace")) <= session.most and (
-        command.encode(ENCODING, "ignore").decode(ENCODING) == command
-    )
 
 
 def wait(

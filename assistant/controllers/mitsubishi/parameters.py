@@ -67,11 +67,7 @@ def write(session: Session, name: str, value: str, kinds: Mapping[str, Kind]) ->
         kinds[name].check(name, value)
     doing = f"writing parameter {name}"
     command = f"PRM={name};{value}"
-    fits = (
-        len(f"1;1;{command}") <= session.most
-        and value.encode("latin-1", "replace").decode("latin-1") == value
-    )
-    if not fits:
+    if not session.carries(command):
         reason = "the controller link cannot carry it"
         raise values.bad(value, name, reason, "less text")
     state = f"{name} is as it was or as it should be"

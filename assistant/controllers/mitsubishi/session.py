@@ -17,7 +17,7 @@ from typing import Final, NoReturn
 
 from assistant.controllers import rules
 from assistant.controllers.address import Address
-from assistant.controllers.mitsubishi.answers import BARE, Answer
+from assistant.controllers.mitsubishi.answers import BARE, ENCODING, Answer
 from assistant.controllers.mitsubishi.errors import error
 from assistant.controllers.mitsubishi.link import Link, link_to
 from assistant.program.diagnostics import Diagnostic, Refused
@@ -96,6 +96,12 @@ class Session:
     def most(self) -> int:
         """Bytes of a command, its head included."""
         return self._link.most
+
+    def carries(self, command: str) -> bool:
+        """Whether the link can carry a command with its head, unchanged."""
+        data = command.encode(ENCODING, "replace")
+        longest = len(f"0;{self.edit_slot};") + len(data)
+        return longest <= self.most and data.decode(ENCODING) == command
 
     @property
     def edit_slot(self) -> int:

@@ -39,6 +39,7 @@ def write(session: Session, name: str, value: str, program: str = "", slot: int 
     A running program may have changed it by the time that it is read.
     """
     name, value = values.checked_variable(name), values.checked_value(value)
+    _carried(session, name, value)
     doing = f"setting {name}"
     state = f"{name} is as it was or as it should be"
     if EXTERNAL.match(name):
@@ -70,6 +71,8 @@ def write_saved(session: Session, program: str, changed: Mapping[str, str]) -> N
     state = f"`{program}` there is as it was"
     slot = session.edit_slot
     wanted = {values.checked_variable(n): values.checked_value(v) for n, v in changed.items()}
+    for name, value in wanted.items():
+        _carried(session, name, value)
     with editing(session, program, doing, state):
         for name, value in wanted.items():
             command = f"VAL={name}={value}"
@@ -80,6 +83,13 @@ def write_saved(session: Session, program: str, changed: Mapping[str, str]) -> N
             back = _value(session, "VAL", name, slot)
             if not values.same(back, value):
                 raise Refused(rules.NOT_TAKEN(place=name, what=name, sent=value, back=back))
+
+
+def _carried(session: Session, name: str, value: str) -> None:
+    """Raises Refused for what no command can hold; HOT is the longest, with its program."""
+    if not session.carries(f"HOT{'X' * 12};{name}={value}"):
+        reason = "the controller link cannot carry it"
+        raise values.bad(value[:40], name, reason, "less text, of characters that it has")
 
 
 def selected(session: Session, slot: int) -> str:

@@ -170,7 +170,14 @@ def test_parameters_are_read_and_written(client):
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("mextl", "1"), ("A;B", "1"), ("MEXTL", "1;2"), ("MEXTL", "1\r2"), ("MEXTL", "0" * 300)],
+    [
+        ("mextl", "1"),
+        ("A;B", "1"),
+        ("MEXTL", "1;2"),
+        ("MEXTL", "1\r2"),
+        ("MEXTL", "0" * 300),
+        ("MEXTL", "€"),
+    ],
 )
 def test_parameters_that_are_none(client, name, value):
     with pytest.raises(Refused) as refused:
@@ -215,7 +222,16 @@ def test_variables_of_programs_and_of_none(client):
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("M1", "M2"), ("M1", "1\r"), ("M1;SRVON", "1"), ("", "1"), ("M_01", "1:SERVO ON"), ("M1", "")],
+    [
+        ("C1$", '"' + "x" * 250 + '"'),
+        ("C1$", '"€"'),
+        ("M1", "M2"),
+        ("M1", "1\r"),
+        ("M1;SRVON", "1"),
+        ("", "1"),
+        ("M_01", "1:SERVO ON"),
+        ("M1", ""),
+    ],
 )
 def test_values_are_no_statements(client, name, value):
     with pytest.raises(Refused) as refused:
@@ -288,7 +304,7 @@ def test_single_statements(client):
     client.execute("M_07=3*4", wait=True)
     assert client.outputs(["20"]) == {"20": 1}
     assert client.variable("M_07") == "+12"
-    for statement in ("", "M1=1\r1;1;SRVON", "M1=1\v", "M1=" + "1" * 300):
+    for statement in ("", "M1=1\r1;1;SRVON", "M1=1\v", "M1=" + "1" * 300, 'C1$="€"'):
         with pytest.raises(Refused) as refused:
             client.execute(statement)
         assert codes(refused) == ["CN308"]
