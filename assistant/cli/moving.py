@@ -38,6 +38,7 @@ MAY_MOVE: Final = error(
     "broken off, and it is not known whether the arm stands: {why}",
     "press the emergency stop, and look at the arm before anything else",
 )
+BROKEN_OFF_SAYS: Final = warning("CL245", "broken off: {what}", "look at the arm before it goes on")
 NO_OVERRIDE: Final = error("CL242", "an override is 1 to 100 percent, not {value}", "write one")
 NO_SPEED: Final = error(
     "CL243", "a speed is over 0 and up to 100 percent, not {value:g}", "write one"
@@ -73,6 +74,7 @@ def moving(text: str, command: str) -> Iterator[Moving]:
     is. A second Ctrl-C gives up. What a controller refuses to begin has moved nothing, but is
     stopped all the same: a part of it may have begun before.
     """
+    from assistant.controllers import Controller
     from assistant.controllers.stopping import PATIENCE, brought_to_rest
 
     motion: Moving | None = None
@@ -88,6 +90,10 @@ def moving(text: str, command: str) -> Iterator[Moving]:
         given_up = MAY_MOVE(place=str(one.address), why="it was given up")
         if motion.is_given_up(caught):
             print_findings([given_up])
+            raise
+        notes = "; ".join(getattr(motion.caught, "__notes__", ()))
+        if notes and not isinstance(motion.cell.session, Controller):
+            print_findings([BROKEN_OFF_SAYS(place=str(one.address), what=notes)])
             raise
         try:
             rest = brought_to_rest(lambda: client_of(one, timeout=PATIENCE))

@@ -122,20 +122,32 @@ def _limits(led: Led) -> Limits:
 
 # ------------------------------------------------------------------------------------- ABB
 
+NOTHING_SENT: Final = "nothing that moves the robot was sent"
 EGM_CYCLE: Final = 0.004
 """Seconds, of all controllers that know it."""
 
 
 def _exchange(session: Programs, led: Led, wishes: Wishes, progress: Progress) -> Done:  # noqa: ARG001
-    """Poses by files, one after the other; the program of the exchange runs already."""
+    """Poses by files, one after the other; the program of the exchange runs already.
+
+    What breaks it off gets a note of what is known of the robot then.
+    """
     from assistant.controllers.abb.exchange import PoseExchange
 
-    with PoseExchange(session) as exchange:
-        recording = exchange.follow(
-            (led.positions, led.quaternions),
-            through=True,
-            progress=lambda done, count, _: progress(done / count),
-        )
+    exchange, begun = PoseExchange(session), False
+    try:
+        with exchange:
+            begun = True
+            recording = exchange.follow(
+                (led.positions, led.quaternions),
+                through=True,
+                progress=lambda done, count, _: progress(done / count),
+            )
+    except BaseException as error:
+        note = exchange.ended if begun else NOTHING_SENT
+        if note and note not in getattr(error, "__notes__", ()):
+            error.add_note(note)
+        raise
     columns = dict(zip(recording.labels, recording.rows().T, strict=True))
     return Done(f"{len(recording)} poses were answered", columns)
 
@@ -162,6 +174,8 @@ CONTROL_PORT, STATUS_PORT = 10002, 10003
 """Of the lines OPT12 and OPT13, which COM1 and COM2 of the programs are to be; the controller link
 is on OPT11.
 """
+STEP_MORE: Final = 0.1
+"""Degrees that the arm may have moved since the points were worked out."""
 
 
 def _data_link(session: Programs, led: Led, wishes: Wishes, progress: Progress) -> Done:
@@ -173,9 +187,12 @@ def _data_link(session: Programs, led: Led, wishes: Wishes, progress: Progress) 
     control, status = (*wishes.lines, *usual[len(wishes.lines) :])
     limits = led.numbered(led.limits.T, np.nan).T
     limits[np.isnan(limits[:, 0])] = (-1.0, 1.0)
-    mode = ControlMode(controller, control, status, limits=limits, replace=wishes.replace)
+    points = led.numbered(led.joints, np.nan)
+    farthest = float(np.nan_to_num(np.abs(np.diff(points, axis=0))).max()) + STEP_MORE
+    mode = ControlMode(
+        controller, control, status, limits=limits, most_step=farthest, replace=wishes.replace
+    )
     with mode:
-        points = led.numbered(led.joints, np.nan)
         mode.follow(points, progress=lambda done, count: progress(done / count))
     recording = mode.recording
     columns = dict(zip(recording.labels, recording.rows().T, strict=True))

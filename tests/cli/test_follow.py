@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import csv
 import json
+import signal
 import socket
+import subprocess
+import sys
+import threading
 
 import numpy as np
 import pytest
@@ -19,6 +23,7 @@ from assistant.virtual.cr import VirtualCr
 from assistant.virtual.cr.mxt_command import Enet, mxt_commands
 from assistant.virtual.irc5.egm import Guidance, VirtualEgm
 from tests.cli.test_commands import run
+from tests.controllers.abb.exchanging import RunningRobot
 
 HEAD = "x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z,speed_mm_s\n"
 FIVE = HEAD + "160,0,478,0,0,1,0,500\n170,0,470,0,0,1,0,500\n175,0,470,0,0,1,0,500\n"
@@ -76,6 +81,33 @@ def test_joint_positions_go_over_a_line_of_data(capsys, tmp_path, here):
         assert status == 0, said
         with connect("cell1") as session:
             assert session.position().position == pytest.approx((175.0, 0.0, 470.0), abs=0.05)
+
+
+DOWN = HEAD + "".join(f"420,60,{z},0,0,1,0,500\n" for z in range(400, 340, -5))
+GRIPPER = '[tools.GRIPPER]\ntip = [0, 0, 118]\n[motion]\ntool = "GRIPPER"\n'
+
+
+@pytest.mark.slow
+def test_poses_go_by_files_until_ctrl_c(capsys, monkeypatch, tmp_path, here):
+    """The file server tells of no arm, but the program of the exchange does."""
+    (here / "way.csv").write_text(DOWN, encoding="utf-8")
+    (here / "way.process.toml").write_text(GRIPPER, encoding="utf-8")
+    with RunningRobot(tmp_path / "home", pace=0.5) as robot:
+        monkeypatch.setenv("ROBOT_ASSISTANT_PASSWORD", robot.controller.password)
+        table = f'address = "{robot.controller.address}"\nrobot = "irb1200-7-0.7"\n'
+        (tmp_path / "assistant.toml").write_text(f"[controllers.cell1]\n{table}", encoding="utf-8")
+        command = [sys.executable, "-m", "assistant", "follow", "cell1", "way.csv"]
+        with subprocess.Popen(
+            [*command, "--by", "exchange", "--yes"], stderr=subprocess.PIPE, text=True
+        ) as child:
+            request = robot.home / "exchange_request.txt"
+            while child.poll() is None and not (
+                request.exists() and "pass" in request.read_text(errors="replace")
+            ):
+                threading.Event().wait(0.005)
+            child.send_signal(signal.SIGINT)
+            _, said = child.communicate(timeout=60)
+    assert child.returncode == 130 and "CL245" in said and "Traceback" not in said, said
 
 
 def test_another_program_of_that_name_is_not_replaced(capsys, led, here):
