@@ -6,6 +6,7 @@ on its way, holds it, and ends the control.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
@@ -193,11 +194,12 @@ class Loop:
             pass  # what came while the soft start was worked out
         if not link.speaks_first:
             self._send(link.command(self._told, self._count))
-        began = heard = told = self._sent = wire.now()
+        began = told = self._sent = wire.now()
+        heard = answered = time.monotonic()  # which no one sets, as the clock of arrivals
         while hold:
             got = receive(lapse)
             if got is None:
-                silent = wire.now() - heard
+                silent = time.monotonic() - heard
                 if silent > settings.timeout:
                     raise cause or Failed(rules.SILENT, seconds=silent, **self._progress())
                 self._rate = 0.0
@@ -208,29 +210,30 @@ class Loop:
             if measured is None:
                 nonsense += 1
                 result.garbled += 1
-                if wire.now() - heard > settings.timeout or nonsense >= settings.garbled:
+                if time.monotonic() - heard > settings.timeout or nonsense >= settings.garbled:
                     sample = packet[:12].hex(" ")
                     progress = self._progress()
                     raise cause or Failed(rules.GARBLED, count=nonsense, sample=sample, **progress)
                 continue
             if self._is_repeated(measured, arrival):
                 result.repeated += 1
-                if wire.now() - heard > settings.timeout:
-                    silent = wire.now() - heard
+                silent = time.monotonic() - heard
+                if silent > settings.timeout:
                     raise cause or Failed(rules.SILENT, seconds=silent, **self._progress())
                 continue
             if measured.stopped:
                 raise cause or Failed(rules.STOPPED, reason=measured.stopped, **self._progress())
             if self._stop.asked and cause is None:
                 cause = Failed(rules.INTERRUPTED, **self._progress())
-            if wire.now() - self._sent > pause:
+            heard, nonsense = time.monotonic(), 0
+            if heard - answered > pause:
                 self._rate = 0.0  # the arm was left without a command, and stands by now
             self._told = self._next(0.0 if cause else 1.0, last)
             wire.send(link.command(self._told, self._count))
             self._sent = wire.now()
+            answered = heard
             self._count += 1
             result.delays.append(self._sent - arrival)
-            heard, nonsense = arrival, 0
             row = self._at - self._lead
             result.samples.append((arrival, row, *measured.values, *self._told, *measured.extra))
             result.missed = max(result.missed, measured.missed)
