@@ -61,9 +61,9 @@ def parameter_text(values: Mapping[str, str]) -> bytes:
 
 def assignments(data: bytes) -> dict[str, str]:
     """Name → value of the lines of a file."""
-    lines = data.decode(listing.ENCODING).splitlines()
-    pairs = (line.partition("=") for line in lines if line.strip())
-    return {name.strip(): value.strip() for name, _, value in pairs}
+    pairs = (line.text.partition("=") for line in listing.lines_of(data))
+    blanks = listing.BLANKS
+    return {name.strip(blanks): value.strip(blanks) for name, _, value in pairs}
 
 
 def variable_text(lines: Iterable[str]) -> bytes:

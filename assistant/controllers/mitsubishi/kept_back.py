@@ -15,8 +15,9 @@ NETWORK: Final = "it belongs to the lines of this controller; another one could 
 MACHINE: Final = "it says what this controller and its arm are"
 
 LEFT_OUT: Final = (
-    (re.compile(r"DATINST.*|HOME.*|JRC.*|USRORG|MEORG.*|MEINSD|ORG.*|MEDORG.*"), ORIGIN),
-    (re.compile(r"ME[JPM]AR|AREA.*|USERAREA.*|SFC.*|COL.*|CAV.*|ESP.*|DOOR.*"), SAFETY),
+    (re.compile(r"DATINST.*|HOME.*|JRC.*|USE?RORG|ME?ORG.*|ORG.*|MEDORG.*"), ORIGIN),
+    (re.compile(r"MEINS.*|MEOFF.*|DJNT"), ORIGIN),
+    (re.compile(r"ME[JPM]AR|AREA.*|USERAREA.*|SFC.*|COL.*|CAV.*|ESP.*|DOOR.*|AUTOENA"), SAFETY),
     (re.compile(r"SF[A-Z]*|SS[12].*|SLS.*|SLP.*|STR(?:DLY|CRC).*|SRSW.*|SRPRM.*"), SAFETY),
     (re.compile(r"NET.*|COMDEV|CBAU.*|CPRC.*|CPRTY.*|CSTOP.*|CTERM.*|CLEN.*|COMSPEC"), NETWORK),
     (re.compile(r"MXTCOM.*|MONMODE|MONPORT"), NETWORK),

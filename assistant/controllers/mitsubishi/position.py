@@ -17,7 +17,7 @@ from assistant.controllers.states import Position
 from assistant.program import rotations
 
 NO_AXIS: Final = re.compile(r"\*+|")
-VALUE: Final = re.compile(r"[+-]?\d+(?:\.\d*)?")
+VALUE: Final = re.compile(r"[+-]?\d{1,12}(?:\.\d{0,12})?", re.ASCII)
 POSE: Final = ("X", "Y", "Z", "A", "B", "C")
 ADDITIONAL: Final = ("L1", "L2")
 

@@ -32,6 +32,8 @@ LANGUAGES: Final = {
 NO_PROGRAM: Final = 4140
 MOST_PROGRAMS: Final = 100_000
 """Entries after which a folder that never ends is taken for a fault."""
+MOST_LINES: Final = 100_000
+"""Answers after which a program that never ends is taken for one: steps go up to 32767."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,7 +182,7 @@ def editing(session: Session, name: str, doing: str, state: str) -> Iterator[Non
 
 def _steps(session: Session, doing: str) -> Iterator[str]:
     command = "LISTLTOP"
-    while True:
+    for _ in range(MOST_LINES):
         text = session.ask(command, doing=doing).text
         if not text.strip("; "):
             return
@@ -189,6 +191,7 @@ def _steps(session: Session, doing: str) -> Iterator[str]:
         if not more:
             return
         command = "LISTL+1"
+    session.garbled(doing, "its steps do not end")
 
 
 def counted(session: Session, text: str, doing: str) -> tuple[str, int, bool]:
@@ -200,10 +203,14 @@ def counted(session: Session, text: str, doing: str) -> tuple[str, int, bool]:
 
 
 def _positions(session: Session, doing: str) -> Iterator[str]:
-    line = session.ask("LISTPTOP", doing=doing).text
-    while line:
+    command = "LISTPTOP"
+    for _ in range(MOST_LINES):
+        line = session.ask(command, doing=doing).text
+        if not line:
+            return
         yield line
-        line = session.ask("LISTP+1", doing=doing).text
+        command = "LISTP+1"
+    session.garbled(doing, "its positions do not end")
 
 
 def _send(session: Session, name: str, parcel: list[Line], doing: str, state: str) -> None:

@@ -8,6 +8,7 @@ kept beside the backup, in a folder that can be restored itself.
 from __future__ import annotations
 
 import difflib
+import json
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -18,6 +19,7 @@ from assistant.controllers import folders, rules
 from assistant.controllers.mitsubishi import listing, parameters, programs, values, variables
 from assistant.controllers.mitsubishi.backup import (
     EXTERNALS,
+    IDENTITY,
     KIND,
     PARAMETERS,
     assignments,
@@ -112,7 +114,7 @@ def restoring(
     wanted = assignments(saved.get(PARAMETERS, b""))
     files = {name: data for name, data in saved.items() if FILE.fullmatch(name)}
     _all_there(only, [*files, *wanted, *([PARAMETERS] if PARAMETERS in saved else [])])
-    left_out: dict[str, str] = {}
+    left_out = _of_another_robot(session, saved)
     with session.scope():
         items = [
             *_programs(session, files, only),
@@ -123,6 +125,19 @@ def restoring(
             alone = {program_file(name) for name in programs.names(session)} - {*files}
             left_out |= dict.fromkeys(sorted(alone), "only the controller has it, and it stays")
     return Restoring(items, left_out, place)
+
+
+def _of_another_robot(session: Session, saved: Mapping[str, bytes]) -> dict[str, str]:
+    """That the backup is of another robot, by the file that says so."""
+    try:
+        told = json.loads(saved.get(IDENTITY, b"{}"))
+    except ValueError:
+        return {}
+    robot, here = told.get("robot") if isinstance(told, dict) else None, session.about.robot
+    if not isinstance(robot, str) or robot == here:
+        return {}
+    one, other = (name if name.isprintable() else ascii(name) for name in (robot, here))
+    return {IDENTITY: f"the backup is of a `{one}`, this is a `{other}`: positions may differ"}
 
 
 def _all_there(only: Sequence[str], names: Sequence[str]) -> None:
@@ -243,5 +258,5 @@ def _difference(item: Item) -> str:
 
 
 def _shown(data: bytes) -> list[str]:
-    lines = data.decode(listing.ENCODING).splitlines()
-    return [re.sub(r"[\x00-\x1f\x7f-\x9f]", "?", line) for line in lines]
+    lines = listing.lines_of(data)
+    return [re.sub(r"[\x00-\x1f\x7f-\x9f]", "?", line.text) for line in lines]

@@ -25,7 +25,10 @@ LITERAL: Final = re.compile(
 NAME: Final = re.compile(r"[A-Za-z]\w{0,39}[$%&!#]?(?:\(\d{1,4}(?:, ?\d{1,4}){0,2}\))?", re.ASCII)
 PRINTABLE: Final = re.compile(r"[^\x00-\x1f\x7f;]*")
 NEAR: Final = 0.00501
-"""Half of the last of two decimals, which is what a controller shows."""
+"""Half of the last of two decimals, which is what a controller shows of positions."""
+DIGITS: Final = 1e-5
+"""Part of a number that it may be off where more digits of it are shown."""
+TWO_DECIMALS: Final = re.compile(r"[+-]?\d*\.\d\d")
 
 
 def bad(value: object, what: str, reason: str, form: str) -> Refused:
@@ -64,9 +67,14 @@ def checked_text(text: str, what: str, form: str) -> str:
 def same(one: str, two: str) -> bool:
     """Whether two values are the same, numbers within what a controller shows of them."""
     if '"' in one or '"' in two:
-        return one.strip(' "') == two.strip(' "')
+        return _inside(one) == _inside(two)
     left, right = _parts(one), _parts(two)
     return len(left) == len(right) and all(map(_near, left, right))
+
+
+def _inside(text: str) -> str:
+    """A text without its quotation marks, which not all controllers show."""
+    return text.strip(" ").removeprefix('"').removesuffix('"')
 
 
 def _parts(text: str) -> list[str]:
@@ -75,8 +83,9 @@ def _parts(text: str) -> list[str]:
 
 def _near(one: str, two: str) -> bool:
     if re.fullmatch(NUMBER, one) and re.fullmatch(NUMBER, two):
-        size = max(abs(float(one)), abs(float(two)))
-        return abs(float(one) - float(two)) <= max(NEAR, 1e-6 * size)
+        rounded = any(map(TWO_DECIMALS.fullmatch, (one, two)))
+        most = DIGITS * max(abs(float(one)), abs(float(two)))
+        return abs(float(one) - float(two)) <= (max(NEAR, most) if rounded else most)
     return one.upper() == two.upper()
 
 

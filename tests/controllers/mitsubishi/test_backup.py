@@ -137,7 +137,9 @@ def test_only_what_is_named(cell, tmp_path):
     ("name", "word"),
     [
         *((name, "origin") for name in ("DATINST1", "JRCORG", "HOMEPOS", "USRORG", "MEORGNO")),
+        *((name, "origin") for name in ("USERORG", "MORG", "MEINSZ", "MEINST", "MEOFFZ", "DJNT")),
         *((name, "limits") for name in ("MEJAR", "MEPAR", "AREA1P1", "SFC1P", "COLLVL", "SLSDLY")),
+        ("AUTOENA", "limits"),
         *((name, "lines") for name in ("NETIP", "NETPORT", "CPRCE11", "CBAU232", "COMDEV")),
     ],
 )
@@ -162,6 +164,31 @@ def test_a_program_that_is_open_elsewhere_leaves_no_backup(cell, tmp_path):
             client.backup(tmp_path / "cell")
         assert codes(refused) == ["CN301"]
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "saved", "now"),
+    [("M2", "+0.004", "0.001"), ("C1$", '"  a"', '"a"'), ("C2$", '"\x83L\x83\x85"', '"x"')],
+)
+def test_small_numbers_blanks_and_japanese_letters_come_back(cell, tmp_path, name, saved, now):
+    """Half of such a letter ends a line for some readers."""
+    _, client = cell
+    client.set_variable(name, saved, "SEAM")
+    assert client.variable(name, "SEAM") == saved
+    client.backup(tmp_path / "cell")
+    client.set_variable(name, now, "SEAM")
+    restoring = client.restore(tmp_path / "cell")
+    assert set(restoring.changes) == {"variables/SEAM.txt"}
+    restoring.apply()
+    assert client.variable(name, "SEAM") == saved
+
+
+def test_a_backup_of_another_robot_is_told(cell, tmp_path):
+    _, client = cell
+    client.backup(tmp_path / "cell")
+    with VirtualCr(robot="rv-2fr") as other, connect(other.address, timeout=5) as one:
+        left_out = one.restore(tmp_path / "cell").left_out
+    assert "RV-2AJ" in left_out["identity.json"] and "RV-2FR" in left_out["identity.json"]
 
 
 def test_a_folder_that_is_there(cell, tmp_path):
