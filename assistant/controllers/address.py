@@ -84,7 +84,8 @@ class Address:
             return f"{self.scheme}://{self.host}{options}"
         user = f"{quote(self.user, safe='')}@" if self.user else ""
         host = f"[{self.host}]" if ":" in self.host else self.host
-        folder = f"/{quote(self.folder, safe=':/')}" if self.folder else ""
+        named = self.folder not in ("", SCHEMES[self.scheme].folder)
+        folder = f"/{quote(self.folder, safe=':/')}" if named else ""
         return f"{self.scheme}://{user}{host}:{self.port}{folder}{options}"
 
     def option(self, name: str, default: str) -> str:

@@ -40,7 +40,7 @@ def test_names_of_a_project(tmp_path):
     third = there["cell3"]
     assert (third.robot, third.timeout) == ("irb1200-7-0.7", 2.5)
     assert third.certificate == tmp_path / "certs" / "cell3.pem"
-    assert str(third.address) == "ftps://engineer@irc5:21/HOME:"
+    assert str(third.address) == "ftps://engineer@irc5:21"
     assert there["cell4"].robot == str(tmp_path / "arms" / "mine.toml")
     assert severities_for(tmp_path).findings == ()
 

@@ -119,3 +119,19 @@ def test_commands_of_many_threads_come_each_once(ends):
         thread.join()
     assert sorted(seen) == list(range(20))
     controller.stop()
+
+
+def test_what_nobody_foresaw_in_a_program_leaves_the_others_alive(ends):
+    controller = live(ends)
+
+    def body(task):
+        task.step()
+        raise ZeroDivisionError("nobody thought of it")
+
+    controller.do(lambda kernel: kernel.task("ODD", body))
+    wait_for(lambda: ends)
+    assert ends[0][1].ended == "unknown" and "nobody thought of it" in ends[0][1].message
+    start(controller, program("SetDO do_1, 1;"))
+    wait_for(lambda: len(ends) == 2)
+    assert ends[1][1] == Ending()
+    controller.stop()

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from greenlet import greenlet
 
+from assistant.program.failing import details_wanted, failure
 from assistant.virtual.events import Event, OnWay, Place, Switched, Waited, Why
 from assistant.virtual.kernel.looking import Level
 
@@ -161,6 +162,11 @@ class Task:
             self.ended = self.body(self)
         except Broken as broken:
             self.ended = broken.ending
+        except Exception as error:
+            # Nobody's program may take the whole controller down with it.
+            if self.kernel.live is None or details_wanted():
+                raise
+            self.ended = Ending("unknown", failure(error).message)
 
     def kill(self) -> None:
         """Ends it where it is."""
