@@ -16,7 +16,7 @@ from assistant.controllers.mitsubishi.answers import ENCODING, Answer, parse_ans
 from assistant.controllers.mitsubishi.data_link.streams import Rate, Serial, Stream, TcpClient
 from assistant.controllers.mitsubishi.framing import Framing, Plain, Procedural, Unasked
 from assistant.controllers.os_errors_in_words import reason_of
-from assistant.program.diagnostics import Diagnostic
+from assistant.program.diagnostics import Diagnostic, Refused
 
 ENDS: Final = {"cr": b"\r", "crlf": b"\r\n", "none": b""}
 """Option `end` of an address → what ends a command."""
@@ -45,6 +45,8 @@ class Link:
         self.close()
         try:
             self._stream.open(self._timeout if timeout is None else timeout)
+        except Refused:  # pyserial is missing; Refused is a ValueError, too
+            raise
         except (OSError, UnicodeError, ValueError) as error:
             self._lost(
                 rules.UNREACHABLE(place=self._name, address=self._name, reason=reason_of(error))

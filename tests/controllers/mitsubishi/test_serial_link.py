@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from assistant.controllers import connect
+from assistant.controllers.mitsubishi.data_link import DataLink
 from assistant.controllers.mitsubishi.framing import frame, unframed
 from assistant.controllers.rules import Lost
 from assistant.program.diagnostics import Refused
@@ -257,3 +258,15 @@ def test_a_line_that_falls_silent_gives_the_right_back(framing, late):
             client.motors(True)
         assert codes(refused)[0] == "CN204"
         assert controller.state.right is None or "CN306" in codes(refused)
+
+
+@pytest.mark.parametrize("opened", [connect, DataLink], ids=["controller link", "data link"])
+def test_pyserial_that_is_not_installed(opened, monkeypatch):
+    monkeypatch.setitem(sys.modules, "serial", None)
+    device = "/dev/ttyS9"
+    with (
+        pytest.raises(Refused) as refused,
+        opened(device if opened is DataLink else f"melfa-serial://{device}"),
+    ):
+        pass
+    assert codes(refused) == ["CN612"] and "[serial]" in refused.value.findings[0].cure

@@ -10,7 +10,7 @@ from assistant.controllers.mitsubishi.data_link.records import Form, Value
 from assistant.controllers.mitsubishi.data_link.streams import Rate, Stream, stream_to
 from assistant.controllers.os_errors_in_words import reason_of
 from assistant.controllers.rules import Lost
-from assistant.program.diagnostics import Rule
+from assistant.program.diagnostics import Refused, Rule
 
 MOST_LINE: Final = 4096
 """Bytes without an end after which what comes is no line of a program."""
@@ -64,6 +64,8 @@ class DataLink:
         self._come = b""
         try:
             self.stream.open(self.timeout)
+        except Refused:  # pyserial is missing; Refused is a ValueError, too
+            raise
         except (OSError, UnicodeError, ValueError) as error:
             self._lost(rules.NO_LINE, reason=reason_of(error))
 

@@ -13,8 +13,8 @@ BAD_LINE: Final = error(
 )
 NO_SERIAL: Final = error(
     "CN612",
-    "serial lines need the package pyserial",
-    "pip install 'robot-assistant[serial]'",
+    "serial lines need pyserial, which is not installed",
+    "install it with `pip install 'robot-assistant[serial]'`",
 )
 NO_LINE: Final = error(
     "CN613",
