@@ -148,12 +148,15 @@ def run_restore(
             "restored": wanted,
             "changes": dict(restoring.changes),
             "left_out": dict(restoring.left_out),
+            "needs_restart": restoring.needs_restart,
         }
         print_json(answer)
     elif not restoring.changes:
         say(f"{there.one.name} is as the backup says: nothing to restore")
     else:
         say(f"{there.one.name}: {'restored' if wanted else 'nothing has been changed'}")
+        if wanted and restoring.needs_restart:
+            say("some parameters may hold only after the controller is restarted")
     return 0
 
 

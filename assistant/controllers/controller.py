@@ -138,6 +138,10 @@ class Restoring(Protocol):
     @property
     def left_out(self) -> Mapping[str, str]: ...
 
+    @property
+    def needs_restart(self) -> bool:
+        """Whether the controller may take some of it over only after a restart."""
+
     def apply(self) -> None:
         """Restores; raises Refused with what has been restored by then."""
 

@@ -68,6 +68,11 @@ class Restoring:
         """Unified differences by what they are of."""
         return {item.name: _difference(item) for item in self.items}
 
+    @property
+    def needs_restart(self) -> bool:
+        """Whether parameters are among it, many of which hold only after a restart."""
+        return any(item.file == PARAMETERS for item in self.items)
+
     def apply(self) -> None:
         """Restores one after the other; raises Refused with what has been restored by then."""
         if not self.items:

@@ -67,7 +67,7 @@ def test_nothing_differs_right_after_a_backup(cell, tmp_path):
     _, client = cell
     client.backup(tmp_path / "cell")
     restoring = client.restore(tmp_path / "cell")
-    assert restoring.changes == {} and restoring.left_out == {}
+    assert restoring.changes == {} and restoring.left_out == {} and not restoring.needs_restart
     restoring.apply()
     assert [path.name for path in tmp_path.iterdir()] == ["cell"]
 
@@ -123,6 +123,7 @@ def test_only_what_is_named(cell, tmp_path):
     change(client)
     restoring = client.restore(folder, only=["NETIP", "programs/HAND.prg"])
     assert set(restoring.changes) == {"NETIP", "programs/HAND.prg"} and not restoring.left_out
+    assert restoring.needs_restart
     restoring.apply()
     assert client.parameters(["NETIP"]) == {"NETIP": "192.168.0.77"}
     assert controller.text("SEAM") == "10 END\r\n"
