@@ -43,7 +43,6 @@ ABOUT: Final = ("A", "B", "C")
 JOINTS: Final = tuple(f"J{i}" for i in range(1, 9))
 MOST_STEP: Final = 1.0
 """Degrees or mm between two poses of a straight way that are looked at."""
-LEAST_CHANGE: Final = 1e-9
 
 
 def check_jog(jog: Jog, position: Position, robot: Robot | None) -> tuple[Diagnostic, ...]:

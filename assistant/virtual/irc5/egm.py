@@ -26,7 +26,6 @@ from assistant.virtual.irc5.egm_packets import Kind, Told
 CYCLE: Final = 0.004
 NO_DATA: Final = 41822
 """Event: no data from the UdpUc device."""
-EVENTS: Final = {NO_DATA: "No data from the UdpUc device"}
 End = Literal["converged", "silent", "stopped"]
 
 
