@@ -82,7 +82,6 @@ class Wire:
                 packet, data, sender = self._read()
             except ConnectionRefusedError:
                 self.refused = True
-                continue
             except BlockingIOError:
                 left = until - time.monotonic()
                 if left <= 0.0:
@@ -90,12 +89,21 @@ class Wire:
                 if not self._spin:
                     self._wait(left)
                 continue
-            if not self.connected:
-                if self._peer is not None and sender[0] != self._peer[0]:
-                    continue
-                self._peer = sender
-                self._socket.connect(sender)
-            return packet, self._arrival(data)
+            else:
+                if self._is_heard(sender):
+                    return packet, self._arrival(data)
+            if seconds and time.monotonic() >= until:  # however much others send
+                return None
+
+    def _is_heard(self, sender: tuple[str, int]) -> bool:
+        """Whether it is the peer, or becomes it; packets from before it did may wait here still."""
+        if self.connected:
+            return sender == self._peer
+        if self._peer is not None and sender[0] != self._peer[0]:
+            return False
+        self._peer = sender
+        self._socket.connect(sender)
+        return True
 
     def now(self) -> float:
         """Seconds of the clock that arrivals are stamped with."""
