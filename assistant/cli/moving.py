@@ -104,8 +104,10 @@ def moving(text: str, command: str) -> Iterator[Moving]:
         raise
 
 
-ENDS: Final = ("SIGTERM", "SIGHUP", "SIGBREAK")
-"""What ends a program from outside: a pipeline that is cancelled, a terminal that is closed."""
+ENDS: Final = ("SIGTERM", "SIGHUP", "SIGBREAK", "SIGQUIT", "SIGTSTP")
+"""What ends a program from outside: a pipeline that is cancelled, a terminal that is closed, a key
+beside Ctrl-C. One that Ctrl-Z halts could not stop the arm any more.
+"""
 
 
 @contextmanager

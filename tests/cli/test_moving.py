@@ -120,9 +120,9 @@ def test_it_is_not_waited_for_if_nobody_wants(capsys, loaded):
     assert run(capsys, "variables", "cell1", "done=5", "--program", "cell")[:2] == (0, "done = 5\n")
 
 
-@pytest.mark.parametrize("ending", ["SIGINT", "SIGTERM", "SIGHUP"])
+@pytest.mark.parametrize("ending", ["SIGINT", "SIGTERM", "SIGHUP", "SIGTSTP"])
 def test_ctrl_c_stops_the_arm_and_tells_where_it_is(capsys, loaded, ending):
-    """So does the end of a pipeline or a terminal."""
+    """So does the end of a pipeline or a terminal, and Ctrl-Z, which would halt us alone."""
     with process("start", "cell1", "cell.mod", "--yes") as child:
         assert "Ctrl-C stops it" in child.stdout.readline()
         child.send_signal(getattr(signal, ending))
