@@ -75,6 +75,8 @@ def contents(folder: str | FilePath, kind: str) -> Mapping[str, bytes]:
     """
     place = FilePath(folder)
     try:
+        if not (place / INDEX).is_file():  # a pipe would never end
+            raise _refused(place, f"`{INDEX}` is no file there")
         index = json.loads((place / INDEX).read_bytes())
     except (OSError, ValueError) as error:
         raise _refused(place, f"`{INDEX}` cannot be read ({_reason(error)})") from None
@@ -93,6 +95,8 @@ def _checked(place: FilePath, name: str, digest: object) -> bytes:
     if path.is_absolute() or ".." in path.parts or "\\" in name:
         raise _refused(place, f"`{name}` is outside of it")
     try:
+        if not (place / name).is_file():
+            raise _refused(place, f"`{name}` is no file there")
         data = (place / name).read_bytes()
     except OSError as error:
         raise _refused(place, f"`{name}` cannot be read ({_reason(error)})") from None

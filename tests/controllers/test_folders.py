@@ -1,6 +1,7 @@
 """The folder of a backup: whole or not at all, and never taken for whole if it is not."""
 
 import json
+import os
 
 import pytest
 
@@ -92,3 +93,14 @@ def test_what_is_not_whole_is_refused(tmp_path, spoil):
     with pytest.raises(Refused) as refused:
         folders.contents(folder, "toy")
     assert codes(refused) == ["CN403"] and refused.value.exit_status == 2
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes there")
+@pytest.mark.parametrize("name", ["parameters.txt", folders.INDEX])
+def test_a_pipe_in_it_keeps_nobody_waiting(tmp_path, name):
+    folder = made(tmp_path / "copy")
+    (folder / name).unlink()
+    os.mkfifo(folder / name)
+    with pytest.raises(Refused) as refused:
+        folders.contents(folder, "toy")
+    assert codes(refused) == ["CN403"]

@@ -41,6 +41,8 @@ TASK: Final = re.compile(r"^>>(TASK\d+):\s*\(([A-Za-z]\w*)", re.MULTILINE)
 """Which folder is of which task, in `BACKINFO/backinfo.txt`: `>>TASK1: (T_ROB1,,)`."""
 MODULE: Final = re.compile(r"RAPID/(TASK\d+)/(?:PROGMOD|SYSMOD)/([^/]+\.(?:mod|sys)x?)", re.I)
 SETTINGS: Final = re.compile(r"SYSPAR/([A-Za-z0-9_]+\.cfg)", re.I)
+DOMAIN: Final = re.compile(rb"\s*(\w+):CFG_", re.ASCII)
+"""How a file of parameters begins: this, and not its name, tells what it replaces."""
 PLACE: Final = "TEMP:"
 """Volume that modules and parameters are loaded from."""
 
@@ -124,12 +126,24 @@ class Restore:
         )
 
     def _why_not(self, name: str, wanted: Sequence[str]) -> str | None:
-        if any(_named(name, one) for one in wanted):
-            return None if self._known(name) else "nothing that could be restored"
-        if wanted:
+        if wanted and not any(_named(name, one) for one in wanted):
             return "it was not named"
-        why = next((why for one, why in LEFT_OUT.items() if _matches(name, (one,))), None)
+        why = self._kept_back(name, wanted)
         return why or (None if self._known(name) else "nothing that could be restored")
+
+    def _kept_back(self, name: str, wanted: Sequence[str]) -> str | None:
+        """Why it has to be named, unless it is: a folder that holds other files is no name of it.
+
+        A file of parameters counts as what it says that it is, too.
+        """
+        domain = DOMAIN.match(self._then[name]) if SETTINGS.fullmatch(name) else None
+        names = [name, *([f"SYSPAR/{domain[1].decode('ascii')}.cfg"] if domain is not None else [])]
+        unnamed = [
+            n for n in names if not any(_named(n, asked, tuple(LEFT_OUT)) for asked in wanted)
+        ]
+        return next(
+            (why for n in unnamed for one, why in LEFT_OUT.items() if _matches(n, (one,))), None
+        )
 
     def _known(self, name: str) -> bool:
         module = MODULE.fullmatch(name)
@@ -212,7 +226,11 @@ def _matches(name: str, patterns: Sequence[str]) -> bool:
     return any(fnmatchcase(name.lower(), pattern.lower()) for pattern in patterns)
 
 
-def _named(name: str, wanted: str) -> bool:
-    """Whether a file is meant: by its whole name, by a folder above it, or by its last part."""
+def _named(name: str, wanted: str, patterns: Sequence[str] = ("*",)) -> bool:
+    """Whether a file is meant: by its whole name, by a folder above it, or by its last part.
+
+    patterns: such a folder has to match one.
+    """
     lower, asked = name.lower(), wanted.replace("\\", "/").strip("/").lower()
-    return lower == asked or lower.startswith(f"{asked}/") or lower.rpartition("/")[2] == asked
+    above = lower.startswith(f"{asked}/") and _matches(f"{asked}/", patterns)
+    return lower == asked or above or lower.rpartition("/")[2] == asked

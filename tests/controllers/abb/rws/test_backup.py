@@ -57,6 +57,11 @@ def test_what_is_left_out_of_a_restore(loaded, tmp_path):
     assert list(restoring.changes) == ["HOME/a.mod"] and set(restoring.left_out) == set(new)
     named = loaded.restore(tmp_path / "other", only=["MOC.cfg", "HOME/Safety"])
     assert set(named.changes) == {"SYSPAR/MOC.cfg", "HOME/Safety/user.sxml"} and named.needs_restart
+    folder = loaded.restore(tmp_path / "other", only=["SYSPAR"])
+    assert not folder.changes and "network" in folder.left_out["SYSPAR/SIO.cfg"]
+    changed(tmp_path / "saved", tmp_path / "lies", **{"SYSPAR/EIO.cfg": b"SIO:CFG_1.0:6:1::\n"})
+    lies = loaded.restore(tmp_path / "lies", only=["EIO.cfg"])
+    assert not lies.changes and "network" in lies.left_out["SYSPAR/EIO.cfg"]
     with pytest.raises(Refused) as refused:
         loaded.restore(tmp_path / "other", only=["NONE.cfg"])
     assert codes(refused) == ["CN404"]
