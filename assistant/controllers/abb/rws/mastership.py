@@ -131,12 +131,14 @@ class Mastership:
         try:
             self._session.open_again()
             self._session.ask(operation, doing="giving the mastership back", at={"domain": name})
-        except rules.Lost:
+        except NoMastership:
+            return error
+        except Refused as refused:
+            if self._by_station and not isinstance(refused, rules.Lost):
+                return error  # RobotWare 8 has taken it back by itself after a write
             place = self._session.address
             held = rules.MAY_BE_HELD(place=str(place), address=place, right=f"mastership `{name}`")
             return rules.Lost(*error.findings, held)
-        except Refused:
-            pass  # it says that this session holds none
         finally:
             self._session.hang_up()
         return error

@@ -202,3 +202,25 @@ def test_a_new_session_gives_back_what_a_cut_line_left(peer, again, findings):
     assert codes(refused) == findings and len(held[0]) == 1
     assert "unless the controller did it" in refused.value.findings[0].message
     assert (peer.held == {}) is again and len(peer.sessions) == (0 if again else 1)
+
+
+def test_what_a_new_session_may_not_give_back_is_told(peer):
+    """Any other refusal than that this session holds none leaves it open."""
+
+    def cut(body):
+        proxy.cut_now()
+        return 204, ""
+
+    domain = "rapid" if peer.scheme == "rws" else "edit"
+    load, back = ("?action=loadmod", "?action=release")
+    if peer.scheme == "rwss":
+        load, back = ("/loadmod", "/release")
+    peer.answers[f"POST /rw/rapid/tasks/T_ROB1{load}"] = cut
+    peer.answers[f"POST /rw/mastership/{domain}{back}"] = (500, "")
+    with (
+        Cutting(peer.port) as proxy,
+        pytest.raises(Lost) as refused,
+        peer.connect(port=proxy.port) as client,
+    ):
+        client.load("seam.mod")
+    assert codes(refused) == ["CN204", "CN221"]
