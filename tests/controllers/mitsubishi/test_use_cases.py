@@ -116,7 +116,8 @@ def test_6_two_data_links(tmp_path):
 
 
 SLOW = [
-    pytest.param(name, marks=pytest.mark.slow) for name in ("single_moves.py", "run_program.py")
+    pytest.param(name, marks=pytest.mark.slow)
+    for name in ("direct_control.py", "single_moves.py", "run_program.py")
 ]
 
 
