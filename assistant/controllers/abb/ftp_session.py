@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import ftplib
 import io
+import socket
 import ssl
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path as FilePath
@@ -21,6 +23,36 @@ RATE: Final = 50_000.0
 FAILURES: Final = (OSError, EOFError, ftplib.Error, OverflowError, UnicodeDecodeError)
 """What ftplib raises where there is no connection any more, or the answer makes no sense: no port
 is that large, no text has those bytes."""
+
+
+class _InTime(ftplib.FTP):
+    """Answers that are whole within the time-out of the socket; ftplib grants it to each byte."""
+
+    def getmultiline(self) -> str:
+        channel = self.sock
+        assert channel is not None
+        over = threading.Event()
+
+        def cut() -> None:
+            over.set()
+            with suppress(OSError):
+                socket.socket.shutdown(channel, socket.SHUT_RDWR)  # under TLS, too
+
+        timer = threading.Timer(channel.gettimeout() or 0.0, cut)
+        timer.daemon = True
+        timer.start()
+        try:
+            return super().getmultiline()
+        except (OSError, EOFError):
+            if over.is_set():
+                raise TimeoutError from None
+            raise
+        finally:
+            timer.cancel()
+
+
+class _TlsInTime(_InTime, ftplib.FTP_TLS):
+    """The same, encrypted."""
 
 
 class FtpSession:
@@ -78,9 +110,9 @@ class FtpSession:
         return self._ftp
 
     def _connected(self) -> ftplib.FTP:
-        ftp: ftplib.FTP = ftplib.FTP()  # noqa: S321 - what the controller speaks
+        ftp: ftplib.FTP = _InTime()
         if self.address.scheme == "ftps":
-            ftp = ftplib.FTP_TLS(context=self._trust())  # noqa: S321 - the same, encrypted
+            ftp = _TlsInTime(context=self._trust())
         ftp.set_pasv(self.address.option("mode", "passive") == "passive")
         try:
             ftp.connect(self.address.host, self.address.port, timeout=self._timeout)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import ssl
+import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
@@ -20,6 +22,8 @@ LARGEST: Final = 1 << 30
 """Bytes of an answer after which it is taken for garbage."""
 BUSY: Final = 503
 """Answered to more than 20 requests a second and to the 71st session."""
+WAITS: Final = 3
+"""Time-outs until an answer has begun: for connecting, for the way to log in, for the answer."""
 AGAIN_AFTER: Final = 0.1
 """Seconds until a busy controller is asked again."""
 
@@ -116,7 +120,8 @@ class Transport:
         request = self._client.build_request(
             method, self._root + address, content=body, headers=said, timeout=granted
         )
-        response = self._client.send(request, stream=True)
+        with self._in_time(WAITS * granted):
+            response = self._client.send(request, stream=True)
         pieces: list[bytes] = []
         size = 0
         try:
@@ -131,6 +136,27 @@ class Transport:
         ends = {"content-length", "transfer-encoding"} & set(response.headers)
         framed = bool(ends) or response.status_code == 204
         return Response(response.status_code, framed, location, b"".join(pieces))
+
+    @contextmanager
+    def _in_time(self, seconds: float) -> Iterator[None]:
+        """Ends the connection behind that time: httpx grants the time-out to each byte."""
+        over = threading.Event()
+
+        def cut() -> None:
+            over.set()
+            self._client.close()
+
+        timer = threading.Timer(seconds, cut)
+        timer.daemon = True
+        timer.start()
+        try:
+            yield
+        except Exception as error:
+            if over.is_set():
+                raise Broken("no answer in time") from error
+            raise
+        finally:
+            timer.cancel()
 
     def _keep_cookies(self, response: httpx.Response) -> None:
         for line in response.headers.get_list("set-cookie"):
