@@ -86,7 +86,7 @@ class Limits:
             if len(bound) != rows.shape[1]:
                 reason = f"{len(bound)} ends of range for {rows.shape[1]} joints"
                 raise Refused(BAD_LIMITS(reason=reason), exit_status=2)
-            beyond = sign * (rows - np.array(bound)) > 1e-6
+            beyond = ~(sign * (rows - np.array(bound)) <= 1e-6)  # also where a bound is no number
             if beyond.any():
                 row, joint = (int(v) for v in np.argwhere(beyond)[0])
                 at = f"{rows[row, joint]:g} is {word} {bound[joint]:g}"

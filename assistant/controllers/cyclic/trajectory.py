@@ -32,6 +32,8 @@ FINE: Final = 4
 FEWEST: Final = 8
 MOST: Final = 4096
 """Places in a piece between two points at which the limits are looked at."""
+LEAST_TIME: Final = 1e-9
+"""Seconds between two points."""
 MARGIN: Final = 0.995
 """Of the limits that is used: rounding to single precision in packets stays within."""
 ROUNDS: Final = 40
@@ -109,7 +111,7 @@ def _made(
         at = np.ascontiguousarray(times, dtype=np.float64)
         if at.shape != (len(values),):
             raise ValueError(f"{len(values)} points but times of shape {at.shape}")
-        if not np.isfinite(at).all() or not (np.diff(at) > 0.0).all():
+        if not np.isfinite(at).all() or not (np.diff(at) >= LEAST_TIME).all():
             raise ValueError("its times do not rise from point to point")
     except (TypeError, ValueError) as error:
         raise Refused(BAD_TRAJECTORY(reason=error), exit_status=2) from None
@@ -142,6 +144,7 @@ def resampled(trajectory: Trajectory, limits: Limits, cycle: float) -> Floats:
     if not 0.0 < cycle <= 1.0:
         what = BAD_SETTING(name="cycle", value=cycle, reason="it is seconds, above 0, at most 1")
         raise Refused(what, exit_status=2)
+    trajectory = _made(trajectory.kind, trajectory.rows, trajectory.times)  # whoever made it
     speeds, rises = limits.columns(trajectory.kind, trajectory.rows.shape[1])
     _width(trajectory)
     outside = limits.outside(trajectory.kind, trajectory.rows)

@@ -126,6 +126,10 @@ def test_a_path_that_is_more_than_poses_is_refused(changed, said):
         Trajectory.of_path(path)
 
 
+def led(rows, times=None):
+    return resampled(Trajectory("joints", rows, times), Limits((100.0,)), 0.004)
+
+
 @pytest.mark.parametrize(
     ("make", "said"),
     [
@@ -136,9 +140,13 @@ def test_a_path_that_is_more_than_poses_is_refused(changed, said):
         (lambda: Trajectory.of_joints([[1.0], [2.0, 3.0]]), "cannot be followed"),
         (lambda: Trajectory.of_poses([[0, 0, 0]], [[0, 0, 0, 0]]), "quaternion is 0"),
         (lambda: Trajectory.of_poses([[0, 0, 0]], [[1, 0, 0, 0]] * 2), "quaternions"),
+        (lambda: Trajectory.of_joints([[1.0], [2.0]], [0.0, 1e-300]), "do not rise"),
+        (lambda: led(np.full((2, 1), np.nan)), "not finite"),
+        (lambda: led(np.ones((2, 1)), np.array([0.0, np.nan])), "do not rise"),
     ],
 )
 def test_a_trajectory_that_is_none_is_refused(make, said):
+    """However it is made."""
     with pytest.raises(Refused, match=said) as refused:
         make()
     assert [one.code for one in refused.value.findings] == ["CN701"]
@@ -153,6 +161,7 @@ def test_a_trajectory_that_is_none_is_refused(make, said):
         (Limits((100.0, 90.0), lowest=(0.0,)), 0.004, "CN702"),
         (Limits((100.0, 90.0), lowest=(-9.0, -5.0)), 0.004, "CN701"),
         (Limits((100.0, 90.0), highest=(9.0, 5.0)), 0.004, "CN701"),
+        (Limits((100.0, 90.0), highest=(9.0, float("nan"))), 0.004, "CN701"),
         (Limits((100.0, 90.0)), 0.0, "CN704"),
         (Limits((1e-9, 1e-9)), 0.004, "CN701"),
     ],
