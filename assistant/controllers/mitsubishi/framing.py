@@ -70,9 +70,11 @@ class Plain:
             started = parse_answer(data.decode(ENCODING)) is not None
             bare = started and not self._ends
             quiet = FIRST_QUIET if self._ends is None else QUIET
-            left = max(0.0, end - time.monotonic())
-            try:
-                piece = stream.receive(min(quiet, left) if bare else left)
+            left = end - time.monotonic()
+            if left < -FIRST_QUIET:  # it is never quiet
+                raise TimeoutError
+            try:  # the end of the time is no end of an answer
+                piece = stream.receive(quiet if bare else max(0.0, left))
             except TimeoutError:
                 if not bare:
                     raise
