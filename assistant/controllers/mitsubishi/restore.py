@@ -123,7 +123,7 @@ def restoring(
     with session.scope():
         items = [
             *_programs(session, files, only),
-            *_variables(session, files, only),
+            *_variables(session, files, only, left_out),
             *_parameters(session, wanted, only, kinds, left_out),
         ]
         if not only:
@@ -187,7 +187,9 @@ def _program_writer(session: Session, name: str, data: bytes) -> Callable[[], No
     return restore
 
 
-def _variables(session: Session, files: Mapping[str, bytes], only: Sequence[str]) -> Iterator[Item]:
+def _variables(
+    session: Session, files: Mapping[str, bytes], only: Sequence[str], left_out: dict[str, str]
+) -> Iterator[Item]:
     there = programs.names(session)
     for file, data in files.items():
         name = FilePath(file).stem
@@ -202,6 +204,9 @@ def _variables(session: Session, files: Mapping[str, bytes], only: Sequence[str]
             else []
         )
         now, saved = assignments(variable_text(lines)), assignments(data)
+        acting = [n for n in saved if shared and variables.ACTING.fullmatch(n.upper())]
+        left_out |= dict.fromkeys(acting, "it acts on what is connected to the controller")
+        saved = {n: v for n, v in saved.items() if n not in acting}
         changed = {n: v for n, v in saved.items() if n not in now or not values.same(now[n], v)}
         if changed:
             before = variable_text(f"{n}={now[n]}" for n in changed if n in now)

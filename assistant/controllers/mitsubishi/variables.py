@@ -18,6 +18,8 @@ CLASSES: Final = "MCPJ"
 """Numbers, texts, positions, joints."""
 EXTERNAL: Final = re.compile(r"[A-Z]_", re.IGNORECASE)
 """How the names of variables begin that belong to no program."""
+ACTING: Final = re.compile(r"M_(?:D?OUT|HND|YDEV|UDEV|TOOL|SVO)[A-Z0-9]*(?:\(.*)?")
+"""Status variables that set outputs, open hands or choose a tool: no memory of a program."""
 MOST: Final = 100_000
 """Variables after which a list that never ends is taken for a fault."""
 
@@ -43,6 +45,9 @@ def write(session: Session, name: str, value: str, program: str = "", slot: int 
     doing = f"setting {name}"
     state = f"{name} is as it was or as it should be"
     if EXTERNAL.match(name):
+        if ACTING.fullmatch(name):
+            reason = "it acts on what is connected"
+            raise values.bad(name, "a variable to be set", reason, "outputs, or the hand, instead")
         with session.right(doing):
             session.ask(f"EXEC{name}={value}", doing=doing, state=state, shape=BARE)
     else:

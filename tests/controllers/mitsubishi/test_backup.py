@@ -192,6 +192,23 @@ def test_a_backup_of_another_robot_is_told(cell, tmp_path):
     assert "RV-2AJ" in left_out["identity.json"] and "RV-2FR" in left_out["identity.json"]
 
 
+def test_a_backup_that_was_made_up_sets_no_outputs(cell, tmp_path):
+    _, client = cell
+    client.backup(tmp_path / "cell")
+    files = dict(folders.contents(tmp_path / "cell", "melfa"))
+    files["variables/externals.txt"] += b"M_OUT(8)=1\nm_Hnd(1)=1\n"
+    with folders.appearing(tmp_path / "other", "melfa") as place:
+        for name, data in files.items():
+            folders.put(place, name, data)
+    restoring = client.restore(tmp_path / "other")
+    assert not restoring.changes and {*restoring.left_out} == {"M_OUT(8)", "m_Hnd(1)"}
+    for name in restoring.left_out:
+        with pytest.raises(Refused) as refused:
+            client.set_variable(name, "1")
+        assert codes(refused) == ["CN308"]
+    assert client.outputs(["8"]) == {"8": 0.0}
+
+
 def test_a_folder_that_is_there(cell, tmp_path):
     _, client = cell
     client.backup(tmp_path / "cell")
