@@ -48,9 +48,10 @@ def run_monitor(cell: str, options: Options) -> int:
         if value is not None and not value > 0:
             raise Refused(NO_INTERVAL(option=option, value=value), exit_status=2)
     with ExitStack() as opened:
-        logged = opened.enter_context(_log(options)) if options.log is not None else None
         there = opened.enter_context(reached(cell, "monitor"))
         identity = there.controller.identify()
+        # Not before: a controller that is not reached leaves no empty log.
+        logged = opened.enter_context(_log(options)) if options.log is not None else None
         names = (identity.robot, identity.controller, identity.version)
         title = f"{there.one.name}  {' '.join(filter(None, names))}"
         tell = opened.enter_context(_presented(title, options))

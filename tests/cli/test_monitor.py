@@ -46,6 +46,11 @@ def test_a_log_is_not_written_over(capsys, cr, here):
     assert status == 2 and "CL221" in said
 
 
+def test_a_controller_that_is_not_reached_leaves_no_log(capsys, here):
+    status, _, said = run(capsys, "monitor", "melfa://127.0.0.1:1", "--log", "run.csv")
+    assert status == 2 and "CN201" in said and not (here / "run.csv").exists()
+
+
 def test_a_live_table_until_ctrl_c(cr, here):
     with Terminal("monitor", "cell1", "--interval", "0.05", folder=here) as terminal:
         terminal.until("RV-2AJ")
