@@ -43,7 +43,7 @@ def shown(session: Session, command: str) -> Shown:
     fields = axes.split(";")
     names, values = fields[::2], fields[1::2]
     good = all(VALUE.fullmatch(v) or NO_AXIS.fullmatch(v) for v in values)
-    if not separator or len(names) != len(values) or not good:
+    if not separator or not len(set(names)) == len(names) == len(values) or not good:
         session.garbled(doing, answer.text)
     read = {n: float(v) if VALUE.fullmatch(v) else None for n, v in zip(names, values, strict=True)}
     return Shown(read, rest.split(";")[0].strip(), answer.alarmed)
@@ -60,7 +60,7 @@ def joints(session: Session) -> Shown:
 def pose(session: Session) -> Shown:
     """X, Y, Z in mm, A, B, C in degrees."""
     told = shown(session, "PPOSF")
-    if not {"X", "Y", "Z"} <= set(told.values):
+    if any(told.values.get(name) is None for name in "XYZ"):
         session.garbled("asking for the pose", repr(dict(told.values)))
     return told
 
@@ -68,8 +68,9 @@ def pose(session: Session) -> Shown:
 def position(session: Session) -> Position:
     """Joints and pose, of two answers: of an arm that moves they are not of the same moment."""
     axes, place = joints(session), pose(session)
+    last = max((int(name[1:]) for name in axes.values), default=0)  # one may be left out between
     return Position(
-        joints=tuple(axes.values.values()),
+        joints=tuple(axes.values.get(f"J{n}") for n in range(1, last + 1)),
         position=(place.value("X"), place.value("Y"), place.value("Z")),
         quaternion=orientation(axes, place),
         text=text(place),

@@ -70,6 +70,15 @@ def test_the_pose_of_an_rv_2aj():
     assert place.quaternion == pytest.approx((0, 0, 1, 0))
 
 
+def test_an_axis_that_is_left_out_moves_no_other_into_its_place():
+    answers = {
+        "JPOSF": f"QoKJ1;0.00;J2;21.19;J3;72.78;J5;86.03;J6;0.00;;{REST}",
+        "PPOSF": "QoKX;250.00;Y;0.00;Z;450.00;A;0.00;B;180.00;;6,0;50;0.00;00000000",
+    }
+    with answering(answers) as client:
+        assert client.position().joints == (0.0, 21.19, 72.78, None, 86.03, 0.0)
+
+
 def test_a_pose_with_an_additional_axis():
     pose = "X;290.62;Y;-0.09;Z;11.26;A;-179.94;B;-0.26;C;179.93;L1;0.00;;6,0;100;0.00;00000000"
     joints = "J1;0.00;J2;0.00;J3;0.00;J4;0.00;J5;0.00;J6;0.00;J7;0.00;;****,****;100;0.00;00000000"
@@ -152,7 +161,10 @@ def test_the_error_history():
         ("STATE", "QoK1;2;3;4;XYZ", lambda c: c.state()),
         ("JPOSF", "QoKX;1.00;;", lambda c: c.position()),
         ("JPOSF", "QoKJ1;one;;0", lambda c: c.position()),
+        ("JPOSF", "QoKJ1;1.00;J1;2.00;;0", lambda c: c.position()),
+        ("JPOSF", f"QoKJ1;{'9' * 400};;0", lambda c: c.position()),
         ("PPOSF", "QoKJ1;1.00;;0", lambda c: c.position()),
+        ("PPOSF", "QoKX;****;Y;0.00;Z;1.00;;6,0", lambda c: c.position()),
         ("IN5", "QoK12", lambda c: c.inputs(["5"])),
         ("IN5", "QoKGGGG", lambda c: c.inputs(["5"])),
         ("PNRMEXTL", "QoKMEXBS;0;1", lambda c: c.parameters(["MEXTL"])),
