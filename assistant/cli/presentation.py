@@ -151,8 +151,10 @@ def print_refused(findings: Sequence[Diagnostic]) -> None:
         print_for_programs(findings, (), FindingFormat(asked))
 
 
-_NO_CHARACTER: Final = re.compile(r"[\ud800-\udfff]")
-"""What stands for bytes of a file name that are no text: printed as JSON escapes it."""
+_NO_CHARACTER: Final = re.compile(r"[\ud800-\udfff\x00-\x08\x0b-\x1f\x7f-\x9f]")
+"""What stands for bytes of a file name that are no text, and what would steer the terminal in a
+text from outside: printed as JSON escapes it.
+"""
 
 
 def print_json(answer: object) -> None:

@@ -8,6 +8,7 @@ import json
 from assistant.sources import read
 from tests.cli.terminal import Terminal
 from tests.cli.test_commands import run
+from tests.controllers.mitsubishi.test_documented_answers import answering
 from tests.wire import Wire
 
 
@@ -118,3 +119,10 @@ def test_backup_and_restore(capsys, cr, here):
     assert status == 2 and "CL203" in said + out and "DLY 2" in cr.text("PICK")
     assert run(capsys, "restore", "cell1", "saved", "--yes")[0] == 0
     assert "DLY 1" in cr.text("PICK")
+
+
+def test_names_of_a_controller_do_not_steer_the_terminal(capsys):
+    answers = {"PDIRTOP": "QoKA\x1b[2J\x9bB.MB5;10;24-02-2821:05:14;1;220160;12;;1;0;0;0;0;0"}
+    with answering(answers) as client:
+        status, out, _ = run(capsys, "ls", client.address)
+    assert status == 0 and "A\\u001b[2J\\u009bB" in out and out.rstrip("\n").isprintable()

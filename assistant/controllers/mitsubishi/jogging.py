@@ -87,6 +87,8 @@ def jog(session: Session, asked: Jog, check: Check | None) -> None:
 def _sensible(asked: Jog, axis: str) -> None:
     if not re.fullmatch(r"J[1-8]|[XYZABC]", axis):
         raise values.bad(asked.axis, "an axis", "there is none of that name", "J1 … J8, X … C")
+    if asked.frame not in ("base", "tool"):
+        raise values.bad(asked.frame, "a frame", "there is none of that name", "base or tool")
     if not math.isfinite(asked.by) or not 0 < abs(asked.by) <= MOST_STEP:
         reason = f"one jog goes up to {MOST_STEP:g} mm or degrees"
         raise values.bad(asked.by, "a step", reason, "a smaller one that is not 0")
