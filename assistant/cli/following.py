@@ -28,6 +28,12 @@ NO_RECORDING: Final = error(
     "CL252", "a recording is not written as `{name}`", "end its name in .csv or .npz"
 )
 NO_PERIOD: Final = error("CL253", "--interval is {value:g}", "write seconds above 0")
+TOO_MANY_LINES: Final = error(
+    "CL254",
+    "{count} lines are named, and data link control has two",
+    "write --line for the control line, and --line for the status line",
+)
+MOST_LINES: Final = 2
 WRITERS: Final = (".csv", ".npz")
 
 
@@ -92,6 +98,8 @@ def _mode(options: Options) -> Mode:
         raise Refused(NO_PERIOD(value=options.interval), exit_status=2)
     if options.log is not None and options.log.suffix.lower() not in WRITERS:
         raise Refused(NO_RECORDING(name=options.log), exit_status=2)
+    if len(options.wishes.lines) > MOST_LINES:
+        raise Refused(TOO_MANY_LINES(count=len(options.wishes.lines)), exit_status=2)
     return MODES[options.by]
 
 

@@ -122,12 +122,16 @@ def follow(
     log: Annotated[
         Path | None, typer.Option(help="Write what was recorded.", metavar="FILE.csv|.npz")
     ] = None,
-    port: Annotated[int | None, typer.Option(help="UDP port; default the usual one.")] = None,
+    port: Annotated[
+        int | None, typer.Option(help="UDP port; default the usual one.", min=1, max=65535)
+    ] = None,
     lines: Annotated[
         list[str] | None,
         typer.Option("--line", help="HOST:PORT or serial port of a line; repeatable, in order."),
     ] = None,
-    cycle: Annotated[float | None, typer.Option(help="Seconds of a cycle.")] = None,
+    cycle: Annotated[
+        float | None, typer.Option(help="Seconds of a cycle.", min=0.0005, max=1.0)
+    ] = None,
     replace: Annotated[
         bool, typer.Option("--replace", help="Our programs replace others of their names.")
     ] = False,
