@@ -27,6 +27,7 @@ def endless(begin, more, pause):
 
     def talk(connection):
         with connection, contextlib.suppress(OSError):
+            connection.settimeout(0.5)  # if nobody reads it any more
             for piece in itertools.chain([begin], itertools.repeat(more)):
                 connection.sendall(piece)
                 if over.wait(pause):
@@ -59,3 +60,33 @@ def test_an_answer_that_does_not_end_is_given_up(scheme, said, pause):
             pass
     finding = lost.value.findings[0]
     assert finding.code in ("CN201", "CN204", "CN302") and "secret" not in str(lost.value)
+
+
+def listing(data_port):
+    """The control side of an FTP server whose transfers come from another port; its port."""
+    high, low = divmod(data_port, 256)
+    said = {b"USER": b"331 ", b"PASV": b"227 (127,0,0,1,%d,%d)" % (high, low), b"NLST": b"150 "}
+
+    def talk():
+        with contextlib.suppress(OSError):
+            connection, _ = listener.accept()
+            with connection, connection.makefile("rb") as commands:
+                connection.sendall(b"220 hello\r\n")
+                for command in commands:
+                    connection.sendall(said.get(command[:4].strip(), b"250 ") + b"\r\n")
+
+    listener = socket.create_server(("127.0.0.1", 0))
+    thread = threading.Thread(target=talk)
+    thread.start()
+    return listener, thread
+
+
+def test_a_listing_that_does_not_end_is_given_up():
+    with endless(b"", b"x.mod\r\n", 0.01) as data_port:
+        listener, thread = listing(data_port)
+        with listener, pytest.raises(Lost) as lost:
+            address = f"ftp://somebody@127.0.0.1:{listener.getsockname()[1]}"
+            with connect(address, password="secret", timeout=0.15) as client:
+                client.names()
+        thread.join()
+    assert "no answer in time" in lost.value.findings[0].message

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 import ssl
+import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path as FilePath
@@ -17,7 +18,7 @@ from typing import Final, Literal
 from assistant.controllers import folders, rules
 from assistant.controllers.abb.files import MOST_FOLDERS, told_name
 from assistant.controllers.abb.ftp_resuming import read_whole
-from assistant.controllers.abb.ftp_session import FtpSession
+from assistant.controllers.abb.ftp_session import LISTING, FtpSession
 from assistant.program.diagnostics import Refused
 
 Kind = Literal["file", "folder", "other"]
@@ -156,8 +157,11 @@ def _lines(session: FtpSession, command: str) -> list[str]:
     with session.during("listing a folder", UNTOUCHED):
         session.session.voidcmd("TYPE A")
         with session.session.transfercmd(command) as channel:
+            until = time.monotonic() + LISTING * (channel.gettimeout() or 0.0)
             while piece := channel.recv(65536):
                 data += piece
+                if time.monotonic() > until:
+                    raise TimeoutError
             if isinstance(channel, ssl.SSLSocket):
                 channel.unwrap()
         session.session.voidresp()

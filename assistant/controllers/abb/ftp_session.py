@@ -7,6 +7,7 @@ import io
 import socket
 import ssl
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path as FilePath
@@ -20,6 +21,8 @@ from assistant.program.diagnostics import Refused
 
 RATE: Final = 50_000.0
 """Bytes a second that a server is granted for looking through a file before it answers."""
+LISTING: Final = 10
+"""Time-outs in which a whole listing has to come."""
 FAILURES: Final = (OSError, EOFError, ftplib.Error, OverflowError, UnicodeDecodeError)
 """What ftplib raises where there is no connection any more, or the answer makes no sense: no port
 is that large, no text has those bytes."""
@@ -49,6 +52,20 @@ class _InTime(ftplib.FTP):
             raise
         finally:
             timer.cancel()
+
+    def retrlines(self, cmd: str, callback: Callable[[str], object] | None = None) -> str:
+        """Lines of a listing, which has to end in `LISTING` time-outs."""
+        channel = self.sock
+        assert channel is not None
+        until = time.monotonic() + LISTING * (channel.gettimeout() or 0.0)
+
+        def taken(line: str) -> None:
+            if time.monotonic() > until:
+                raise TimeoutError
+            if callback is not None:
+                callback(line)
+
+        return super().retrlines(cmd, taken)
 
 
 class _TlsInTime(_InTime, ftplib.FTP_TLS):
