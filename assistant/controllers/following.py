@@ -83,11 +83,10 @@ class Done:
     findings: tuple[Diagnostic, ...] = ()
 
     def save(self, path: FilePath) -> None:
-        """Writes the columns as .csv or .npz; raises Refused and OSError."""
-        from assistant.controllers.cyclic.report import write_csv, write_npz
+        """Writes the columns as .csv or .npz; raises Refused."""
+        from assistant.controllers.recording import save_columns
 
-        writers = {".csv": write_csv, ".npz": write_npz}
-        writers[path.suffix.lower()](path, self.columns)
+        save_columns(path, self.columns)
 
 
 Run = Callable[[Programs, Led, Wishes, Progress], Done]

@@ -81,47 +81,61 @@ class Recording:
 
         The file appears whole or not at all. Raises Refused (exit status 2).
         """
-        target = FilePath(path)
-        form = FORMS.get(target.suffix.lower())
-        if form is None:
-            known = " or ".join(f"`{suffix}`" for suffix in FORMS)
-            finding = NO_FORMAT(path=str(target), suffix=target.suffix, known=known)
-            raise Refused(finding, exit_status=2)
-        beside = target.with_name(f".{target.name}.{secrets.token_hex(4)}")
+        cells = dict(zip(self.labels, self.rows().T, strict=True))
+        save_columns(path, cells, {name: self.column(name) for name in self.fields})
+
+
+def save_columns(
+    path: str | FilePath, columns: Mapping[str, Floats], arrays: Mapping[str, Floats] | None = None
+) -> None:
+    """Writes (n,) columns as `.csv` with their names above, or as arrays of a `.npz`.
+
+    arrays: (n, …) of a `.npz`, where they are others. The file appears whole or not at all. Raises
+    Refused (exit status 2).
+    """
+    target = FilePath(path)
+    form = target.suffix.lower()
+    if form not in FORMS:
+        known = " or ".join(f"`{suffix}`" for suffix in FORMS)
+        finding = NO_FORMAT(path=str(target), suffix=target.suffix, known=known)
+        raise Refused(finding, exit_status=2)
+    data = _csv(columns) if form == ".csv" else _npz(columns if arrays is None else arrays)
+    beside = target.with_name(f".{target.name}.{secrets.token_hex(4)}")
+    try:
         try:
-            try:
-                with beside.open("xb") as file:
-                    file.write(form(self))
-                    file.flush()
-                    os.fsync(file.fileno())
-                beside.replace(target)
-            finally:
-                beside.unlink(missing_ok=True)
-        except OSError as wrong:
-            reason = wrong.strerror or str(wrong)
-            raise Refused(NOT_SAVED(path=str(target), reason=reason), exit_status=2) from None
+            with beside.open("xb") as file:
+                file.write(data)
+                file.flush()
+                os.fsync(file.fileno())
+            beside.replace(target)
+        finally:
+            beside.unlink(missing_ok=True)
+    except OSError as wrong:
+        reason = wrong.strerror or str(wrong)
+        raise Refused(NOT_SAVED(path=str(target), reason=reason), exit_status=2) from None
 
 
-def _csv(recording: Recording) -> bytes:
+def _csv(columns: Mapping[str, Floats]) -> bytes:
     """An empty cell for a number that is not there."""
     text = io.StringIO(newline="")
     writer = csv.writer(text)
-    writer.writerow(recording.labels)
-    for row in recording.rows().tolist():
+    writer.writerow(columns)
+    for row in zip(*(column.tolist() for column in columns.values()), strict=True):
         writer.writerow("" if math.isnan(value) else repr(value) for value in row)
     return text.getvalue().encode()
 
 
-def _npz(recording: Recording) -> bytes:
+def _npz(arrays: Mapping[str, Floats]) -> bytes:
     """The same bytes for the same numbers: no time stamps."""
     data = io.BytesIO()
     with zipfile.ZipFile(data, "w") as archive:
-        for name in recording.fields:
+        for name, values in arrays.items():
             column = io.BytesIO()
-            np.lib.format.write_array(column, recording.column(name), allow_pickle=False)
-            entry = zipfile.ZipInfo(f"{name}.npy")
-            archive.writestr(entry, column.getvalue(), zipfile.ZIP_DEFLATED)
+            np.lib.format.write_array(column, np.asarray(values), allow_pickle=False)
+            archive.writestr(
+                zipfile.ZipInfo(f"{name}.npy"), column.getvalue(), zipfile.ZIP_DEFLATED
+            )
     return data.getvalue()
 
 
-FORMS: Final = {".csv": _csv, ".npz": _npz}
+FORMS: Final = (".csv", ".npz")

@@ -46,4 +46,4 @@ with cell as mxt:
         watch=lambda now: print(f"{now.seconds:.1f} s, J1 at {now.values[0]:.2f}"),
     )
 print(report)
-report.to_csv(given.record)
+report.save(given.record)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path as FilePath
@@ -11,6 +9,7 @@ from pathlib import Path as FilePath
 import numpy as np
 
 from assistant.controllers.cyclic.rules import MISSED, PRIORITY
+from assistant.controllers.recording import save_columns
 from assistant.program.arrays import Floats
 from assistant.program.diagnostics import Diagnostic
 
@@ -93,39 +92,6 @@ class Report:
             f"{1e3 * self.cycle:.2f} ms, {self.priority}; {self.delays}"
         )
 
-    def to_npz(self, path: str | FilePath) -> None:
-        """Writes the columns; the file appears whole or not at all."""
-        write_npz(path, self.columns)
-
-    def to_csv(self, path: str | FilePath) -> None:
-        """Writes the columns with a head line; the file appears whole or not at all."""
-        write_csv(path, self.columns)
-
-
-def write_npz(path: str | FilePath, columns: Mapping[str, Floats]) -> None:
-    """An archive of numpy with an array a column. Raises OSError."""
-    target = FilePath(path)
-    part = target.with_name(target.name + ".part")
-    try:
-        with zipfile.ZipFile(part, "w") as archive:
-            for name, column in columns.items():
-                with archive.open(f"{name}.npy", "w") as file:
-                    np.save(file, column)
-        part.replace(target)
-    finally:
-        part.unlink(missing_ok=True)
-
-
-def write_csv(path: str | FilePath, columns: Mapping[str, Floats]) -> None:
-    """A table with a head line, a comma between columns. Raises OSError."""
-    target = FilePath(path)
-    part = target.with_name(target.name + ".part")
-    try:
-        with part.open("w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file)
-            writer.writerow(columns)
-            for row in zip(*(column.tolist() for column in columns.values()), strict=True):
-                writer.writerow([f"{value:.9g}" for value in row])
-        part.replace(target)
-    finally:
-        part.unlink(missing_ok=True)
+    def save(self, path: str | FilePath) -> None:
+        """Writes the columns as `.csv` or `.npz`; see `save_columns`."""
+        save_columns(path, self.columns)

@@ -147,7 +147,7 @@ def test_an_arm_follows_a_trajectory(tmp_path):
     assert virtual.guidance.values == pytest.approx((3.0, *HERE[1:]), abs=1e-3)
     assert max(row[0] for row in virtual.track) == pytest.approx(6.0, abs=0.2)
     assert {"time", "J1", "to_J1", "tm", "converged", "utilization"} <= set(report.columns)
-    report.to_csv(tmp_path / "run.csv")
+    report.save(tmp_path / "run.csv")
     assert len((tmp_path / "run.csv").read_text().splitlines()) == len(report.columns["J1"]) + 1
 
 

@@ -195,7 +195,7 @@ class Monitor:
     def record(self, samples: int) -> dict[str, Floats]:
         """The next samples as columns: `time`, `counter`, `inputs`, `outputs`, `joints_J1`, …
 
-        `cyclic.report.write_csv` and `write_npz` write them.
+        `controllers.recording.save_columns` writes them.
         """
         rows = list(islice(self, samples))
         columns: dict[str, Floats] = {

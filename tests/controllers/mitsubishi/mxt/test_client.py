@@ -43,8 +43,8 @@ def test_two_trajectories_in_one_control(tmp_path):
     assert 0.0 < first.delays.median <= first.delays.most_of <= first.delays.longest
     assert "points in" in str(first)
     assert {one.code for one in first.findings} <= {"CN721", "CN722"}
-    first.to_csv(tmp_path / "run.csv")
-    first.to_npz(tmp_path / "run.npz")
+    first.save(tmp_path / "run.csv")
+    first.save(tmp_path / "run.npz")
     with (tmp_path / "run.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == first.delays.count
