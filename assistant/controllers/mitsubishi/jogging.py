@@ -19,7 +19,7 @@ from assistant.controllers import rules
 from assistant.controllers.mitsubishi import operating, position, values
 from assistant.controllers.mitsubishi.answers import BARE
 from assistant.controllers.mitsubishi.position import Shown
-from assistant.controllers.mitsubishi.session import Session
+from assistant.controllers.mitsubishi.session import UNCHANGED, Session
 from assistant.controllers.mitsubishi.state import SERVO, faults, run_bits, running
 from assistant.controllers.states import Jog
 from assistant.program import rotations
@@ -176,11 +176,14 @@ def _pose(session: Session, asked: Jog, axis: str, axes: Shown, place: Shown) ->
 @contextmanager
 def _stopping(session: Session) -> Iterator[None]:
     """A motion that is stopped if it does not come to its own end."""
+    session.under_way = "the arm may have moved"
     try:
         yield
     except BaseException as caught:
         operating.halt(session, caught)
         raise
+    finally:
+        session.under_way = UNCHANGED
 
 
 def _arrive(session: Session, goal: Goal, doing: str) -> None:

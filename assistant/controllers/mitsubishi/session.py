@@ -70,7 +70,8 @@ class Session:
     """A connection to a CR controller that can be opened, asked and closed.
 
     running: whether a program ran when the state was last looked at; commands keep `pace`
-    seconds between them then.
+    seconds between them then. under_way: what holds of the controller while something goes on that
+    has changed it, where a command by itself changes nothing.
     """
 
     def __init__(
@@ -86,6 +87,7 @@ class Session:
         self.about = About()
         self.has_right = False
         self.running = False
+        self.under_way = UNCHANGED
         self._link: Link = link_to(address, timeout=timeout, terminator=terminator)
         self._pace = pace
         self._depth = 0
@@ -208,12 +210,15 @@ class Session:
             text=known.text,
             cure=known.cure,
             doing=doing,
-            state=state,
+            state=self._state(state),
         )
 
     def garbled(self, doing: str, text: str, state: str = UNCHANGED) -> NoReturn:
         """What an answer says makes no sense: ends the connection; raises rules.Lost."""
-        self._link.garbled(doing, text, state)
+        self._link.garbled(doing, text, self._state(state))
+
+    def _state(self, state: str) -> str:
+        return self.under_way if state == UNCHANGED else state
 
     def _once(
         self, command: str, doing: str, state: str, shape: re.Pattern[str] | None = None
@@ -222,7 +227,8 @@ class Session:
             if self.running:
                 time.sleep(max(0.0, self._asked + self._pace - time.monotonic()))
             try:
-                return self._link.ask(command, doing=doing, state=state, shape=shape)
+                told = self._state(state)
+                return self._link.ask(command, doing=doing, state=told, shape=shape)
             finally:
                 self._asked = time.monotonic()
 

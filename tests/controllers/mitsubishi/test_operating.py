@@ -458,10 +458,12 @@ def test_a_jog_whose_line_is_cut_stops_the_arm(controller, client):
             proxy.cut_now()
 
         cutter = threading.Thread(target=cut_on_the_way)
-        with pytest.raises(Lost), connect(f"melfa://127.0.0.1:{proxy.port}", timeout=5) as moving:
+        address = f"melfa://127.0.0.1:{proxy.port}"
+        with pytest.raises(Lost) as lost, connect(address, timeout=5) as moving:
             cutter.start()
             moving.jog(Jog("J1", 90, speed=5))
         cutter.join()
+    assert "the arm may have moved" in lost.value.findings[0].message
     assert 0.5 < client.position().joints[0] < 80
     assert not client.state().right
 
