@@ -216,7 +216,7 @@ class Rws:
         """See `Controller`. Nothing is deleted that the backup has not.
 
         Files of HOME are written, modules loaded, and parameters loaded, which take hold after a
-        restart. MOC.cfg, SIO.cfg and safety settings are left out unless they are named.
+        restart. MOC.cfg, SIO.cfg, EIO.cfg and safety settings are left out unless they are named.
         """
         parts = Parts(self._session, self._mastership, self._files, self._panel, self._rapid)
         return restore(parts, folder, only)

@@ -29,6 +29,7 @@ LEFT_OUT: Final = {
     "SYSPAR/MOC.cfg": "calibration offsets and other data of this very arm",
     "SYSPAR/*calib*": "calibration of this very arm",
     "SYSPAR/SIO.cfg": "addresses of the network",
+    "SYSPAR/EIO.cfg": "addresses of field networks, and signals that safety may hang on",
     "*safety*": "safety settings, which are to be validated after a change",
     "*.sxml": "safety settings, which are to be validated after a change",
     "*psc_*": "safety settings, which are to be validated after a change",

@@ -52,6 +52,7 @@ def test_a_backup_is_restored(loaded, tmp_path):
 def test_what_is_left_out_of_a_restore(loaded, tmp_path):
     loaded.backup(tmp_path / "saved")
     new = {"SYSPAR/MOC.cfg": b"m", "SYSPAR/SIO.cfg": b"s", "HOME/Safety/user.sxml": b"x"}
+    new["SYSPAR/EIO.cfg"] = b"e"
     changed(tmp_path / "saved", tmp_path / "other", **new, **{"HOME/a.mod": b"a"})
     restoring = loaded.restore(tmp_path / "other")
     assert list(restoring.changes) == ["HOME/a.mod"] and set(restoring.left_out) == set(new)

@@ -13,7 +13,7 @@ from tests.controllers.abb.rws.peer import Rws1, Rws2, li, refusal, rows
 from tests.controllers.abb.rws.seam import codes
 
 BACKINFO = b">>SYSTEM_ID:\r\ncell\r\n\r\n>>TASK1: (T_ROB1,,)\r\nPROGMOD/m.mod @ \r\n"
-EIO, MOC = b"EIO:CFG_1.0:6:1::\n#\nEIO_SIGNAL:\n", b"MOC:CFG_1.0:6:1::\n"
+SYS, MOC = b"SYS:CFG_1.0:6:1::\n#\nSYS_MISC:\n", b"MOC:CFG_1.0:6:1::\n"
 
 
 def backing_up(kind, **files):
@@ -47,28 +47,28 @@ def backing_up(kind, **files):
 
 @pytest.mark.parametrize("kind", [Rws1, Rws2])
 def test_parameters_are_restored_by_loading_them(kind, tmp_path):
-    files = {"BACKINFO/backinfo.txt": BACKINFO, "SYSPAR/EIO.cfg": EIO, "SYSPAR/MOC.cfg": MOC}
+    files = {"BACKINFO/backinfo.txt": BACKINFO, "SYSPAR/SYS.cfg": SYS, "SYSPAR/MOC.cfg": MOC}
     with folders.appearing(tmp_path / "saved", "abb") as place:
-        new = {"SYSPAR/EIO.cfg": EIO + b"x\n", "SYSPAR/MOC.cfg": MOC + b"x\n"}
+        new = {"SYSPAR/SYS.cfg": SYS + b"x\n", "SYSPAR/MOC.cfg": MOC + b"x\n"}
         for name, data in {**files, **new}.items():
             folders.put(place, name, data)
     with backing_up(kind, **files) as peer, peer.connect() as client:
         restoring = client.restore(tmp_path / "saved")
-        assert list(restoring.changes) == ["SYSPAR/EIO.cfg"] and restoring.needs_restart
+        assert list(restoring.changes) == ["SYSPAR/SYS.cfg"] and restoring.needs_restart
         assert list(restoring.left_out) == ["SYSPAR/MOC.cfg"]
         assert not any("BACKUP" in name for name in peer.files)
         peer.log.clear()
         restoring.apply()
         assert peer.held == {}
         home = peer.home.removesuffix("HOME")
-        form = f"filepath={home}TEMP/EIO.cfg&action-type=replace"
+        form = f"filepath={home}TEMP/SYS.cfg&action-type=replace"
         loading = [(p, b) for m, p, b in peer.asked("POST") if p.startswith("/rw/cfg")]
         if kind is Rws1:
             assert loading == [("/rw/cfg?action=validate", form), ("/rw/cfg?action=load", form)]
         else:
             assert loading == [("/rw/cfg/load", form)]
-        stored = [b for m, p, b in peer.log if m == "PUT" and p.endswith("TEMP/EIO.cfg")]
-        assert stored == [(EIO + b"x\n").decode()] and peer.files == {}
+        stored = [b for m, p, b in peer.log if m == "PUT" and p.endswith("TEMP/SYS.cfg")]
+        assert stored == [(SYS + b"x\n").decode()] and peer.files == {}
 
 
 def test_a_backup_that_fails_on_the_controller_leaves_nothing(tmp_path):
@@ -83,7 +83,7 @@ def test_a_backup_that_fails_on_the_controller_leaves_nothing(tmp_path):
 
 
 def test_a_backup_without_its_index_is_not_taken_for_one(tmp_path):
-    with backing_up(Rws1, **{"SYSPAR/EIO.cfg": EIO}) as peer, peer.connect() as client:
+    with backing_up(Rws1, **{"SYSPAR/SYS.cfg": SYS}) as peer, peer.connect() as client:
         with pytest.raises(Refused) as refused:
             client.backup(tmp_path / "saved")
         assert codes(refused) == ["CN222"] and list(tmp_path.iterdir()) == []
