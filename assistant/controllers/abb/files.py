@@ -1,11 +1,20 @@
-"""Files on the disk of an ABB controller: names that are safe, and how two texts differ."""
+"""Files on the disk of an ABB controller: names that are safe, and how a file is stored.
+
+A file is stored under a temporary name, read back, compared, and only then renamed over the
+one that was there: a broken transfer leaves that one whole.
+"""
 
 from __future__ import annotations
 
 import re
+from abc import ABC, abstractmethod
+from pathlib import Path as FilePath
 from typing import Final
 
 from assistant.controllers import rules
+from assistant.controllers.address import Address
+from assistant.controllers.credentials import Credentials
+from assistant.controllers.os_errors_in_words import reason_of
 from assistant.program.diagnostics import Refused
 
 TEMPORARY: Final = "~{name}"
@@ -55,3 +64,94 @@ def told_name(name: str) -> str:
         reason = "it cannot be a file of this computer"
         raise Refused(rules.FILE_NAME(place=repr(name), name=repr(name), reason=reason))
     return name
+
+
+class RapidFiles:
+    """What every client of an ABB controller answers about programs, which are files there."""
+
+    languages: tuple[str, ...] = ("rapid",)
+    lists: tuple[str, ...] = (".pgf",)
+
+    def name_for(self, file_name: str | FilePath) -> str:
+        return checked_name(FilePath(file_name).name)
+
+    def stored(self, data: bytes) -> bytes:
+        """Controllers keep files byte for byte."""
+        return data
+
+
+class FileSession(RapidFiles, ABC):
+    """A session with a file server that stores under temporary names; a context manager."""
+
+    def __init__(
+        self,
+        address: Address,
+        credentials: Credentials,
+        *,
+        timeout: float = 30.0,
+        certificate: str | FilePath | None = None,
+    ) -> None:
+        self.address = address
+        self._credentials = credentials
+        self._timeout = timeout
+        self._certificate = certificate
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({str(self.address)!r})"
+
+    @abstractmethod
+    def store(self, name: str, data: bytes, doing: str, state: str) -> None:
+        """Sends a file."""
+
+    @abstractmethod
+    def retrieve(self, name: str, state: str) -> bytes:
+        """The bytes of a file."""
+
+    @abstractmethod
+    def discard(self, name: str) -> None:
+        """Deletes what is left of a transfer; a rest that stays is overwritten by the next."""
+
+    @abstractmethod
+    def replace(self, temporary: str, name: str) -> None:
+        """Renames over the old file."""
+
+    def write(self, name: str, data: bytes) -> None:
+        self._put(name, data, compared=True)
+
+    def hand_over(self, name: str, data: bytes) -> None:
+        """Puts a small file there that appears whole; unlike `write`, it is not read back.
+
+        Its reader has to tell by its text whether it is all there.
+        """
+        self._put(name, data, compared=False)
+
+    def _put(self, name: str, data: bytes, *, compared: bool) -> None:
+        checked_name(name)
+        temporary, state = TEMPORARY.format(name=name), f"`{name}` there is as it was"
+        try:
+            self.store(temporary, data, f"storing `{name}`", state)
+            if compared:
+                self._compare(name, data, self.retrieve(temporary, state), state)
+            self.replace(temporary, name)
+        except rules.Lost:
+            raise
+        except Refused:
+            self.discard(temporary)
+            raise
+
+    def _compare(self, name: str, data: bytes, back: bytes, state: str) -> None:
+        if back != data:
+            raise Refused(
+                rules.ALTERED(
+                    place=name,
+                    name=name,
+                    sent=len(data),
+                    back=len(back),
+                    at=first_difference(data, back),
+                    state=state,
+                )
+            )
+
+    def said(self, error: Exception) -> str:
+        """An error in words that do not hold the password."""
+        return self._credentials.hidden(reason_of(error))

@@ -1,8 +1,4 @@
-"""Client of an ABB IRC5: its file server, by FTP or FTP over TLS.
-
-A file is stored under a temporary name, read back, compared, and only then renamed over the
-one that was there: a broken transfer leaves that one whole.
-"""
+"""Client of an ABB IRC5: its file server, by FTP or FTP over TLS."""
 
 from __future__ import annotations
 
@@ -39,9 +35,6 @@ class Ftp(FtpSession):
     instead of this computer to the controller.
     """
 
-    languages = ("rapid",)
-    lists = (".pgf",)
-
     def names(self) -> tuple[str, ...]:
         found: list[str] = []
         with self.during("listing the folder", "nothing was changed by that"):
@@ -62,52 +55,17 @@ class Ftp(FtpSession):
             return None
         return ftp_resuming.read_whole(self, name)
 
-    def write(self, name: str, data: bytes) -> None:
-        checked_name(name)
-        temporary = TEMPORARY.format(name=name)
-        state = f"`{name}` there is as it was"
-        try:
-            self.store(temporary, data, f"storing `{name}`", state)
-            back = self.retrieve(temporary, state)
-            if back != data:
-                raise Refused(
-                    rules.ALTERED(
-                        place=name,
-                        name=name,
-                        sent=len(data),
-                        back=len(back),
-                        at=first_difference(data, back),
-                        state=state,
-                    )
-                )
-            self._replace(temporary, name)
-        except rules.Lost:
-            raise
-        except Refused:
-            self.discard(temporary)
-            raise
-
     def remove(self, name: str) -> None:
         checked_name(name)
         if self._has(name):
             with self.during(f"deleting `{name}`", f"`{name}` is still there"):
                 self.session.delete(name)
 
-    def hand_over(self, name: str, data: bytes) -> None:
-        """Puts a small file there that appears whole; unlike `write`, it is not read back.
-
-        Its reader has to tell by its text whether it is all there.
-        """
-        checked_name(name)
-        temporary, doing = TEMPORARY.format(name=name), f"storing `{name}`"
-        self.store(temporary, data, doing, f"`{name}` there is as it was")
-        self._take(name)
-
     def _take(self, name: str) -> None:
         """Gives a file that is whole under its temporary name its own."""
         temporary = TEMPORARY.format(name=name)
         try:
-            self._replace(temporary, name)
+            self.replace(temporary, name)
         except rules.Lost:
             raise
         except Refused:
@@ -173,18 +131,11 @@ class Ftp(FtpSession):
         """
         return ftp_folders.fetch(self, folder, FilePath(into))
 
-    def name_for(self, file_name: str | FilePath) -> str:
-        return checked_name(FilePath(file_name).name)
-
-    def stored(self, data: bytes) -> bytes:
-        """An IRC5 keeps files byte for byte."""
-        return data
-
     def _has(self, name: str) -> bool:
         """Whether there is a file of that name; the controller's disk ignores case."""
         return name.lower() in {n.lower() for n in self.names()}
 
-    def _replace(self, temporary: str, name: str) -> None:
+    def replace(self, temporary: str, name: str) -> None:
         """Renames over the old file, or, where a server never replaces, past it."""
         unknown = f"`{name}` there is either the old file or the new one, whole"
         session = self.session

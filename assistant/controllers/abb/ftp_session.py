@@ -14,6 +14,7 @@ from pathlib import Path as FilePath
 from typing import Final, NoReturn, Self
 
 from assistant.controllers import rules
+from assistant.controllers.abb.files import FileSession
 from assistant.controllers.address import Address
 from assistant.controllers.credentials import Credentials
 from assistant.controllers.os_errors_in_words import reason_of
@@ -72,7 +73,7 @@ class _TlsInTime(_InTime, ftplib.FTP_TLS):
     """The same, encrypted."""
 
 
-class FtpSession:
+class FtpSession(FileSession):
     """A session with the file server of a controller; a context manager.
 
     timeout: seconds for an answer; more is granted after a long file.
@@ -87,14 +88,8 @@ class FtpSession:
         timeout: float = 30.0,
         certificate: str | FilePath | None = None,
     ) -> None:
-        self.address = address
-        self._credentials = credentials
-        self._timeout = timeout
-        self._certificate = certificate
+        super().__init__(address, credentials, timeout=timeout, certificate=certificate)
         self._ftp: ftplib.FTP | None = None
-
-    def __repr__(self) -> str:
-        return f"{type(self).__name__}({str(self.address)!r})"
 
     def __enter__(self) -> Self:
         """Connects, logs in and goes to the folder of the address."""
@@ -185,7 +180,7 @@ class FtpSession:
                     place=str(self.address),
                     address=self.address,
                     folder=self.address.folder,
-                    reply=self._said(error),
+                    reply=self.said(error),
                 ),
                 exit_status=2,
             ) from None
@@ -193,7 +188,7 @@ class FtpSession:
             self._unreachable(error)
 
     def _unreachable(self, error: Exception) -> NoReturn:
-        reason = self._said(error)
+        reason = self.said(error)
         raise rules.Lost(
             rules.UNREACHABLE(place=str(self.address), address=self.address, reason=reason)
         ) from None
@@ -245,7 +240,7 @@ class FtpSession:
         try:
             yield
         except (ftplib.error_perm, ftplib.error_temp) as error:
-            reply = self._said(error)
+            reply = self.said(error)
             if reply.startswith("421"):  # the server says good-bye
                 self._hang_up()
                 raise rules.Lost(
@@ -257,11 +252,8 @@ class FtpSession:
         except FAILURES as error:
             self._hang_up()
             raise rules.Lost(
-                rules.LOST(place=place, doing=doing, reason=self._said(error), state=state)
+                rules.LOST(place=place, doing=doing, reason=self.said(error), state=state)
             ) from None
-
-    def _said(self, error: Exception) -> str:
-        return self._credentials.hidden(reason_of(error))
 
     def _hang_up(self) -> None:
         if self._ftp is not None:

@@ -1,8 +1,7 @@
 """Client of an ABB OmniCore: its files by SFTP, which needs the `sftp` extra.
 
-Files are stored as `ftp.py` stores them: under a temporary name, read back, renamed. The host's key
-must be in a file of known hosts or be that of `?fingerprint=SHA256:…` in the address; another
-one, or an unknown one, ends the connection before a password is sent.
+The host's key must be in a file of known hosts or be that of `?fingerprint=SHA256:…` in the
+address; another one, or an unknown one, ends the connection before a password is sent.
 """
 
 from __future__ import annotations
@@ -20,10 +19,9 @@ from typing import TYPE_CHECKING, Final, NoReturn, Self
 from assistant.controllers import folders, rules
 from assistant.controllers.abb.files import (
     MOST_FOLDERS,
-    TEMPORARY,
+    FileSession,
     checked_name,
     checked_path,
-    first_difference,
     told_name,
 )
 from assistant.controllers.address import Address
@@ -39,14 +37,11 @@ KIND: Final = "abb files"
 UNTOUCHED: Final = "nothing was changed by that"
 
 
-class Sftp:
+class Sftp(FileSession):
     """Programs on an OmniCore by SFTP; see `Programs`.
 
     timeout: seconds for an answer. certificate: file of known hosts, None for those of the user.
     """
-
-    languages = ("rapid",)
-    lists = (".pgf",)
 
     def __init__(
         self,
@@ -56,15 +51,9 @@ class Sftp:
         timeout: float = 30.0,
         certificate: str | FilePath | None = None,
     ) -> None:
-        self.address = address
-        self._credentials = credentials
-        self._timeout = timeout
-        self._known_hosts = certificate
+        super().__init__(address, credentials, timeout=timeout, certificate=certificate)
         self._ssh: SSHClient | None = None
         self._files: SFTPClient | None = None
-
-    def __repr__(self) -> str:
-        return f"Sftp({str(self.address)!r})"
 
     def __enter__(self) -> Self:
         """Connects, checks the host's key, logs in and goes to the folder of the address."""
@@ -100,45 +89,7 @@ class Sftp:
         checked_name(name)
         if name.lower() not in {other.lower() for other in self.names()}:
             return None
-        return self._retrieve(name, UNTOUCHED)
-
-    def write(self, name: str, data: bytes) -> None:
-        checked_name(name)
-        temporary, state = TEMPORARY.format(name=name), f"`{name}` there is as it was"
-        try:
-            self._store(temporary, data, f"storing `{name}`", state)
-            back = self._retrieve(temporary, state)
-            if back != data:
-                raise Refused(
-                    rules.ALTERED(
-                        place=name,
-                        name=name,
-                        sent=len(data),
-                        back=len(back),
-                        at=first_difference(data, back),
-                        state=state,
-                    )
-                )
-            self._replace(temporary, name)
-        except rules.Lost:
-            raise
-        except Refused:
-            self._discard(temporary)
-            raise
-
-    def hand_over(self, name: str, data: bytes) -> None:
-        """Puts a small file there that appears whole; unlike `write`, it is not read back."""
-        checked_name(name)
-        temporary = TEMPORARY.format(name=name)
-        try:
-            state = f"`{name}` there is as it was"
-            self._store(temporary, data, f"storing `{name}`", state)
-            self._replace(temporary, name)
-        except rules.Lost:
-            raise
-        except Refused:
-            self._discard(temporary)
-            raise
+        return self.retrieve(name, UNTOUCHED)
 
     def look(self, name: str) -> bytes | None:
         """A file without asking first whether it is there; None if there is none."""
@@ -162,13 +113,6 @@ class Sftp:
     def remove(self, name: str) -> None:
         self.take_away(name)
 
-    def name_for(self, file_name: str | FilePath) -> str:
-        return checked_name(FilePath(file_name).name)
-
-    def stored(self, data: bytes) -> bytes:
-        """Files are kept byte for byte."""
-        return data
-
     def fetch_folder(self, folder: str, into: str | FilePath) -> tuple[str, ...]:
         """Fetches a whole folder into a new one, which appears when all is there; its files.
 
@@ -180,7 +124,7 @@ class Sftp:
             _walk(files, start, "", 0, found)
         with folders.appearing(into, KIND) as new:
             for path in sorted(found):
-                folders.put(new, path, self._retrieve(start + path, UNTOUCHED))
+                folders.put(new, path, self.retrieve(start + path, UNTOUCHED))
         return tuple(sorted(found))
 
     def _trust(self, ssh: SSHClient) -> None:
@@ -191,12 +135,12 @@ class Sftp:
         try:
             if fingerprint:
                 ssh.set_missing_host_key_policy(_Pinned(fingerprint))
-            elif self._known_hosts:
-                ssh.load_host_keys(str(self._known_hosts))
+            elif self._certificate:
+                ssh.load_host_keys(str(self._certificate))
             else:
                 ssh.load_system_host_keys()
         except (OSError, SSHException, ValueError) as error:
-            where = self._known_hosts or "the known hosts"
+            where = self._certificate or "the known hosts"
             self._untrusted(f"`{where}` cannot be read: {reason_of(error)}")
 
     def _connect(self, ssh: SSHClient) -> None:
@@ -233,7 +177,7 @@ class Sftp:
         except _failures() as error:
             if "not found in known_hosts" in str(error):
                 self._untrusted("its key is not among the known hosts")
-            reason = self._said(error)
+            reason = self.said(error)
             raise rules.Lost(
                 rules.UNREACHABLE(place=str(self.address), address=self.address, reason=reason)
             ) from None
@@ -251,7 +195,7 @@ class Sftp:
                         place=str(self.address),
                         address=self.address,
                         folder=folder,
-                        reply=self._said(error),
+                        reply=self.said(error),
                     ),
                     exit_status=2,
                 ) from None
@@ -262,15 +206,15 @@ class Sftp:
             exit_status=2,
         ) from None
 
-    def _store(self, name: str, data: bytes, doing: str, state: str) -> None:
+    def store(self, name: str, data: bytes, doing: str, state: str) -> None:
         with self._during(doing, state) as files, files.open(name, "wb") as file:
             file.write(data)
 
-    def _retrieve(self, name: str, state: str) -> bytes:
+    def retrieve(self, name: str, state: str) -> bytes:
         with self._during(f"reading `{name}`", state) as files:
             return _bytes(files, name)
 
-    def _replace(self, temporary: str, name: str) -> None:
+    def replace(self, temporary: str, name: str) -> None:
         """Renames over the old file; where the server never replaces, that is deleted first."""
         doing = f"renaming `{temporary}` to `{name}`"
         unknown = f"`{name}` there is either the old file or the new one, whole"
@@ -288,7 +232,7 @@ class Sftp:
                 files.remove(name)
             files.rename(temporary, name)
 
-    def _discard(self, name: str) -> None:
+    def discard(self, name: str) -> None:
         """Deletes what is left of a transfer; a rest that stays is overwritten by the next."""
         if self._files is not None:
             with suppress(*_failures()):
@@ -306,12 +250,12 @@ class Sftp:
         except _failures() as error:
             refused = isinstance(error, OSError) and not isinstance(error, TimeoutError)
             if refused and self._alive():
-                reply = self._said(error)
+                reply = self.said(error)
                 raise Refused(
                     rules.REFUSED(place=place, doing=doing, reply=reply, state=state)
                 ) from None
             self._hang_up()
-            reason = self._said(error)
+            reason = self.said(error)
             raise rules.Lost(
                 rules.LOST(place=place, doing=doing, reason=reason, state=state)
             ) from None
@@ -321,9 +265,6 @@ class Sftp:
         channel = None if self._files is None else self._files.get_channel()
         transport = None if channel is None else channel.get_transport()
         return bool(channel and not channel.closed and transport and transport.is_active())
-
-    def _said(self, error: Exception) -> str:
-        return self._credentials.hidden(reason_of(error))
 
     def _hang_up(self) -> None:
         ssh, self._ssh, self._files = self._ssh, None, None

@@ -12,7 +12,7 @@ from pathlib import Path as FilePath
 from typing import Final, Self
 
 from assistant.controllers import rules
-from assistant.controllers.abb.files import checked_name
+from assistant.controllers.abb.files import RapidFiles, checked_name
 from assistant.controllers.abb.rws import events, remote, watching
 from assistant.controllers.abb.rws.answers import Answer
 from assistant.controllers.abb.rws.backup import back_up
@@ -38,16 +38,13 @@ STANDING: Final = ("motoron", "motoroff")
 """Controller states from which programs can be started, at most after switching the motors on."""
 
 
-class Rws:
+class Rws(RapidFiles):
     """A session with an ABB controller; see `Controller`.
 
     Programs are files in the folder of the address. timeout: seconds for an answer; a backup is
     granted more. certificate: file with the certificate to trust (`rwss`), None for the system's
     own. unit: the mechanical unit whose position is told.
     """
-
-    languages = ("rapid",)
-    lists = (".pgf",)
 
     def __init__(
         self,
@@ -98,13 +95,6 @@ class Rws:
 
     def remove(self, name: str) -> None:
         self._files.remove(self._path(name))
-
-    def name_for(self, file_name: str | FilePath) -> str:
-        return checked_name(FilePath(file_name).name)
-
-    def stored(self, data: bytes) -> bytes:
-        """A controller keeps files byte for byte."""
-        return data
 
     def identify(self) -> Identity:
         return self._panel.identify(self._system)
