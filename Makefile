@@ -31,8 +31,9 @@ unexport PYTHONDONTWRITEBYTECODE
 demo: .venv/demo
 	$(BIN)/robot-assistant demo
 
+# Many tests wait for a server, a line or a clock: more workers than cores.
 test: .venv/test
-	$(BIN)/python -m pytest --numprocesses 2 --dist worksteal
+	$(BIN)/python -m pytest --numprocesses 4 --dist worksteal
 
 # Also the property tests of `make test`, with cases that are drawn anew.
 test-slow: .venv/test

@@ -10,10 +10,13 @@ find becomes a case of its own.
 from __future__ import annotations
 
 import signal
+from collections.abc import Iterator
 
 import pytest
 from hypothesis import HealthCheck, settings
 from hypothesis.internal.conjecture.providers import Constants, HypothesisProvider
+
+from tests.forks import Forks
 
 settings.register_profile(
     "fresh",
@@ -37,3 +40,9 @@ def pytest_configure(config: pytest.Config) -> None:
 # A job in the background of a script has Ctrl+C ignored, and so would have the servers that
 # tests stop with it.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.fixture(scope="session")
+def forks() -> Iterator[Forks]:
+    with Forks() as running:
+        yield running

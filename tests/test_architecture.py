@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 import importlib
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -86,11 +87,21 @@ def modules(package: FilePath) -> dict[str, FilePath]:
     return found
 
 
-def imports(package: FilePath) -> Iterator[Import]:
+def imports(package: FilePath) -> Sequence[Import]:
     """Imports of a package's own modules, also inside functions and behind TYPE_CHECKING.
 
     Also a text that is the name of a module is one: that is how lazy tables name them.
     """
+    return _of_this_package() if package == PACKAGE else list(_imports(package))
+
+
+@functools.cache
+def _of_this_package() -> Sequence[Import]:
+    """Reading it takes two seconds."""
+    return list(_imports(PACKAGE))
+
+
+def _imports(package: FilePath) -> Iterator[Import]:
     known = modules(package)
     for name, file in known.items():
         tree = ast.parse(file.read_text(encoding="utf-8"), str(file))

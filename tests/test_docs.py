@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import shutil
 import signal
@@ -24,6 +23,7 @@ from assistant.sources.process.file import read_process
 from assistant.virtual.melfa import Options
 from assistant.virtual.melfa.choosing import choose
 from docs import findings, house
+from tests.forks import Forks
 
 PROJECT = Path(__file__).parent.parent
 PAGES = [PROJECT / "README.md", *sorted((PROJECT / "docs").rglob("*.md"))]
@@ -55,14 +55,9 @@ def test_there_are_commands_in_the_readme():
 
 
 @pytest.mark.parametrize("page", PAGES, ids=NAMES.get)
-def test_the_commands_of_a_page_work(page, tmp_path):
+def test_the_commands_of_a_page_work(page, tmp_path, forks):
     shutil.copytree(PROJECT / "samples", tmp_path / "samples")
-    environment = {
-        **os.environ,
-        "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
-        "ROBOT_ASSISTANT_PASSWORD": "secret",
-        "NO_COLOR": "1",
-    }
+    environment = forks.environment(ROBOT_ASSISTANT_PASSWORD="secret", NO_COLOR="1")
     servers: list[subprocess.Popen[bytes]] = []
     try:
         for line in commands(page):
@@ -89,7 +84,10 @@ def test_the_commands_of_a_page_work(page, tmp_path):
 
 def _server(command: str, folder: Path, environment: dict[str, str]) -> subprocess.Popen[bytes]:
     server = subprocess.Popen(
-        ["bash", "-c", f"exec {command}"], cwd=folder, env=environment, stdout=subprocess.PIPE
+        ["bash", "-c", f"exec {Path(sys.executable).parent}/{command}"],
+        cwd=folder,
+        env=environment,
+        stdout=subprocess.PIPE,
     )
     assert server.stdout is not None
     line = server.stdout.readline()
@@ -98,23 +96,21 @@ def _server(command: str, folder: Path, environment: dict[str, str]) -> subproce
 
 
 @pytest.mark.parametrize(("page", "text"), examples("python"))
-def test_the_python_of_a_page_runs(page, text, tmp_path):
-    assert output(text, tmp_path)
+def test_the_python_of_a_page_runs(page, text, tmp_path, forks):
+    assert output(text, tmp_path, forks)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=NAMES.get)
-def test_what_the_python_of_a_page_changes_is_shown(page, tmp_path):
+def test_what_the_python_of_a_page_changes_is_shown(page, tmp_path, forks):
     for text, shown in CHANGES.findall(page.read_text("utf-8")):
-        changed = [x for x in output(text, tmp_path).splitlines() if re.match(r"[-+] ", x)]
+        changed = [x for x in output(text, tmp_path, forks).splitlines() if re.match(r"[-+] ", x)]
         assert changed == shown.splitlines()
 
 
-def output(text: str, folder: Path) -> str:
+def output(text: str, folder: Path, forks: Forks) -> str:
     """What the Python of a page prints, beside the samples."""
     shutil.copytree(PROJECT / "samples", folder / "samples", dirs_exist_ok=True)
-    done = subprocess.run(
-        [sys.executable, "-W", "ignore", "-c", text], cwd=folder, capture_output=True, text=True
-    )
+    done = forks.python("-c", text, cwd=folder)
     assert done.returncode == 0, done.stderr
     return done.stdout
 

@@ -40,13 +40,21 @@ def test_tables_are_kept_and_a_damaged_file_of_them_is_made_anew(tmp_path):
     assert check(tmp_path) == first and tables.read_bytes() == anew
 
 
+@pytest.fixture(scope="module")
+def used(tmp_path_factory):
+    """A folder with bytecode and tables of one command before."""
+    folder = tmp_path_factory.mktemp("used")
+    assert check(folder) == (0, "1 checked, 0 findings\n")
+    return folder
+
+
 @pytest.mark.parametrize("foreign", ["[]", "{}", '{"of": [1, "start: NAME", "start"]}', "\0"])
-def test_tables_of_something_else_are_made_anew(tmp_path, foreign):
-    first = check(tmp_path)
-    [tables] = kept(tmp_path)
+def test_tables_of_something_else_are_made_anew(used, foreign):
+    first = check(used)
+    [tables] = kept(used)
     right = json.loads(tables.read_bytes())
     tables.write_text(foreign)
-    assert check(tmp_path) == first
+    assert check(used) == first
     assert json.loads(tables.read_bytes())["of"] == right["of"]
     assert [file for file in tables.parent.iterdir() if file.name.startswith("rapid")] == [tables]
 
