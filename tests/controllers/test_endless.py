@@ -8,6 +8,7 @@ import threading
 import pytest
 
 from assistant.controllers import connect
+from assistant.controllers.abb.ftp import Ftp
 from assistant.controllers.rules import Lost
 
 BEGIN = {
@@ -18,6 +19,8 @@ BEGIN = {
 FLOODS = {"ftp": (b"", b"220-hello\r\n" * 1000), "melfa": (b"QoK", b";" * 4096)}
 CASES = [*((scheme, said, 0.02) for scheme, said in BEGIN.items())]
 CASES += [(scheme, said, 0.0) for scheme, said in FLOODS.items()]
+BODIES = [b"HTTP/1.1 200 OK\r\n\r\n", b"HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n0"]
+CASES += [("rws", (begin, b"0"), 0.02) for begin in BODIES]
 
 
 @contextlib.contextmanager
@@ -65,7 +68,8 @@ def test_an_answer_that_does_not_end_is_given_up(scheme, said, pause):
 def listing(data_port):
     """The control side of an FTP server whose transfers come from another port; its port."""
     high, low = divmod(data_port, 256)
-    said = {b"USER": b"331 ", b"PASV": b"227 (127,0,0,1,%d,%d)" % (high, low), b"NLST": b"150 "}
+    said = {b"USER": b"331 ", b"PASV": b"227 (127,0,0,1,%d,%d)" % (high, low)}
+    said |= dict.fromkeys([b"NLST", b"MLSD", b"RETR"], b"150 ")
 
     def talk():
         with contextlib.suppress(OSError):
@@ -81,12 +85,14 @@ def listing(data_port):
     return listener, thread
 
 
-def test_a_listing_that_does_not_end_is_given_up():
-    with endless(b"", b"x.mod\r\n", 0.01) as data_port:
+@pytest.mark.parametrize("more", [b"x.mod\r\n", b"x"])
+@pytest.mark.parametrize("ask", [Ftp.names, Ftp.tree, lambda client: client.look("seam.mod")])
+def test_a_transfer_that_does_not_end_is_given_up(ask, more):
+    with endless(b"", more, 0.01) as data_port:
         listener, thread = listing(data_port)
         with listener, pytest.raises(Lost) as lost:
             address = f"ftp://somebody@127.0.0.1:{listener.getsockname()[1]}"
-            with connect(address, password="secret", timeout=0.15) as client:
-                client.names()
+            with connect(address, password="secret", timeout=0.05) as client:
+                ask(client)
         thread.join()
     assert "no answer in time" in lost.value.findings[0].message

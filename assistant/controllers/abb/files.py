@@ -22,6 +22,9 @@ TEMPORARY: Final = "~{name}"
 MOST_FOLDERS: Final = 32
 """How deep folders are looked into."""
 
+DEVICE: Final = re.compile(r"(con|prn|aux|nul|(com|lpt)[0-9])(\..*)?", re.IGNORECASE)
+"""Devices of Windows, whatever follows the dot (learn.microsoft.com, "Naming Files")."""
+
 
 def checked_name(name: str) -> str:
     """The name, if a file of an IRC5 can have it; raises Refused."""
@@ -59,7 +62,7 @@ def checked_path(path: str) -> str:
 
 def told_name(name: str) -> str:
     """A name that a server told, if it is safe as the name of a local file; raises Refused."""
-    bad = re.search(r'[\x00-\x1f\x7f/\\:*?"<>|]', name)
+    bad = re.search(r'[\x00-\x1f\x7f/\\:*?"<>|]', name) or DEVICE.fullmatch(name)
     if bad or name in ("", ".", "..") or name.endswith((".", " ")):
         reason = "it cannot be a file of this computer"
         raise Refused(rules.FILE_NAME(place=repr(name), name=repr(name), reason=reason))

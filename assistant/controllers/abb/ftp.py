@@ -39,7 +39,7 @@ class Ftp(FtpSession):
         found: list[str] = []
         with self.during("listing the folder", "nothing was changed by that"):
             try:
-                self.session.retrlines("NLST", found.append)
+                found = self.lines("NLST")
             except ftplib.error_perm as error:
                 # Servers say 550 of an empty folder; anything else is a real refusal.
                 if not re.search(r"no (such )?files|not found|empty", str(error), re.IGNORECASE):
@@ -78,7 +78,7 @@ class Ftp(FtpSession):
         data = io.BytesIO()
         with self.during(f"reading `{name}`", "nothing was changed by that"):
             try:
-                self.session.retrbinary(f"RETR {name}", data.write)
+                self.receive(f"RETR {name}", data.write)
             except (ftplib.error_perm, ftplib.error_temp) as error:
                 if not str(error).startswith(NOT_NOW):
                     raise

@@ -8,8 +8,6 @@ NLST, and a folder is what can be entered.
 from __future__ import annotations
 
 import re
-import ssl
-import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path as FilePath
@@ -18,7 +16,7 @@ from typing import Final, Literal
 from assistant.controllers import folders, rules
 from assistant.controllers.abb.files import MOST_FOLDERS, told_name
 from assistant.controllers.abb.ftp_resuming import read_whole
-from assistant.controllers.abb.ftp_session import LISTING, FtpSession
+from assistant.controllers.abb.ftp_session import FtpSession
 from assistant.program.diagnostics import Refused
 
 Kind = Literal["file", "folder", "other"]
@@ -152,25 +150,8 @@ def _entries(session: FtpSession) -> list[Entry]:
 
 
 def _lines(session: FtpSession, command: str) -> list[str]:
-    """Lines of a listing; bytes that are no UTF-8 are taken for Latin-1."""
-    data = bytearray()
     with session.during("listing a folder", UNTOUCHED):
-        session.session.voidcmd("TYPE A")
-        with session.session.transfercmd(command) as channel:
-            until = time.monotonic() + LISTING * (channel.gettimeout() or 0.0)
-            while piece := channel.recv(65536):
-                data += piece
-                if time.monotonic() > until:
-                    raise TimeoutError
-            if isinstance(channel, ssl.SSLSocket):
-                channel.unwrap()
-        session.session.voidresp()
-    try:
-        text = data.decode("utf-8")
-    except UnicodeDecodeError:
-        text = data.decode("latin-1")
-        session.session.encoding = "latin-1"  # names go back as they came
-    return [line for line in re.split(r"\r?\n", text) if line]
+        return session.lines(command)
 
 
 def _tried(session: FtpSession) -> Iterator[Entry]:

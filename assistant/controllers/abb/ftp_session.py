@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import ftplib
 import io
+import re
 import socket
 import ssl
-import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path as FilePath
 from typing import Final, NoReturn, Self
 
@@ -18,12 +19,15 @@ from assistant.controllers.abb.files import FileSession
 from assistant.controllers.address import Address
 from assistant.controllers.credentials import Credentials
 from assistant.controllers.os_errors_in_words import reason_of
+from assistant.controllers.pace import Pace
 from assistant.program.diagnostics import Refused
 
 RATE: Final = 50_000.0
 """Bytes a second that a server is granted for looking through a file before it answers."""
 LISTING: Final = 10
 """Time-outs in which a whole listing has to come."""
+PIECE: Final = 65536
+"""Bytes that are sent or received at once."""
 FAILURES: Final = (OSError, EOFError, ftplib.Error, OverflowError, UnicodeDecodeError)
 """What ftplib raises where there is no connection any more, or the answer makes no sense: no port
 is that large, no text has those bytes."""
@@ -35,42 +39,18 @@ class _InTime(ftplib.FTP):
     def getmultiline(self) -> str:
         channel = self.sock
         assert channel is not None
-        over = threading.Event()
-
-        def cut() -> None:
-            over.set()
-            with suppress(OSError):
-                socket.socket.shutdown(channel, socket.SHUT_RDWR)  # under TLS, too
-
-        timer = threading.Timer(channel.gettimeout() or 0.0, cut)
-        timer.daemon = True
-        timer.start()
-        try:
+        with Pace(channel.gettimeout() or 0.0, partial(_cut, channel)):
             return super().getmultiline()
-        except (OSError, EOFError):
-            if over.is_set():
-                raise TimeoutError from None
-            raise
-        finally:
-            timer.cancel()
-
-    def retrlines(self, cmd: str, callback: Callable[[str], object] | None = None) -> str:
-        """Lines of a listing, which has to end in `LISTING` time-outs."""
-        channel = self.sock
-        assert channel is not None
-        until = time.monotonic() + LISTING * (channel.gettimeout() or 0.0)
-
-        def taken(line: str) -> None:
-            if time.monotonic() > until:
-                raise TimeoutError
-            if callback is not None:
-                callback(line)
-
-        return super().retrlines(cmd, taken)
 
 
 class _TlsInTime(_InTime, ftplib.FTP_TLS):
     """The same, encrypted."""
+
+
+def _cut(channel: socket.socket) -> None:
+    """Ends a line in both directions, below TLS, so that whoever waits for it meets its end."""
+    with suppress(OSError):
+        socket.socket.shutdown(channel, socket.SHUT_RDWR)
 
 
 class FtpSession(FileSession):
@@ -204,11 +184,12 @@ class FtpSession(FileSession):
         with self.during(doing, state):
             ftp = self.session
             assert ftp.sock is not None
-            ftp.voidcmd("TYPE I")
-            with ftp.transfercmd(f"{command} {name}") as channel:
-                channel.sendall(data)
-                if isinstance(channel, ssl.SSLSocket):
-                    channel.unwrap()
+            left = memoryview(data)
+            with self._transfer(ftp, f"{command} {name}") as (channel, pace):
+                while left:
+                    sent = channel.send(left[:PIECE])
+                    pace.moved(sent)
+                    left = left[sent:]
             ftp.sock.settimeout(self._timeout + len(data) / RATE)
             try:
                 ftp.voidresp()
@@ -225,7 +206,53 @@ class FtpSession(FileSession):
         self, name: str, state: str, sink: Callable[[bytes], object], start: int = 0
     ) -> None:
         with self.during(f"reading `{name}`", state):
-            self.session.retrbinary(f"RETR {name}", sink, rest=start or None)
+            self.receive(f"RETR {name}", sink, start=start)
+
+    def receive(
+        self, command: str, sink: Callable[[bytes], object], *, kind: str = "TYPE I", start: int = 0
+    ) -> None:
+        """What a command brings, piece by piece, at the pace of `Pace`; raises as ftplib does."""
+        ftp = self.session
+        with self._transfer(ftp, command, kind, start) as (channel, pace):
+            while piece := channel.recv(PIECE):
+                pace.moved(len(piece))
+                sink(piece)
+        ftp.voidresp()
+
+    def lines(self, command: str) -> list[str]:
+        """Lines of a listing; bytes that are no UTF-8 are taken for Latin-1. Raises as ftplib does.
+
+        All of it has to come in `LISTING` time-outs.
+        """
+        data = bytearray()
+        until = time.monotonic() + LISTING * self._timeout
+
+        def take(piece: bytes) -> None:
+            data.extend(piece)
+            if time.monotonic() > until:
+                raise TimeoutError
+
+        self.receive(command, take, kind="TYPE A")
+        try:
+            text = data.decode("utf-8")
+        except UnicodeDecodeError:
+            text = data.decode("latin-1")
+            self.session.encoding = "latin-1"  # names go back as they came
+        return [line for line in re.split(r"\r?\n", text) if line]
+
+    @contextmanager
+    def _transfer(
+        self, ftp: ftplib.FTP, command: str, kind: str = "TYPE I", start: int = 0
+    ) -> Iterator[tuple[socket.socket, Pace]]:
+        """The channel of a transfer, which is cut where it does not keep its pace."""
+        ftp.voidcmd(kind)
+        with (
+            ftp.transfercmd(command, start or None) as channel,
+            Pace(self._timeout, partial(_cut, channel)) as pace,
+        ):
+            yield channel, pace
+            if isinstance(channel, ssl.SSLSocket):
+                channel.unwrap()
 
     def discard(self, name: str) -> None:
         """Deletes what is left of a transfer; a rest that stays is overwritten by the next."""

@@ -27,6 +27,7 @@ from assistant.controllers.abb.files import (
 from assistant.controllers.address import Address
 from assistant.controllers.credentials import Credentials
 from assistant.controllers.os_errors_in_words import reason_of
+from assistant.controllers.pace import Pace
 from assistant.program.diagnostics import Refused
 
 if TYPE_CHECKING:
@@ -34,6 +35,10 @@ if TYPE_CHECKING:
 
 KIND: Final = "abb files"
 """Of the index of a folder of files: no backup of a whole controller."""
+LISTING: Final = 10
+"""Time-outs in which a whole listing has to come."""
+PIECE: Final = 32768
+"""Bytes of a request (draft-ietf-secsh-filexfer-02: what servers take at least)."""
 UNTOUCHED: Final = "nothing was changed by that"
 
 
@@ -82,8 +87,13 @@ class Sftp(FileSession):
         self._hang_up()
 
     def names(self) -> tuple[str, ...]:
-        with self._during("listing the folder", UNTOUCHED) as files:
-            return tuple(sorted(files.listdir(".")))
+        with self._during("listing the folder", UNTOUCHED, LISTING) as (files, _):
+            found = files.listdir(".")
+        for name in found:
+            if not name.isprintable():
+                reason = "it holds a control character"
+                raise Refused(rules.FILE_NAME(place=repr(name), name=repr(name), reason=reason))
+        return tuple(sorted(found))
 
     def read(self, name: str) -> bytes | None:
         checked_name(name)
@@ -94,16 +104,16 @@ class Sftp(FileSession):
     def look(self, name: str) -> bytes | None:
         """A file without asking first whether it is there; None if there is none."""
         checked_name(name)
-        with self._during(f"reading `{name}`", UNTOUCHED) as files:
+        with self._during(f"reading `{name}`", UNTOUCHED) as (files, pace):
             try:
-                return _bytes(files, name)
+                return _bytes(files, name, pace)
             except FileNotFoundError:
                 return None
 
     def take_away(self, name: str) -> bool:
         """Deletes a file; False, and nothing happens, if there is none."""
         checked_name(name)
-        with self._during(f"deleting `{name}`", f"`{name}` may still be there") as files:
+        with self._during(f"deleting `{name}`", f"`{name}` may still be there") as (files, _):
             try:
                 files.remove(name)
             except FileNotFoundError:
@@ -120,7 +130,7 @@ class Sftp(FileSession):
         """
         start = f"{checked_path(folder)}/" if folder else ""
         found: list[str] = []
-        with self._during("listing the folder", UNTOUCHED) as files:
+        with self._during("listing the folder", UNTOUCHED, LISTING) as (files, _):
             _walk(files, start, "", 0, found)
         with folders.appearing(into, KIND) as new:
             for path in sorted(found):
@@ -184,7 +194,7 @@ class Sftp(FileSession):
 
     def _enter_folder(self) -> None:
         folder = self.address.folder
-        with self._during("going to the folder", UNTOUCHED) as files:
+        with self._during("going to the folder", UNTOUCHED) as (files, _):
             try:
                 files.chdir(folder or ".")
             except OSError as error:
@@ -207,18 +217,22 @@ class Sftp(FileSession):
         ) from None
 
     def store(self, name: str, data: bytes, doing: str, state: str) -> None:
-        with self._during(doing, state) as files, files.open(name, "wb") as file:
-            file.write(data)
+        left = memoryview(data)
+        with self._during(doing, state) as (files, pace), files.open(name, "wb") as file:
+            while left:
+                file.write(left[:PIECE].tobytes())
+                pace.moved(len(left[:PIECE]))
+                left = left[PIECE:]
 
     def retrieve(self, name: str, state: str) -> bytes:
-        with self._during(f"reading `{name}`", state) as files:
-            return _bytes(files, name)
+        with self._during(f"reading `{name}`", state) as (files, pace):
+            return _bytes(files, name, pace)
 
     def replace(self, temporary: str, name: str) -> None:
         """Renames over the old file; where the server never replaces, that is deleted first."""
         doing = f"renaming `{temporary}` to `{name}`"
         unknown = f"`{name}` there is either the old file or the new one, whole"
-        with self._during(doing, unknown) as files:
+        with self._during(doing, unknown) as (files, _):
             try:
                 files.posix_rename(temporary, name)
             except OSError:
@@ -227,7 +241,7 @@ class Sftp(FileSession):
             else:
                 return
         gone = f"the new file is whole as `{temporary}`, of `{name}` nothing may be left"
-        with self._during(doing, gone) as files:
+        with self._during(doing, gone) as (files, _):
             with suppress(FileNotFoundError):
                 files.remove(name)
             files.rename(temporary, name)
@@ -239,14 +253,20 @@ class Sftp(FileSession):
                 self._files.remove(name)
 
     @contextmanager
-    def _during(self, doing: str, state: str) -> Iterator[SFTPClient]:
-        """Turns what goes wrong inside into a finding with the state of the controller."""
+    def _during(self, doing: str, state: str, times: int = 1) -> Iterator[tuple[SFTPClient, Pace]]:
+        """Turns what goes wrong inside into a finding with the state of the controller.
+
+        times: time-outs in which an answer, or a piece of a transfer, has to come.
+        """
         place = str(self.address)
         if self._files is None:
             reason = "there is no session"
             raise rules.Lost(rules.LOST(place=place, doing=doing, reason=reason, state=state))
+        assert self._ssh is not None
         try:
-            yield self._files
+            # The time-out of a channel is granted to each byte anew.
+            with Pace(times * self._timeout, self._ssh.close) as pace:
+                yield self._files, pace
         except _failures() as error:
             refused = isinstance(error, OSError) and not isinstance(error, TimeoutError)
             if refused and self._alive():
@@ -295,10 +315,15 @@ def _failures() -> tuple[type[Exception], ...]:
     return (OSError, EOFError, SSHException, SFTPError, struct.error, UnicodeDecodeError)
 
 
-def _bytes(files: SFTPClient, name: str) -> bytes:
+def _bytes(files: SFTPClient, name: str, pace: Pace) -> bytes:
+    data = bytearray()
     with files.open(name, "rb") as file:
-        data: bytes = file.read()
-    return data
+        while piece := file.read(PIECE):
+            pace.moved(len(piece))
+            data += piece
+            if len(piece) < PIECE:
+                break
+    return bytes(data)
 
 
 def _walk(files: SFTPClient, start: str, below: str, depth: int, found: list[str]) -> None:

@@ -1,6 +1,7 @@
 """A real SSH server with SFTP over a folder, by asyncssh, in a thread of its own."""
 
 import asyncio
+import io
 import logging
 import threading
 
@@ -13,11 +14,14 @@ KEY = asyncssh.generate_private_key("ssh-ed25519")
 
 
 class SftpServer:
-    """A context manager. replaces: whether a rename takes the name of a file that is there."""
+    """A context manager. replaces: whether a rename takes the name of a file that is there.
 
-    def __init__(self, root, *, replaces=True):
+    drip: seconds from byte to byte of a file, which never ends then. also: names in listings.
+    """
+
+    def __init__(self, root, *, replaces=True, drip=None, also=()):
         self.root, self.key = root, KEY
-        self._replaces = replaces
+        self._replaces, self._drip, self._also = replaces, drip, also
         self._ready = threading.Event()
         self._thread = threading.Thread(target=self._serve, daemon=True)
         self.logins = 0
@@ -52,6 +56,7 @@ class SftpServer:
 
     async def _listen(self):
         server, replaces, connections = self, self._replaces, []
+        drip, also = self._drip, self._also
         self._loop = asyncio.get_running_loop()
 
         class Login(asyncssh.SSHServer):
@@ -71,6 +76,21 @@ class SftpServer:
         class Files(asyncssh.SFTPServer):
             def __init__(self, channel):
                 super().__init__(channel, chroot=str(server.root).encode())
+
+            def open(self, path, pflags, attrs):
+                return super().open(path, pflags, attrs) if drip is None else io.BytesIO()
+
+            async def read(self, file_obj, offset, size):
+                if drip is None:
+                    return super().read(file_obj, offset, size)
+                await asyncio.sleep(drip)
+                return b"x"
+
+            async def scandir(self, path):
+                async for entry in super().scandir(path):
+                    yield entry
+                for name in also:
+                    yield asyncssh.SFTPName(name, attrs=asyncssh.SFTPAttrs(permissions=0o100644))
 
             def posix_rename(self, old, new):
                 if not replaces:

@@ -140,6 +140,34 @@ def test_a_server_that_is_gone_is_found(server):
     assert (server.root / "a.mod").read_bytes() == b"old"
 
 
+def test_a_file_that_drips_and_never_ends_is_given_up(tmp_path):
+    (tmp_path / "seam.mod").write_bytes(b"MODULE Seam\nENDMODULE\n")
+    with (
+        SftpServer(tmp_path, drip=0.01) as server,
+        server.client(timeout=0.4) as client,
+        pytest.raises(Lost) as lost,
+    ):
+        client.look("seam.mod")
+    assert codes(lost) == ["CN204"]
+
+
+@pytest.mark.parametrize(
+    "name", [b"../x", b"/etc/x", b"a\\..\\x", b"C:x", b"nul", b"con.mod", b"x\r\ny", b"x\0", b"x."]
+)
+def test_names_of_a_hostile_server_become_no_files(tmp_path, name):
+    root = tmp_path / "root"
+    root.mkdir()
+    (root / "seam.mod").write_bytes(b"")
+    with SftpServer(root, also=[name]) as server, server.client() as client:
+        with pytest.raises(Refused) as refused:
+            client.fetch_folder("", tmp_path / "here")
+        assert codes(refused) == ["CN207"]
+        if not name.decode().isprintable():
+            with pytest.raises(Refused):
+                client.names()
+    assert [path.name for path in tmp_path.iterdir()] == ["root"]
+
+
 def test_nobody_there():
     with socket.create_server(("127.0.0.1", 0)) as listener:
         port = listener.getsockname()[1]

@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 import ssl
-import threading
 import time
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from assistant.controllers.credentials import Credentials
 from assistant.controllers.os_errors_in_words import reason_of
+from assistant.controllers.pace import Pace
 
 if TYPE_CHECKING:
     import httpx
 
 RATE: Final = 50_000.0
-"""Bytes a second that are granted for a long file, beside the time-out."""
-LARGEST: Final = 1 << 30
-"""Bytes of an answer after which it is taken for garbage."""
+"""Bytes a second that are granted for sending a long file, beside the time-out."""
 BUSY: Final = 503
 """Answered to more than 20 requests a second and to the 71st session."""
 WAITS: Final = 3
@@ -92,7 +89,7 @@ class Transport:
         while True:
             try:
                 response = self._received(method, address, body, headers, granted)
-            except httpx.TimeoutException as error:
+            except (httpx.TimeoutException, TimeoutError) as error:
                 raise Broken("no answer in time") from error
             except (httpx.HTTPError, httpx.InvalidURL, httpx.StreamError, OSError) as error:
                 raise _broken(error) from error
@@ -111,52 +108,26 @@ class Transport:
         headers: Mapping[str, str],
         granted: float,
     ) -> Response:
-        import httpx
-
-        until = time.monotonic() + granted
         self._client.cookies.clear()  # which rejects those that name the host by its number
         kept = "; ".join(f"{name}={value}" for name, value in self.cookies.items())
         said = {**headers, **({"Cookie": kept} if kept else {})}
         request = self._client.build_request(
             method, self._root + address, content=body, headers=said, timeout=granted
         )
-        with self._in_time(WAITS * granted):
+        with Pace(WAITS * granted, self._client.close):
             response = self._client.send(request, stream=True)
         pieces: list[bytes] = []
-        size = 0
         try:
-            for piece in response.iter_raw():
-                pieces.append(piece)
-                size += len(piece)
-                if size > LARGEST or time.monotonic() > until + size / RATE:
-                    raise httpx.ReadTimeout("the answer does not end", request=request)
+            with Pace(granted, self._client.close) as pace:
+                for piece in response.iter_raw():
+                    pieces.append(piece)
+                    pace.moved(len(piece))
         finally:
             response.close()
         location = response.headers.get("Location", "")
         ends = {"content-length", "transfer-encoding"} & set(response.headers)
         framed = bool(ends) or response.status_code == 204
         return Response(response.status_code, framed, location, b"".join(pieces))
-
-    @contextmanager
-    def _in_time(self, seconds: float) -> Iterator[None]:
-        """Ends the connection behind that time: httpx grants the time-out to each byte."""
-        over = threading.Event()
-
-        def cut() -> None:
-            over.set()
-            self._client.close()
-
-        timer = threading.Timer(seconds, cut)
-        timer.daemon = True
-        timer.start()
-        try:
-            yield
-        except Exception as error:
-            if over.is_set():
-                raise Broken("no answer in time") from error
-            raise
-        finally:
-            timer.cancel()
 
     def _keep_cookies(self, response: httpx.Response) -> None:
         for line in response.headers.get_list("set-cookie"):
