@@ -1,0 +1,19 @@
+"""A CR controller and its client."""
+
+import pytest
+
+from assistant.controllers import parse
+from assistant.controllers.mitsubishi.cr import Cr
+from assistant.virtual.cr import VirtualCr
+
+
+@pytest.fixture
+def controller():
+    with VirtualCr("rv-2aj", servo_time=0.02) as controller:
+        yield controller
+
+
+@pytest.fixture
+def client(controller):
+    with Cr(parse(controller.address), timeout=5, pace=0.01) as client:
+        yield client
