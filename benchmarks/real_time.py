@@ -12,6 +12,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -25,6 +26,7 @@ from assistant.virtual.cr.mxt_process import MxtProcess
 ROBOT: Final = "rv-4frl"
 PART: Final = 4
 """Of the time that a loop of ours is measured, what the others are: they are late at once."""
+PATIENT: Final = Settings(timeout=2.0)
 
 
 def trajectory(seconds: float) -> Trajectory:
@@ -35,11 +37,10 @@ def trajectory(seconds: float) -> Trajectory:
     return Trajectory.of_joints(arm.home + np.outer(swing, [20, 10, 15, 20, 20, 40]), times)
 
 
-def ours(port: int, cycle: float, seconds: float, **settings: object) -> str:
+def ours(port: int, cycle: float, seconds: float, settings: Settings = PATIENT) -> str:
     """Follows; what the loop ran with."""
     limits = Limits(tuple(robots.get(ROBOT).speeds))
-    made = Settings(timeout=2.0, **settings)  # type: ignore[arg-type]
-    with Mxt("127.0.0.1", port=port, cycle=cycle, limits=limits, settings=made) as mxt:
+    with Mxt("127.0.0.1", port=port, cycle=cycle, limits=limits, settings=settings) as mxt:
         try:
             return mxt.follow(trajectory(seconds)).priority
         except Ended as ended:  # so often without the processor that it never comes to its end
@@ -93,8 +94,11 @@ def naive(port: int, cycle: float, seconds: float) -> str:
 
 LOOPS: Final[dict[str, tuple[Callable[[int, float, float], str], int]]] = {
     "cyclic": (ours, 1),
-    "cyclic, spinning": (lambda *given: ours(*given, wait="spin"), PART),
-    "cyclic, ordinary priority": (lambda *given: ours(*given, real_time=False), PART),
+    "cyclic, spinning": (lambda *given: ours(*given, replace(PATIENT, wait="spin")), PART),
+    "cyclic, ordinary priority": (
+        lambda *given: ours(*given, replace(PATIENT, real_time=False)),
+        PART,
+    ),
     "asyncio in this process": (naive, PART),
 }
 """Loop → how it is run, and which part of the time."""

@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import Final
 
 import numpy as np
 
 from assistant.program.arrays import Floats, Rows
+from assistant.program.geometry import Pose
 from assistant.robots.robot import Robot
 from assistant.robots.timing.course import ON_THE_SPOT, STILL, TURN_OF_ZONE, sums
 from assistant.robots.timing.drive import Drive, drive_of
@@ -20,6 +22,9 @@ from assistant.virtual.kernel.task import Task
 from assistant.virtual.kernel.timers import Timer
 from assistant.virtual.motion.goals import Refusal, goals_of
 
+NO_TIME: Final = 1e-9
+"""Seconds that are none."""
+
 
 @dataclass(slots=True, eq=False)
 class Change:
@@ -28,6 +33,11 @@ class Change:
     what: Switched
     timer: Timer | None = None
     done: bool = False
+
+    def cancel(self) -> None:
+        """It does not come to pass when it was thought to."""
+        if self.timer is not None:
+            self.timer.cancelled = True
 
 
 @dataclass(slots=True, eq=False)
@@ -86,6 +96,10 @@ class Leg:
     plan: Plan
     first: float
     last: float
+
+    def joints(self, clock: float) -> Floats:
+        """(a,) at a time of the kernel."""
+        return np.asarray(self.plan.at(np.array([self.first + clock - self.begin])).joints[0])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -250,6 +264,23 @@ def gone_on(planned: Planned, orders: Sequence[Order], index: int) -> tuple[Leg,
     speed = plan.place(seconds)[1]
     start = Start(planned.joints[index - 1], planned.began + seconds, speed)
     return planned.leg(seconds), start
+
+
+def held(
+    planned: Planned, orders: Sequence[Order], clock: float, robot: Robot
+) -> tuple[Leg, Floats, list[Order]]:
+    """A plan that is only followed until a time of the kernel; the joints (a,) where the arm stands
+    then, and the orders still to come. An arc among them goes on through a place still to come.
+    """
+    gone, plan = clock - planned.began, planned.plan
+    at = int(np.searchsorted(planned.ends, gone + NO_TIME))
+    stood = min(gone, float(planned.ends[-1]))
+    rest = list(orders[at:])
+    if rest and rest[0].moved.via is not None:
+        middle = (gone + float(planned.ends[at])) / 2.0
+        p, q = robot.fk(plan.at(np.array([middle])).joints)
+        rest[0].moved = replace(rest[0].moved, via=Pose.of(p[0], q[0]))
+    return planned.leg(stood), plan.at(np.array([stood])).joints[0], rest
 
 
 def _at(plan: Plan, place: float) -> float:

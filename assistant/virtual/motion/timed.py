@@ -19,6 +19,7 @@ from assistant.virtual.kernel.kernel import Kernel
 from assistant.virtual.kernel.motion import Progress, Standing
 from assistant.virtual.kernel.task import Ending, Task
 from assistant.virtual.motion.flight import (
+    NO_TIME,
     Change,
     Flight,
     Leg,
@@ -27,6 +28,7 @@ from assistant.virtual.motion.flight import (
     Planned,
     Start,
     gone_on,
+    held,
     moment,
     progress,
 )
@@ -46,8 +48,6 @@ BRAKING: Final = 0.5
 FEW_ORDERS: Final = 4
 """Motions that are worth to be planned no more."""
 GUESSED: Final = "{}: the arm cannot stay in one branch on its way; its joints there are guessed"
-NO_TIME: Final = 1e-9
-"""Seconds that are none."""
 
 
 class Timed:
@@ -263,8 +263,7 @@ class Timed:
         """Has an output set when the arm comes to its place."""
         if change.done:
             return
-        if change.timer is not None:
-            change.timer.cancelled = True
+        change.cancel()
         what = change.what
         assert what.at is not None
 
@@ -322,9 +321,7 @@ class Timed:
         """(a,) joints, also while the arm still comes to rest."""
         if self.kernel is None or not self.legs or self.kernel.clock >= self._flight.start.time:
             return self._flight.start.joints
-        leg = self.legs[-1]
-        gone = leg.first + self.kernel.clock - leg.begin
-        return np.asarray(leg.plan.at(np.array([gone])).joints[0])
+        return self.legs[-1].joints(self.kernel.clock)
 
     def progress(self) -> Progress:
         if self.kernel is not None:
@@ -360,23 +357,14 @@ class Timed:
         self._held = True
         if not self._flight.orders:
             return
-        made = self._to_rest()
-        gone = kernel.clock - made.began
-        at = int(np.searchsorted(made.ends, gone + NO_TIME))
-        stood = min(gone, float(made.ends[-1]))
-        self.legs.append(made.leg(stood))
-        rest = self._flight.orders[at:]
-        if rest and rest[0].moved.via is not None:  # An arc goes on through a place still to come.
-            middle = (gone + float(made.ends[at])) / 2.0
-            p, q = self.robot.fk(made.plan.at(np.array([middle])).joints)
-            rest[0].moved = replace(rest[0].moved, via=Pose.of(p[0], q[0]))
-        start = Start(made.plan.at(np.array([stood])).joints[0], kernel.clock)
+        leg, joints, rest = held(self._to_rest(), self._flight.orders, kernel.clock, self.robot)
+        self.legs.append(leg)
+        start = Start(joints, kernel.clock)
         for order in self._flight.orders:
             if order.release > kernel.clock:
                 order.release = math.inf
             for change in order.changes:
-                if change.timer is not None:
-                    change.timer.cancelled = True
+                change.cancel()
         self._flight = Flight(self.model, start)
         self._flight.orders = rest
         self._flying = self._braking = None
