@@ -125,7 +125,12 @@ class Loop:
         return self.result
 
     def _opening(self, address: str) -> Measured:
-        """Where the arm is, once the controller speaks; raises Failed if it does not."""
+        """Where the arm is, once the controller speaks; raises Failed if it does not.
+
+        Of one that speaks first a packet counts when it follows another: an earlier run may have
+        left one on its way, which tells where the arm was then.
+        """
+        before: int | None = None
         each, left = self._settings.lapse * self._link.cycle, self._settings.first
         reason = f"nothing came within {left:g} s"
         while left > 0.0:
@@ -136,24 +141,40 @@ class Loop:
             got = self._wire.receive(min(each, left))
             if got is None:
                 left -= each
+                if before is not None:
+                    before = None
+                    self._wire.forget()
                 continue
             measured = self._link.read(got[0])
             if measured is None:
                 left -= self._link.cycle
                 self.result.garbled += 1
+            elif not self._follows(before, measured.counter):
+                left -= self._link.cycle
+                before = measured.counter
             elif not measured.ready:
                 left -= self._link.cycle
+                before = measured.counter
                 reason = measured.stopped or "it does not take commands yet"
                 self._send(self._link.command(measured.values, self._count))
             elif measured.stopped:
                 raise Failed(rules.NO_ANSWER, **_unanswered(address, measured.stopped))
             else:
+                if self._link.speaks_first:
+                    self._last, self._counts = measured.counter, measured.counter is not None
                 return measured
         if self._wire.refused:
             reason = "nothing listens on that port"
         if self.result.garbled:
             reason = "what it sends makes no sense"
         raise Failed(rules.NO_ANSWER, **_unanswered(address, reason))
+
+    def _follows(self, before: int | None, counter: int | None) -> bool:
+        """Whether a packet at the beginning is the one behind another, up to some that are lost."""
+        if not self._link.speaks_first or counter is None:
+            return True
+        most = max(1.0, self._settings.timeout / self._link.cycle)
+        return before is not None and 0 < (counter - before) % WRAP <= most
 
     def _prepare(self, here: Row) -> None:
         """The rows with a soft start before them; raises Failed if that would go too far."""

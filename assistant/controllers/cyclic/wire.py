@@ -31,26 +31,36 @@ class Wire:
     def __init__(self, endpoint: Endpoint, *, spin: bool = False) -> None:
         self._endpoint = endpoint
         self._spin = spin
-        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._host = None if endpoint.host is None else socket.gethostbyname(endpoint.host)
+        self.stamped = self.refused = False
+        self._open()
+
+    def _open(self) -> None:
+        endpoint = self._endpoint
         self._peer: tuple[str, int] | None = None
-        self.stamped = False
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
             self._socket.setblocking(False)
             self._socket.bind((endpoint.local_host, endpoint.local_port))
             if sys.platform == "linux" and struct.calcsize("P") == 8:
                 self._socket.setsockopt(socket.SOL_SOCKET, _STAMP, 1)
                 self.stamped = True
-            if endpoint.host is not None:
-                self._peer = (socket.gethostbyname(endpoint.host), endpoint.port)
+            if self._host is not None:
+                self._peer = (self._host, endpoint.port)
                 if endpoint.port:
                     self._socket.connect(self._peer)
         except OSError:
             self._socket.close()
             raise
-        self.refused = False
         self._poll = select.poll() if hasattr(select, "poll") else None
         if self._poll is not None:
             self._poll.register(self._socket, select.POLLIN)
+
+    def forget(self) -> None:
+        """Hears whoever speaks next, where the one that spoke first is of an earlier run."""
+        if not self._endpoint.port:
+            self._socket.close()
+            self._open()
 
     def __enter__(self) -> Wire:
         return self

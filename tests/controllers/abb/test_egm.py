@@ -228,6 +228,27 @@ def test_an_arm_that_is_elsewhere_is_not_moved():
     assert {row[0] for row in virtual.track} == {50.0}
 
 
+@pytest.mark.parametrize(
+    "state", [{}, {"mci": packets.MCI_STOPPED}, {"motors": packets.MOTORS_OFF}]
+)
+def test_a_late_packet_of_an_earlier_run_tells_nothing(state):
+    """It tells where the arm was, which would be the begin of a jump, and comes of an old port."""
+    port, elsewhere = free_port(), (5.0, *HERE[1:])
+    late = packets.robot(packets.Told(5000, 20_000, elsewhere, elsewhere, **state), "joints")
+    egm, trajectory = Egm(), to(0.5)
+    speeds, rises = LIMITS.columns("joints", 6)
+    job = Job("joints", resampled(trajectory, LIMITS, 0.004), tuple(speeds), tuple(rises), QUICK)
+    with (
+        Wire(Endpoint("127.0.0.1", 0, "", port)) as wire,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as old,
+    ):
+        old.sendto(late, ("127.0.0.1", port))
+        with controller(port) as virtual:
+            done = Loop(egm, wire, job, Stop(), lambda *_: None).run("here")
+    assert done.code == "" and done.done == len(job.rows)
+    assert max(row[0] for row in virtual.track) < 1.0
+
+
 def test_garbage_moves_nothing():
     port = free_port()
     over = threading.Event()
