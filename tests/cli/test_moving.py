@@ -22,9 +22,9 @@ PERS num done:=0;
 CONST jointtarget j1:=[[40,0,0,0,30,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
 CONST jointtarget j2:=[[-40,0,0,0,30,0],[9E9,9E9,9E9,9E9,9E9,9E9]];
 PROC main()
-  WHILE done<{} DO
-    MoveAbsJ j1,v50,fine,tool0;
-    MoveAbsJ j2,v50,fine,tool0;
+  WHILE done<{times} DO
+    MoveAbsJ j1,{speed},fine,tool0;
+    MoveAbsJ j2,{speed},fine,tool0;
     done:=done+1;
   ENDWHILE
 ENDPROC
@@ -35,7 +35,7 @@ ENDMODULE
 @pytest.fixture
 def loaded(capsys, rws, here):
     """An IRC5 whose program lasts until somebody stops it; the motors are on."""
-    (here / "cell.mod").write_text(MODULE.format(10_000), encoding="utf-8")
+    (here / "cell.mod").write_text(MODULE.format(times=10_000, speed="v50"), encoding="utf-8")
     assert run(capsys, "put", "cell1", "cell.mod")[0] == 0
     assert run(capsys, "motors", "cell1", "on", "--yes")[0] == 0
     return rws
@@ -101,7 +101,7 @@ def test_the_name_typed_is_a_yes(capsys, rws, here):
 
 
 def test_a_program_is_started_and_waited_for(capsys, loaded, here):
-    (here / "cell.mod").write_text(MODULE.format(1), encoding="utf-8")
+    (here / "cell.mod").write_text(MODULE.format(times=1, speed="v1000"), encoding="utf-8")
     assert run(capsys, "put", "cell1", "cell.mod", "--replace")[0] == 0
     status, out, _ = run(capsys, "start", "cell1", "cell.mod", "--override", "100", "--yes")
     assert status == 0 and "the program has ended" in out
@@ -211,9 +211,9 @@ def ready(capsys, cr):
 def test_one_axis_is_moved_by_hand(capsys, ready):
     status, out, _ = run(capsys, "jog", "cell1", "J1", "-5", "--speed", "100", "--yes")
     assert status == 0 and out.startswith("J1 -5.00  J2 0.00")
-    status, out, _ = run(capsys, "jog", "cell1", "z", "-10", "--yes", "--format", "json")
+    status, out, _ = run(capsys, "jog", "cell1", "z", "-3", "--yes", "--format", "json")
     assert status == 0
-    assert json.loads(out)["position"]["position"] == pytest.approx([159.39, -13.94, 468.0])
+    assert json.loads(out)["position"]["position"] == pytest.approx([159.39, -13.94, 475.0])
 
 
 def test_ctrl_c_stops_a_motion_by_hand(ready):

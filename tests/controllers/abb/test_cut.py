@@ -67,7 +67,7 @@ def sftp(root):
         yield server, Cutting
 
 
-SERVERS = {"ftp": (ftp, 41), "sftp": (sftp, 1009)}
+SERVERS = {"ftp": (ftp, 89), "sftp": (sftp, 1009)}
 """Server, and each how manieth byte an ordinary run cuts at."""
 
 

@@ -28,7 +28,7 @@ def client_of(controller, **options):
 
 @pytest.fixture
 def controller(tmp_path):
-    with VirtualIrc5(tmp_path / "home") as controller:
+    with VirtualIrc5(tmp_path / "home", rws=None, rwss=None) as controller:
         yield controller
 
 

@@ -9,8 +9,19 @@ from assistant.virtual.cr import VirtualCr
 
 @pytest.fixture
 def controller():
-    with VirtualCr("rv-2aj", servo_time=0.02) as controller:
+    """It runs four times as fast as a real one."""
+    with VirtualCr("rv-2aj", servo_time=0.02, pace=4.0) as controller:
         yield controller
+
+
+@pytest.fixture(scope="module")
+def standing():
+    """A client for tests that leave the controller as it was."""
+    with (
+        VirtualCr("rv-2aj", servo_time=0.02) as controller,
+        Cr(parse(controller.address), timeout=5, pace=0.01) as client,
+    ):
+        yield client
 
 
 @pytest.fixture

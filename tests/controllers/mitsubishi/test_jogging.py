@@ -79,12 +79,12 @@ def test_jogging_an_arm_of_six_axes():
         Jog("X", 5, "Tool"),  # which is not what it is called, and not the base
     ],
 )
-def test_jogs_that_are_none(client, jog):
-    client.motors(True)
+def test_jogs_that_are_none(standing, jog):
+    standing.motors(True)
     with pytest.raises(Refused) as refused:
-        client.jog(jog)
+        standing.jog(jog)
     assert codes(refused) == ["CN308"]
-    assert client.position().joints == (0.0, 0.0, 90.0, None, 90.0, 0.0)
+    assert standing.position().joints == (0.0, 0.0, 90.0, None, 90.0, 0.0)
 
 
 def test_nothing_moves_beyond_the_limits(client):
@@ -143,7 +143,7 @@ def test_a_jog_that_is_interrupted_stops_the_arm(controller, client):
         thread = threading.Thread(target=interrupt)
         with pytest.raises(KeyboardInterrupt):
             thread.start()
-            client.jog(Jog("J1", 90, speed=5))
+            client.jog(Jog("J1", 90, speed=1))
         thread.join()
         first, second = (other.position().joints[0] for _ in range(2))
         assert 0.5 < first < 80 and first == second
@@ -162,7 +162,7 @@ def test_a_jog_whose_line_is_cut_stops_the_arm(controller, client):
         address = f"melfa://127.0.0.1:{proxy.port}"
         with pytest.raises(Lost) as lost, connect(address, timeout=5) as moving:
             cutter.start()
-            moving.jog(Jog("J1", 90, speed=5))
+            moving.jog(Jog("J1", 90, speed=1))
         cutter.join()
     assert "the arm may have moved" in lost.value.findings[0].message
     assert 0.5 < client.position().joints[0] < 80

@@ -98,13 +98,13 @@ def test_inputs(controller, client):
 
 
 @pytest.mark.parametrize("name", ["", "x", "-1", "40000", "5\r1;1;SRVON", "5;6", "٥"])
-def test_signals_have_numbers(client, name):
-    for act in (client.inputs, client.outputs):
+def test_signals_have_numbers(standing, name):
+    for act in (standing.inputs, standing.outputs):
         with pytest.raises(Refused) as refused:
             act([name])
         assert codes(refused) == ["CN308"]
     with pytest.raises(Refused):
-        client.set_output(name, 1)
+        standing.set_output(name, 1)
 
 
 def test_hands(client):
@@ -140,9 +140,9 @@ def test_parameters_are_read_and_written(client):
         ("MEXTL", "€"),
     ],
 )
-def test_parameters_that_are_none(client, name, value):
+def test_parameters_that_are_none(standing, name, value):
     with pytest.raises(Refused) as refused:
-        client.set_parameter(name, value)
+        standing.set_parameter(name, value)
     assert codes(refused) == ["CN308"]
 
 
@@ -194,9 +194,9 @@ def test_variables_of_programs_and_of_none(client):
         ("M1", ""),
     ],
 )
-def test_values_are_no_statements(client, name, value):
+def test_values_are_no_statements(standing, name, value):
     with pytest.raises(Refused) as refused:
-        client.set_variable(name, value, "SEAM")
+        standing.set_variable(name, value, "SEAM")
     assert codes(refused) == ["CN308"]
 
 

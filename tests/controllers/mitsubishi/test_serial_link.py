@@ -118,7 +118,7 @@ def test_no_such_line():
 def test_a_silent_line(framing):
     with line() as (_, path):
         address = f"melfa-serial://{path}?framing={framing}"
-        with pytest.raises(Lost) as refused, connect(address, timeout=0.3):
+        with pytest.raises(Lost) as refused, connect(address, timeout=0.1):
             pass
     assert codes(refused) == ["CN204"] and "in time" in refused.value.findings[0].message
 
@@ -154,8 +154,8 @@ def test_half_a_command_of_an_earlier_connection_does_no_harm():
 
 def test_a_late_answer_is_not_taken_for_another():
     with VirtualCr(serial=True) as controller:
-        controller.faults.delay, controller.faults.times = 0.6, 1
-        with pytest.raises(Lost), connect(controller.serial_address, timeout=0.2):
+        controller.faults.delay, controller.faults.times = 0.3, 1
+        with pytest.raises(Lost), connect(controller.serial_address, timeout=0.1):
             pass
         with connect(controller.serial_address, timeout=5) as client:
             assert client.names() == ()

@@ -13,6 +13,8 @@ from assistant.virtual.irc5 import VirtualIrc5
 
 GOOD = b"MODULE Seam\r\n  PROC main()\r\n    WaitTime 1;\r\n  ENDPROC\r\nENDMODULE\r\n"
 BROKEN = GOOD.replace(b"WaitTime 1;", b"WaitTime (1;")
+FILES = {"rws": None, "rwss": None}
+"""Serves files alone."""
 
 
 @pytest.fixture
@@ -23,7 +25,7 @@ def reports():
 @pytest.fixture
 def controller(tmp_path, reports):
     (tmp_path / "outside.txt").write_text("secret")
-    with VirtualIrc5(tmp_path / "home", report=reports.append) as controller:
+    with VirtualIrc5(tmp_path / "home", report=reports.append, **FILES) as controller:
         yield controller
 
 
